@@ -1,0 +1,3 @@
+//! pintle (crate page to come)
+
+pub mod scalar;

@@ -1,0 +1,170 @@
+//! Elementary functions, lifted: exact derivatives of every order the scalar carries.
+//!
+//! Each is written in the frame of its real part, where the rest is nilpotent, so that no derivative is ever taken
+//! through a division, a square root or an arctangent. Errors are stated in units u = 2⁻⁵³ of the conditioned scale
+//! |f| + Σ|x_i||∂f/∂x_i| (value / first / second derivative; `verify/numerics.rs` measures them).
+
+use super::{Real, Scalar};
+
+/// √x for x > 0, 1 / 1 / 2 u.
+///
+/// At x = 0 the value is 0 and the derivatives, which do not exist, are 0.
+#[inline(always)]
+pub fn sqrt<S: Scalar>(x: S) -> S {
+    let root = x.real().square_root();
+    if S::ORDER == 0 {
+        return S::from_real(root);
+    }
+    // √(x₀(1 + r)) with r = e / x₀, the factor √x₀ first so that no intermediate overflows.
+    let r = x.nilpotent().scale(x.real().reciprocal_or_zero());
+    S::from_real(root) + (r * sqrt_one_plus_rest(r)).scale(root)
+}
+
+/// (√(1 + r) − 1) / r for nilpotent r.
+#[inline(always)]
+fn sqrt_one_plus_rest<S: Scalar>(r: S) -> S {
+    let c = |p, q| S::from_real(S::Real::ratio(p, q));
+    match S::ORDER {
+        0 | 1 => c(1, 2),
+        2 => c(1, 2) + r * c(-1, 8),
+        3 => c(1, 2) + r * (c(-1, 8) + r * c(1, 16)),
+        _ => c(1, 2) + r * (c(-1, 8) + r * (c(1, 16) + r * c(-5, 128))),
+    }
+}
+
+/// 1 / x for x ≠ 0, 1 / 2 / 3 u; at x = 0 the value and the derivatives, which do not exist, are 0.
+#[inline(always)]
+pub fn recip<S: Scalar>(x: S) -> S {
+    let inverse = x.real().reciprocal_or_zero();
+    if S::ORDER == 0 {
+        return S::from_real(inverse);
+    }
+    inverse_one_plus(x.nilpotent().scale(inverse)).scale(inverse)
+}
+
+/// 1 / (1 + r) = 1 − r + r² … for nilpotent r.
+#[inline(always)]
+fn inverse_one_plus<S: Scalar>(r: S) -> S {
+    let mut sum = S::one();
+    for _ in 0..S::ORDER {
+        sum = S::one() - r * sum;
+    }
+    sum
+}
+
+/// (sin x, cos x), x in radians.
+#[inline(always)]
+pub fn sin_cos<S: Scalar>(x: S) -> (S, S) {
+    let (s, c) = x.real().sine_cosine();
+    if S::ORDER == 0 {
+        return (S::from_real(s), S::from_real(c));
+    }
+    let (half, sixth, twenty_fourth) = (S::Real::ratio(1, 2), S::Real::ratio(1, 6), S::Real::ratio(1, 24));
+    (
+        x.lift(&[s, c, -(s * half), -(c * sixth), s * twenty_fourth]),
+        x.lift(&[c, -s, -(c * half), s * sixth, c * twenty_fourth]),
+    )
+}
+
+/// The angle of the point (x, y) in (−π, π], 1 / 2 / 3 u, exact right angles included.
+///
+/// With (c, s) = (x₀, y₀)/r: θ₀ + atan t, t = (c e_y − s e_x) / (r + c e_x + s e_y). At the origin the value is 0 and the
+/// derivatives, which do not exist, are 0.
+#[inline(always)]
+pub fn atan2<S: Scalar>(y: S, x: S) -> S {
+    let angle = S::from_real(y.real().arctangent(x.real()));
+    if S::ORDER == 0 {
+        return angle;
+    }
+    let ([c, s], r) = S::Real::direction_and_norm([x.real(), y.real()]);
+    let inverse = r.reciprocal_or_zero();
+    let (ex, ey) = (x.nilpotent().scale(inverse), y.nilpotent().scale(inverse));
+    let lateral = ey.scale(c) - ex.scale(s);
+    if S::ORDER == 1 {
+        return angle + lateral;
+    }
+    let t = lateral * inverse_one_plus(ex.scale(c) + ey.scale(s));
+    if S::ORDER == 2 {
+        return angle + t;
+    }
+    angle + t - (t * t * t).scale(S::Real::ratio(1, 3))
+}
+
+/// |v|, 1 / 2 / 4 u for components between 1e−300 and 1e300.
+///
+/// With u = v₀/|v₀|, a = u·e and p the components of e across u: |v| = (|v₀| + a) √(1 + t·t), t = p/(|v₀| + a); nothing
+/// cancels. At v = 0 the value is 0 and the derivatives, which do not exist, are 0.
+#[inline(always)]
+pub fn norm<S: Scalar, const N: usize>(v: [S; N]) -> S {
+    norm_and_direction(v).0
+}
+
+/// v / |v|, 2 / 4 / 5 u; the zero vector where v = 0 (the direction does not exist there: the caller keeps another).
+#[inline(always)]
+pub fn direction<S: Scalar, const N: usize>(v: [S; N]) -> [S; N] {
+    norm_and_direction(v).1
+}
+
+/// (|v|, v / |v|), sharing what [`norm`] and [`direction`] have in common.
+#[inline(always)]
+pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
+    let mut real = [S::Real::integer(0); N];
+    for i in 0..N {
+        real[i] = v[i].real();
+    }
+    let (u, n) = S::Real::direction_and_norm(real);
+    if S::ORDER == 0 {
+        let mut constant = [S::zero(); N];
+        for i in 0..N {
+            constant[i] = S::from_real(u[i]);
+        }
+        return (S::from_real(n), constant);
+    }
+    let inverse = n.reciprocal_or_zero();
+    let mut e = [S::zero(); N];
+    let mut a = S::zero();
+    for i in 0..N {
+        e[i] = v[i].nilpotent();
+        a = a + e[i].scale(u[i]);
+    }
+    // With p_ij = u_j e_i − u_i e_j: the part of e across u is Σ_j p_ij u_j, and its square Σ_{i<j} p_ij²; neither needs the
+    // subtraction e − a u. The tangent t = (part across u) / (n + a).
+    let g = if S::ORDER == 1 { S::from_real(inverse) } else { inverse_one_plus(a.scale(inverse)).scale(inverse) };
+    let mut tangent = [S::zero(); N];
+    let mut rise = S::zero(); // (n + a) t·t
+    let mut tt = S::zero();
+    for i in 0..N {
+        for j in 0..i {
+            let p = e[i].scale(u[j]) - e[j].scale(u[i]);
+            let t = p * g;
+            tangent[i] = tangent[i] + t.scale(u[j]);
+            tangent[j] = tangent[j] - t.scale(u[i]);
+            if S::ORDER > 1 {
+                rise = rise + p * t;
+                tt = tt + t * t;
+            }
+        }
+    }
+    let mut length = S::from_real(n) + a;
+    let mut unit = [S::zero(); N];
+    let half = S::Real::ratio(1, 2);
+    if S::ORDER > 1 {
+        length = length + rise.scale(half); // √(1 + t·t) = 1 + t·t/2 − (t·t)²/8
+    }
+    if S::ORDER > 3 {
+        length = length - (rise * tt).scale(S::Real::ratio(1, 8));
+    }
+    for i in 0..N {
+        unit[i] = S::from_real(u[i]) + tangent[i];
+    }
+    if S::ORDER > 1 {
+        let mut shrink = S::one() - tt.scale(half);
+        if S::ORDER > 3 {
+            shrink = shrink + (tt * tt).scale(S::Real::ratio(3, 8));
+        }
+        for component in &mut unit {
+            *component = *component * shrink;
+        }
+    }
+    (length, unit)
+}

@@ -1,0 +1,158 @@
+//! The one bound under every formula: a number that may carry derivatives.
+//!
+//! [`Scalar`] is what a measure is generic over: ring operations, constants and a handful of elementary
+//! functions. [`Real`] is the number without derivatives underneath it ([`Scalar::Real`]): `f64`, the
+//! 237-bit [`Wide`], and whatever else is to run the same formulas (vector lanes, a traced symbol).
+//!
+//! Three rules make derivatives exact to rounding, for every order and nesting:
+//!
+//! 1. *Lift, do not differentiate.* A function of a dual number x = x₀ + e, e nilpotent, is its Taylor
+//!    polynomial Σ c_k eᵏ. The coefficients c_k are computed on the real x₀ by a formula that is accurate
+//!    for each k; only sums and products touch derivative parts ([`Scalar::lift`], [`elementary`]).
+//! 2. *Branches live on the real.* [`Scalar`] has no ordering. Where a formula changes with its argument,
+//!    the [`Real`] implementation decides, so a measure holds no branch and a lane type can select.
+//! 3. *Nothing is divided by a dual number.* A quotient of real parts and a nilpotent rest is formed instead.
+//!
+//! ```
+//! use num_dual::Dual64;
+//! use pintle::scalar::{elementary, Scalar};
+//! // d/dy atan2(y, x) at the exact right angle (1, 0), where the quotient y / x has no value:
+//! let angle = elementary::atan2(Dual64::new(1.0, 1.0), Dual64::new(0.0, 1.0));
+//! assert_eq!(angle.real(), std::f64::consts::FRAC_PI_2);
+//! assert_eq!(angle.eps, -1.0); // (x dy − y dx) / (x² + y²)
+//! ```
+
+mod coefficients;
+mod double;
+mod dual;
+pub mod elementary;
+mod wide;
+
+use std::fmt::Debug;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+pub use dual::{Differentiable, Seeded};
+// pub use wide::Wide;
+
+/// The highest order of derivative that any [`Scalar`] carries: 4, as in a `Dual2` of `Dual2`.
+pub const MAX_ORDER: usize = 4;
+
+/// Taylor coefficients c_k = f⁽ᵏ⁾(x₀)/k!, k = 0 … [`MAX_ORDER`]; those beyond the order asked for are zero.
+pub type Series<R> = [R; MAX_ORDER + 1];
+
+/// A number with [`Scalar::ORDER`] orders of derivatives, or none.
+///
+/// `==` is deliberately absent: on dual numbers it compares real parts only.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + Send
+    + Sync
+    + 'static
+{
+    /// The number underneath, which carries no derivatives; nested duals reach through to the innermost.
+    type Real: Real;
+
+    /// The order N of the highest derivative carried: the nilpotent part e obeys e^(N+1) = 0. At most [`MAX_ORDER`].
+    const ORDER: usize;
+
+    /// The constant `value`: all derivatives are zero.
+    fn from_real(value: Self::Real) -> Self;
+
+    /// The real part x₀.
+    fn real(self) -> Self::Real;
+
+    /// The nilpotent part e = x − x₀, whose real part is exactly zero.
+    fn nilpotent(self) -> Self;
+
+    /// The product with a real constant; cheaper than a product with [`Scalar::from_real`].
+    fn scale(self, factor: Self::Real) -> Self;
+
+    /// The constant 0.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::from_real(Self::Real::integer(0))
+    }
+
+    /// The constant 1.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::from_real(Self::Real::integer(1))
+    }
+
+    /// Σ c_k eᵏ: the function whose Taylor coefficients at the real part are `c`, applied to this number.
+    #[inline(always)]
+    fn lift(self, c: &Series<Self::Real>) -> Self {
+        const { assert!(Self::ORDER <= MAX_ORDER, "more orders of derivative than Taylor coefficients") }
+        if Self::ORDER == 0 {
+            return Self::from_real(c[0]);
+        }
+        let e = self.nilpotent();
+        let mut sum = Self::from_real(c[Self::ORDER]);
+        for k in (0..Self::ORDER).rev() {
+            sum = Self::from_real(c[k]) + e * sum;
+        }
+        sum
+    }
+}
+
+/// A number that carries no derivatives, with the real functions that the elementary functions are lifted from.
+///
+/// Each function here owns its branches. Implementations differ on purpose: `f64` uses economised polynomials
+/// and recurrences, [`Wide`] plain textbook series, so that the second checks the first.
+pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
+    /// The integer n, exactly.
+    fn integer(n: i32) -> Self;
+
+    /// The double x, exactly.
+    fn from_f64(x: f64) -> Self;
+
+    /// The ratio p / q, rounded once in this type.
+    #[inline(always)]
+    fn ratio(p: i32, q: i32) -> Self {
+        Self::integer(p) / Self::integer(q)
+    }
+
+    /// π, rounded in this type.
+    fn pi() -> Self;
+
+    /// principal + 2π n, with 2π carried beyond the precision of this type, so that the turns add no error of
+    /// their own beyond the rounding of the result.
+    fn with_turns(principal: Self, turns: i64) -> Self;
+
+    /// √x for x ≥ 0.
+    fn square_root(self) -> Self;
+
+    /// |x|.
+    fn magnitude(self) -> Self;
+
+    /// 1 / x, or 0 where x = 0.
+    ///
+    /// The second case is the minimal-norm choice of a derivative at a point that has none; whoever can meet such a
+    /// point reports it (`Measure::margin`).
+    fn reciprocal_or_zero(self) -> Self;
+
+    /// `less` where `self` < `other`, else `otherwise`.
+    fn select_less(self, other: Self, less: Self, otherwise: Self) -> Self;
+
+    /// (sin x, cos x), x in radians.
+    fn sine_cosine(self) -> (Self, Self);
+
+    /// The angle of the point (x, y) in (−π, π] (y is `self`), 0 at the origin, with the signs of zeros as IEEE 754 asks.
+    fn arctangent(self, x: Self) -> Self;
+
+    /// (v / |v|, |v|) without overflow or underflow for components between 1e−300 and 1e300; (0, 0) at v = 0.
+    fn direction_and_norm<const N: usize>(v: [Self; N]) -> ([Self; N], Self);
+
+    /// The Taylor coefficients, to the order asked for, of w(s) = cos(√s / 2) and k(s) = sin(√s / 2) / √s at s = |φ|² ≥ 0:
+    /// exp maps the rotation vector φ to the unit quaternion (w, k φ).
+    fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>);
+
+    /// The Taylor coefficients, to the order asked for, of K(c) = 2 acos(c) / √(1 − c²) at c in (−1, 1]: log maps the unit
+    /// quaternion (w, v), w ≥ 0, to the rotation vector K(w) v. K(1) = 2; the function is analytic there and through c = 0.
+    fn log_series(c: Self, order: usize) -> Series<Self>;
+}
