@@ -1,5 +1,7 @@
 //! pintle (crate page to come)
 
+pub mod measure;
+pub mod node;
 pub mod scalar;
 pub mod so3;
 pub mod vector;
