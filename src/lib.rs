@@ -1,5 +1,6 @@
 //! pintle (crate page to come)
 
+pub mod catalog;
 pub mod measure;
 pub mod node;
 pub mod scalar;
