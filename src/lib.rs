@@ -1,6 +1,7 @@
 //! pintle (crate page to come)
 
 pub mod catalog;
+pub mod connector;
 pub mod measure;
 pub mod node;
 pub mod scalar;
