@@ -126,7 +126,7 @@ impl Wide {
         let square = self * self;
         let mut term = self;
         let mut sum = self;
-        for i in 1..5 {
+        for i in 1..4 {
             term = -term * square / Self::integer(2 * i * (2 * i + 1));
             sum += term;
         }
