@@ -1017,15 +1017,13 @@ mod tests {
                 moves: [true; 2],
             };
             let connector = Connector::<f64>::new(&definition);
-            let mut state =
-                State { pair: pair(0.25), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+            let mut state = State { pair: pair(0.25), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
             state.pair.reference = initial.reference;
             let branch = connector.initial_branch();
             let mut tally = Tally::default();
             let mut request = Request::everything(2);
             request.outputs.clear();
-            let evaluation =
-                connector.evaluate(&state, &Increment::none(), &branch, &request, &mut tally);
+            let evaluation = connector.evaluate(&state, &Increment::none(), &branch, &request, &mut tally);
             type Naive = Dual2SVec64<14>;
             let zero = <Naive as Scalar>::zero();
             let dofs = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13].map(|i| zero + Naive::seed(0.0, i));
@@ -1038,7 +1036,8 @@ mod tests {
                     continue;
                 }
                 let naive = measure.evaluate(&mut shared);
-                let (row, hessian) = (evaluation.jacobian[k].unwrap(), evaluation.hessian[k].as_ref().unwrap());
+                let (row, hessian) =
+                    (evaluation.jacobian[k].unwrap(), evaluation.hessian[k].as_ref().unwrap());
                 for i in 0..DOFS {
                     if !connector.active()[i] {
                         continue;

@@ -3,6 +3,7 @@
 pub mod catalog;
 pub mod connector;
 pub mod measure;
+pub mod mpc;
 pub mod node;
 pub mod scalar;
 pub mod so3;

@@ -190,7 +190,13 @@ fn arctangents_of_special_values() {
 fn turns() {
     let mut worst = Worst::new();
     for row in rows("with_turns") {
-        let (actual, expected) = (Wide::with_turns(wide(&row[0]), row[1].as_i64().unwrap()), wide(&row[2]));
+        let (actual, expected) = (
+            Wide::with_turns(
+                wide(&row[0]),
+                num_traits::FromPrimitive::from_i64(row[1].as_i64().unwrap()).unwrap(),
+            ),
+            wide(&row[2]),
+        );
         worst.see(units(actual, expected, expected), || row.to_string());
     }
     worst.below(0.0);
@@ -474,7 +480,7 @@ fn special_values_are_harmless() {
             a.reciprocal_or_zero(),
             a.sine_cosine().0,
             a.sine_cosine().1,
-            Wide::with_turns(*a, 3),
+            Wide::with_turns(*a, Wide::integer(3)),
         ];
         let series = [Wide::exp_series(*a, 4).0, Wide::exp_series(*a, 4).1, Wide::log_series(*a, 4)];
         assert!(a.is_finite() || !values.iter().all(|value| value.is_finite()));

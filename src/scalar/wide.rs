@@ -168,9 +168,12 @@ impl Real for Wide {
         Self(consts::PI)
     }
 
-    fn with_turns(principal: Self, turns: i64) -> Self {
-        let n = f256::from(turns);
-        Self(n.mul_add(consts::TAU, n.mul_add(f256::from(TAU_REST), principal.0)))
+    fn with_turns(principal: Self, n: Self) -> Self {
+        Self(n.0.mul_add(consts::TAU, n.0.mul_add(f256::from(TAU_REST), principal.0)))
+    }
+
+    fn nearest_integer(self) -> Self {
+        Self(self.0.round())
     }
 
     fn square_root(self) -> Self {
@@ -185,8 +188,14 @@ impl Real for Wide {
         if self.0.eq_zero() { Self(f256::ZERO) } else { Self(f256::ONE / self.0) }
     }
 
-    fn select_less(self, other: Self, less: Self, otherwise: Self) -> Self {
-        if self < other { less } else { otherwise }
+    type Mask = bool;
+
+    fn less(self, other: Self) -> bool {
+        self < other
+    }
+
+    fn choose<T>(mask: bool, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+        if mask { yes() } else { no() }
     }
 
     fn sine_cosine(self) -> (Self, Self) {
