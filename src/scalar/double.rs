@@ -48,9 +48,13 @@ impl Real for f64 {
         std::f64::consts::PI
     }
 
-    fn with_turns(principal: Self, turns: i64) -> Self {
-        let n = turns as Self;
+    fn with_turns(principal: Self, n: Self) -> Self {
         n.mul_add(TAU, n.mul_add(TAU_REST, principal))
+    }
+
+    #[inline(always)]
+    fn nearest_integer(self) -> Self {
+        self.round()
     }
 
     #[inline(always)]
@@ -68,9 +72,16 @@ impl Real for f64 {
         if self == 0.0 { 0.0 } else { 1.0 / self }
     }
 
+    type Mask = bool;
+
     #[inline(always)]
-    fn select_less(self, other: Self, less: Self, otherwise: Self) -> Self {
-        if self < other { less } else { otherwise }
+    fn less(self, other: Self) -> bool {
+        self < other
+    }
+
+    #[inline(always)]
+    fn choose<T>(mask: bool, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+        if mask { yes() } else { no() }
     }
 
     #[inline(always)]

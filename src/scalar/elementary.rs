@@ -32,6 +32,23 @@ fn sqrt_one_plus_rest<S: Scalar>(r: S) -> S {
     }
 }
 
+/// 1 / √x for x > 0, 2 / 2 / 3 u; at x = 0 the value and the derivatives, which do not exist, are 0.
+#[inline(always)]
+pub fn inverse_sqrt<S: Scalar>(x: S) -> S {
+    let root = x.real().square_root().reciprocal_or_zero();
+    if S::ORDER == 0 {
+        return S::from_real(root);
+    }
+    let r = x.nilpotent().scale(x.real().reciprocal_or_zero());
+    let ratio = S::Real::ratio;
+    let c = [S::Real::integer(1), ratio(-1, 2), ratio(3, 8), ratio(-5, 16), ratio(35, 128)];
+    let mut sum = S::from_real(c[S::ORDER]);
+    for k in (0..S::ORDER).rev() {
+        sum = S::from_real(c[k]) + r * sum;
+    }
+    sum.scale(root)
+}
+
 /// 1 / x for x ≠ 0, 1 / 2 / 3 u; at x = 0 the value and the derivatives, which do not exist, are 0.
 #[inline(always)]
 pub fn recip<S: Scalar>(x: S) -> S {

@@ -120,9 +120,12 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// π, rounded in this type.
     fn pi() -> Self;
 
-    /// principal + 2π n, with 2π carried beyond the precision of this type, so that the turns add no error of
-    /// their own beyond the rounding of the result.
-    fn with_turns(principal: Self, turns: i64) -> Self;
+    /// principal + 2π n for an integer n, with 2π carried beyond the precision of this type, so that the turns add no error
+    /// of their own beyond the rounding of the result.
+    fn with_turns(principal: Self, n: Self) -> Self;
+
+    /// The nearest integer; halves away from zero.
+    fn nearest_integer(self) -> Self;
 
     /// √x for x ≥ 0.
     fn square_root(self) -> Self;
@@ -136,8 +139,14 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// point reports it (`Measure::margin`).
     fn reciprocal_or_zero(self) -> Self;
 
-    /// `less` where `self` < `other`, else `otherwise`.
-    fn select_less(self, other: Self, less: Self, otherwise: Self) -> Self;
+    /// The answer to a comparison: `bool`, or one bit per lane.
+    type Mask: Copy;
+
+    /// Whether `self` < `other`.
+    fn less(self, other: Self) -> Self::Mask;
+
+    /// `yes` where the mask holds, else `no`; only what is chosen is computed.
+    fn choose<T>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T;
 
     /// (sin x, cos x), x in radians.
     fn sine_cosine(self) -> (Self, Self);
