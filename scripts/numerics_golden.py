@@ -108,6 +108,11 @@ def sqrt(x):
     return x.of(r, 1 / (2 * r), -1 / (4 * r**3))
 
 
+def inverse_sqrt(x):
+    r = mp.sqrt(x.value)
+    return x.of(1 / r, -1 / (2 * r**3), 3 / (4 * r**5))
+
+
 def recip(x):
     v = x.value
     return x.of(1 / v, -1 / v**2, 2 / v**3)
@@ -157,7 +162,8 @@ def dot(u, v):
 
 
 # ----------------------------------------------------------------------------------------------------------- functions
-SMALL = mpf(10) ** -4
+SMALL = mpf(10) ** -4  # where power series take over
+ZERO = mpf(10) ** -100  # what is left of an exact zero
 
 
 def norm(v):
@@ -271,7 +277,8 @@ def quaternion(r):
         q = [squares[0], *axial]
     else:
         i = largest - 1
-        q = [axial[i], *(r[i, j] + r[j, i] if j != i else squares[largest] for j in range(3))]
+        w = axial[i] if abs(axial[i]) > ZERO else mpf(0)
+        q = [w, *(r[i, j] + r[j, i] if j != i else squares[largest] for j in range(3))]
     return unit(q)
 
 
@@ -326,7 +333,7 @@ def angles_to_pi():
 
 
 def rounded(numbers):
-    return [float(x) for x in numbers]
+    return [float(x) if abs(x) > ZERO else 0.0 for x in numbers]
 
 
 def spread(values, per_value, rng):
@@ -412,7 +419,7 @@ def from_axes(first, second, third):
         return m
 
     m = elementary(*first) * elementary(*second) * elementary(*third)
-    return [float(m[i, j]) for i in range(3) for j in range(3)]
+    return rounded(m[i, j] for i in range(3) for j in range(3))
 
 
 def angle_triples(rng, lock):
@@ -442,6 +449,7 @@ def inputs_euler(rng):
 # and whether S of the second derivative contains the first.
 FUNCTIONS = [
     ("sqrt", lambda x: [sqrt(*Jet.variables(x))], inputs_scalar, 1, False),
+    ("inverse_sqrt", lambda x: [inverse_sqrt(*Jet.variables(x))], inputs_scalar, 1, False),
     ("recip", lambda x: [recip(*Jet.variables(x))], inputs_scalar, 1, False),
     ("sin_cos", lambda x: [f(*Jet.variables(x)) for f in (sin, cos)], inputs_angle, 1, False),
     ("atan2", lambda x: [atan2(*Jet.variables(x))], inputs_vector(2), 2, False),
@@ -458,22 +466,42 @@ FUNCTIONS = [
 ]
 
 
-def distance(a, b):
-    return sum(abs(x.value - y.value) for x, y in zip(a, b))
+def moved(function, x, i, base):
+    """The function where input i has grown by STEP, or shrunk where growing it crosses the cut of a log at half a turn."""
+
+    def at(step):
+        return function([c * (1 + step) if k == i else c for k, c in enumerate(x)])
+
+    jets = at(STEP)
+    if any(abs(a.value - b.value) > 1 + abs(a.value) for a, b in zip(base, jets)):
+        jets = at(-STEP)
+    return jets
+
+
+def without_noise(numbers, jet):
+    """What cancels exactly leaves a remainder of mpmath's precision: zero beside the largest number of its order."""
+    n = len(jet.gradient)
+    for block in (range(1), range(1, 1 + n), range(1 + n, len(numbers[0]))):
+        largest = max(abs(component[k]) for component in numbers for k in block)
+        for component in numbers:
+            for k in block:
+                if abs(component[k]) < largest * ZERO:
+                    component[k] = mpf(0)
+    return numbers
 
 
 def evaluated(function, inputs, rounded_count, with_first):
     """Per output the jets' numbers and their conditioned scales."""
     x = [mpf(c) for c in inputs]
     base = function(x)
-    numbers = [j.numbers() for j in base]
+    numbers = without_noise([j.numbers() for j in base], base[0])
     scales = [[abs(c) for c in component] for component in numbers]
     for i in range(rounded_count):
         if x[i] == 0:
             continue
-        moved = function([c * (1 + STEP) if k == i else c for k, c in enumerate(x)])
-        for scale, component, jet in zip(scales, numbers, moved):
-            for k, (a, b) in enumerate(zip(component, jet.numbers())):
+        others = without_noise([j.numbers() for j in moved(function, x, i, base)], base[0])
+        for scale, component, other in zip(scales, numbers, others):
+            for k, (a, b) in enumerate(zip(component, other)):
                 scale[k] += abs(b - a) / STEP
     if with_first:
         for scale, jet in zip(scales, base):

@@ -187,7 +187,10 @@ pub fn continuous_log<S: Scalar>(r: &Matrix<S>, reference: Vector<S::Real>) -> C
 }
 
 /// As [`continuous_log`], from a unit quaternion.
-pub fn continuous_log_quaternion<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -> ContinuousLog<S> {
+pub fn continuous_log_quaternion<S: Scalar>(
+    q: Quaternion<S>,
+    reference: Vector<S::Real>,
+) -> ContinuousLog<S> {
     continue_from_quaternion(upper_half(q), log_quaternion(q), reference)
 }
 
@@ -287,7 +290,11 @@ impl<S: Scalar> ContinuousLog<S> {
         let (_, length) = S::Real::direction_and_norm(vector::real(self.phi));
         // Inside the zone and beyond half a turn the mask is false.
         let zone = S::Real::ratio(ZONE.0, ZONE.1);
-        S::Real::choose(length.less(S::Real::pi()), || zone.less(S::Real::integer(1)), || zone.less(self.lateral))
+        S::Real::choose(
+            length.less(S::Real::pi()),
+            || zone.less(S::Real::integer(1)),
+            || zone.less(self.lateral),
+        )
     }
 }
 
@@ -322,12 +329,14 @@ pub fn cardan_third<S: Scalar>(r: &Matrix<S>) -> S {
 /// Euler angles (α, β, γ) of R = Rz(α) Rx(β) Rz(γ) with the sign s = ±1 of sin β; 1 / 2 / 3 u where the entries of R are exact,
 /// to within 1e−16 of the lock sin β = 0.
 ///
-/// Manual, connection type EULER, with β = s acos R₃₃ and α, γ turning by π together with s.
+/// Manual, connection type EULER, with β = s acos R₃₃ and α, γ turning by π together with s. `0 + x` keeps −0 from becoming
+/// half a turn of the other sign.
 #[inline(always)]
 pub fn euler<S: Scalar>(r: &Matrix<S>, s: S::Real) -> [S; 3] {
+    let signed = |x: S| S::zero() + x.scale(s);
     [
-        atan2(r[0][2].scale(s), S::zero() - r[1][2].scale(s)),
+        atan2(signed(r[0][2]), signed(-r[1][2])),
         atan2(norm([r[0][2], r[1][2]]), r[2][2]).scale(s),
-        atan2(r[2][0].scale(s), r[2][1].scale(s)),
+        atan2(signed(r[2][0]), signed(r[2][1])),
     ]
 }

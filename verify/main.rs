@@ -1,1 +1,4 @@
 //! The tests.
+
+mod numerics; // how exact the elementary functions and the rotations are
+mod tolerance; // every tolerance, with the cause of the odd ones
