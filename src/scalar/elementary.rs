@@ -85,7 +85,7 @@ pub fn sin_cos<S: Scalar>(x: S) -> (S, S) {
 
 /// The angle of the point (x, y) in (−π, π], 1 / 2 / 3 u, exact right angles included.
 ///
-/// With (c, s) = (x₀, y₀)/r: θ₀ + atan t, t = (c e_y − s e_x) / (r + c e_x + s e_y). At the origin the value is 0 and the
+/// With (c, s) = (x₀, y₀)/r²: θ₀ + atan t, t = (c e_y − s e_x) / (1 + c e_x + s e_y). At the origin the value is 0 and the
 /// derivatives, which do not exist, are 0.
 #[inline(always)]
 pub fn atan2<S: Scalar>(y: S, x: S) -> S {
@@ -93,9 +93,8 @@ pub fn atan2<S: Scalar>(y: S, x: S) -> S {
     if S::ORDER == 0 {
         return angle;
     }
-    let ([c, s], r) = S::Real::direction_and_norm([x.real(), y.real()]);
-    let inverse = r.reciprocal_or_zero();
-    let (ex, ey) = (x.nilpotent().scale(inverse), y.nilpotent().scale(inverse));
+    let [c, s] = S::Real::inverted([x.real(), y.real()]);
+    let (ex, ey) = (x.nilpotent(), y.nilpotent());
     let lateral = ey.scale(c) - ex.scale(s);
     if S::ORDER == 1 {
         return angle + lateral;

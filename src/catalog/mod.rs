@@ -1,0 +1,473 @@
+//! Connection types as data: the only place that knows them.
+//!
+//! A connection type is six [`Slot`]s, one for each component of relative motion u1, u2, u3, ur1, ur2, ur3, with the
+//! fields of the manual's summary table that no formula implies: orientation rules, where it is available, predefined
+//! friction. Values, derivatives, validation, listing and tests iterate over [`table::TABLE`].
+//!
+//! To add a type: write its half or its slots in `table.rs` (and a new [`Measure`] if none fits), then its double entries:
+//! a row in `verify/manual.rs` and one in `scripts/reference.py`. A test fails while either is missing.
+
+mod rules;
+mod table;
+
+pub use rules::{Breach, Facts, Procedure, Rule};
+pub use table::TABLE;
+
+use crate::measure::{Measure, Unit};
+use serde::Serialize;
+use std::borrow::Cow;
+
+/// The names of the components of relative motion, in order.
+pub const COMPONENT: [&str; 6] = ["u1", "u2", "u3", "ur1", "ur2", "ur3"];
+
+/// The names of the conjugate forces and moments, in order.
+pub const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
+
+/// How well a fact is documented.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Evidence {
+    /// Printed in a seed document.
+    S,
+    /// Read in a documentation page.
+    D,
+    /// Read in part; the continuation is ours.
+    P,
+    /// Reconstructed: a decision of ours.
+    R,
+}
+
+impl Evidence {
+    /// The tag in words.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::S => "printed in a source document",
+            Self::D => "read in a documentation page",
+            Self::P => "read in part, continued by us",
+            Self::R => "our reconstruction",
+        }
+    }
+}
+
+/// One component of relative motion of a connection type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// No such component.
+    Absent,
+    /// Free: behaviour, motion and load can be attached to it.
+    Available(Measure),
+    /// Enforced by the connection. The measure is its position; [`Condition`] says what is enforced.
+    Constrained(Measure, Condition),
+    /// Output only: neither available nor constrained.
+    Measured(Measure),
+}
+
+/// What a constrained component enforces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// position − initial position = 0.
+    Held,
+    /// The printed function = 0 when it is zero initially; otherwise the position is held, as for REVOLUTE with misaligned axes.
+    ZeroOrHeld(Measure),
+    /// The function = 0; it is zero initially by its definition.
+    Zero(Measure),
+}
+
+impl Slot {
+    /// The measure of the component's position, if it has one.
+    pub const fn position(self) -> Option<Measure> {
+        match self {
+            Self::Absent => None,
+            Self::Available(measure) | Self::Constrained(measure, _) | Self::Measured(measure) => {
+                Some(measure)
+            }
+        }
+    }
+
+    /// Whether the component is available.
+    pub const fn is_available(self) -> bool {
+        matches!(self, Self::Available(_))
+    }
+
+    /// Whether the component is constrained.
+    pub const fn is_constrained(self) -> bool {
+        matches!(self, Self::Constrained(..))
+    }
+}
+
+/// Whether an orientation must, may or will not be used at a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Orientation {
+    /// Read and not used.
+    Ignored,
+    /// Absent at a: the global directions. Absent at b: the directions of a.
+    Optional,
+    /// An error if absent.
+    Required,
+}
+
+/// A rule about the orientation at a node, and how well it is documented.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct OrientationRule {
+    /// The rule.
+    pub orientation: Orientation,
+    /// Its evidence; a rule tagged [`Evidence::P`] or [`Evidence::R`] warns instead of refusing.
+    pub evidence: Evidence,
+}
+
+/// The manual's classes of connection types.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Class {
+    /// Relative position of the nodes.
+    BasicTranslational,
+    /// Relative rotation of the nodes.
+    BasicRotational,
+    /// A rotational half with a degree of freedom of its own.
+    SpecialisedRotational,
+    /// Two basic halves under one name.
+    Assembled,
+    /// A type that stands alone.
+    Complex,
+}
+
+/// Where a type can be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Availability {
+    /// Everywhere.
+    Always,
+    /// Only in an Explicit analysis.
+    ExplicitOnly,
+    /// Not at all.
+    Never,
+    /// Everywhere but in an Explicit analysis.
+    StandardOnly,
+}
+
+/// A parameter of predefined friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct FrictionParameter {
+    /// The manual's symbol: R_r, L, F_C^int.
+    pub symbol: &'static str,
+    /// Whether it must be given.
+    pub required: bool,
+}
+
+/// One criterion of predefined friction, Φ = P(f) − μ F_N ≤ 0 with F_N = |F_C + F_C^int|.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct FrictionCriterion {
+    /// P, the magnitude of the tangential tractions.
+    pub tangential: &'static str,
+    /// F_C, the contact force (or moment).
+    pub contact: &'static str,
+    /// The output in which the friction force appears.
+    pub output: &'static str,
+}
+
+/// Predefined friction of a type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Friction {
+    /// Parameters in the order of the data line of `*CONNECTOR FRICTION, PREDEFINED`.
+    pub parameters: &'static [FrictionParameter],
+    /// Its criteria.
+    pub criteria: &'static [FrictionCriterion],
+    /// How well the formulas are documented.
+    pub evidence: Evidence,
+}
+
+/// A basic translational or rotational type: half of a connector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Half {
+    /// The manual's name.
+    pub name: &'static str,
+    /// Translational or rotational.
+    pub class: Class,
+    /// Components 1–3 or 4–6.
+    pub slots: [Slot; 3],
+    /// The rules at a and at b.
+    pub orientation: [OrientationRule; 2],
+    /// Whether it can be used in two-dimensional and axisymmetric analysis (CONN2D2), where components u1, u2 and ur3 remain.
+    pub planar: Availability,
+    /// Where it can be used in three dimensions.
+    pub availability: Availability,
+    /// The forces or moments in words, with the manual's symbols.
+    pub forces: &'static str,
+    /// Predefined friction when used by itself.
+    pub friction: Option<Friction>,
+    /// Whether the components are lengths and angles against which stops and references can be given.
+    pub stops: bool,
+    /// Where the facts come from.
+    pub source: &'static str,
+    /// A remark that a user of the type should read.
+    pub note: &'static str,
+}
+
+/// A connection type, or a free pair of two basic ones.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ConnectionType {
+    /// The manual's name, or `CARTESIAN + CARDAN` for a free pair.
+    pub name: Cow<'static, str>,
+    /// The manual's class.
+    pub class: Class,
+    /// The translational and rotational half it is made of; a complex type has none.
+    pub halves: [Option<&'static Half>; 2],
+    /// u1, u2, u3, ur1, ur2, ur3.
+    pub slots: [Slot; 6],
+    /// The rules at a and at b.
+    pub orientation: [OrientationRule; 2],
+    /// Two-dimensional and axisymmetric use.
+    pub planar: Availability,
+    /// Three-dimensional use.
+    pub availability: Availability,
+    /// Forces and moments in words.
+    pub forces: [&'static str; 2],
+    /// Predefined friction.
+    pub friction: Option<Friction>,
+    /// Whether stops and constitutive references can be given.
+    pub stops: bool,
+    /// Whether degree of freedom 10 is active at a and at b.
+    pub flow: [bool; 2],
+    /// Where the facts come from.
+    pub source: [&'static str; 2],
+    /// Remarks.
+    pub notes: [&'static str; 2],
+}
+
+impl ConnectionType {
+    /// A basic type by itself.
+    pub const fn basic(half: &'static Half) -> Self {
+        let [s1, s2, s3] = half.slots;
+        let absent = Slot::Absent;
+        let translational = matches!(half.class, Class::BasicTranslational);
+        let (slots, halves, forces) = if translational {
+            ([s1, s2, s3, absent, absent, absent], [Some(half), None], [half.forces, ""])
+        } else {
+            ([absent, absent, absent, s1, s2, s3], [None, Some(half)], ["", half.forces])
+        };
+        Self {
+            name: Cow::Borrowed(half.name),
+            class: half.class,
+            halves,
+            slots,
+            orientation: half.orientation,
+            planar: half.planar,
+            availability: half.availability,
+            forces,
+            friction: half.friction,
+            stops: half.stops,
+            flow: flow_of(&slots),
+            source: [half.source, ""],
+            notes: [half.note, ""],
+        }
+    }
+
+    /// An assembled type: the slots of its halves, at each node the stricter of their orientation rules, available where both
+    /// are.
+    pub const fn assembled(
+        name: &'static str,
+        translational: &'static Half,
+        rotational: &'static Half,
+        friction: Option<Friction>,
+        source: &'static str,
+    ) -> Self {
+        Self::joined(Cow::Borrowed(name), translational, rotational, friction, [source, ""])
+    }
+
+    const fn joined(
+        name: Cow<'static, str>,
+        t: &'static Half,
+        r: &'static Half,
+        friction: Option<Friction>,
+        source: [&'static str; 2],
+    ) -> Self {
+        let slots = [t.slots[0], t.slots[1], t.slots[2], r.slots[0], r.slots[1], r.slots[2]];
+        Self {
+            name,
+            class: Class::Assembled,
+            halves: [Some(t), Some(r)],
+            slots,
+            orientation: [
+                stricter(t.orientation[0], r.orientation[0]),
+                stricter(t.orientation[1], r.orientation[1]),
+            ],
+            planar: both(t.planar, r.planar),
+            availability: both(t.availability, r.availability),
+            forces: [t.forces, r.forces],
+            friction,
+            stops: t.stops || r.stops,
+            flow: flow_of(&slots),
+            source,
+            notes: [t.note, r.note],
+        }
+    }
+
+    /// The type of a connector section that names `first` and, optionally, `second` (either order), ignoring case.
+    ///
+    /// A basic pair that equals an assembled type *is* that type, including its predefined friction.
+    ///
+    /// # Errors
+    /// [`NameError`] says which name or which combination there is not.
+    ///
+    /// ```
+    /// use pintle::catalog::ConnectionType;
+    /// assert_eq!(ConnectionType::named("Revolute", Some("JOIN")).unwrap().name, "HINGE");
+    /// assert_eq!(ConnectionType::named("cartesian", Some("cardan")).unwrap().name, "CARTESIAN + CARDAN");
+    /// assert!(ConnectionType::named("HINGE", Some("JOIN")).is_err());
+    /// ```
+    pub fn named(first: &str, second: Option<&str>) -> Result<Self, NameError> {
+        let one = Self::find(first)?;
+        let Some(second) = second else { return Ok(one.clone()) };
+        let other = Self::find(second)?;
+        let (translational, rotational) = match (one.halves, other.halves) {
+            ([Some(t), None], [None, Some(r)]) | ([None, Some(r)], [Some(t), None]) => (t, r),
+            _ => return Err(NameError::Pair { first: one.name.to_string(), second: other.name.to_string() }),
+        };
+        let equal = TABLE.iter().find(|entry| entry.halves == [Some(translational), Some(rotational)]);
+        Ok(equal.cloned().unwrap_or_else(|| {
+            let name = Cow::Owned(format!("{} + {}", translational.name, rotational.name));
+            Self::joined(name, translational, rotational, None, [translational.source, rotational.source])
+        }))
+    }
+
+    fn find(name: &str) -> Result<&'static Self, NameError> {
+        let name = name.trim();
+        TABLE
+            .iter()
+            .find(|entry| entry.name.eq_ignore_ascii_case(name))
+            .ok_or_else(|| NameError::Unknown { name: name.to_string(), nearest: nearest(name) })
+    }
+
+    /// The indices (0-based) of the components that satisfy a condition.
+    pub fn components(&self, condition: impl Fn(Slot) -> bool) -> impl Iterator<Item = usize> {
+        (0..6).filter(move |k| condition(self.slots[*k]))
+    }
+
+    /// The forces and moments, in the manual's symbols, of the components that satisfy a condition: `f2, f3, m1`, or `none`.
+    pub fn force_list(&self, condition: impl Fn(Slot) -> bool) -> String {
+        list(self.components(condition).map(|k| FORCE[k]))
+    }
+
+    /// The components, in the manual's symbols, that satisfy a condition: `u2, u3`, or `none`.
+    pub fn component_list(&self, condition: impl Fn(Slot) -> bool) -> String {
+        list(self.components(condition).map(|k| COMPONENT[k]))
+    }
+
+    /// The kinematic constraints as the summary table prints them: the formulas of a basic type, `SLOT + ALIGN` of an
+    /// assembled one, or `none`.
+    pub fn constraint_list(&self) -> String {
+        if let [Some(t), Some(r)] = self.halves {
+            return format!("{} + {}", t.name, r.name);
+        }
+        let conditions = self.components(Slot::is_constrained).filter_map(|k| self.constraint(k));
+        let conditions: Vec<String> = conditions.collect();
+        if conditions.is_empty() { "none".into() } else { conditions.join(", ") }
+    }
+
+    /// What component k (0-based) enforces, as an equation; `None` where it is not constrained.
+    pub fn constraint(&self, k: usize) -> Option<String> {
+        let Slot::Constrained(position, condition) = self.slots[k] else { return None };
+        Some(match condition {
+            Condition::Held => format!("{} = {}0", position.formula(), position.symbol()),
+            Condition::ZeroOrHeld(printed) | Condition::Zero(printed) => format!("{} = 0", printed.formula()),
+        })
+    }
+
+    /// The connector stops, `θ1min ≤ α ≤ θ1max`, or `none`.
+    pub fn stop_list(&self) -> String {
+        list(self.limits().map(|(k, measure)| {
+            let limit = limit_symbol(k, measure);
+            format!("{limit}min ≤ {} ≤ {limit}max", measure.symbol())
+        }))
+    }
+
+    /// The constitutive reference lengths and angles, `l1ref`, `θ1ref`, or `none`.
+    pub fn reference_list(&self) -> String {
+        list(self.limits().map(|(k, measure)| format!("{}ref", limit_symbol(k, measure))))
+    }
+
+    fn limits(&self) -> impl Iterator<Item = (usize, Measure)> + '_ {
+        (0..6).filter_map(|k| match self.slots[k] {
+            Slot::Available(measure) if self.stops => Some((k, measure)),
+            _ => None,
+        })
+    }
+}
+
+/// `l1`, `θ3`: the symbol of a limit or reference of component k (0-based).
+fn limit_symbol(k: usize, measure: Measure) -> String {
+    match measure.unit() {
+        Unit::Angle => format!("θ{}", k % 3 + 1),
+        _ => format!("l{}", k % 3 + 1),
+    }
+}
+
+fn list<T: ToString>(items: impl Iterator<Item = T>) -> String {
+    let items: Vec<String> = items.map(|item| item.to_string()).collect();
+    if items.is_empty() { "none".into() } else { items.join(", ") }
+}
+
+/// The name in the table closest to `name`, for the remedy of an error.
+fn nearest(name: &str) -> Option<&'static str> {
+    let upper = name.to_ascii_uppercase();
+    TABLE
+        .iter()
+        .map(|entry| (strsim::damerau_levenshtein(&entry.name, &upper), entry))
+        .filter(|(distance, entry)| *distance <= entry.name.len() / 3)
+        .min_by_key(|(distance, _)| *distance)
+        .and_then(|(_, entry)| match &entry.name {
+            Cow::Borrowed(name) => Some(*name),
+            Cow::Owned(_) => None,
+        })
+}
+
+const fn stricter(x: OrientationRule, y: OrientationRule) -> OrientationRule {
+    if x.orientation as u8 >= y.orientation as u8 { x } else { y }
+}
+
+const fn both(x: Availability, y: Availability) -> Availability {
+    match (x, y) {
+        (Availability::Always, other) | (other, Availability::Always) => other,
+        (Availability::ExplicitOnly, Availability::ExplicitOnly) => Availability::ExplicitOnly,
+        (Availability::StandardOnly, Availability::StandardOnly) => Availability::StandardOnly,
+        _ => Availability::Never,
+    }
+}
+
+const fn flow_of(slots: &[Slot; 6]) -> [bool; 2] {
+    let mut flow = [false; 2];
+    let mut k = 0;
+    while k < 6 {
+        match slots[k].position() {
+            Some(Measure::Strain | Measure::Flow(_)) => flow = [true, true],
+            Some(Measure::FlowConversion) => flow[1] = true,
+            _ => {}
+        }
+        k += 1;
+    }
+    flow
+}
+
+/// A name, or a pair of names, that is no connection type.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NameError {
+    /// No type of that name.
+    #[error("there is no connection type {name:?}{}", nearest.map(|n| format!("; did you mean {n}?")).unwrap_or_default())]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The most similar type.
+        nearest: Option<&'static str>,
+    },
+    /// Two types that do not pair.
+    #[error(
+        "{first} and {second} do not pair: a connector takes one basic translational and one basic rotational type, \
+         or one assembled or complex type alone"
+    )]
+    Pair {
+        /// The first name.
+        first: String,
+        /// The second name.
+        second: String,
+    },
+}

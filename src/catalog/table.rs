@@ -1,0 +1,341 @@
+//! The table of connection types, in the order of `pintle list`.
+
+use super::Availability::{Always, ExplicitOnly, Never, StandardOnly};
+use super::Condition::{Held, Zero, ZeroOrHeld};
+use super::Evidence::{D, P, R, S};
+use super::Orientation::{Ignored, Optional, Required};
+use super::Slot::{Absent, Available, Constrained, Measured};
+use super::{
+    Class, ConnectionType, Evidence, Friction, FrictionCriterion, FrictionParameter, Half, Orientation,
+    OrientationRule,
+};
+use crate::measure::Measure::{
+    Cardan, Cosine, Distance, Euler, Flow, FlowConversion, Misalignment, Position, RotationVector,
+    RotationVectorAtB, Strain,
+};
+use std::borrow::Cow;
+
+const fn rule(orientation: Orientation, evidence: Evidence) -> OrientationRule {
+    OrientationRule { orientation, evidence }
+}
+
+const fn required(symbol: &'static str) -> FrictionParameter {
+    FrictionParameter { symbol, required: true }
+}
+
+const fn optional(symbol: &'static str) -> FrictionParameter {
+    FrictionParameter { symbol, required: false }
+}
+
+const TRANSLATIONAL: Half = Half {
+    name: "",
+    class: Class::BasicTranslational,
+    slots: [Absent; 3],
+    orientation: [rule(Required, D), rule(Ignored, D)],
+    planar: Always,
+    availability: Always,
+    forces: "",
+    friction: None,
+    stops: true,
+    source: "",
+    note: "",
+};
+
+const ROTATIONAL: Half = Half {
+    class: Class::BasicRotational,
+    orientation: [rule(Required, D), rule(Optional, D)],
+    planar: Never,
+    ..TRANSLATIONAL
+};
+
+static AXIAL: Half = Half {
+    name: "AXIAL",
+    slots: [Available(Distance), Absent, Absent],
+    orientation: [rule(Optional, D), rule(Optional, D)],
+    forces: "f = f1 q, q = d/|d|",
+    source: "connection type AXIAL, Description and Summary",
+    note: "While the nodes coincide, the direction e1 of the orientation at a (else at b), fixed in space, stands in for q.",
+    ..TRANSLATIONAL
+};
+
+static CARTESIAN: Half = Half {
+    name: "CARTESIAN",
+    slots: [Available(Position(1)), Available(Position(2)), Available(Position(3))],
+    orientation: [rule(Optional, D), rule(Ignored, D)],
+    forces: "f = f1 e1a + f2 e2a + f3 e3a",
+    source: "connection type CARTESIAN, Description and Summary",
+    ..TRANSLATIONAL
+};
+
+static JOIN: Half = Half {
+    name: "JOIN",
+    slots: [Constrained(Position(1), Held), Constrained(Position(2), Held), Constrained(Position(3), Held)],
+    orientation: [rule(Optional, D), rule(Ignored, D)],
+    forces: "f = f1 e1a + f2 e2a + f3 e3a",
+    source: "connection type JOIN, Description and Summary",
+    note: "Nodes that do not coincide initially keep the coordinates of b in the frame of a.",
+    ..TRANSLATIONAL
+};
+
+static LINK: Half = Half {
+    name: "LINK",
+    slots: [Constrained(Distance, Held), Absent, Absent],
+    orientation: [rule(Ignored, P), rule(Ignored, P)],
+    forces: "f = f1 q, q = d/|d|",
+    stops: false,
+    source: "connection type components, LINK (one line); the rest ours",
+    note: "Needs a length: nodes that coincide initially have no direction to hold.",
+    ..TRANSLATIONAL
+};
+
+static SLIDE_PLANE: Half = Half {
+    name: "SLIDE-PLANE",
+    slots: [Constrained(Position(1), Held), Available(Position(2)), Available(Position(3))],
+    planar: Never,
+    forces: "f = f1 e1a, f_s-p = f2 e2a + f3 e3a",
+    friction: Some(Friction {
+        parameters: &[optional("F_C^int")],
+        criteria: &[FrictionCriterion { tangential: "√(f2² + f3²)", contact: "|f1|", output: "CSFC" }],
+        evidence: S,
+    }),
+    source: "seed SLIDE-PLANE, Description and Friction; summary in the Analysis Guide 31.1.5",
+    ..TRANSLATIONAL
+};
+
+static SLOT: Half = Half {
+    name: "SLOT",
+    slots: [Available(Position(1)), Constrained(Position(2), Held), Constrained(Position(3), Held)],
+    forces: "f = f2 e2a + f3 e3a, f_slot = f1 e1a",
+    friction: Some(Friction {
+        parameters: &[optional("F_C^int")],
+        criteria: &[FrictionCriterion { tangential: "|f1|", contact: "√(f2² + f3²)", output: "CSF1" }],
+        evidence: D,
+    }),
+    source: "connection type SLOT, Description and Summary",
+    ..TRANSLATIONAL
+};
+
+static ALIGN: Half = Half {
+    name: "ALIGN",
+    slots: [
+        Constrained(Cardan(1), Zero(Misalignment(1))),
+        Constrained(Cardan(2), Zero(Misalignment(2))),
+        Constrained(Cardan(3), Zero(Misalignment(3))),
+    ],
+    orientation: [rule(Optional, D), rule(Optional, D)],
+    planar: Always,
+    forces: "m = m1 e1a + m2 e2a + m3 e3a",
+    stops: false,
+    source: "connection type ALIGN, Description and Summary",
+    note: "Directions that do not coincide initially keep their relative orientation; the position output is its Cardan angles.",
+    ..ROTATIONAL
+};
+
+static CARDAN: Half = Half {
+    name: "CARDAN",
+    slots: [Available(Cardan(1)), Available(Cardan(2)), Available(Cardan(3))],
+    orientation: [rule(Required, P), rule(Optional, P)],
+    forces: "m1 = M·e1a, m2 = M·(cos α e2a + sin α e3a), m3 = M·e3b",
+    source: "connection type CARDAN, Description",
+    note: "Locks at β = ±π/2: give the stiffest rotation to component 5.",
+    ..ROTATIONAL
+};
+
+static EULER: Half = Half {
+    name: "EULER",
+    slots: [Available(Euler(1)), Available(Euler(2)), Available(Euler(3))],
+    orientation: [rule(Required, P), rule(Optional, P)],
+    forces: "m1 = M·e3a, m2 = M·(cos α e1a + sin α e2a), m3 = M·e3b",
+    source: "connection type EULER, Description; β = ± acos(e3a·e3b) + 2jπ where the page prints + jπ (decision D-3)",
+    note: "Locks where e3a and e3b are parallel: give b an orientation of its own.",
+    ..ROTATIONAL
+};
+
+static FLOW_CONVERTER: Half = Half {
+    name: "FLOW-CONVERTER",
+    class: Class::SpecialisedRotational,
+    slots: [Absent, Absent, Constrained(FlowConversion, Zero(FlowConversion))],
+    orientation: [rule(Required, S), rule(Ignored, S)],
+    planar: StandardOnly,
+    forces: "m3: moment m3 e3a on a, −m3 e3a on b, flow force −βs m3 at b",
+    stops: false,
+    source: "connection type FLOW-CONVERTER, Description; seed RETRACTOR, Summary (decisions D-9, D-28)",
+    note: "Positive from a minus b, opposite to every other rotation; degree of freedom 10 at b must be restrained.",
+    ..ROTATIONAL
+};
+
+static REVOLUTE: Half = Half {
+    name: "REVOLUTE",
+    slots: [
+        Available(Cardan(1)),
+        Constrained(Cardan(2), ZeroOrHeld(Cosine(1, 3))),
+        Constrained(Cardan(3), ZeroOrHeld(Cosine(1, 2))),
+    ],
+    orientation: [rule(Required, S), rule(Optional, S)],
+    forces: "m = m2 e2a + m3 e3a, m_revolute = m1 e1a",
+    source: "seed REVOLUTE, Description and Summary (decisions D-1, D-2)",
+    note: "Axes that do not align initially keep their second and third Cardan angles.",
+    ..ROTATIONAL
+};
+
+static ROTATION: Half = Half {
+    name: "ROTATION",
+    slots: [Available(RotationVector(1)), Available(RotationVector(2)), Available(RotationVector(3))],
+    orientation: [rule(Optional, S), rule(Optional, S)],
+    planar: Always,
+    forces: "m_i = M·eia as printed; work-conjugate: M = A H⁻ᵀ m (decision D-6)",
+    source: "seed ROTATION, Description and Summary (decisions D-6, D-22)",
+    note: "Not suited to behaviour at finite three-dimensional rotation: CARDAN or EULER are.",
+    ..ROTATIONAL
+};
+
+static ROTATION_ACCELEROMETER: Half = Half {
+    name: "ROTATION-ACCELEROMETER",
+    slots: [Measured(RotationVectorAtB(1)), Measured(RotationVectorAtB(2)), Measured(RotationVectorAtB(3))],
+    orientation: [rule(Optional, S), rule(Optional, S)],
+    availability: ExplicitOnly,
+    forces: "none",
+    stops: false,
+    source: "seed ROTATION-ACCELEROMETER, Description and Summary (decision D-7)",
+    note: "Output only: vr_i = (ω_b − ω_a)·eib, ar_i = (α_b − α_a)·eib, which are not time derivatives of ur_i.",
+    ..ROTATIONAL
+};
+
+static UNIVERSAL: Half = Half {
+    name: "UNIVERSAL",
+    slots: [Available(Cardan(1)), Constrained(Cardan(2), ZeroOrHeld(Cosine(1, 3))), Available(Cardan(3))],
+    forces: "m = m2 (cos α e2a + sin α e3a), m_universal = m1 e1a + m3 e3b",
+    source: "connection type UNIVERSAL, Description and Summary (decision D-5)",
+    note: "The shafts are e2a and e2b. A second Cardan angle that is not zero initially is kept.",
+    ..ROTATIONAL
+};
+
+/// Every connection type: basic translational, basic rotational, assembled, complex; alphabetical within each.
+pub static TABLE: &[ConnectionType] = &[
+    ConnectionType::basic(&AXIAL),
+    ConnectionType::basic(&CARTESIAN),
+    ConnectionType::basic(&JOIN),
+    ConnectionType::basic(&LINK),
+    ConnectionType::basic(&SLIDE_PLANE),
+    ConnectionType::basic(&SLOT),
+    ConnectionType::basic(&ALIGN),
+    ConnectionType::basic(&CARDAN),
+    ConnectionType::basic(&EULER),
+    ConnectionType::basic(&FLOW_CONVERTER),
+    ConnectionType::basic(&REVOLUTE),
+    ConnectionType::basic(&ROTATION),
+    ConnectionType::basic(&ROTATION_ACCELEROMETER),
+    ConnectionType::basic(&UNIVERSAL),
+    ConnectionType::assembled("BEAM", &JOIN, &ALIGN, None, "connection type BEAM"),
+    ConnectionType::assembled(
+        "CYLINDRICAL",
+        &SLOT,
+        &REVOLUTE,
+        Some(Friction {
+            parameters: &[required("R"), optional("L"), optional("F_C^int")],
+            criteria: &[FrictionCriterion {
+                tangential: "√(f1² + (m1/R)²)",
+                contact: "√(f2² + f3²) + (2/L) √(m2² + m3²)",
+                output: "CSFC",
+            }],
+            evidence: P,
+        }),
+        "connection type CYLINDRICAL",
+    ),
+    ConnectionType::assembled(
+        "HINGE",
+        &JOIN,
+        &REVOLUTE,
+        Some(Friction {
+            parameters: &[required("R_p"), optional("R_a"), optional("L_s"), optional("M_C^int")],
+            criteria: &[FrictionCriterion {
+                tangential: "|m1|",
+                contact: "R_a |f1| + R_p (√(f2² + f3²) + (2/L_s) √(m2² + m3²))",
+                output: "CSM1",
+            }],
+            evidence: P,
+        }),
+        "connection type HINGE",
+    ),
+    ConnectionType::assembled(
+        "PLANAR",
+        &SLIDE_PLANE,
+        &REVOLUTE,
+        Some(Friction {
+            parameters: &[optional("R"), optional("F_C^int"), optional("M_C^int")],
+            criteria: &[
+                FrictionCriterion {
+                    tangential: "√(f2² + f3²)",
+                    contact: "|f1| + √(m2² + m3²)/R",
+                    output: "CSFC",
+                },
+                FrictionCriterion {
+                    tangential: "|m1|", contact: "R |f1| + √(m2² + m3²)", output: "CSM1"
+                },
+            ],
+            evidence: R,
+        }),
+        "connection type PLANAR (second friction criterion: decision D-11)",
+    ),
+    ConnectionType::assembled("RETRACTOR", &JOIN, &FLOW_CONVERTER, None, "seed RETRACTOR, Summary"),
+    ConnectionType::assembled(
+        "TRANSLATOR",
+        &SLOT,
+        &ALIGN,
+        Some(Friction {
+            parameters: &[optional("R_r"), optional("L"), optional("F_C^int")],
+            criteria: &[FrictionCriterion {
+                tangential: "|f1|",
+                contact: "|m1|/R_r + √(f2² + f3²) + (2/L) √(m2² + m3²)",
+                output: "CSF1",
+            }],
+            evidence: S,
+        }),
+        "seed TRANSLATOR, Friction and Summary (decision D-18)",
+    ),
+    ConnectionType::assembled(
+        "UJOINT",
+        &JOIN,
+        &UNIVERSAL,
+        Some(Friction {
+            parameters: &[
+                required("R_p"),
+                required("L_a"),
+                optional("R_a"),
+                optional("L_s"),
+                optional("M_C1^int"),
+                optional("M_C3^int"),
+            ],
+            criteria: &[
+                FrictionCriterion {
+                    tangential: "|m1|",
+                    contact: "R_a |f·e1a| + R_p (|f − (f·e1a) e1a| + 2|m2|/L_a)",
+                    output: "CSM1",
+                },
+                FrictionCriterion {
+                    tangential: "|m3|",
+                    contact: "R_a |f·e3b| + R_p (|f − (f·e3b) e3b| + 2|m2|/L_a)",
+                    output: "CSM3",
+                },
+            ],
+            evidence: R,
+        }),
+        "connection type UJOINT (friction: decision D-13)",
+    ),
+    ConnectionType::assembled("WELD", &JOIN, &ALIGN, None, "connection type components, WELD"),
+    ConnectionType {
+        name: Cow::Borrowed("SLIPRING"),
+        class: Class::Complex,
+        halves: [None, None],
+        slots: [Available(Strain), Available(Flow(2)), Measured(Flow(1)), Absent, Absent, Absent],
+        orientation: [rule(Ignored, P), rule(Ignored, P)],
+        planar: StandardOnly,
+        availability: Always,
+        forces: ["f = f1 q, q = d/|d|; flow forces −f1 at a, +f1 at b", ""],
+        friction: None,
+        stops: false,
+        flow: [true, true],
+        source: ["connection type SLIPRING, Description (decision D-10: strain = λ − 1)", ""],
+        notes: ["Ψa > 0 where material enters the segment, Ψb > 0 where it leaves it.", ""],
+    },
+];

@@ -1,0 +1,384 @@
+//! The mathematics: scalar functions of the two nodes, each written once, generic over the scalar.
+//!
+//! A [`Measure`] is a function of the relative pair ([`Relative`]): e1a·d, a length, an angle. It knows its formula, unit,
+//! what it depends on, its period, and how far a state is from the points where it or its derivatives do not exist. One
+//! exception is a *one-form* ([`Measure::FlowConversion`]): its rate is given, its value is what the rate accumulates.
+
+use crate::node::{self, DOFS, NodalRates, Pair, Relative};
+use crate::scalar::elementary::{norm, recip};
+use crate::scalar::{Real, Scalar};
+use crate::so3;
+use crate::vector::{self, Matrix, Vector, column, dot, sub};
+use serde::Serialize;
+
+/// A scalar measure of two nodes. Indices are 1-based, as the manual's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Measure {
+    /// e_i^a · d, the coordinate of b in the frame carried by a [length]. CARTESIAN, JOIN, SLOT, SLIDE-PLANE.
+    Position(usize),
+    /// |d| [length]. AXIAL, LINK.
+    Distance,
+    /// |d| / (l₀ + Ψ_a − Ψ_b) − 1, the strain of a belt segment whose material is l₀ long at first [–]. SLIPRING.
+    Strain,
+    /// Ψ_a (1) or Ψ_b (2), the material flow at a node [length]. SLIPRING.
+    Flow(usize),
+    /// e_i^a · e_j^b [–]. The printed constraints of REVOLUTE and UNIVERSAL.
+    Cosine(usize, usize),
+    /// The Cardan angle α (1), β (2) or γ (3) of Q = Rx(α) Ry(β) Rz(γ) [rad].
+    Cardan(usize),
+    /// The Euler angle α (1), β (2) or γ (3) of Q = Rz(α) Rx(β) Rz(γ) [rad].
+    Euler(usize),
+    /// φ_i, the component along e_i^a of the rotation vector that turns a's directions into b's [rad]. ROTATION.
+    RotationVector(usize),
+    /// e_i^b · φ [rad], equal to e_i^a · φ; its rates are the nodal ones resolved in b. ROTATION-ACCELEROMETER.
+    RotationVectorAtB(usize),
+    /// The component along e_i^a of the rotation vector of Q Q₀ᵀ, Q₀ the initial Q [rad]: zero while b keeps its orientation
+    /// relative to a. The constraint of ALIGN, regular at any frozen angles.
+    Misalignment(usize),
+    /// The accumulated e3a·(δθ_a − δθ_b) − β_s δΨ_b [rad]: a one-form, in general not integrable. FLOW-CONVERTER.
+    FlowConversion,
+}
+
+/// What a measure depends on: the declared sparsity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Dependence {
+    /// d.
+    pub translation: bool,
+    /// Q.
+    pub rotation: bool,
+    /// Ψ_a, Ψ_b.
+    pub flow: bool,
+}
+
+/// The unit of a measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Unit {
+    /// A length, in the unit of the scene.
+    Length,
+    /// Radians.
+    Angle,
+    /// A pure number.
+    None,
+}
+
+/// What happens to a measure at the points where it, or a derivative, does not exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SingularClass {
+    /// The value continues, the first derivatives jump with the direction of approach.
+    Kink,
+    /// Derivatives grow without bound as the point is approached.
+    TrueSingularity,
+    /// A principal value jumps by a period; the continued value does not.
+    BranchCut,
+}
+
+/// A set of points where a measure, or a derivative of it, does not exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct SingularSet {
+    /// The set, as a condition on the state.
+    pub at: &'static str,
+    /// What happens there.
+    pub class: SingularClass,
+    /// What the distance to it is measured in.
+    pub distance: &'static str,
+    /// The unit of that distance.
+    pub unit: Unit,
+}
+
+/// The distance of a state to the nearest singular point of a measure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Margin {
+    /// The distance, in [`SingularSet::unit`]; 0 on the set.
+    pub distance: f64,
+    /// The set.
+    pub set: SingularSet,
+}
+
+/// The data of one connector that measures refer to.
+#[derive(Clone, Copy, Debug)]
+pub struct Section<R> {
+    /// Q₀, the initial orientation of b relative to a.
+    pub initial_orientation: Matrix<R>,
+    /// |X_b − X_a|, the initial length of a belt segment.
+    pub initial_length: R,
+    /// The direction, global components and fixed in space, that stands in for (x_b − x_a)/|x_b − x_a| while the nodes of an
+    /// AXIAL coincide. Zero where none was given.
+    pub fixed_direction: Vector<R>,
+    /// β_s, the factor of material flow at b in FLOW-CONVERTER [rad/length]: 1/radius of the drum.
+    pub flow_scale: R,
+}
+
+/// What several measures of one connector share at one state, each part computed at most once.
+pub(crate) struct Shared<'a, S: Scalar> {
+    relative: &'a Relative<S>,
+    section: &'a Section<S::Real>,
+    history: &'a History<S::Real>,
+    /// The triad of a, for directions fixed in space.
+    triad_a: &'a Matrix<S::Real>,
+    rotation_vector: Option<Vector<S>>,
+    misalignment: Option<Vector<S>>,
+}
+
+/// What the past decides about the present value of a measure.
+#[derive(Clone, Copy, Debug)]
+pub struct History<R> {
+    /// The last well-conditioned rotation vector ([`so3::continuous_log`]).
+    pub rotation_vector: Vector<R>,
+    /// The sign s = ±1 of sin β on the sheet of the Euler angles.
+    pub euler_sign: R,
+}
+
+impl<'a, S: Scalar> Shared<'a, S> {
+    pub(crate) fn new(
+        relative: &'a Relative<S>,
+        triad_a: &'a Matrix<S::Real>,
+        section: &'a Section<S::Real>,
+        history: &'a History<S::Real>,
+    ) -> Self {
+        Shared { relative, section, history, triad_a, rotation_vector: None, misalignment: None }
+    }
+
+    fn rotation_vector(&mut self) -> Vector<S> {
+        *self
+            .rotation_vector
+            .get_or_insert_with(|| so3::continuous_log(&self.relative.q, self.history.rotation_vector).phi)
+    }
+
+    fn misalignment(&mut self) -> Vector<S> {
+        *self.misalignment.get_or_insert_with(|| {
+            let mut frozen = [[S::zero(); 3]; 3];
+            for i in 0..3 {
+                for j in 0..3 {
+                    let row = self.section.initial_orientation[j];
+                    frozen[i][j] = vector::dot_real(row, self.relative.q[i]);
+                }
+            }
+            so3::log(&frozen)
+        })
+    }
+}
+
+impl Measure {
+    /// The formula, in the manual's symbols with d = x_b − x_a.
+    pub const fn formula(self) -> &'static str {
+        match self {
+            Self::Position(1) => "e1a·d",
+            Self::Position(2) => "e2a·d",
+            Self::Position(_) => "e3a·d",
+            Self::Distance => "|d|",
+            Self::Strain => "|d|/(l0 + Ψa − Ψb) − 1",
+            Self::Flow(1) => "Ψa",
+            Self::Flow(_) => "Ψb",
+            Self::Cosine(1, 2) => "e1a·e2b",
+            Self::Cosine(1, 3) => "e1a·e3b",
+            Self::Cosine(..) => "eia·ejb",
+            Self::Cardan(1) => "α = atan2(−e2a·e3b, e3a·e3b)",
+            Self::Cardan(2) => "β = atan2(e1a·e3b, |(e2a·e3b, e3a·e3b)|)",
+            Self::Cardan(_) => "γ = atan2(−e1a·e2b, e1a·e1b)",
+            Self::Euler(1) => "α = atan2(s e1a·e3b, −s e2a·e3b)",
+            Self::Euler(2) => "β = s atan2(|(e1a·e3b, e2a·e3b)|, e3a·e3b)",
+            Self::Euler(_) => "γ = atan2(s e3a·e1b, s e3a·e2b)",
+            Self::RotationVector(1) => "φ1 = e1a·φ, eib = exp(φ^) eia",
+            Self::RotationVector(2) => "φ2 = e2a·φ, eib = exp(φ^) eia",
+            Self::RotationVector(_) => "φ3 = e3a·φ, eib = exp(φ^) eia",
+            Self::RotationVectorAtB(1) => "φ1 = e1b·φ, eib = exp(φ^) eia",
+            Self::RotationVectorAtB(2) => "φ2 = e2b·φ, eib = exp(φ^) eia",
+            Self::RotationVectorAtB(_) => "φ3 = e3b·φ, eib = exp(φ^) eia",
+            Self::Misalignment(1) => "e1a·log(Q Q0ᵀ)",
+            Self::Misalignment(2) => "e2a·log(Q Q0ᵀ)",
+            Self::Misalignment(_) => "e3a·log(Q Q0ᵀ)",
+            Self::FlowConversion => "∫ e3a·(δθa − δθb) − βs δΨb",
+        }
+    }
+
+    /// The manual's symbol of the position, as used in stops: l, x, α, φ1 …
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Position(1) => "x",
+            Self::Position(2) => "y",
+            Self::Position(_) => "z",
+            Self::Distance => "l",
+            Self::Strain => "λ − 1",
+            Self::Flow(1) => "Ψa",
+            Self::Flow(_) => "Ψb",
+            Self::Cosine(..) => "cos",
+            Self::Cardan(1) | Self::Euler(1) => "α",
+            Self::Cardan(2) | Self::Euler(2) => "β",
+            Self::Cardan(_) | Self::Euler(_) => "γ",
+            Self::RotationVector(1) | Self::RotationVectorAtB(1) => "φ1",
+            Self::RotationVector(2) | Self::RotationVectorAtB(2) => "φ2",
+            Self::RotationVector(_) | Self::RotationVectorAtB(_) => "φ3",
+            Self::Misalignment(_) => "ρ",
+            Self::FlowConversion => "ur3",
+        }
+    }
+
+    /// The unit of the value.
+    pub const fn unit(self) -> Unit {
+        match self {
+            Self::Position(_) | Self::Distance | Self::Flow(_) => Unit::Length,
+            Self::Strain | Self::Cosine(..) => Unit::None,
+            _ => Unit::Angle,
+        }
+    }
+
+    /// What the measure depends on. Derivatives with respect to the rest are exactly zero, and are not computed.
+    pub const fn dependence(self) -> Dependence {
+        let (translation, rotation, flow) = match self {
+            Self::Position(_) | Self::Distance => (true, false, false),
+            Self::Strain => (true, false, true),
+            Self::Flow(_) => (false, false, true),
+            Self::FlowConversion => (false, true, true),
+            _ => (false, true, false),
+        };
+        Dependence { translation, rotation, flow }
+    }
+
+    /// The period by which the principal value jumps and the continued value does not: 2π for an angle that winds.
+    pub const fn winds(self) -> bool {
+        matches!(self, Self::Cardan(1 | 3) | Self::Euler(_))
+    }
+
+    /// Whether this is a one-form, judged by its rates: [`Measure::one_form`] gives its row.
+    pub const fn is_one_form(self) -> bool {
+        matches!(self, Self::FlowConversion)
+    }
+
+    /// Whether velocity and acceleration are the nodal ones resolved in b, rather than time derivatives of the value.
+    pub const fn has_nodal_rates(self) -> bool {
+        matches!(self, Self::RotationVectorAtB(_))
+    }
+
+    /// The points where the measure, or a derivative of it, does not exist.
+    pub const fn singular_set(self) -> Option<SingularSet> {
+        let (at, class, distance, unit) = match self {
+            Self::Distance => ("coincident nodes, d = 0", SingularClass::Kink, "|d|", Unit::Length),
+            Self::Strain => {
+                ("d = 0, or no material left", SingularClass::Kink, "min(|d|, l0 + Ψa − Ψb)", Unit::Length)
+            }
+            Self::Cardan(1 | 3) => {
+                ("β = ±π/2 (lock)", SingularClass::TrueSingularity, "π/2 − |β|", Unit::Angle)
+            }
+            Self::Cardan(_) => ("β = ±π/2 (lock)", SingularClass::Kink, "π/2 − |β|", Unit::Angle),
+            Self::Euler(2) => {
+                ("e3a ∥ e3b (lock)", SingularClass::Kink, "angle of e3a, e3b to 0 or π", Unit::Angle)
+            }
+            Self::Euler(_) => (
+                "e3a ∥ e3b (lock)",
+                SingularClass::TrueSingularity,
+                "angle of e3a, e3b to 0 or π",
+                Unit::Angle,
+            ),
+            Self::RotationVector(_) | Self::RotationVectorAtB(_) => {
+                ("|φ| = 2πk, k ≠ 0", SingularClass::TrueSingularity, "||φ| − 2πk|", Unit::Angle)
+            }
+            Self::Misalignment(_) => (
+                "b turned by π from its initial orientation",
+                SingularClass::BranchCut,
+                "π − |ρ|",
+                Unit::Angle,
+            ),
+            Self::Position(_) | Self::Flow(_) | Self::Cosine(..) | Self::FlowConversion => return None,
+        };
+        Some(SingularSet { at, class, distance, unit })
+    }
+
+    /// The distance of a state to the nearest point of [`Measure::singular_set`], `None` where there is no such point.
+    pub fn margin(
+        self,
+        relative: &Relative<f64>,
+        section: &Section<f64>,
+        history: &History<f64>,
+    ) -> Option<Margin> {
+        let set = self.singular_set()?;
+        let q = &relative.q;
+        let distance = match self {
+            Self::Distance => norm(relative.d),
+            Self::Strain => {
+                norm(relative.d).min(section.initial_length + relative.flow[0] - relative.flow[1]).max(0.0)
+            }
+            Self::Cardan(_) => norm([q[1][2], q[2][2]]).atan2(q[0][2].abs()),
+            Self::Euler(_) => norm([q[0][2], q[1][2]]).atan2(q[2][2].abs()),
+            Self::RotationVector(_) | Self::RotationVectorAtB(_) => {
+                let angle = norm(so3::continuous_log(q, history.rotation_vector).phi);
+                let turn = std::f64::consts::TAU;
+                let nearest = (angle / turn).round().max(1.0);
+                (angle - nearest * turn).abs()
+            }
+            Self::Misalignment(_) => {
+                let frozen = vector::product(q, &vector::transpose(&section.initial_orientation));
+                (std::f64::consts::PI - norm(so3::log(&frozen))).max(0.0)
+            }
+            Self::Position(_) | Self::Flow(_) | Self::Cosine(..) | Self::FlowConversion => return None,
+        };
+        Some(Margin { distance, set })
+    }
+
+    /// The principal value on any scalar. Angles that wind are in (−π, π]; a one-form, which has no function, gives 0.
+    pub(crate) fn evaluate<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
+        let Relative { d, q, flow } = *shared.relative;
+        match self {
+            Self::Position(i) => d[i - 1],
+            Self::Distance => {
+                let length = norm(d);
+                let fixed = vector::apply_transposed(shared.triad_a, shared.section.fixed_direction);
+                S::Real::choose(
+                    S::Real::integer(0).less(length.real()),
+                    || length,
+                    || vector::dot_real(fixed, d),
+                )
+            }
+            Self::Strain => {
+                let material = S::from_real(shared.section.initial_length) + flow[0] - flow[1];
+                norm(d) * recip(material) - S::one()
+            }
+            Self::Flow(i) => flow[i - 1],
+            Self::Cosine(i, j) => q[i - 1][j - 1],
+            Self::Cardan(1) => so3::cardan_first(&q),
+            Self::Cardan(2) => so3::cardan_second(&q),
+            Self::Cardan(_) => so3::cardan_third(&q),
+            Self::Euler(i) => so3::euler_angle(&q, shared.history.euler_sign, i),
+            Self::RotationVector(i) | Self::RotationVectorAtB(i) => shared.rotation_vector()[i - 1],
+            Self::Misalignment(i) => shared.misalignment()[i - 1],
+            Self::FlowConversion => S::zero(),
+        }
+    }
+
+    /// The row of the one-form, in the order of [`node::DOF`]: e3a on θ_a, −e3a on θ_b, −β_s on Ψ_b. Zero for a function.
+    pub(crate) fn one_form<S: Scalar>(self, triad_a: &Matrix<S>, section: &Section<S::Real>) -> [S; DOFS] {
+        match self {
+            Self::FlowConversion => node::flow_conversion_row(column(triad_a, 2), section.flow_scale),
+            _ => [S::zero(); DOFS],
+        }
+    }
+
+    /// Velocity and acceleration by nodal rates resolved in b: vr_i = (ω_b − ω_a)·e_i^b, ar_i = (α_b − α_a)·e_i^b
+    /// (seed ROTATION-ACCELEROMETER). Neither is the time derivative of the value, nor the second that of the first.
+    pub(crate) fn nodal_rates<R: Real>(
+        self,
+        pair: &Pair<R>,
+        velocity: &NodalRates<R>,
+        acceleration: &NodalRates<R>,
+    ) -> Option<[R; 2]> {
+        let Self::RotationVectorAtB(i) = self else { return None };
+        let direction = column(&pair.b.triad, i - 1);
+        let resolved = |rates: &NodalRates<R>| {
+            dot(sub(node::spin(rates, node::End::B), node::spin(rates, node::End::A)), direction)
+        };
+        Some([resolved(velocity), resolved(acceleration)])
+    }
+
+    /// The direction, in global components, about which whole turns of the nodes advance this angle; `None` for measures that
+    /// do not wind.
+    pub(crate) fn winding_axis(self, pair: &Pair<f64>) -> Option<Vector<f64>> {
+        match self {
+            Self::Cardan(1) => Some(column(&pair.a.triad, 0)),
+            Self::Cardan(3) => Some(column(&pair.b.triad, 2)),
+            Self::Euler(1) => Some(column(&pair.a.triad, 2)),
+            Self::Euler(3) => Some(column(&pair.b.triad, 2)),
+            _ => None,
+        }
+    }
+}
