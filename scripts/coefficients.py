@@ -73,7 +73,7 @@ def rust():
         lines.append(f"pub(super) const {name}: [f64; {degree + 1}] = [")
         lines += [f"    {float(c)!r}," for c in reversed(fit)]
         lines += ["];", ""]
-    return "\n".join(lines)[:-1]
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":

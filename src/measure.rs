@@ -4,7 +4,7 @@
 //! what it depends on, its period, and how far a state is from the points where it or its derivatives do not exist. One
 //! exception is a *one-form* ([`Measure::FlowConversion`]): its rate is given, its value is what the rate accumulates.
 
-use crate::node::{self, DOFS, NodalRates, Pair, Relative};
+use crate::node::{self, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::elementary::{norm, recip};
 use crate::scalar::{Real, Scalar};
 use crate::so3;
@@ -37,17 +37,6 @@ pub enum Measure {
     Misalignment(usize),
     /// The accumulated e3a·(δθ_a − δθ_b) − β_s δΨ_b [rad]: a one-form, in general not integrable. FLOW-CONVERTER.
     FlowConversion,
-}
-
-/// What a measure depends on: the declared sparsity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Dependence {
-    /// d.
-    pub translation: bool,
-    /// Q.
-    pub rotation: bool,
-    /// Ψ_a, Ψ_b.
-    pub flow: bool,
 }
 
 /// The unit of a measure.
@@ -372,7 +361,7 @@ impl Measure {
 
     /// The direction, in global components, about which whole turns of the nodes advance this angle; `None` for measures that
     /// do not wind.
-    pub(crate) fn winding_axis(self, pair: &Pair<f64>) -> Option<Vector<f64>> {
+    pub(crate) fn winding_axis<R: Real>(self, pair: &Pair<R>) -> Option<Vector<R>> {
         match self {
             Self::Cardan(1) => Some(column(&pair.a.triad, 0)),
             Self::Cardan(3) => Some(column(&pair.b.triad, 2)),

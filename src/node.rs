@@ -29,12 +29,12 @@ pub const DOF: [&str; DOFS] =
 /// The degree of freedom number of the manual (1 … 6, 10) of each entry of [`DOF`].
 pub const DOF_NUMBER: [u8; DOFS] = [1, 2, 3, 4, 5, 6, 10, 1, 2, 3, 4, 5, 6, 10];
 
-const XA: usize = 0;
-const THETA_A: usize = 3;
-const PSI_A: usize = 6;
-const XB: usize = 7;
-const THETA_B: usize = 10;
-const PSI_B: usize = 13;
+pub(crate) const XA: usize = 0;
+pub(crate) const THETA_A: usize = 3;
+pub(crate) const PSI_A: usize = 6;
+pub(crate) const XB: usize = 7;
+pub(crate) const THETA_B: usize = 10;
+pub(crate) const PSI_B: usize = 13;
 
 /// Node a or node b of a connector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
@@ -78,6 +78,28 @@ pub struct Relative<S: Scalar> {
     pub q: Matrix<S>,
     /// Ψ_a and Ψ_b [length].
     pub flow: [S; 2],
+}
+
+/// What a measure depends on: the declared sparsity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Dependence {
+    /// d.
+    pub translation: bool,
+    /// Q.
+    pub rotation: bool,
+    /// Ψ_a, Ψ_b.
+    pub flow: bool,
+}
+
+impl Dependence {
+    /// What either depends on.
+    pub const fn or(self, other: Self) -> Self {
+        Self {
+            translation: self.translation || other.translation,
+            rotation: self.rotation || other.rotation,
+            flow: self.flow || other.flow,
+        }
+    }
 }
 
 /// The first derivatives of a measure with respect to the relative variations, global components.
@@ -127,27 +149,38 @@ impl<S: Scalar> Pair<S> {
 impl<R: Real> Pair<R> {
     /// The relative pair moved by nilpotent variations: d = Aᵀ(x_b − x_a + δ), Q = Aᵀ exp(ρ^) B.
     ///
-    /// The exponential is its own Taylor polynomial, exact to the order of `S`.
+    /// The exponential is its own Taylor polynomial, exact to the order of `S`. Parts that are not `needed` are zero, and not
+    /// computed.
     #[inline(always)]
-    pub fn varied<S: Scalar<Real = R>>(&self, delta: Vector<S>, rho: Vector<S>, flow: [S; 2]) -> Relative<S> {
-        let separation = self.separation();
+    pub fn varied<S: Scalar<Real = R>>(
+        &self,
+        needed: Dependence,
+        delta: Vector<S>,
+        rho: Vector<S>,
+        flow: [S; 2],
+    ) -> Relative<S> {
         let (a, b) = (&self.a.triad, &self.b.triad);
         let mut q = [[S::zero(); 3]; 3];
         let mut d = [S::zero(); 3];
-        for j in 0..3 {
-            let direction = column(b, j);
-            let mut turned = cross_real(rho, direction);
-            let mut term = turned;
-            for n in 2..=S::ORDER as i32 {
-                term = scale(cross(rho, term), R::ratio(1, n));
-                turned = add(turned, term);
-            }
-            for i in 0..3 {
-                q[i][j] = S::from_real(dot(column(a, i), direction)) + dot_real(column(a, i), turned);
+        if needed.rotation {
+            for j in 0..3 {
+                let direction = column(b, j);
+                let mut turned = cross_real(rho, direction);
+                let mut term = turned;
+                for n in 2..=S::ORDER as i32 {
+                    term = scale(cross(rho, term), R::ratio(1, n));
+                    turned = add(turned, term);
+                }
+                for i in 0..3 {
+                    q[i][j] = S::from_real(dot(column(a, i), direction)) + dot_real(column(a, i), turned);
+                }
             }
         }
-        for i in 0..3 {
-            d[i] = S::from_real(dot(column(a, i), separation)) + dot_real(column(a, i), delta);
+        if needed.translation {
+            let separation = self.separation();
+            for i in 0..3 {
+                d[i] = S::from_real(dot(column(a, i), separation)) + dot_real(column(a, i), delta);
+            }
         }
         Relative { d, q, flow: [S::from_real(self.a.flow) + flow[0], S::from_real(self.b.flow) + flow[1]] }
     }
@@ -201,7 +234,14 @@ impl<R: Real> Pair<R> {
     ///
     /// Besides Lᵀ H L, the second variations of the map: δ has −θ_a × (x_b − x_a variation) + ½ θ_a × (θ_a × D), ρ has
     /// −½ θ_a × θ_b (Baker, Campbell and Hausdorff).
-    pub fn nodal_hessian(&self, gradient: &RelativeGradient<R>, relative: &[[R; 8]; 8]) -> [[R; DOFS]; DOFS] {
+    ///
+    /// Rows and columns of degrees of freedom that are not `active` are zero, and not computed.
+    pub fn nodal_hessian(
+        &self,
+        gradient: &RelativeGradient<R>,
+        relative: &[[R; 8]; 8],
+        active: &[bool; DOFS],
+    ) -> [[R; DOFS]; DOFS] {
         let zero = R::integer(0);
         let separation = self.separation();
         // The columns of L: the relative variation (δ, ρ, Ψ_a, Ψ_b) of each nodal degree of freedom.
@@ -221,14 +261,14 @@ impl<R: Real> Pair<R> {
         map[PSI_B][7] = one;
 
         let mut hessian = [[zero; DOFS]; DOFS];
-        for j in 0..DOFS {
+        for j in (0..DOFS).filter(|j| active[*j]) {
             let mut image = [zero; 8];
             for (entry, row) in image.iter_mut().zip(relative) {
                 for (x, m) in row.iter().zip(&map[j]) {
                     *entry = *entry + *x * *m;
                 }
             }
-            for k in 0..DOFS {
+            for k in (0..DOFS).filter(|k| active[*k]) {
                 for (x, m) in image.iter().zip(&map[k]) {
                     hessian[j][k] = hessian[j][k] + *x * *m;
                 }
@@ -236,20 +276,30 @@ impl<R: Real> Pair<R> {
         }
 
         let (g, h) = (gradient.translation, gradient.rotation);
+        if !active[THETA_A..PSI_A].contains(&true) {
+            return hessian; // the map is linear in the other degrees of freedom
+        }
+        let mut add_symmetric = |j: usize, k: usize, amount: R| {
+            if active[j] && active[k] {
+                hessian[j][k] = hessian[j][k] + amount;
+                hessian[k][j] = hessian[k][j] + amount;
+            }
+        };
         let half = R::ratio(1, 2);
         let (spin_g, spin_h) = (skew(g), skew(h));
         let along = dot(g, separation);
         for i in 0..3 {
             for j in 0..3 {
                 let lever = spin_g[i][j];
-                add_symmetric(&mut hessian, THETA_A + i, XB + j, lever);
-                add_symmetric(&mut hessian, THETA_A + i, XA + j, -lever);
-                add_symmetric(&mut hessian, THETA_A + i, THETA_B + j, half * spin_h[i][j]);
-                let mut centripetal = half * (g[i] * separation[j] + g[j] * separation[i]);
+                add_symmetric(THETA_A + i, XB + j, lever);
+                add_symmetric(THETA_A + i, XA + j, -lever);
+                add_symmetric(THETA_A + i, THETA_B + j, half * spin_h[i][j]);
+                // Half of the symmetric entry, since both (i, j) and (j, i) are visited.
+                let mut centripetal = half * half * (g[i] * separation[j] + g[j] * separation[i]);
                 if i == j {
-                    centripetal = centripetal - along;
+                    centripetal = centripetal - half * along;
                 }
-                hessian[THETA_A + i][THETA_A + j] = hessian[THETA_A + i][THETA_A + j] + centripetal;
+                add_symmetric(THETA_A + i, THETA_A + j, centripetal);
             }
         }
         hessian
@@ -287,11 +337,6 @@ pub(crate) fn skew<R: Real>(v: Vector<R>) -> Matrix<R> {
     [[zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero]]
 }
 
-fn add_symmetric<R: Real>(matrix: &mut [[R; DOFS]; DOFS], i: usize, j: usize, amount: R) {
-    matrix[i][j] = matrix[i][j] + amount;
-    matrix[j][i] = matrix[j][i] + amount;
-}
-
 /// The row of a one-form that acts along a direction e carried by node a, on the rotation of a against that of b, and on the
 /// flow at b: e·(δθ_a − δθ_b) − β_s δΨ_b, in the order of [`DOF`].
 pub(crate) fn flow_conversion_row<S: Scalar>(direction: Vector<S>, scale_factor: S::Real) -> [S; DOFS] {
@@ -303,9 +348,6 @@ pub(crate) fn flow_conversion_row<S: Scalar>(direction: Vector<S>, scale_factor:
     row[PSI_B] = S::from_real(-scale_factor);
     row
 }
-
-/// The nodal degrees of freedom on which the direction of a one-form carried by node a depends.
-pub(crate) const CARRIER: [usize; 3] = [THETA_A, THETA_A + 1, THETA_A + 2];
 
 /// The rotational rates of a node within [`NodalRates`].
 pub(crate) fn spin<R: Real>(rates: &NodalRates<R>, end: End) -> Vector<R> {

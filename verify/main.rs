@@ -2,3 +2,4 @@
 
 mod numerics; // how exact the elementary functions and the rotations are
 mod tolerance; // every tolerance, with the cause of the odd ones
+mod wide; // the 237-bit scalar against mpmath

@@ -131,13 +131,15 @@ impl Real for f64 {
         if order == 0 {
             return k;
         }
-        if c > 0.5 {
-            let y = 0.5 * (1.0 - c);
+        let y = 0.5 * (1.0 - c);
+        if order <= 2 && c > 0.5 {
             k[1] = polynomial(&LOG_1, y);
-            if order > 1 {
+            if order == 2 {
                 k[2] = polynomial(&LOG_2, y);
             }
-            for (n, coefficient) in k.iter_mut().enumerate().take(order + 1).skip(3) {
+        } else if order > 2 && c > 0.0 {
+            // The recurrence below subtracts for positive c, which the third and fourth coefficient would feel.
+            for (n, coefficient) in k.iter_mut().enumerate().take(order + 1).skip(1) {
                 *coefficient = log_power_series(y, n);
             }
         } else {
@@ -227,12 +229,12 @@ fn bessel_power_series(square: f64, n: usize) -> f64 {
     sum
 }
 
-/// K⁽ⁿ⁾(c)/n! by its power series in y = (1 − c)/2 ≤ 1/4, all of whose terms have one sign.
+/// K⁽ⁿ⁾(c)/n! by its power series in y = (1 − c)/2 ≤ 1/2, all of whose terms have one sign.
 fn log_power_series(y: f64, n: usize) -> f64 {
     let mut weight = 2.0; // 2 (2i)!!/(2i + 1)!!
     let mut sum = 0.0;
     let mut power = 1.0; // C(i, n) y^(i − n)
-    for i in 0..n + 40 {
+    for i in 0..n + 70 {
         if i >= n {
             sum += weight * power;
             power *= y * (i + 1) as f64 / (i + 1 - n) as f64;

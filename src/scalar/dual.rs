@@ -1,6 +1,6 @@
 //! num-dual's dual numbers as [`Scalar`]s: one line per type, for any innermost number and any nesting.
 
-use super::{Real, Scalar};
+use super::{Real, Scalar, Wide};
 use nalgebra::{Const, SMatrix};
 use num_dual::{Derivative, Dual, Dual2, Dual2SVec, Dual3, DualNumCopy, DualSVec, HyperDual, HyperHyperDual};
 
@@ -168,4 +168,4 @@ macro_rules! differentiable {
     )* };
 }
 
-differentiable!(f64);
+differentiable!(f64, Wide);

@@ -32,7 +32,7 @@ use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub use dual::{Differentiable, Seeded};
-// pub use wide::Wide;
+pub use wide::Wide;
 
 /// The highest order of derivative that any [`Scalar`] carries: 4, as in a `Dual2` of `Dual2`.
 pub const MAX_ORDER: usize = 4;
