@@ -1,3 +1,5 @@
 //! The tests.
 
-mod wide;
+mod numerics; // how exact the elementary functions and the rotations are
+mod tolerance; // every tolerance, with the cause of the odd ones
+mod wide; // the 237-bit scalar against mpmath
