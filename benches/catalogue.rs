@@ -31,16 +31,7 @@ fn pair(seed: f64) -> Pair<f64> {
 }
 
 fn definition(connection: &ConnectionType) -> Definition {
-    Definition {
-        connection: connection.clone(),
-        initial: pair(0.0),
-        flow_scale: 50.0,
-        fixed_direction: [0.0; 3],
-        references: [None; 6],
-        stops: [None; 6],
-        planar: false,
-        moves: [true; 2],
-    }
+    Definition { flow_scale: 50.0, ..Definition::new(connection.clone(), pair(0.0)) }
 }
 
 fn exact<R: Differentiable>(pair: &Pair<f64>) -> State<R> {

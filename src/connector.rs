@@ -231,6 +231,22 @@ pub struct Definition {
     pub moves: [bool; 2],
 }
 
+impl Definition {
+    /// A three-dimensional connector between two nodes that move, with β_s = 1 and neither references nor stops.
+    pub const fn new(connection: ConnectionType, initial: Pair<f64>) -> Self {
+        Self {
+            connection,
+            initial,
+            flow_scale: 1.0,
+            fixed_direction: [0.0; 3],
+            references: [None; 6],
+            stops: [None; 6],
+            planar: false,
+            moves: [true; 2],
+        }
+    }
+}
+
 /// A component of one connector, resolved.
 #[derive(Clone, Copy, Debug)]
 struct Row<R> {
@@ -1006,16 +1022,7 @@ mod tests {
     fn nodal_maps_equal_naive_seeding() {
         for entry in crate::catalog::TABLE {
             let initial = pair(0.2);
-            let definition = Definition {
-                connection: entry.clone(),
-                initial,
-                flow_scale: 50.0,
-                fixed_direction: [0.0; 3],
-                references: [None; 6],
-                stops: [None; 6],
-                planar: false,
-                moves: [true; 2],
-            };
+            let definition = Definition { flow_scale: 50.0, ..Definition::new(entry.clone(), initial) };
             let connector = Connector::<f64>::new(&definition);
             let mut state = State { pair: pair(0.25), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
             state.pair.reference = initial.reference;

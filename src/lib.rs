@@ -62,16 +62,8 @@
 //! // A REVOLUTE whose node b has turned by 0.3 rad about the shared axis e1.
 //! let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
 //! let initial = Pair { reference: [0.0; 3], a: node(vector::identity()), b: node(vector::identity()) };
-//! let connector = Connector::<f64>::new(&Definition {
-//!     connection: ConnectionType::named("REVOLUTE", None)?,
-//!     initial,
-//!     flow_scale: 1.0,
-//!     fixed_direction: [0.0; 3],
-//!     references: [None; 6],
-//!     stops: [None; 6],
-//!     planar: false,
-//!     moves: [true, true],
-//! });
+//! let definition = Definition::new(ConnectionType::named("REVOLUTE", None)?, initial);
+//! let connector = Connector::<f64>::new(&definition);
 //! let turned = Pair { b: node(so3::matrix(so3::exp([0.3, 0.0, 0.0]))), ..initial };
 //! let state = State { pair: turned, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
 //! let (branch, mut tally) = (connector.initial_branch(), Tally::default());
