@@ -1,3 +1,4 @@
 //! pintle (crate page to come)
 
 pub mod scalar;
+pub mod scene;

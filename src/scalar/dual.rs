@@ -2,9 +2,7 @@
 
 use super::{Real, Scalar};
 use nalgebra::{Const, SMatrix};
-use num_dual::{
-    Derivative, Dual, Dual2, Dual2SVec, Dual3, DualNumCopy, DualSVec, HyperDual, HyperHyperDual,
-};
+use num_dual::{Derivative, Dual, Dual2, Dual2SVec, Dual3, DualNumCopy, DualSVec, HyperDual, HyperHyperDual};
 
 /// Derivative parts of a dual number: plain numbers of the inner type, or num-dual's optional matrices of them.
 trait Part<T: Scalar> {

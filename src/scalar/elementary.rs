@@ -129,7 +129,8 @@ pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
     }
     // With p_ij = u_j e_i − u_i e_j: the part of e across u is Σ_j p_ij u_j, and its square Σ_{i<j} p_ij²; neither needs the
     // subtraction e − a u. The tangent t = (part across u) / (n + a).
-    let g = if S::ORDER == 1 { S::from_real(inverse) } else { inverse_one_plus(a.scale(inverse)).scale(inverse) };
+    let g =
+        if S::ORDER == 1 { S::from_real(inverse) } else { inverse_one_plus(a.scale(inverse)).scale(inverse) };
     let mut tangent = [S::zero(); N];
     let mut rise = S::zero(); // (n + a) t·t
     let mut tt = S::zero();
