@@ -103,11 +103,13 @@ impl Request {
         Self { outputs: Output::ALL.to_vec(), components: [true; 6], order }
     }
 
-    fn wants(&self, output: Output) -> bool {
+    /// Whether an output is asked for.
+    pub fn wants(&self, output: Output) -> bool {
         self.outputs.contains(&output)
     }
 
-    fn wants_any(&self, outputs: &[Output]) -> bool {
+    /// Whether any of these outputs is asked for.
+    pub fn wants_any(&self, outputs: &[Output]) -> bool {
         outputs.iter().any(|output| self.wants(*output))
     }
 }
@@ -956,12 +958,26 @@ impl Connector<f64> {
         &self.stops
     }
 
-    /// The distance of each component, in what is differentiated and in its position, to the nearest singular set.
-    pub fn margins(&self, state: &State<f64>, branch: &Branch<f64>) -> Components<Margin> {
+    /// The distance of each of the components asked for, in what is differentiated and in its position, to the nearest
+    /// singular set.
+    pub fn margins(
+        &self,
+        state: &State<f64>,
+        branch: &Branch<f64>,
+        components: &[bool; 6],
+    ) -> Components<Margin> {
+        let candidates = [0, 1, 2, 3, 4, 5].map(|k| {
+            let row = self.rows[k].filter(|_| components[k])?;
+            let singular = |measure: Measure| measure.singular_set().is_some();
+            (singular(row.differentiated) || singular(row.position)).then_some(row)
+        });
+        if candidates.iter().all(Option::is_none) {
+            return [None; 6];
+        }
         let relative = state.pair.relative();
         let history = History { rotation_vector: branch.rotation_vector, euler_sign: branch.euler_sign };
-        [0, 1, 2, 3, 4, 5].map(|k| {
-            let row = self.rows[k]?;
+        candidates.map(|row| {
+            let row = row?;
             let of = |measure: Measure| measure.margin(&relative, &self.section, &history);
             match (of(row.differentiated), of(row.position)) {
                 (Some(x), Some(y)) => Some(if x.distance <= y.distance { x } else { y }),

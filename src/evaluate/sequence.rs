@@ -73,7 +73,7 @@ pub struct ConnectorResult {
     pub evaluation: Evaluation<f64>,
     /// CSLST.
     pub stops: Components<StopStatus>,
-    /// MARGIN.
+    /// MARGIN, always there: flags follow from it.
     pub margins: Components<Margin>,
     /// What needs care.
     pub flags: Vec<Flag>,
@@ -195,8 +195,7 @@ impl<'a> Sequence<'a> {
         } else {
             [None; 6]
         };
-        let margins =
-            if self.plan.wants_margins { connector.margins(&state, &evaluation.branch) } else { [None; 6] };
+        let margins = connector.margins(&state, &evaluation.branch, &request.components);
         let flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
         self.branches.connectors.insert(element.label, evaluation.branch);
         ConnectorResult { index, evaluation, stops, margins, flags }
