@@ -5,6 +5,10 @@ pub mod connector;
 pub mod measure;
 pub mod mpc;
 pub mod node;
+pub mod report;
 pub mod scalar;
 pub mod so3;
 pub mod vector;
+
+/// The version of this crate, as every report states it.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
