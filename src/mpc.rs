@@ -150,8 +150,9 @@ impl<R: Differentiable> Revolute<R> {
             }
             moving
         };
-        let of_angle = request.wants_any(&[Output::CV, Output::CA]);
-        let of_residual = request.wants_any(&[Output::RESV, Output::RESA]);
+        let wants = |wanted: &[Output]| request.outputs().any(|output| wanted.contains(&output));
+        let of_angle = wants(&[Output::CV, Output::CA]);
+        let of_residual = wants(&[Output::RESV, Output::RESA]);
         let (principal, angle_rates) = if of_angle {
             tally.rates += 1;
             let angle = self.implied_angle(state, along(&state.acceleration));
@@ -187,7 +188,7 @@ impl<R: Differentiable> Revolute<R> {
             tally.values += 3;
             evaluation.residual = self.violation(state, joint, [zero; DOFS]);
         }
-        if request.wants(Output::RESB) {
+        if wants(&[Output::RESB]) {
             tally.rates += 3;
             let still = self.violation(state, joint, along(&[zero; DOFS]));
             evaluation.residual_bias = Some(still.map(|moving| R::rates(moving).1));

@@ -23,8 +23,8 @@ pub const COMPONENT: [&str; 6] = ["u1", "u2", "u3", "ur1", "ur2", "ur3"];
 /// The names of the conjugate forces and moments, in order.
 pub const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
 
-/// How well a fact is documented.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// How well a fact is documented, best first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum Evidence {
     /// Printed in a seed document.
     S,
