@@ -2,11 +2,13 @@
 
 pub mod catalog;
 pub mod connector;
+pub mod evaluate;
 pub mod measure;
 pub mod mpc;
 pub mod node;
 pub mod report;
 pub mod scalar;
+pub mod scene;
 pub mod so3;
 pub mod vector;
 

@@ -247,8 +247,7 @@ impl<'a> Sequence<'a> {
             acceleration: combined(|node| &node.accelerations),
         };
         let key = element.nodes.map(|label| label.to_string()).join("-");
-        let before =
-            self.branches.joints.get(&key).copied().unwrap_or(Turns { turns: 0.0, principal: 0.0 });
+        let before = self.branches.joints.get(&key).copied().unwrap_or(Turns { turns: 0.0, principal: 0.0 });
         let whole = sub(slave.whole_turns, master.whole_turns);
         let evaluation =
             element.constraint.evaluate(&state, &before, whole, &self.plan.request, &mut self.tally);
