@@ -312,14 +312,17 @@ impl SourceCode for Excerpt {
     }
 }
 
+/// The message; before it the file, and the line, unless [`render`](Diagnostic::render) shows them with an excerpt.
 impl Display for Diagnostic {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let parts = &self.0;
-        match (parts.file.as_str(), self.line()) {
-            ("", _) => Ok(()),
-            (file, Some(line)) => write!(formatter, "{file}:{line}: "),
-            (file, None) => write!(formatter, "{file}: "),
-        }?;
+        if parts.excerpt.is_none() && !parts.file.is_empty() {
+            write!(formatter, "{}:", parts.file)?;
+            if let Some(line) = self.line() {
+                write!(formatter, "{line}:")?;
+            }
+            formatter.write_str(" ")?;
+        }
         formatter.write_str(&parts.message)
     }
 }

@@ -293,17 +293,19 @@ fn place(position: &csv::Position) -> Span {
     Span::new(0, u32::try_from(position.line()).unwrap_or(u32::MAX), position.byte(), 0)
 }
 
+/// The first line of a record, after the blank lines and comments that its position may include.
 fn row_span(record: &csv::StringRecord, text: &str) -> Span {
     let Some(position) = record.position() else { return Span::default() };
-    let start = usize::try_from(position.byte()).unwrap_or(usize::MAX);
-    let rest = text.get(start..).unwrap_or_default();
-    let lead = rest.len() - rest.trim_start_matches(['\r', '\n']).len();
-    let length = rest.trim_start_matches(['\r', '\n']).lines().next().map_or(0, str::len);
-    let skipped = rest.get(..lead).unwrap_or_default().matches('\n').count();
-    let line = u32::try_from(position.line())
-        .unwrap_or(u32::MAX)
-        .saturating_add(u32::try_from(skipped).unwrap_or(0));
-    Span::new(0, line, (start + lead) as u64, length)
+    let (mut start, mut line) = (position.byte(), u32::try_from(position.line()).unwrap_or(u32::MAX));
+    let rest = usize::try_from(start).ok().and_then(|start| text.get(start..)).unwrap_or_default();
+    for whole in rest.split_inclusive('\n') {
+        let content = whole.trim_end();
+        if !content.is_empty() && !content.starts_with('#') {
+            return Span::new(0, line, start, content.len());
+        }
+        (start, line) = (start + whole.len() as u64, line.saturating_add(1));
+    }
+    Span::new(0, line, start, 0)
 }
 
 fn header_columns(record: &csv::StringRecord, span: Span) -> Result<Vec<&'static str>> {
