@@ -71,6 +71,7 @@ codes! {
     MissingParameter = "deck::missing-parameter": "A parameter that the keyword needs is not there.";
     RepeatedParameter = "deck::repeated-parameter": "A parameter stands twice on one keyword line.";
     BadParameterValue = "deck::bad-parameter-value": "The value of a parameter is missing, superfluous or not one of those allowed.";
+    RepeatedSuboption = "deck::repeated-suboption": "A suboption that may stand once in a behaviour, or once for a component, stands twice.";
     ConflictingParameters = "deck::conflicting-parameters": "Two parameters exclude each other.";
 
     MissingData = "deck::missing-data": "A data line, or an item of it, is not there.";

@@ -74,6 +74,9 @@ const DECKS: &[Fault] = &[
     (Code::ConflictingParameters, 14, "NONLINEAR or RIGID", "", "*CONNECTOR ELASTICITY, COMPONENT=4, RIGID, NONLINEAR\n"),
     (Code::ConflictingParameters, 14, "PREDEFINED or COMPONENT", "", "*CONNECTOR FRICTION, PREDEFINED, COMPONENT=4\n"),
     (Code::ConflictingParameters, 15, "KINEMATIC", "", "*CONNECTOR PLASTICITY, COMPONENT=4\n*CONNECTOR HARDENING, TYPE=KINEMATIC, DEFINITION=TABULAR\n1., 0.\n"),
+    (Code::RepeatedSuboption, 14, "another behaviour", "", "*CONNECTOR STOP, COMPONENT=4\n0., 1.\n"),
+    (Code::RepeatedSuboption, 16, "keep one", "", "*CONNECTOR CONSTITUTIVE REFERENCE\n1.\n*CONNECTOR CONSTITUTIVE REFERENCE\n2.\n"),
+    (Code::UnknownElement, 16, "under *ELEMENT", "", "*STEP\n*DLOAD\n55, GRAV, 9.81, 0., 0., -1.\n*END STEP\n"),
     (Code::BadComponent, 12, "6 rotations", "COMPONENT=4", "COMPONENT=7"),
     // data
     (Code::MissingData, 5, "point b", "0., 0., 1., 1., 0., 0.", "0., 0., 1."),
@@ -295,6 +298,10 @@ fn faulty_states_are_refused() {
         assert_eq!(error.line().unwrap_or(0), *line, "{text}\n{shown}");
         assert!(error.remedy().contains(word), "no `{word}` in the remedy\n{text}\n{shown}");
         assert_eq!(error.file(), "states");
+        if error.label().starts_with("column ") {
+            let (start, end) = (error.span().start() as usize, error.span().end() as usize);
+            assert!(error.message().contains(&text[start..end]) && start < end, "{shown}");
+        }
     }
 }
 

@@ -137,7 +137,7 @@ fn slider_crank_satisfies_its_joints() {
     assert_eq!(json["coefficient"]["law"]["table"][0]["values"], serde_json::json!([0.1, null, null]));
     let motion = &scene.steps[0].connector_motions[0];
     assert_eq!((motion.component, motion.magnitude), (4, Some(6.283185307)));
-    assert_eq!(motion.amplitude.as_ref().unwrap().value, "TURN");
+    assert_eq!(motion.applied.amplitude.as_ref().unwrap().value, "TURN");
     assert_eq!(scene.amplitudes["TURN"].data, [Some(0.0), Some(0.0), Some(1.0), Some(1.0)]);
     let Some(Procedure::Static(times)) = &scene.steps[0].procedure else { panic!("{:?}", scene.steps) };
     assert_eq!((times.initial, times.total), (Some(0.01), Some(1.0)));

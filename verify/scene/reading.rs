@@ -340,9 +340,9 @@ fn steps_keep_what_acts_in_them() {
     assert_eq!((first.name.as_deref(), first.nlgeom, first.perturbation), (Some("FIRST"), Some(true), true));
     let Some(Procedure::Dynamic { explicit: true, times }) = &first.procedure else { panic!("{first:?}") };
     assert_eq!((times.initial, times.total), (None, Some(0.5)));
-    assert_eq!(first.connector_loads[0].operation, Operation::New);
+    assert_eq!(first.connector_loads[0].applied.operation, Operation::New);
     assert_eq!(first.connector_loads[0].target.value, Target::Label(101));
-    assert!(first.concentrated_loads[0].follower);
+    assert!(first.concentrated_loads[0].applied.follower);
     assert_eq!(second.procedure, Some(Procedure::Other("ANNEAL".to_owned())));
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
 }
