@@ -24,6 +24,7 @@ fn syntax_is_that_of_decks() {
     assert_eq!((first.a, first.b, first.dimension), (Some(1), None, Dimension::Three));
     assert_eq!((second.a, second.b), (None, Some(2)));
     assert_eq!(scene.position(&second, End::A), Some([1.0, 0.0, 0.25]));
+    assert_eq!(scene.position(&first, End::B), Some([0.0; 3]));
     let section = scene.section(&first).unwrap();
     let names: Vec<_> = section.type_names.iter().map(|name| name.value.as_str()).collect();
     assert_eq!(names, ["ALIGN", "JOIN"]);
@@ -38,6 +39,8 @@ fn a_byte_order_mark_and_other_encodings_in_comments_do_not_matter() {
     let mut bytes = b"\xef\xbb\xbf*HEADING\n caf\xe9\n** d\xe9but\n*NODE\n1, 2.\n*FILM\n\xff\n".to_vec();
     let scene = Scene::parse_bytes("deck.inp", &bytes).unwrap();
     assert_eq!(scene.nodes[&1].coordinates, [2.0, 0.0, 0.0]);
+    let error = Scene::parse("deck.inp", "\u{feff}*NODE, SET=N\n").unwrap_err();
+    assert_eq!((error.code(), error.span().start(), error.span().end()), (Code::UnknownParameter, 10, 15));
     bytes.extend_from_slice(b"*NODE\n1, 3.\n");
     let error = Scene::parse_bytes("deck.inp", &bytes).unwrap_err();
     assert_eq!((error.code(), error.line()), (Code::DuplicateNode, Some(9)));
@@ -67,6 +70,14 @@ fn other_elements_are_counted_and_known_to_sets() {
     assert_eq!(scene.skipped.keywords["MATERIAL"].count, 2);
     assert_eq!(scene.skipped.keywords["ELASTIC"].data_lines, 1);
     assert!(scene.warnings.is_empty());
+}
+
+#[test]
+fn the_ends_of_a_connector_stand_where_their_nodes_do() {
+    let scene = read(&format!("{MESH}*ELSET, ELSET=E\n"));
+    let connector = scene.connectors[&101];
+    assert_eq!(scene.position(&connector, End::A), Some([0.0; 3]));
+    assert_eq!(scene.position(&connector, End::B), Some([1.0, 0.0, 0.0]));
 }
 
 #[test]
@@ -330,12 +341,13 @@ fn constraints_take_nodes_and_sets() {
 #[test]
 fn steps_keep_what_acts_in_them() {
     let scene = read(&format!(
-        "{MESH}*CONNECTOR MOTION\nE, 2\n*BOUNDARY\n1, PINNED\n3, 1, 10\n*STEP, NAME=First, NLGEOM, PERTURBATION\n what it does\n*DYNAMIC, EXPLICIT\n, 0.5\n*CONNECTOR LOAD, OP=NEW\n101, 1, 5.\n*CLOAD, FOLLOWER\n2, 10, 3.\n*DSLOAD\nS, P, 1.\n*END STEP\n*STEP\n*ANNEAL\n*END STEP\n"
+        "{MESH}*CONNECTOR MOTION\nE, 2\n*BOUNDARY\n1, PINNED\n3, 1, 10\n2, 4\n*STEP, NAME=First, NLGEOM, PERTURBATION\n what it does\n*DYNAMIC, EXPLICIT\n, 0.5\n*CONNECTOR LOAD, OP=NEW\n101, 1, 5.\n*CLOAD, FOLLOWER\n2, 10, 3.\n*DSLOAD\nS, P, 1.\n*END STEP\n*STEP\n*ANNEAL\n*END STEP\n"
     ));
     assert_eq!(scene.solver, Some(Solver::Explicit));
     assert_eq!(scene.connector_motions[0].magnitude, None);
     assert_eq!(scene.boundaries[0].degrees_of_freedom, [1, 2, 3]);
     assert_eq!(scene.boundaries[1].degrees_of_freedom, [1, 2, 3, 4, 5, 6, 10]);
+    assert_eq!(scene.boundaries[2].degrees_of_freedom, [4]);
     let [first, second] = scene.steps.as_slice() else { panic!("{:?}", scene.steps) };
     assert_eq!((first.name.as_deref(), first.nlgeom, first.perturbation), (Some("FIRST"), Some(true), true));
     let Some(Procedure::Dynamic { explicit: true, times }) = &first.procedure else { panic!("{first:?}") };
