@@ -89,7 +89,7 @@ codes! {
     DuplicateName = "deck::duplicate-name": "Two definitions of one kind have the same name.";
     BadLabel = "deck::bad-label": "The number of a node or element is 0 or larger than 2^53.";
     BadConnectivity = "deck::bad-connectivity": "An element has too few, too many or equal nodes.";
-    GenerateRange = "deck::generate-range": "A GENERATE range is empty, endless or larger than ten million.";
+    GenerateRange = "deck::generate-range": "A GENERATE range is empty, endless or larger than ten million, or all sets together are too large.";
     GenerateGaps = "deck::generate-gaps": "A GENERATE range names numbers that do not exist. A warning.";
     EmptySet = "deck::empty-set": "A set that is used has no members of the kind that is needed.";
     SetCycle = "deck::set-cycle": "A set contains itself, directly or through others.";

@@ -59,6 +59,13 @@ fn sets_generate_nest_and_merge() {
 }
 
 #[test]
+fn sets_have_a_largest_size() {
+    let gaps = "1, 10000000\n".repeat(21);
+    let error = Scene::parse("deck.inp", &format!("*NODE\n1\n*NSET, NSET=N, GENERATE\n{gaps}")).unwrap_err();
+    assert_eq!((error.code(), error.line()), (Code::GenerateRange, Some(24)));
+}
+
+#[test]
 fn other_elements_are_counted_and_known_to_sets() {
     let scene = read(
         "*NODE\n1\n*ELEMENT, TYPE=C3D20R, ELSET=SOLID\n1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,\n16, 17, 18, 19, 20\n2, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,\n16, 17, 18, 19, 20\n*ELEMENT, TYPE=MASS, ELSET=POINT\n7, 1\n*ELSET, ELSET=BOTH\nSOLID, POINT, 2\n*SOLID SECTION, ELSET=SOLID, MATERIAL=STEEL\n*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1E5, 0.3\n*MATERIAL, NAME=IRON\n",

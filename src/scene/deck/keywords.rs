@@ -3,6 +3,7 @@
 use super::{Deck, behavior, connector, history, mesh};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::lexer::Keyword;
+use std::collections::HashSet;
 
 /// Where a keyword may stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -619,8 +620,9 @@ impl Rule {
     /// Every parameter is known, given once, and has the kind of value that it takes; those needed are there.
     pub(super) fn check_parameters(&self, keyword: &Keyword) -> Result<()> {
         let name = &keyword.name;
+        let mut seen = HashSet::new();
         for (index, given) in keyword.parameters.iter().enumerate() {
-            if keyword.parameters[..index].iter().any(|earlier| earlier.name == given.name) {
+            if !seen.insert(given.name.as_str()) {
                 let message = format!("{} stands twice on one *{name}", given.name);
                 return Err(Diagnostic::error(
                     Code::RepeatedParameter,
