@@ -2,6 +2,6 @@
 #![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 mod numerics; // how exact the elementary functions and the rotations are
-mod scene; // the deck reader, files of states, the gallery
+mod scene; // what decks and state files mean, and how faulty ones are refused
 mod tolerance; // every tolerance, with the cause of the odd ones
 mod wide; // the 237-bit scalar against mpmath
