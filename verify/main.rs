@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 mod numerics; // how exact the elementary functions and the rotations are
+mod rules; // what a connector section may not do
 mod scene; // what decks and state files mean, and how faulty ones are refused
 mod tolerance; // every tolerance, with the cause of the odd ones
 mod wide; // the 237-bit scalar against mpmath
