@@ -14,7 +14,20 @@ const fn law(name: &'static str, units: f64) -> Law {
 
 /// Laws of the catalogue (`verify/laws.rs`), in roundings of the conditioned scale of what is compared.
 pub(crate) const LAWS: &[Law] = &[
-    law("value", 16.0),
-    law("first derivatives", 16.0),
-    law("second derivatives", 16.0),
+    law("value", 4.0),
+    law("first derivatives", 4.0),
+    law("second derivatives", 4.0),
+    law("symmetry", 2.0),
+    law("rigid modes", 4.0),
+    law("rigid rotations, second order", 4.0),
+    law("rigid motion, values", 8.0),
+    law("rigid motion, rates", 8.0),
+    law("frames, values", 8.0),
+    law("frames, rows", 8.0),
+    law("frames, second derivatives", 8.0),
+    law("rates from rows", 4.0),
+    law("rates in time", 4.0),
+    law("initial residuals", 4.0),
+    law("exchanged nodes, values", 4.0),
+    law("exchanged nodes, rows", 4.0),
 ];

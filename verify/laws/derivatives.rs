@@ -55,7 +55,7 @@ impl Truth {
     }
 
     /// The value of a one-form from the end of the case on, along an increment.
-    fn accumulated(&self, by: &NodalRow<Wide>) -> Wide {
+    pub(crate) fn accumulated(&self, by: &NodalRow<Wide>) -> Wide {
         let mut state = self.state;
         state.pair = moved(&self.state.pair, by);
         let increment = Increment {
