@@ -553,15 +553,6 @@ pub(crate) fn exact_state<R: Real>(state: &State<f64>) -> State<R> {
     }
 }
 
-/// The same increment on another real number.
-pub(crate) fn exact_increment<R: Real>(increment: &Increment<f64>) -> Increment<R> {
-    Increment {
-        rotation: increment.rotation.map(vector::exact),
-        whole_turns: increment.whole_turns.map(vector::exact),
-        flow: increment.flow.map(R::from_f64),
-    }
-}
-
 /// The same branch on another real number.
 pub(crate) fn exact_branch<R: Real>(branch: &Branch<f64>) -> Branch<R> {
     let turns = branch.turns.map(|t| pintle::connector::Turns {
@@ -587,14 +578,13 @@ pub(crate) fn moved<R: Differentiable>(pair: &Pair<R>, by: &[R; DOFS]) -> Pair<R
     Pair { reference: pair.reference, a: node(&pair.a, 0), b: node(&pair.b, 7) }
 }
 
-/// The pair after the rigid motion x → R x + t of space.
+/// The pair after the rigid motion of space that turns it by R and gives node a the displacement `translation`.
 pub(crate) fn carried(pair: &Pair<f64>, rotation: &Matrix<f64>, translation: Vector<f64>) -> Pair<f64> {
     // U_b' − U_a' must give R D = R (X_b − X_a + U_b − U_a) with the same X_b − X_a.
     let carried = apply(rotation, pair.separation());
-    let a = add(apply(rotation, pair.a.displacement), translation);
     let mut moved = *pair;
-    moved.a.displacement = a;
-    moved.b.displacement = add(a, sub(carried, pair.reference));
+    moved.a.displacement = translation;
+    moved.b.displacement = add(translation, sub(carried, pair.reference));
     moved.a.triad = product(rotation, &pair.a.triad);
     moved.b.triad = product(rotation, &pair.b.triad);
     moved

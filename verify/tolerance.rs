@@ -22,12 +22,14 @@ pub(crate) const LAWS: &[Law] = &[
     law("rigid rotations, second order", 4.0),
     law("rigid motion, values", 8.0),
     law("rigid motion, rates", 8.0),
-    law("frames, values", 8.0),
-    law("frames, rows", 8.0),
-    law("frames, second derivatives", 8.0),
+    // The inputs are turned by a rounded matrix: three roundings in each direction of each triad.
+    law("frames, values", 16.0),
+    law("frames, rows", 16.0),
+    law("frames, second derivatives", 16.0),
     law("rates from rows", 4.0),
     law("rates in time", 4.0),
-    law("initial residuals", 4.0),
+    // B₀ = A₀Q₀ is itself a rounded product, of a rounded A₀.
+    law("initial residuals", 8.0),
     law("exchanged nodes, values", 4.0),
     law("exchanged nodes, rows", 4.0),
 ];

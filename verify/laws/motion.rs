@@ -3,14 +3,13 @@
 use super::derivatives::Truth;
 use super::{Check, Scales, U, assert_bits, functions, times};
 use crate::states::{
-    Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, turning, types, Turning,
+    Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, types,
 };
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally};
 use pintle::measure::{Measure, Unit};
 use pintle::node::{DOFS, Pair};
 use pintle::scalar::{Scalar, Wide};
-use pintle::so3;
 use pintle::vector::{Matrix, Vector, add, apply, column, cross, dot, product, scale, sub};
 
 fn everywhere(mut judge: impl FnMut(&Case)) {
@@ -234,8 +233,9 @@ fn every_frame_gives_the_same() {
         let (was, _) = case.evaluate(&Request::everything(2));
         let (is, _) = turned.evaluate(&Request::everything(2));
         let sheets = |e: &Evaluation<f64>| functions(e).map(|f| f.unwrap_or(0.0));
-        // At an exact half turn a rounding decides between two sheets that are equally far.
-        let half_turn = (0..6).any(|c| (sheets(&was)[c] - sheets(&is)[c]).abs() > 1.0);
+        // At an exact half turn a rounding decides between two sheets that are equally far, initially or now.
+        let [old, new] = [&was, &is].map(|e| e.position.map(|p| p.unwrap_or(0.0)));
+        let half_turn = (0..6).any(|c| (old[c] - new[c]).abs() > 1.0);
         if half_turn && case.name.contains("cube") {
             return;
         }
@@ -551,7 +551,7 @@ fn exchanging_the_nodes() {
             let want = sign * was.jacobian[0].unwrap()[(j + 7) % DOFS];
             row.against(place, is.jacobian[0].unwrap()[j], want, scale.first[(j + 7) % DOFS]);
         }
-        assert_bits(&case.name, is.displacement[1].unwrap(), -was.displacement[2].unwrap());
+        assert_eq!(is.displacement[1].unwrap(), -was.displacement[2].unwrap(), "{}", case.name);
     }
     value.finish();
     row.finish();
@@ -646,14 +646,20 @@ fn coincident_axial_is_fixed_in_space() {
     }
 }
 
-/// The constraint rows of a type have full rank at regular states: no constraint is said twice.
+/// The constraint rows of a type have full rank where its constraints nearly hold: no constraint is said twice.
+///
+/// (Far from there they need not: a printed cosine at ±1 is stationary, a rotation vector at π is flat across itself.)
 #[test]
 fn constraint_rows_are_independent() {
+    let mut count = 0;
     everywhere(|case| {
-        if case.name.contains("half a turn") && turning(&case.definition.connection) == Turning::Align {
-            return; // at the branch cut itself
-        }
         let (got, _) = case.evaluate(&Request::everything(1));
+        let connector = case.connector();
+        let printed = |c: &usize| connector.is_printed_constraint(*c);
+        if (0..6).filter(printed).any(|c| got.residual[c].unwrap().abs() > 0.9) {
+            return;
+        }
+        count += 1;
         let mut rows: Vec<NodalRow<f64>> = Vec::new();
         for c in 0..6 {
             if got.residual[c].is_none() {
@@ -674,6 +680,7 @@ fn constraint_rows_are_independent() {
             rows.push(rest.map(|x| x / left));
         }
     });
+    assert!(count > 200, "only {count} states are near their constraints");
 }
 
 /// Two half turns that are the same pose are told apart by the increment that leads there, and without one the principal
@@ -710,5 +717,4 @@ fn half_turns_in_one_increment() {
             assert!((moved - expected).abs() < 1e-14, "{name}, told {told}: ur1 = {moved}, not {expected}");
         }
     }
-    let _ = so3::log::<f64>;
 }
