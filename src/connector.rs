@@ -178,6 +178,8 @@ pub struct Branch<R> {
     pub euler_sign: R,
     /// What a one-form has accumulated [rad].
     pub accumulated: R,
+    /// What the roundings of that sum left out, so that thousands of turns lose nothing: the value is the sum of the two.
+    pub accumulated_rest: R,
 }
 
 /// What a state does to the nodes since the previous one: increments along which one-forms accumulate and turns are counted.
@@ -354,8 +356,13 @@ impl<R: Differentiable> Connector<R> {
                 && (number != 10 || definition.connection.flow[end])
                 && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
         }
-        let branch =
-            Branch { turns, rotation_vector: history.rotation_vector, euler_sign: one, accumulated: zero };
+        let branch = Branch {
+            turns,
+            rotation_vector: history.rotation_vector,
+            euler_sign: one,
+            accumulated: zero,
+            accumulated_rest: zero,
+        };
         Self {
             connection: definition.connection.clone(),
             rows,
@@ -426,7 +433,13 @@ impl<R: Differentiable> Connector<R> {
             next.turns = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign).0;
         }
         if needs(Measure::is_one_form) {
-            next.accumulated = self.accumulate(pair, increment, branch);
+            // The sum and its rounding error, exactly (Knuth's two-sum).
+            let change = self.accumulation(pair, increment);
+            let sum = branch.accumulated + change;
+            let added = sum - branch.accumulated;
+            let lost = (branch.accumulated - (sum - added)) + (change - added);
+            next.accumulated = sum;
+            next.accumulated_rest = branch.accumulated_rest + lost;
         }
         next
     }
@@ -460,7 +473,7 @@ impl<R: Differentiable> Connector<R> {
     }
 
     /// The one-form over the increment, at the midpoint direction: e3a(mid)·(Δθ_a − Δθ_b) − β_s ΔΨ_b.
-    fn accumulate(&self, pair: &Pair<R>, increment: &Increment<R>, branch: &Branch<R>) -> R {
+    fn accumulation(&self, pair: &Pair<R>, increment: &Increment<R>) -> R {
         let [of_a, of_b] = increment.rotation;
         let back = so3::matrix(so3::exp(scale(of_a, R::ratio(-1, 2))));
         let middle = vector::product(&back, &pair.a.triad);
@@ -470,7 +483,7 @@ impl<R: Differentiable> Connector<R> {
         change[node::THETA_B..node::PSI_B].copy_from_slice(&of_b);
         change[node::PSI_A] = increment.flow[0];
         change[node::PSI_B] = increment.flow[1];
-        let mut sum = branch.accumulated;
+        let mut sum = R::integer(0);
         for (row, change) in form.iter().zip(&change) {
             sum = sum + *row * *change;
         }
@@ -534,7 +547,7 @@ impl<R: Differentiable> Connector<R> {
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.section, history);
         let mut evaluate = |measure: Measure, tally: &mut Tally| {
             if measure.is_one_form() {
-                return evaluation.branch.accumulated;
+                return evaluation.branch.accumulated + evaluation.branch.accumulated_rest;
             }
             tally.values += 1;
             measure.evaluate(&mut shared)

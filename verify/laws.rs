@@ -6,6 +6,8 @@
 
 mod derivatives; // derivatives are those of the functions, on 237-bit numbers
 mod motion; // rigid motions, frames, units, rates, the initial state, exchanged nodes
+mod histories; // turns are counted and saved branches continue
+mod requests; // a part is part of the whole, and nothing else is computed
 
 use crate::tolerance::{LAWS, Law};
 use pintle::connector::{Components, Evaluation, NodalRow};

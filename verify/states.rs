@@ -564,6 +564,7 @@ pub(crate) fn exact_branch<R: Real>(branch: &Branch<f64>) -> Branch<R> {
         rotation_vector: vector::exact(branch.rotation_vector),
         euler_sign: R::from_f64(branch.euler_sign),
         accumulated: R::from_f64(branch.accumulated),
+        accumulated_rest: R::from_f64(branch.accumulated_rest),
     }
 }
 

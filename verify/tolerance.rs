@@ -32,4 +32,6 @@ pub(crate) const LAWS: &[Law] = &[
     law("initial residuals", 8.0),
     law("exchanged nodes, values", 4.0),
     law("exchanged nodes, rows", 4.0),
+    law("angles along paths", 8.0),
+    law("accumulated turns", 4.0),
 ];

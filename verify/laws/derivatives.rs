@@ -63,7 +63,8 @@ impl Truth {
             whole_turns: [[Wide::zero(); 3]; 2],
             flow: [by[6], by[13]],
         };
-        self.connector.advance(&state, &increment, &self.branch).accumulated
+        let after = self.connector.advance(&state, &increment, &self.branch);
+        after.accumulated + after.accumulated_rest
     }
 
     fn along(&self, j: usize, h: Wide) -> NodalRow<Wide> {
