@@ -14,6 +14,8 @@ use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::so3;
 use crate::vector::{self, Vector, add, column, dot, scale, sub};
 use serde::{Deserialize, Serialize};
+use std::cell::LazyCell;
+use std::mem::{self, Discriminant};
 
 /// A value for each of u1, u2, u3, ur1, ur2, ur3; `None` where the component is absent or was not asked for.
 pub type Components<T> = [Option<T>; 6];
@@ -86,29 +88,74 @@ impl Output {
     }
 }
 
-/// What to compute.
+/// A set of components, of u1, u2, u3, ur1, ur2, ur3.
+pub type Mask = [bool; 6];
+
+/// What to compute: outputs, each of some components, and derivatives.
+///
+/// ```
+/// use pintle::connector::{Output, Request};
+/// let mut request = Request::nothing(1);
+/// request.add(Output::CU, [true, false, false, false, false, false]);
+/// request.add(Output::CP, [false, false, false, false, false, true]);
+/// assert!(request.wants(Output::CU, 0) && !request.wants(Output::CU, 5));
+/// assert_eq!(request.components(), [true, false, false, false, false, true]);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// The outputs wanted.
-    pub outputs: Vec<Output>,
-    /// The components wanted, of u1, u2, u3, ur1, ur2, ur3.
-    pub components: [bool; 6],
+    /// The components wanted of each output, in the order of [`Output::ALL`].
+    wanted: [Mask; Output::ALL.len()],
+    /// The components that are wanted at all: those of any output, and those whose rows of derivatives are wanted.
+    components: Mask,
     /// 0: values; 1: also the Jacobian; 2: also second derivatives.
     pub order: u8,
 }
 
 impl Request {
+    /// No output of any component.
+    pub const fn nothing(order: u8) -> Self {
+        Self { wanted: [[false; 6]; Output::ALL.len()], components: [false; 6], order }
+    }
+
+    /// The same components of every output listed, with derivatives up to `order`. Without outputs, derivatives only.
+    pub fn new(outputs: &[Output], components: Mask, order: u8) -> Self {
+        let mut request = Self { components, ..Self::nothing(order) };
+        for output in outputs {
+            request.add(*output, components);
+        }
+        request
+    }
+
     /// Every output of every component, with derivatives up to `order`.
     pub fn everything(order: u8) -> Self {
-        Self { outputs: Output::ALL.to_vec(), components: [true; 6], order }
+        Self::new(&Output::ALL, [true; 6], order)
     }
 
-    fn wants(&self, output: Output) -> bool {
-        self.outputs.contains(&output)
+    /// Adds components of an output, and their rows of derivatives.
+    pub fn add(&mut self, output: Output, components: Mask) {
+        for (k, wanted) in components.into_iter().enumerate() {
+            self.wanted[output as usize][k] |= wanted;
+            self.components[k] |= wanted;
+        }
     }
 
-    fn wants_any(&self, outputs: &[Output]) -> bool {
-        outputs.iter().any(|output| self.wants(*output))
+    /// The components that are wanted in any way. Their rows of derivatives are, from order 1 on.
+    pub const fn components(&self) -> Mask {
+        self.components
+    }
+
+    /// The outputs wanted of at least one component, in the order of [`Output::ALL`].
+    pub fn outputs(&self) -> impl Iterator<Item = Output> + '_ {
+        Output::ALL.into_iter().filter(|output| self.wanted[*output as usize].contains(&true))
+    }
+
+    /// Whether an output of component k (0-based) is wanted.
+    pub const fn wants(&self, output: Output, k: usize) -> bool {
+        self.wanted[output as usize][k]
+    }
+
+    fn wants_any(&self, outputs: &[Output], k: usize) -> bool {
+        outputs.iter().any(|output| self.wants(*output, k))
     }
 }
 
@@ -231,6 +278,22 @@ pub struct Definition {
     pub planar: bool,
     /// Whether a and b have degrees of freedom (a ground node has none).
     pub moves: [bool; 2],
+}
+
+impl Definition {
+    /// A three-dimensional connector between two nodes that move, with β_s = 1 and neither references nor stops.
+    pub const fn new(connection: ConnectionType, initial: Pair<f64>) -> Self {
+        Self {
+            connection,
+            initial,
+            flow_scale: 1.0,
+            fixed_direction: [0.0; 3],
+            references: [None; 6],
+            stops: [None; 6],
+            planar: false,
+            moves: [true; 2],
+        }
+    }
 }
 
 /// A component of one connector, resolved.
@@ -511,7 +574,7 @@ impl<R: Differentiable> Connector<R> {
         let history = History { rotation_vector: next.rotation_vector, euler_sign: next.euler_sign };
         let mut evaluation = Evaluation::empty(next);
         let rows: Vec<(usize, Row<R>)> = (0..6)
-            .filter(|k| request.components[*k])
+            .filter(|k| request.components()[*k])
             .filter_map(|k| self.rows[k].map(|row| (k, row)))
             .collect();
         self.positions(state, &history, &rows, request, tally, &mut evaluation);
@@ -531,16 +594,18 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
         evaluation: &mut Evaluation<R>,
     ) {
-        let wants_position = request.wants_any(&[Output::CP, Output::CU, Output::CCU, Output::CSLST]);
-        let wants_residual = request.wants(Output::RES);
-        let value = |row: &Row<R>| (wants_position && !row.position.winds()).then_some(row.position);
-        let residual = |row: &Row<R>| {
-            let constrained = wants_residual && row.slot.is_constrained();
-            (constrained && !row.differentiated.winds()).then_some(row.differentiated)
+        let wants_position =
+            |k: usize| request.wants_any(&[Output::CP, Output::CU, Output::CCU, Output::CSLST], k);
+        let wants_residual =
+            |k: usize, row: &Row<R>| request.wants(Output::RES, k) && row.slot.is_constrained();
+        let value =
+            |k: usize, row: &Row<R>| (wants_position(k) && !row.position.winds()).then_some(row.position);
+        let residual = |k: usize, row: &Row<R>| {
+            (wants_residual(k, row) && !row.differentiated.winds()).then_some(row.differentiated)
         };
         let needed = rows
             .iter()
-            .flat_map(|(_, row)| [value(row), residual(row)])
+            .flat_map(|(k, row)| [value(*k, row), residual(*k, row)])
             .flatten()
             .fold(Dependence::default(), |sum, measure| sum.or(measure.dependence()));
         let relative = self.relative(&state.pair, needed);
@@ -555,29 +620,27 @@ impl<R: Differentiable> Connector<R> {
         let zero = R::integer(0);
         for (k, row) in rows.iter().copied() {
             let turns = evaluation.branch.turns[k];
-            if request.wants(Output::TURNS) && row.position.winds() {
+            if request.wants(Output::TURNS, k) && row.position.winds() {
                 evaluation.turns[k] = Some(turns);
             }
             // An angle that winds is differenced as principal parts, so that its turns cost no digits.
-            let known = value(&row).map(|measure| evaluate(measure, tally));
+            let known = value(k, &row).map(|measure| evaluate(measure, tally));
             let from = |origin: R| match known {
                 Some(value) => value - origin,
                 None => R::with_turns(turns.principal - origin, turns.turns),
             };
-            if wants_position {
-                if request.wants_any(&[Output::CP, Output::CSLST]) {
-                    evaluation.position[k] = Some(from(zero));
-                }
-                if request.wants(Output::CU) {
-                    evaluation.displacement[k] = Some(from(row.initial));
-                }
-                if request.wants(Output::CCU) && row.slot.is_available() {
-                    evaluation.constitutive[k] = Some(from(self.references[k].unwrap_or(row.initial)));
-                }
+            if request.wants_any(&[Output::CP, Output::CSLST], k) {
+                evaluation.position[k] = Some(from(zero));
             }
-            if wants_residual && row.slot.is_constrained() {
-                evaluation.residual[k] = Some(match residual(&row) {
-                    Some(measure) if Some(measure) == value(&row) => from(row.offset),
+            if request.wants(Output::CU, k) {
+                evaluation.displacement[k] = Some(from(row.initial));
+            }
+            if request.wants(Output::CCU, k) && row.slot.is_available() {
+                evaluation.constitutive[k] = Some(from(self.references[k].unwrap_or(row.initial)));
+            }
+            if wants_residual(k, &row) {
+                evaluation.residual[k] = Some(match residual(k, &row) {
+                    Some(measure) if Some(measure) == value(k, &row) => from(row.offset),
                     Some(measure) => evaluate(measure, tally) - row.offset,
                     None => R::with_turns(turns.principal - row.offset, turns.turns),
                 });
@@ -594,28 +657,44 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
         evaluation: &mut Evaluation<R>,
     ) {
-        let of_position = request.wants_any(&[Output::CV, Output::CA]);
-        let of_residual = request.wants_any(&[Output::RESV, Output::RESA]);
-        if of_position || of_residual {
-            let mut along =
-                Along::new(self, state, &state.acceleration, history, rows, of_position, of_residual);
+        let of_position = |k: usize| request.wants_any(&[Output::CV, Output::CA], k);
+        let of_residual = |k: usize, row: &Row<R>| {
+            request.wants_any(&[Output::RESV, Output::RESA], k) && row.slot.is_constrained()
+        };
+        let bias = |k: usize, row: &Row<R>| request.wants(Output::RESB, k) && row.slot.is_constrained();
+        let mut measures = Vec::new();
+        let mut bias_measures = Vec::new();
+        for (k, row) in rows {
+            if of_position(*k) {
+                measures.push(row.position);
+            }
+            if of_residual(*k, row) && !measures.contains(&row.differentiated) {
+                measures.push(row.differentiated);
+            }
+            if bias(*k, row) {
+                bias_measures.push(row.differentiated);
+            }
+        }
+        if !measures.is_empty() {
+            let mut along = Along::new(self, state, &state.acceleration, history, measures);
             for (k, row) in rows.iter().copied() {
-                if of_position {
+                if of_position(k) {
                     let [velocity, acceleration] = along.rates(row.position, tally);
-                    evaluation.velocity[k] = request.wants(Output::CV).then_some(velocity);
-                    evaluation.acceleration[k] = request.wants(Output::CA).then_some(acceleration);
+                    evaluation.velocity[k] = request.wants(Output::CV, k).then_some(velocity);
+                    evaluation.acceleration[k] = request.wants(Output::CA, k).then_some(acceleration);
                 }
-                if of_residual && row.slot.is_constrained() {
+                if of_residual(k, &row) {
                     let [velocity, acceleration] = along.rates(row.differentiated, tally);
-                    evaluation.residual_rate[k] = request.wants(Output::RESV).then_some(velocity);
-                    evaluation.residual_acceleration[k] = request.wants(Output::RESA).then_some(acceleration);
+                    evaluation.residual_rate[k] = request.wants(Output::RESV, k).then_some(velocity);
+                    evaluation.residual_acceleration[k] =
+                        request.wants(Output::RESA, k).then_some(acceleration);
                 }
             }
         }
-        if request.wants(Output::RESB) {
+        if !bias_measures.is_empty() {
             let still = [R::integer(0); DOFS];
-            let mut along = Along::new(self, state, &still, history, rows, false, true);
-            for (k, row) in rows.iter().filter(|(_, row)| row.slot.is_constrained()) {
+            let mut along = Along::new(self, state, &still, history, bias_measures);
+            for (k, row) in rows.iter().filter(|(k, row)| bias(*k, row)) {
                 evaluation.residual_bias[*k] = Some(along.rates(row.differentiated, tally)[1]);
             }
         }
@@ -810,19 +889,8 @@ impl<'a, R: Differentiable> Along<'a, R> {
         state: &'a State<R>,
         acceleration: &'a NodalRates<R>,
         history: &'a History<R>,
-        rows: &[(usize, Row<R>)],
-        of_position: bool,
-        of_residual: bool,
+        measures: Vec<Measure>,
     ) -> Self {
-        let mut measures = Vec::new();
-        for (_, row) in rows {
-            if of_position {
-                measures.push(row.position);
-            }
-            if of_residual && row.slot.is_constrained() && !measures.contains(&row.differentiated) {
-                measures.push(row.differentiated);
-            }
-        }
         let needed = measures
             .iter()
             .filter(|m| !m.is_one_form() && !m.has_nodal_rates())
@@ -979,13 +1047,27 @@ impl Connector<f64> {
         &self.stops
     }
 
-    /// The distance of each component, in what is differentiated and in its position, to the nearest singular set.
-    pub fn margins(&self, state: &State<f64>, branch: &Branch<f64>) -> Components<Margin> {
-        let relative = state.pair.relative();
+    /// The distance of each component wanted, in what is differentiated and in its position, to the nearest singular set.
+    pub fn margins(&self, state: &State<f64>, branch: &Branch<f64>, wanted: Mask) -> Components<Margin> {
         let history = History { rotation_vector: branch.rotation_vector, euler_sign: branch.euler_sign };
+        let relative = LazyCell::new(|| state.pair.relative());
+        // The components of one kind of measure share their singular set.
+        let mut known: Vec<(Discriminant<Measure>, f64)> = Vec::new();
+        let mut of = |measure: Measure| {
+            let set = measure.singular_set()?;
+            let kind = mem::discriminant(&measure);
+            let distance = match known.iter().find(|(seen, _)| *seen == kind) {
+                Some((_, distance)) => *distance,
+                None => {
+                    let distance = measure.margin(&relative, &self.section, &history)?.distance;
+                    known.push((kind, distance));
+                    distance
+                }
+            };
+            Some(Margin { distance, set })
+        };
         [0, 1, 2, 3, 4, 5].map(|k| {
-            let row = self.rows[k]?;
-            let of = |measure: Measure| measure.margin(&relative, &self.section, &history);
+            let row = self.rows[k].filter(|_| wanted[k])?;
             match (of(row.differentiated), of(row.position)) {
                 (Some(x), Some(y)) => Some(if x.distance <= y.distance { x } else { y }),
                 (x, y) => x.or(y),
@@ -1045,23 +1127,13 @@ mod tests {
     fn nodal_maps_equal_naive_seeding() {
         for entry in crate::catalog::TABLE {
             let initial = pair(0.2);
-            let definition = Definition {
-                connection: entry.clone(),
-                initial,
-                flow_scale: 50.0,
-                fixed_direction: [0.0; 3],
-                references: [None; 6],
-                stops: [None; 6],
-                planar: false,
-                moves: [true; 2],
-            };
+            let definition = Definition { flow_scale: 50.0, ..Definition::new(entry.clone(), initial) };
             let connector = Connector::<f64>::new(&definition);
             let mut state = State { pair: pair(0.25), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
             state.pair.reference = initial.reference;
             let branch = connector.initial_branch();
             let mut tally = Tally::default();
-            let mut request = Request::everything(2);
-            request.outputs.clear();
+            let request = Request::new(&[], [true; 6], 2);
             let evaluation = connector.evaluate(&state, &Increment::none(), &branch, &request, &mut tally);
             type Naive = Dual2SVec64<14>;
             let zero = <Naive as Scalar>::zero();

@@ -13,7 +13,7 @@
 //! assert_eq!(phi.map(|p| p.eps), [1.0, 2.0, 3.0]);
 //! ```
 
-use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm};
+use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm, sqrt};
 use crate::scalar::{Real, Scalar};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
 
@@ -78,9 +78,9 @@ pub fn quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
     S::Real::choose(
         S::Real::integer(0).less(trace.real()),
         || {
-            let f = inverse_sqrt(S::one() + trace).scale(S::Real::ratio(1, 2));
-            let [x, y, z] = times(twice_axial(r), f);
-            [(S::one() + trace) * f, x, y, z]
+            let half = S::Real::ratio(1, 2);
+            let [x, y, z] = times(twice_axial(r), inverse_sqrt(S::one() + trace).scale(half));
+            [sqrt(S::one() + trace).scale(half), x, y, z]
         },
         || beyond_right_angle(r),
     )
@@ -109,10 +109,11 @@ fn beyond_right_angle<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
 fn from_pivot<S: Scalar, const I: usize>(r: &Matrix<S>) -> Quaternion<S> {
     let (j, k) = ((I + 1) % 3, (I + 2) % 3);
     let pivot = S::one() + r[I][I] - r[j][j] - r[k][k];
-    let f = inverse_sqrt(pivot).scale(S::Real::ratio(1, 2));
+    let half = S::Real::ratio(1, 2);
+    let f = inverse_sqrt(pivot).scale(half);
     let mut q = [S::zero(); 4];
     q[0] = (r[k][j] - r[j][k]) * f;
-    q[1 + I] = pivot * f;
+    q[1 + I] = sqrt(pivot).scale(half);
     q[1 + j] = (r[I][j] + r[j][I]) * f;
     q[1 + k] = (r[I][k] + r[k][I]) * f;
     q
@@ -330,7 +331,8 @@ pub fn cardan_third<S: Scalar>(r: &Matrix<S>) -> S {
 /// Euler angles (α, β, γ) of R = Rz(α) Rx(β) Rz(γ) with the sign s = ±1 of sin β; 1 / 2 / 3 u where the entries of R are exact,
 /// to within 1e−16 of the lock sin β = 0.
 ///
-/// Manual, connection type EULER, with β = s acos R₃₃ and α, γ turning by π together with s.
+/// Manual, connection type EULER, with β = s acos R₃₃ and α, γ turning by π together with s. `0 + x` keeps −0 from becoming
+/// half a turn of the other sign.
 #[inline(always)]
 pub fn euler<S: Scalar>(r: &Matrix<S>, s: S::Real) -> [S; 3] {
     [euler_angle(r, s, 1), euler_angle(r, s, 2), euler_angle(r, s, 3)]
@@ -339,9 +341,10 @@ pub fn euler<S: Scalar>(r: &Matrix<S>, s: S::Real) -> [S; 3] {
 /// The angle α (1), β (2) or γ (3) of [`euler`].
 #[inline(always)]
 pub fn euler_angle<S: Scalar>(r: &Matrix<S>, s: S::Real, which: usize) -> S {
+    let signed = |x: S| S::zero() + x.scale(s);
     match which {
-        1 => atan2(r[0][2].scale(s), S::zero() - r[1][2].scale(s)),
+        1 => atan2(signed(r[0][2]), signed(-r[1][2])),
         2 => atan2(norm([r[0][2], r[1][2]]), r[2][2]).scale(s),
-        _ => atan2(r[2][0].scale(s), r[2][1].scale(s)),
+        _ => atan2(signed(r[2][0]), signed(r[2][1])),
     }
 }

@@ -282,16 +282,7 @@ pub(crate) fn pair(reference: Vector<f64>, a0: Matrix<f64>, q0: &Matrix<f64>) ->
 
 /// A definition with nothing optional in it.
 pub(crate) fn definition(connection: &ConnectionType, initial: Pair<f64>, length: f64) -> Definition {
-    Definition {
-        connection: connection.clone(),
-        initial,
-        flow_scale: 1.7 / length,
-        fixed_direction: [0.0; 3],
-        references: [None; 6],
-        stops: [None; 6],
-        planar: false,
-        moves: [true; 2],
-    }
+    Definition { flow_scale: 1.7 / length, ..Definition::new(connection.clone(), initial) }
 }
 
 impl Case {
@@ -336,7 +327,7 @@ impl Case {
         let mut branch = connector.initial_branch();
         let initial = State { pair: self.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
         let clear = |state: &State<f64>, branch: &Branch<f64>, least: f64| {
-            connector.margins(state, branch).iter().flatten().all(|margin| {
+            connector.margins(state, branch, [true; 6]).iter().flatten().all(|margin| {
                 let unit = if margin.set.unit == Unit::Length { self.length } else { 1.0 };
                 margin.distance >= least * unit
             })

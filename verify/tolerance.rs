@@ -1,5 +1,37 @@
 //! Every tolerance of the tests, in one table, with the cause of the odd ones.
 
+/// The largest allowed errors of a function: value, first, second derivative.
+pub(crate) struct Gate {
+    /// The name under which the test measures.
+    pub(crate) function: &'static str,
+    /// In units u = 2⁻⁵³ of the conditioned scale.
+    pub(crate) orders: [f64; 3],
+}
+
+const fn gate(function: &'static str, value: f64, first: f64, second: f64) -> Gate {
+    Gate { function, orders: [value, first, second] }
+}
+
+/// Errors in units u of the conditioned scale |f| + Σ|x_i||∂f/∂x_i|, of the value and of each derivative.
+pub(crate) const NUMERICS: &[Gate] = &[
+    gate("sqrt", 1.0, 1.0, 2.0),
+    gate("inverse_sqrt", 2.0, 2.0, 3.0),
+    gate("recip", 1.0, 2.0, 3.0),
+    gate("sin_cos", 1.0, 1.0, 2.0),
+    gate("atan2", 1.0, 2.0, 3.0),
+    gate("norm2", 1.0, 2.0, 4.0),
+    gate("norm3", 1.0, 2.0, 4.0),
+    gate("direction3", 2.0, 4.0, 5.0),
+    gate("exp_quaternion", 4.0, 4.0, 5.0),
+    gate("exp_matrix", 4.0, 4.0, 5.0),
+    gate("log_quaternion", 4.0, 5.0, 6.0),
+    gate("log_matrix", 4.0, 5.0, 6.0),
+    // One more rounded vector than the log, and a multiple of 2π; to 1e4 turns.
+    gate("continuous_log", 4.0, 6.0, 12.0),
+    gate("cardan", 1.0, 2.0, 3.0),
+    gate("euler", 1.0, 2.0, 3.0),
+];
+
 /// What a law allows.
 pub(crate) struct Law {
     /// Its name.

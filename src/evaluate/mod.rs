@@ -11,4 +11,4 @@ mod sequence;
 
 pub use model::{ConnectorElement, Joint, Model};
 pub use plan::{Plan, Selection, SelectionError};
-pub use sequence::{Branches, ConnectorResult, JointResult, Sequence, StepResult};
+pub use sequence::{Branches, ConnectorResult, Item, JointResult, Sequence, StepResult};

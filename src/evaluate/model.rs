@@ -1,13 +1,11 @@
 //! A scene with its connection types, triads and constraints resolved.
 
-use crate::catalog::{Breach, ConnectionType, Evidence, Facts, NameError, Orientation, Procedure};
+use crate::catalog::{Breach, ConnectionType, Evidence, Facts, NameError, Orientation, Procedure, Rule};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
 use crate::mpc::Revolute;
 use crate::node::{End, Node, Pair};
-use crate::scene::{
-    Code, Dimension, Diagnostic, End as SceneEnd, MpcKind, Scene, Solver, Span, Target,
-};
+use crate::scene::{Code, Diagnostic, Dimension, End as SceneEnd, MpcKind, Scene, Solver, Span, Target};
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::{BTreeMap, HashMap};
 
@@ -175,7 +173,8 @@ impl Model {
         let index: HashMap<u64, usize> =
             self.connectors.iter().enumerate().map(|(i, connector)| (connector.label, i)).collect();
         for (name, set) in &scene.element_sets {
-            let members: Vec<usize> = set.labels.iter().filter_map(|label| index.get(label).copied()).collect();
+            let members: Vec<usize> =
+                set.labels.iter().filter_map(|label| index.get(label).copied()).collect();
             if !members.is_empty() {
                 self.sets.insert(name.clone(), members);
             }
@@ -216,19 +215,39 @@ fn actions(scene: &Scene) -> HashMap<u64, Vec<usize>> {
     let mut act = |target: &Target, component: u8| {
         let labels: &[u64] = match target {
             Target::Label(label) => std::slice::from_ref(label),
-            Target::Set(name) => scene.element_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice()),
+            Target::Set(name) => {
+                scene.element_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice())
+            }
         };
         for label in labels {
             found.entry(*label).or_default().push(usize::from(component) - 1);
         }
     };
-    for motion in scene.connector_motions.iter().chain(scene.steps.iter().flat_map(|s| &s.connector_motions)) {
+    for motion in scene.connector_motions.iter().chain(scene.steps.iter().flat_map(|s| &s.connector_motions))
+    {
         act(&motion.target.value, motion.component);
     }
     for load in scene.steps.iter().flat_map(|step| &step.connector_loads) {
         act(&load.target.value, load.component);
     }
     found
+}
+
+/// The stable code of a rule.
+const fn code(rule: Rule) -> Code {
+    match rule {
+        Rule::OrientationRequired => Code::OrientationRequired,
+        Rule::OrientationIgnored => Code::OrientationIgnored,
+        Rule::NotInTwoDimensions => Code::NotInTwoDimensions,
+        Rule::NotInProcedure => Code::NotInProcedure,
+        Rule::StopNotAvailable => Code::StopNotAvailable,
+        Rule::ReferenceNotAvailable => Code::ReferenceNotAvailable,
+        Rule::ActionNotAvailable => Code::ActionNotAvailable,
+        Rule::FrictionNotPredefined => Code::FrictionNotPredefined,
+        Rule::FrictionParameters => Code::FrictionParameters,
+        Rule::SectionDataUnused => Code::SectionDataUnused,
+        Rule::CoincidentNodes => Code::CoincidentNodes,
+    }
 }
 
 /// A broken rule as a diagnostic at the section, naming the element and the source of the rule.
@@ -241,7 +260,7 @@ fn diagnose(breach: &Breach, label: u64, element: Span, section: Span, scene: &S
         Evidence::S | Evidence::D => "",
         Evidence::P | Evidence::R => " (the rule rests on our reading, so this is a warning)",
     };
-    build(Code::ConnectionRule(breach.rule), place, message, here)
+    build(code(breach.rule), place, message, here)
         .help(format!("{}{certainty}", breach.remedy))
         .in_file(&scene.name)
 }

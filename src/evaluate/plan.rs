@@ -1,7 +1,7 @@
 //! What is to be computed, decided once.
 
 use super::model::Model;
-use crate::connector::{Output, Request};
+use crate::connector::Request;
 use std::collections::BTreeSet;
 
 /// The connectors of a request.
@@ -34,8 +34,6 @@ pub struct Plan {
     pub nodes: BTreeSet<u64>,
     /// What is computed of each.
     pub request: Request,
-    /// Whether anything but derivatives and margins is asked for.
-    pub wants_margins: bool,
 }
 
 impl Plan {
@@ -66,8 +64,7 @@ impl Plan {
             let joint: &super::model::Joint = &model.joints[*index];
             nodes.extend(joint.nodes);
         }
-        let wants_margins = request.outputs.contains(&Output::MARGIN);
-        Ok(Self { connectors, joints, nodes, request, wants_margins })
+        Ok(Self { connectors, joints, nodes, request })
     }
 }
 

@@ -13,6 +13,7 @@ use crate::so3::{self, Quaternion};
 use crate::vector::{self, Matrix, Vector, identity, product, sub};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
+use std::convert::Infallible;
 
 /// A node at one state, its rotation worked out once for all connectors that share it.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +74,7 @@ pub struct ConnectorResult {
     pub evaluation: Evaluation<f64>,
     /// CSLST.
     pub stops: Components<StopStatus>,
-    /// MARGIN.
+    /// MARGIN, of every component of the request: what needs care is always looked at.
     pub margins: Components<Margin>,
     /// What needs care.
     pub flags: Vec<Flag>,
@@ -103,6 +104,15 @@ pub struct StepResult {
     pub connectors: Vec<ConnectorResult>,
     /// Joints in the order of the plan.
     pub joints: Vec<JointResult>,
+}
+
+/// What a walk hands on at one state.
+#[derive(Clone, Debug)]
+pub enum Item {
+    /// A connector.
+    Connector(Box<ConnectorResult>),
+    /// A revolute-joint MPC.
+    Joint(Box<JointResult>),
 }
 
 /// A walk through states, holding one of them at a time.
@@ -137,6 +147,32 @@ impl<'a> Sequence<'a> {
 
     /// Evaluates the plan at the next state and commits it.
     pub fn step(&mut self, state: &SceneState) -> StepResult {
+        let mut step = StepResult {
+            index: self.branches.states,
+            time: state.time,
+            connectors: Vec::with_capacity(self.plan.connectors.len()),
+            joints: Vec::with_capacity(self.plan.joints.len()),
+        };
+        let Ok(()) = self.visit(state, |item| -> Result<(), Infallible> {
+            match item {
+                Item::Connector(result) => step.connectors.push(*result),
+                Item::Joint(result) => step.joints.push(*result),
+            }
+            Ok(())
+        });
+        step
+    }
+
+    /// Evaluates the plan at the next state and hands on one result at a time, connectors first, both in the order of the
+    /// plan, so that a large model is never held as results. The state is committed when all have been taken.
+    ///
+    /// # Errors
+    /// The first error of `take`; the walk must then be given up.
+    pub fn visit<E>(
+        &mut self,
+        state: &SceneState,
+        mut take: impl FnMut(Item) -> Result<(), E>,
+    ) -> Result<(), E> {
         let mut moved: HashMap<u64, Moved> = HashMap::with_capacity(self.plan.nodes.len());
         for label in &self.plan.nodes {
             let motion = state.nodes.get(label).copied().unwrap_or_default();
@@ -147,20 +183,17 @@ impl<'a> Sequence<'a> {
         }
         let at = |label: Option<u64>| label.and_then(|label| moved.get(&label)).copied().unwrap_or(STILL);
 
-        let mut connectors = Vec::with_capacity(self.plan.connectors.len());
         for index in &self.plan.connectors {
             let element = &self.model.connectors[*index];
             let ends = element.nodes.map(at);
-            connectors.push(self.connector(*index, element, &ends));
+            take(Item::Connector(Box::new(self.connector(*index, element, &ends))))?;
         }
-        let mut joints = Vec::with_capacity(self.plan.joints.len());
         for index in &self.plan.joints {
             let nodes = self.model.joints[*index].nodes.map(|label| at(Some(label)));
-            joints.push(self.joint(*index, &nodes));
+            take(Item::Joint(Box::new(self.joint(*index, &nodes))))?;
         }
-        let index = self.branches.states;
         self.branches.states += 1;
-        StepResult { index, time: state.time, connectors, joints }
+        Ok(())
     }
 
     fn connector(&mut self, index: usize, element: &ConnectorElement, ends: &[Moved; 2]) -> ConnectorResult {
@@ -190,13 +223,11 @@ impl<'a> Sequence<'a> {
         let before = known.unwrap_or_else(|| connector.initial_branch());
         let request = &self.plan.request;
         let evaluation = connector.evaluate(&state, &increment, &before, request, &mut self.tally);
-        let stops = if request.outputs.contains(&Output::CSLST) {
-            connector.stop_status(&evaluation.position)
-        } else {
-            [None; 6]
-        };
-        let margins =
-            if self.plan.wants_margins { connector.margins(&state, &evaluation.branch) } else { [None; 6] };
+        let mut stops = connector.stop_status(&evaluation.position);
+        for (k, status) in stops.iter_mut().enumerate() {
+            *status = status.filter(|_| request.wants(Output::CSLST, k));
+        }
+        let margins = connector.margins(&state, &evaluation.branch, request.components());
         let flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
         self.branches.connectors.insert(element.label, evaluation.branch);
         ConnectorResult { index, evaluation, stops, margins, flags }
@@ -216,8 +247,7 @@ impl<'a> Sequence<'a> {
             acceleration: combined(|node| &node.accelerations),
         };
         let key = element.nodes.map(|label| label.to_string()).join("-");
-        let before =
-            self.branches.joints.get(&key).copied().unwrap_or(Turns { turns: 0.0, principal: 0.0 });
+        let before = self.branches.joints.get(&key).copied().unwrap_or(Turns { turns: 0.0, principal: 0.0 });
         let whole = sub(slave.whole_turns, master.whole_turns);
         let evaluation =
             element.constraint.evaluate(&state, &before, whole, &self.plan.request, &mut self.tally);

@@ -17,7 +17,7 @@ pub fn sqrt<S: Scalar>(x: S) -> S {
     }
     // √(x₀(1 + r)) with r = e / x₀, the factor √x₀ first so that no intermediate overflows.
     let r = x.nilpotent().scale(x.real().reciprocal_or_zero());
-    S::from_real(root) + (r * sqrt_one_plus_rest(r)).scale(root)
+    S::from_real(root) + r.scale(root) * sqrt_one_plus_rest(r)
 }
 
 /// (√(1 + r) − 1) / r for nilpotent r.
@@ -85,7 +85,7 @@ pub fn sin_cos<S: Scalar>(x: S) -> (S, S) {
 
 /// The angle of the point (x, y) in (−π, π], 1 / 2 / 3 u, exact right angles included.
 ///
-/// With (c, s) = (x₀, y₀)/r: θ₀ + atan t, t = (c e_y − s e_x) / (r + c e_x + s e_y). At the origin the value is 0 and the
+/// With (c, s) = (x₀, y₀)/r²: θ₀ + atan t, t = (c e_y − s e_x) / (1 + c e_x + s e_y). At the origin the value is 0 and the
 /// derivatives, which do not exist, are 0.
 #[inline(always)]
 pub fn atan2<S: Scalar>(y: S, x: S) -> S {
@@ -93,9 +93,8 @@ pub fn atan2<S: Scalar>(y: S, x: S) -> S {
     if S::ORDER == 0 {
         return angle;
     }
-    let ([c, s], r) = S::Real::direction_and_norm([x.real(), y.real()]);
-    let inverse = r.reciprocal_or_zero();
-    let (ex, ey) = (x.nilpotent().scale(inverse), y.nilpotent().scale(inverse));
+    let [c, s] = S::Real::inverted([x.real(), y.real()]);
+    let (ex, ey) = (x.nilpotent(), y.nilpotent());
     let lateral = ey.scale(c) - ex.scale(s);
     if S::ORDER == 1 {
         return angle + lateral;
@@ -145,19 +144,23 @@ pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
         a = a + e[i].scale(u[i]);
     }
     // With p_ij = u_j e_i − u_i e_j: the part of e across u is Σ_j p_ij u_j, and its square Σ_{i<j} p_ij²; neither needs the
-    // subtraction e − a u. The tangent t = (part across u) / (n + a).
-    let g =
-        if S::ORDER == 1 { S::from_real(inverse) } else { inverse_one_plus(a.scale(inverse)).scale(inverse) };
+    // subtraction e − a u. The tangent t = (part across u) / (n + a). To second order a does not enter t·t; leaving it out
+    // keeps the second derivative of the norm from overflowing in between.
+    let shorten = if S::ORDER > 1 { inverse_one_plus(a.scale(inverse)) } else { S::one() };
     let mut tangent = [S::zero(); N];
     let mut rise = S::zero(); // (n + a) t·t
     let mut tt = S::zero();
     for i in 0..N {
         for j in 0..i {
             let p = e[i].scale(u[j]) - e[j].scale(u[i]);
-            let t = p * g;
+            let quotient = p.scale(inverse);
+            let t = if S::ORDER > 1 { quotient * shorten } else { quotient };
             tangent[i] = tangent[i] + t.scale(u[j]);
             tangent[j] = tangent[j] - t.scale(u[i]);
-            if S::ORDER > 1 {
+            if S::ORDER == 2 {
+                rise = rise + p * quotient;
+                tt = tt + quotient * quotient;
+            } else if S::ORDER > 2 {
                 rise = rise + p * t;
                 tt = tt + t * t;
             }

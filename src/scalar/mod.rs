@@ -157,6 +157,17 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// (v / |v|, |v|) without overflow or underflow for components between 1e−300 and 1e300; (0, 0) at v = 0.
     fn direction_and_norm<const N: usize>(v: [Self; N]) -> ([Self; N], Self);
 
+    /// v / |v|², with the range of [`Real::direction_and_norm`]; 0 at v = 0.
+    #[inline(always)]
+    fn inverted<const N: usize>(v: [Self; N]) -> [Self; N] {
+        let (mut u, norm) = Self::direction_and_norm(v);
+        let inverse = norm.reciprocal_or_zero();
+        for component in &mut u {
+            *component = *component * inverse;
+        }
+        u
+    }
+
     /// The Taylor coefficients, to the order asked for, of w(s) = cos(√s / 2) and k(s) = sin(√s / 2) / √s at s = |φ|² ≥ 0:
     /// exp maps the rotation vector φ to the unit quaternion (w, k φ).
     fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>);

@@ -24,11 +24,11 @@ pub(crate) struct Truth {
 }
 
 pub(crate) fn values() -> Request {
-    Request { outputs: vec![Output::CU, Output::RES], components: [true; 6], order: 0 }
+    Request::new(&[Output::CU, Output::RES], [true; 6], 0)
 }
 
 pub(crate) fn rows() -> Request {
-    Request { outputs: Vec::new(), components: [true; 6], order: 1 }
+    Request::new(&[], [true; 6], 1)
 }
 
 impl Truth {

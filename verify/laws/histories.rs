@@ -32,11 +32,8 @@ impl Walk {
     }
 
     fn to(&mut self, pair: Pair<f64>, increment: &Increment<f64>) -> Evaluation<f64> {
-        let request = Request {
-            outputs: vec![Output::CP, Output::CU, Output::RES, Output::TURNS],
-            components: [true; 6],
-            order: 0,
-        };
+        let outputs = [Output::CP, Output::CU, Output::RES, Output::TURNS];
+        let request = Request::new(&outputs, [true; 6], 0);
         let tally = &mut Tally::default();
         let got = self.connector.evaluate(&at(pair), increment, &self.branch, &request, tally);
         self.branch = got.branch;

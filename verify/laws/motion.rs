@@ -392,8 +392,7 @@ fn rates_follow_from_rows() {
 #[test]
 fn rates_are_differences_in_time() {
     let mut check = Check::of("rates in time");
-    let request =
-        Request { outputs: vec![Output::CP, Output::RES], components: [true; 6], order: 0 };
+    let request = Request::new(&[Output::CP, Output::RES], [true; 6], 0);
     everywhere(|case| {
         let (got, _) = case.evaluate(&Request::everything(2));
         let truth = Truth::of(case);

@@ -4,7 +4,7 @@
 use super::{assert_bits, functions};
 use crate::states::{Case, Draw, Extent, cases, definition, extent, moved, pair, turn, types};
 use pintle::catalog::{Availability, ConnectionType, TABLE};
-use pintle::connector::{Components, Connector, Definition, Evaluation, Output, Request, Tally};
+use pintle::connector::{Components, Connector, Definition, Evaluation, Mask, Output, Request, Tally};
 use pintle::measure::{Measure, Unit};
 use pintle::node::{DOF_NUMBER, DOFS};
 use pintle::vector;
@@ -51,11 +51,18 @@ fn assert_same_derivatives(place: &str, got: &Evaluation<f64>, want: &Evaluation
     }
 }
 
+/// Component c alone.
+const fn only(c: usize) -> Mask {
+    let mut mask = [false; 6];
+    mask[c] = true;
+    mask
+}
+
 /// What a request must cost, counted from what it names: measures of the components asked for, each once.
 fn cost(connector: &Connector<f64>, case: &Case, request: &Request) -> Tally {
     let mut tally = Tally::default();
-    let asks = |outputs: &[Output]| request.outputs.iter().any(|output| outputs.contains(output));
-    for c in (0..6).filter(|c| request.components[*c]) {
+    for c in (0..6).filter(|c| request.components()[*c]) {
+        let asks = |outputs: &[Output]| outputs.iter().any(|output| request.wants(*output, c));
         let slot = case.definition.connection.slots[c];
         let Some(position) = slot.position() else { continue };
         let differentiated = connector.differentiated(c).expect("a component has a measure");
@@ -91,22 +98,26 @@ fn a_part_is_part_of_the_whole() {
         for case in cases(&connection, extent(&connection)) {
             let connector = case.connector();
             let (whole, _) = case.evaluate(&Request::everything(2));
-            let mut requests = Vec::new();
+            let mut requests = vec![Request::nothing(2), Request::everything(2), Request::new(&[], [true; 6], 0)];
+            // Another output of each component.
+            for shift in 0..Output::ALL.len() {
+                let mut mixed = Request::nothing((shift % 3) as u8);
+                for c in 0..6 {
+                    mixed.add(Output::ALL[(shift + 5 * c) % Output::ALL.len()], only(c));
+                }
+                requests.push(mixed);
+            }
             for c in 0..6 {
-                let mut components = [false; 6];
-                components[c] = true;
                 for output in Output::ALL {
-                    requests.push(Request { outputs: vec![output], components, order: 0 });
-                    requests.push(Request { outputs: vec![output], components: [true; 6], order: 0 });
+                    requests.push(Request::new(&[output], only(c), 0));
+                    requests.push(Request::new(&[output], [true; 6], 0));
                 }
                 for order in 0..=2 {
-                    requests.push(Request { outputs: Vec::new(), components, order });
-                    requests.push(Request { outputs: Output::ALL.to_vec(), components, order });
-                    requests.push(Request { outputs: Vec::new(), components: [true; 6], order });
+                    requests.push(Request::new(&[], only(c), order));
+                    requests.push(Request::new(&Output::ALL, only(c), order));
+                    requests.push(Request::new(&[], [true; 6], order));
                 }
             }
-            requests.push(Request { outputs: Output::ALL.to_vec(), components: [false; 6], order: 2 });
-            requests.push(Request::everything(2));
             for request in requests {
                 let (part, tally) = case.evaluate(&request);
                 assert_eq!(tally, cost(&connector, &case, &request), "{}: work for {request:?}", case.name);
@@ -115,15 +126,15 @@ fn a_part_is_part_of_the_whole() {
                     let place = format!("{}, component {}", case.name, c + 1);
                     for output in Output::ALL {
                         // Stops are judged by the position.
-                        let stops = output == Output::CP && request.outputs.contains(&Output::CSLST);
-                        let asked = request.components[c] && (request.outputs.contains(&output) || stops);
+                        let stops = output == Output::CP && request.wants(Output::CSLST, c);
+                        let asked = request.wants(output, c) || stops;
                         match (asked, values(&part, output)[c], values(&whole, output)[c]) {
                             (false, None, _) | (true, None, None) => {}
                             (true, Some(got), Some(want)) => assert_bits(format!("{place}, {output:?}"), got, want),
                             (_, got, _) => panic!("{place}, {output:?}: asked {asked}, got {got:?}"),
                         }
                     }
-                    if request.components[c] {
+                    if request.components()[c] {
                         assert_same_derivatives(&place, &part, &whole, c, request.order);
                     } else {
                         assert!(part.jacobian[c].is_none() && part.hessian[c].is_none(), "{place}: not asked for");
@@ -212,7 +223,7 @@ fn declared_dependence_is_true() {
                     &state,
                     &case.end().increment,
                     &case.branch_before(&connector),
-                    &Request { outputs: vec![Output::CU, Output::RES], components: [true; 6], order: 0 },
+                    &Request::new(&[Output::CU, Output::RES], [true; 6], 0),
                     &mut Tally::default(),
                 );
                 let [is, was] = [&got, &whole].map(|e| functions(e)[c].unwrap());

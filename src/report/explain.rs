@@ -1,0 +1,332 @@
+//! `pintle explain TYPE`: what a connection type is, in the order of the manual's summary table, and what rests on what.
+
+use super::layout::{self, BOLD, DIM, styled};
+use super::list::{is_measured, names};
+use super::words::{self, NOTATION, ROWS, SIGNS};
+use crate::catalog::{
+    Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, FORCE, FrictionCriterion,
+    OrientationRule, Slot,
+};
+use crate::measure::{SingularSet, Unit};
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// The version of the JSON form.
+pub const SCHEMA: &str = "pintle-explain/1";
+
+/// A connection type explained.
+#[derive(Debug, Serialize)]
+pub struct Explanation {
+    schema: &'static str,
+    version: &'static str,
+    name: String,
+    class: Class,
+    made_of: Vec<&'static str>,
+    summary: Vec<Field>,
+    notation: &'static str,
+    components: Vec<Component>,
+    forces: Vec<&'static str>,
+    friction: Vec<FrictionCriterion>,
+    two_dimensional_form: String,
+    three_dimensional: Availability,
+    two_dimensional: Availability,
+    orientation_at_a: OrientationRule,
+    orientation_at_b: OrientationRule,
+    rows: &'static str,
+    signs: &'static str,
+    remarks: Vec<&'static str>,
+    sources: Vec<&'static str>,
+    evidence: Vec<Tag>,
+}
+
+/// A field of the manual's summary table.
+#[derive(Debug, Serialize)]
+struct Field {
+    name: &'static str,
+    value: String,
+}
+
+/// What a tag such as `[S]` says.
+#[derive(Debug, Serialize)]
+struct Tag {
+    tag: Evidence,
+    meaning: &'static str,
+}
+
+/// One component of relative motion.
+#[derive(Debug, Serialize)]
+struct Component {
+    name: &'static str,
+    role: &'static str,
+    force: Option<&'static str>,
+    position: &'static str,
+    unit: Unit,
+    constraint: Option<String>,
+    otherwise: Option<String>,
+    winds: bool,
+    one_form: bool,
+    nodal_rates: bool,
+    singular: Vec<Singular>,
+}
+
+/// Where a component or a derivative of it does not exist.
+#[derive(Debug, Serialize)]
+struct Singular {
+    of: &'static str,
+    #[serde(flatten)]
+    set: SingularSet,
+}
+
+impl Explanation {
+    /// Everything that the catalogue knows about a type.
+    pub fn of(connection: &ConnectionType) -> Self {
+        let [at_a, at_b] = connection.orientation;
+        let some =
+            |list: &[&'static str]| list.iter().copied().filter(|text| !text.is_empty()).collect::<Vec<_>>();
+        Self {
+            schema: SCHEMA,
+            version: crate::VERSION,
+            name: connection.name.to_string(),
+            class: connection.class,
+            made_of: words::made_of(connection),
+            summary: summary(connection),
+            notation: NOTATION,
+            components: (0..6).filter_map(|k| component(connection, k)).collect(),
+            forces: some(&connection.forces),
+            friction: connection.friction.map(|friction| friction.criteria.to_vec()).unwrap_or_default(),
+            two_dimensional_form: two_dimensional(connection),
+            three_dimensional: connection.availability,
+            two_dimensional: connection.planar,
+            orientation_at_a: at_a,
+            orientation_at_b: at_b,
+            rows: ROWS,
+            signs: SIGNS,
+            remarks: some(&connection.notes),
+            sources: some(&connection.source),
+            evidence: [Evidence::S, Evidence::D, Evidence::P, Evidence::R]
+                .map(|tag| Tag { tag, meaning: tag.meaning() })
+                .into(),
+        }
+    }
+
+    /// Writes the explanation as JSON.
+    ///
+    /// # Errors
+    /// Those of the stream.
+    pub fn json(&self, out: &mut dyn Write) -> io::Result<()> {
+        serde_json::to_writer_pretty(&mut *out, self)?;
+        writeln!(out)
+    }
+
+    /// Writes the explanation as text.
+    ///
+    /// # Errors
+    /// Those of the stream.
+    pub fn human(&self, out: &mut dyn Write, width: usize) -> io::Result<()> {
+        const INDENT: usize = 2;
+        writeln!(out, "{}", styled(BOLD, &self.name))?;
+        let column = 41;
+        for Field { name, value } in &self.summary {
+            write!(out, "{}", layout::labelled(name, INDENT, column, value, width))?;
+        }
+        writeln!(out, "\n{}", styled(BOLD, "Components"))?;
+        self.write_components(out, width)?;
+        let paragraph = |out: &mut dyn Write, title: &str, texts: &[&str]| -> io::Result<()> {
+            if texts.is_empty() {
+                return Ok(());
+            }
+            writeln!(out, "\n{}", styled(BOLD, title))?;
+            for text in texts {
+                write!(out, "{}", layout::labelled("", INDENT, INDENT, text, width))?;
+            }
+            Ok(())
+        };
+        paragraph(out, "Forces and moments", &self.forces)?;
+        paragraph(out, "Two-dimensional and axisymmetric (CONN2D2)", &[&self.two_dimensional_form])?;
+        paragraph(out, "Signs", &[self.signs])?;
+        paragraph(out, "Rows of derivatives", &[self.rows])?;
+        paragraph(out, "Remarks", &self.remarks)?;
+        paragraph(out, "Sources", &self.sources)?;
+        writeln!(out)?;
+        let tags: Vec<String> =
+            self.evidence.iter().map(|Tag { tag, meaning }| format!("[{tag:?}] {meaning}")).collect();
+        for line in layout::wrap(&tags.join(" · "), width) {
+            writeln!(out, "{}", styled(DIM, line))?;
+        }
+        Ok(())
+    }
+
+    fn write_components(&self, out: &mut dyn Write, width: usize) -> io::Result<()> {
+        let (start, column) = (7, 20);
+        let line = |out: &mut dyn Write, label: &str, text: &str| {
+            write!(out, "{}", layout::labelled(label, start, column, text, width))
+        };
+        for line in layout::wrap(NOTATION, width.saturating_sub(2)) {
+            writeln!(out, "  {}", styled(DIM, line))?;
+        }
+        for component in &self.components {
+            let unit = words::unit(component.unit);
+            let force = component.force.map(|force| format!(", conjugate to {force}")).unwrap_or_default();
+            let head = layout::labelled(
+                component.name,
+                2,
+                start,
+                &format!("{}, {}{force}", component.role, bracket(unit)),
+                width,
+            );
+            write!(out, "{head}")?;
+            line(out, "position", component.position)?;
+            if let Some(constraint) = &component.constraint {
+                line(out, "enforced", constraint)?;
+            }
+            if let Some(otherwise) = &component.otherwise {
+                line(out, "", otherwise)?;
+            }
+            if component.winds {
+                line(out, "period", "2π; whole turns are counted from state to state")?;
+            }
+            if component.one_form {
+                line(
+                    out,
+                    "one-form",
+                    "only its rate is a function of the state: the value accumulates from state to state",
+                )?;
+            }
+            if component.nodal_rates {
+                line(out, "rates", "nodal rates resolved in b, not time derivatives of the position")?;
+            }
+            for Singular { of, set } in &component.singular {
+                let (class, meaning) = words::singular_class(set.class);
+                let distance = format!("distance {} {}", set.distance, bracket(words::unit(set.unit)));
+                line(out, "singular", &format!("{of}, at {}: {class}, {meaning}; {distance}", set.at))?;
+            }
+            if component.singular.is_empty() {
+                line(out, "singular", "nowhere")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn bracket(unit: &str) -> String {
+    format!("[{unit}]")
+}
+
+fn tagged(text: &str, evidence: Evidence) -> String {
+    format!("{text} [{evidence:?}]")
+}
+
+/// The manual's summary table: its fields in its order.
+fn summary(connection: &ConnectionType) -> Vec<Field> {
+    let mut fields = Vec::new();
+    let mut field = |name, value| fields.push(Field { name, value });
+    let rule = |rule: OrientationRule| tagged(words::orientation(rule.orientation), rule.evidence);
+    field("Basic, assembled, or complex", words::class(connection).to_string());
+    field("Kinematic constraints", connection.constraint_list());
+    field("Constraint force and moment output", connection.force_list(Slot::is_constrained));
+    field("Available components", connection.component_list(Slot::is_available));
+    let measured = names(connection, is_measured);
+    if !measured.is_empty() {
+        field("Components for output only", measured.join(", "));
+    }
+    field("Kinetic force and moment output", connection.force_list(Slot::is_available));
+    field("Orientation at a", rule(connection.orientation[0]));
+    field("Orientation at b", rule(connection.orientation[1]));
+    field("Connector stops", connection.stop_list());
+    field("Constitutive reference lengths, angles", connection.reference_list());
+    let none = || "none".to_string();
+    field(
+        "Predefined friction parameters",
+        connection.friction.map_or_else(none, |friction| {
+            let group = |required: bool| {
+                let symbols: Vec<&str> =
+                    friction.parameters.iter().filter(|p| p.required == required).map(|p| p.symbol).collect();
+                let word = if required { "required" } else { "optional" };
+                (!symbols.is_empty()).then(|| format!("{word}: {}", symbols.join(", ")))
+            };
+            let groups: Vec<String> = [group(true), group(false)].into_iter().flatten().collect();
+            if groups.is_empty() { none() } else { tagged(&groups.join("; "), friction.evidence) }
+        }),
+    );
+    field(
+        "Contact force for predefined friction",
+        connection.friction.map_or_else(none, |friction| {
+            let criteria: Vec<String> = friction
+                .criteria
+                .iter()
+                .map(|criterion| {
+                    let FrictionCriterion { tangential, contact, output } = criterion;
+                    format!("F_C = {contact}, against P = {tangential} ({output})")
+                })
+                .collect();
+            tagged(&criteria.join("; "), friction.evidence)
+        }),
+    );
+    field(
+        "Abaqus/Standard, Abaqus/Explicit",
+        match connection.availability {
+            Availability::Always => "both",
+            Availability::ExplicitOnly => "Explicit only",
+            Availability::StandardOnly => "Standard only",
+            Availability::Never => "neither",
+        }
+        .to_string(),
+    );
+    fields
+}
+
+fn component(connection: &ConnectionType, k: usize) -> Option<Component> {
+    let slot = connection.slots[k];
+    let position = slot.position()?;
+    let mut measures = vec![("position", position)];
+    let mut otherwise = None;
+    match slot {
+        Slot::Constrained(_, Condition::Zero(printed)) => measures.push(("constraint", printed)),
+        Slot::Constrained(_, Condition::ZeroOrHeld(printed)) => {
+            measures.push(("constraint", printed));
+            let symbol = position.symbol();
+            otherwise = Some(format!("{symbol} = {symbol}0 where it does not hold initially"));
+        }
+        _ => {}
+    }
+    let singular = measures
+        .into_iter()
+        .filter_map(|(of, measure)| measure.singular_set().map(|set| Singular { of, set }))
+        .collect();
+    Some(Component {
+        name: COMPONENT[k],
+        role: words::role(slot),
+        force: (!matches!(slot, Slot::Measured(_))).then_some(FORCE[k]),
+        position: position.formula(),
+        unit: position.unit(),
+        constraint: connection.constraint(k),
+        otherwise,
+        winds: position.winds(),
+        one_form: position.is_one_form(),
+        nodal_rates: position.has_nodal_rates(),
+        singular,
+    })
+}
+
+/// What is left in the plane: components u1, u2 and ur3.
+fn two_dimensional(connection: &ConnectionType) -> String {
+    let solver = match connection.planar {
+        Availability::Never => return "not available".to_string(),
+        Availability::StandardOnly => " (Abaqus/Standard only)",
+        Availability::ExplicitOnly => " (Abaqus/Explicit only)",
+        Availability::Always => "",
+    };
+    let kept: Vec<String> = [0, 1, 5]
+        .into_iter()
+        .filter(|k| connection.slots[*k] != Slot::Absent)
+        .map(|k| format!("{} {}", COMPONENT[k], words::role(connection.slots[k])))
+        .collect();
+    let dropped: Vec<String> = [2, 3, 4]
+        .into_iter()
+        .filter(|k| connection.slots[*k] != Slot::Absent)
+        .map(|k| format!("{} = {}", COMPONENT[k], FORCE[k]))
+        .collect();
+    let kept = if kept.is_empty() { "no component".to_string() } else { kept.join(", ") };
+    let dropped = if dropped.is_empty() { String::new() } else { format!("; {} = 0", dropped.join(" = ")) };
+    format!("{kept}{dropped}{solver}")
+}

@@ -1,0 +1,442 @@
+//! `*CONNECTOR BEHAVIOR` and its suboptions, as a deck gives them.
+//!
+//! Components are 1 to 6 (u1, u2, u3, ur1, ur2, ur3). Angles are radians, except in
+//! [`Behavior::constitutive_reference`].
+
+use super::span::{Span, Spanned};
+use indexmap::IndexMap;
+use serde::Serialize;
+
+/// A connector behaviour.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Behavior {
+    /// What holds beyond the ends of tables.
+    pub table: TableOptions,
+    /// `INTEGRATION=` IMPLICIT or EXPLICIT.
+    pub integration: Option<&'static str>,
+    /// Reference lengths of components 1 to 3 and reference angles, **in degrees**, of 4 to 6.
+    /// None: the initial geometry.
+    pub constitutive_reference: [Option<f64>; 6],
+    /// `*CONNECTOR ELASTICITY`.
+    pub elasticity: Vec<Elasticity>,
+    /// `*CONNECTOR DAMPING`.
+    pub damping: Vec<Damping>,
+    /// `*CONNECTOR FRICTION`.
+    pub friction: Vec<Friction>,
+    /// Derived components by name, each a sum of terms.
+    pub derived_components: IndexMap<String, Vec<DerivedTerm>>,
+    /// `*CONNECTOR PLASTICITY`.
+    pub plasticity: Vec<Plasticity>,
+    /// `*CONNECTOR DAMAGE INITIATION`.
+    pub damage: Vec<Damage>,
+    /// `*CONNECTOR STOP`.
+    pub stops: Vec<Stop>,
+    /// `*CONNECTOR LOCK`.
+    pub locks: Vec<Lock>,
+    /// `*CONNECTOR FAILURE`.
+    pub failures: Vec<Failure>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+impl Behavior {
+    /// The components, counted from 0, that must be available: those with elasticity, damping, plasticity or friction of their
+    /// own. Coupled matrices are not among them (entries of constrained components are not used), nor are locks and
+    /// failures, whose limits may refer to constrained components.
+    #[must_use]
+    pub fn acts_on(&self) -> Vec<usize> {
+        let laws =
+            self.elasticity.iter().map(|item| &item.law).chain(self.damping.iter().map(|item| &item.law));
+        let mut components: Vec<u8> = laws
+            .flat_map(|law| match law {
+                Law::Linear { component, .. } | Law::Nonlinear { component, .. } => vec![*component],
+                Law::Rigid { components } => components.clone(),
+                Law::Coupled { .. } => Vec::new(),
+            })
+            .collect();
+        components.extend(self.plasticity.iter().filter_map(|item| item.component));
+        components.extend(self.friction.iter().filter_map(|item| match item.kind {
+            FrictionKind::User { component, .. } => component,
+            FrictionKind::Predefined { .. } => None,
+        }));
+        components.into_iter().map(|component| usize::from(component) - 1).collect()
+    }
+
+    /// The number of items given for predefined friction, where it is asked for.
+    #[must_use]
+    pub fn predefined_friction_parameters(&self) -> Option<usize> {
+        self.friction.iter().find_map(|item| match &item.kind {
+            FrictionKind::Predefined { constants } => Some(constants.len()),
+            FrictionKind::User { .. } => None,
+        })
+    }
+}
+
+/// What a table does between and beyond its rows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct TableOptions {
+    /// `EXTRAPOLATION=` CONSTANT or LINEAR.
+    pub extrapolation: Option<&'static str>,
+    /// `REGULARIZE=` ON or OFF.
+    pub regularize: Option<&'static str>,
+    /// `RTOL=`.
+    pub rtol: Option<f64>,
+}
+
+/// One row of a table: the columns that its owner names, then temperature and field variables.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Row {
+    /// The columns; none where the deck leaves an item empty.
+    pub values: Vec<Option<f64>>,
+    /// The temperature, if the row depends on it.
+    pub temperature: Option<f64>,
+    /// Field variables, as many as `DEPENDENCIES=` says.
+    pub fields: Vec<Option<f64>>,
+}
+
+/// `INDEPENDENT COMPONENTS=` and the components listed under it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Independent {
+    /// POSITION or CONSTITUTIVE MOTION (damping: VELOCITY).
+    pub basis: &'static str,
+    /// The components.
+    pub components: Vec<u8>,
+}
+
+/// How a force depends on its component.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Law {
+    /// One component. Columns: coefficient, frequency.
+    Linear {
+        /// The component.
+        component: u8,
+        /// The table.
+        rows: Vec<Row>,
+    },
+    /// All components. Columns: the matrix, then the frequency if there is one. A symmetric matrix has 21
+    /// terms, D11, D12, D22, D13, D23, D33 … (columns of the upper triangle, decision D-24); an unsymmetric one 36.
+    Coupled {
+        /// Are there 36 terms?
+        unsymmetric: bool,
+        /// `FREQUENCY DEPENDENCE`: a column more.
+        frequency: bool,
+        /// The table.
+        rows: Vec<Row>,
+    },
+    /// One component. Columns: force, then displacement or velocity, or one column per independent component.
+    Nonlinear {
+        /// The component.
+        component: u8,
+        /// The components on which the force depends, if not on its own.
+        independent: Option<Independent>,
+        /// The table.
+        rows: Vec<Row>,
+    },
+    /// No motion at all.
+    Rigid {
+        /// The components; all available ones when there is none.
+        components: Vec<u8>,
+    },
+}
+
+/// `*CONNECTOR ELASTICITY`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Elasticity {
+    /// Force over constitutive displacement.
+    pub law: Law,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*CONNECTOR DAMPING`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Damping {
+    /// VISCOUS or STRUCTURAL.
+    pub kind: &'static str,
+    /// Force over velocity.
+    pub law: Law,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// What presses, or what slips.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// A component.
+    Component(u8),
+    /// A derived component of the same behaviour.
+    Derived(String),
+}
+
+/// `*CONNECTOR FRICTION` with its `*FRICTION`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Friction {
+    /// `STICK STIFFNESS=`.
+    pub stick_stiffness: Option<f64>,
+    /// Predefined for the connection type, or by the user.
+    pub kind: FrictionKind,
+    /// The friction coefficient.
+    pub coefficient: Option<FrictionCoefficient>,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// Who says what rubs on what.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionKind {
+    /// The connection type: geometric constants in its order, then internal contact forces.
+    Predefined {
+        /// The items of the data line.
+        constants: Vec<Option<f64>>,
+    },
+    /// The deck.
+    User {
+        /// The component that slips; none when a potential says it.
+        component: Option<u8>,
+        /// The direction of slip.
+        potential: Option<Potential>,
+        /// The normal force.
+        contact_force: Option<Spanned<Source>>,
+        /// The components on which the internal contact force depends.
+        independent: Option<Independent>,
+        /// Effective radius if translations and rotations mix, internal contact force, independent motions,
+        /// accumulated slip, temperature, field variables: as written, for which is there depends on the type.
+        rows: Vec<Vec<Option<f64>>>,
+    },
+}
+
+/// `*FRICTION` under `*CONNECTOR FRICTION`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrictionCoefficient {
+    /// How μ is given.
+    pub law: FrictionLaw,
+    /// `TAUMAX=`: the largest friction force.
+    pub maximum: Option<f64>,
+    /// `SLIP TOLERANCE=`.
+    pub slip_tolerance: Option<f64>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// How a friction coefficient is given.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionLaw {
+    /// Columns: μ, slip rate, contact force.
+    Table(Vec<Row>),
+    /// μ = μ_k + (μ_s − μ_k) exp(−d_c·slip rate).
+    Exponential {
+        /// μ_s.
+        static_coefficient: f64,
+        /// μ_k.
+        kinetic_coefficient: f64,
+        /// d_c.
+        decay: f64,
+    },
+    /// `TEST DATA`: the items as written.
+    TestData(Vec<Vec<Option<f64>>>),
+}
+
+/// One term of a derived component.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DerivedTerm {
+    /// NORM, SUM or MACAULEY SUM.
+    pub operator: &'static str,
+    /// +1 or −1.
+    pub sign: f64,
+    /// The components.
+    pub components: Vec<u8>,
+    /// The components on which the scale factors depend.
+    pub independent: Option<Independent>,
+    /// Columns: one scale factor per component, then one value per independent component. No row: factors 1.
+    pub rows: Vec<Row>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*CONNECTOR POTENTIAL`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Potential {
+    /// SUM or MAX.
+    pub operator: &'static str,
+    /// β, 2 by default.
+    pub exponent: f64,
+    /// The contributions.
+    pub terms: Vec<PotentialTerm>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// A contribution sign·H(X/R − a)^α to a potential.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PotentialTerm {
+    /// X.
+    pub source: Spanned<Source>,
+    /// R, 1 by default.
+    pub scale: f64,
+    /// α; none is β.
+    pub exponent: Option<f64>,
+    /// H: ABS, MACAULEY or NONE.
+    pub function: &'static str,
+    /// a, 0 by default.
+    pub shift: f64,
+    /// +1 or −1.
+    pub sign: f64,
+}
+
+/// `*CONNECTOR PLASTICITY`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plasticity {
+    /// The component; none is coupled, with a potential.
+    pub component: Option<u8>,
+    /// The yield function.
+    pub potential: Option<Potential>,
+    /// `*CONNECTOR HARDENING`.
+    pub hardening: Vec<Hardening>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*CONNECTOR HARDENING`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Hardening {
+    /// ISOTROPIC or KINEMATIC.
+    pub kind: &'static str,
+    /// TABULAR, EXPONENTIAL LAW, HALF CYCLE, STABILIZED or PARAMETERS.
+    pub definition: &'static str,
+    /// `RATE FILTER FACTOR=`.
+    pub rate_filter: Option<f64>,
+    /// `RATE INTERPOLATION=` LINEAR or LOGARITHMIC.
+    pub rate_interpolation: Option<&'static str>,
+    /// The names of the columns.
+    pub columns: &'static [&'static str],
+    /// The table.
+    pub rows: Vec<Row>,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
+}
+
+/// `*CONNECTOR DAMAGE INITIATION` with its evolution.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Damage {
+    /// FORCE, MOTION or PLASTIC MOTION.
+    pub criterion: &'static str,
+    /// The component; none is coupled, with a potential.
+    pub component: Option<u8>,
+    /// What is compared with the limits of a coupled criterion.
+    pub potential: Option<Potential>,
+    /// FORCE, MOTION: lower and upper limit. PLASTIC MOTION: motion, mode mix, rate. Then temperature, fields: as written.
+    pub rows: Vec<Vec<Option<f64>>>,
+    /// `*CONNECTOR DAMAGE EVOLUTION`.
+    pub evolution: Option<DamageEvolution>,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*CONNECTOR DAMAGE EVOLUTION`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DamageEvolution {
+    /// MOTION or ENERGY.
+    pub kind: &'static str,
+    /// LINEAR, EXPONENTIAL or TABULAR.
+    pub softening: &'static str,
+    /// MAXIMUM or MULTIPLICATIVE.
+    pub degradation: &'static str,
+    /// The components that are damaged; none is those of the initiation.
+    pub affected: Vec<u8>,
+    /// The motion of a coupled evolution.
+    pub potential: Option<Potential>,
+    /// LINEAR: u_f. EXPONENTIAL: u_f, exponent. TABULAR: d, u. ENERGY: E. Then mode mix, temperature, fields: as written.
+    pub rows: Vec<Vec<Option<f64>>>,
+}
+
+/// `*CONNECTOR STOP`: lower ≤ position ≤ upper.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Stop {
+    /// The component.
+    pub component: u8,
+    /// The lower limit of the position (CP); none is unbounded.
+    pub lower: Option<f64>,
+    /// The upper limit.
+    pub upper: Option<f64>,
+    /// The data line.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// Everything, or one component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Affected {
+    /// All components.
+    All,
+    /// One.
+    Component(u8),
+}
+
+/// Limits that trigger a lock or a failure; none is no limit.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Limits {
+    /// Lower position.
+    pub lower_position: Option<f64>,
+    /// Upper position.
+    pub upper_position: Option<f64>,
+    /// Lower force or moment.
+    pub lower_force: Option<f64>,
+    /// Upper force or moment.
+    pub upper_force: Option<f64>,
+    /// The temperature, if the limits depend on it.
+    pub temperature: Option<f64>,
+    /// Field variables.
+    pub fields: Vec<Option<f64>>,
+}
+
+/// `*CONNECTOR LOCK`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Lock {
+    /// The component that triggers.
+    pub component: u8,
+    /// What is locked.
+    pub locked: Affected,
+    /// When.
+    pub limits: Vec<Limits>,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*CONNECTOR FAILURE`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Failure {
+    /// The component that triggers.
+    pub component: u8,
+    /// What is released.
+    pub released: Affected,
+    /// When.
+    pub limits: Vec<Limits>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}

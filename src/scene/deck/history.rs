@@ -1,0 +1,409 @@
+//! Steps and what happens in them: procedures, motions, loads, boundary conditions, output requests.
+
+use super::mesh::degree_of_freedom;
+use super::{Deck, misplaced};
+use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::scene::lexer::{Item, Keyword, normal};
+use crate::scene::model::{
+    Amplitude, Boundary, ConcentratedLoad, ConnectorLoad, ConnectorMotion, DistributedLoad, MotionType,
+    Operation, OutputRequest, Procedure, Solver, Step, Target, Times,
+};
+use crate::scene::span::Spanned;
+use indexmap::IndexMap;
+
+/// The values of `DEFINITION=` on `*AMPLITUDE`.
+pub(super) const AMPLITUDES: &[&str] = &[
+    "TABULAR",
+    "EQUALLY SPACED",
+    "PERIODIC",
+    "MODULATED",
+    "DECAY",
+    "SMOOTH STEP",
+    "SOLUTION DEPENDENT",
+    "ACTUATOR",
+    "BUBBLE",
+    "SPECTRUM",
+    "PSD DEFINITION",
+    "USER",
+];
+
+/// A number or a set.
+pub(super) fn target(item: &Item<'_>, what: &str) -> Result<Spanned<Target>> {
+    let target = if item.is_integer() || item.looks_numeric() {
+        Target::Label(item.label(what)?)
+    } else {
+        Target::Set(item.name()?.value)
+    };
+    Ok(Spanned::new(target, item.span))
+}
+
+struct Common {
+    amplitude: Option<Spanned<String>>,
+    operation: Operation,
+    kind: MotionType,
+    fixed: bool,
+}
+
+fn common(keyword: &Keyword) -> Result<Common> {
+    Ok(Common {
+        amplitude: keyword.name_of("AMPLITUDE")?,
+        operation: match keyword.choice("OP", &["MOD", "NEW"])? {
+            Some("NEW") => Operation::New,
+            _ => Operation::Modify,
+        },
+        kind: match keyword.get("TYPE").map(|value| normal(value.text())).as_deref() {
+            Some("VELOCITY") => MotionType::Velocity,
+            Some("ACCELERATION") => MotionType::Acceleration,
+            _ => MotionType::Displacement,
+        },
+        fixed: keyword.has("FIXED"),
+    })
+}
+
+/// The step that is being read; the stage of the keyword has been checked.
+fn step_of<'a>(step: &'a mut Option<Step>, keyword: &Keyword) -> Result<&'a mut Step> {
+    step.as_mut().ok_or_else(|| misplaced(keyword, "*STEP"))
+}
+
+pub(super) fn connector_motion(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let given = common(keyword)?;
+    let mut warning = None;
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let target = target(&items.need("the element or element set")?, "the element number")?;
+        let component = items.need("the component")?.component()?;
+        let magnitude = items.maybe();
+        if let Some(item) = magnitude.filter(|_| deck.step.is_none())
+            && item.number()? != 0.0
+        {
+            warning = Some(nonzero(item));
+        }
+        let magnitude = magnitude.map(|item| item.number()).transpose()?;
+        items.end("an element or element set, a component and a magnitude")?;
+        let motion = ConnectorMotion {
+            target,
+            component,
+            magnitude,
+            kind: given.kind,
+            amplitude: given.amplitude.clone(),
+            operation: given.operation,
+            fixed: given.fixed,
+        };
+        match &mut deck.step {
+            Some(step) => step.connector_motions.push(motion),
+            None => deck.scene.connector_motions.push(motion),
+        }
+    }
+    warning.into_iter().for_each(|warning| deck.warn(warning));
+    Ok(())
+}
+
+fn nonzero(item: Item<'_>) -> Diagnostic {
+    let message = "a magnitude other than zero before the first step";
+    Diagnostic::warning(
+        Code::NonzeroModelBoundary,
+        item.span,
+        message,
+        "an analysis takes it as zero or refuses it",
+    )
+    .help("move it into a step, or write 0")
+}
+
+pub(super) fn connector_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let given = common(keyword)?;
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let target = target(&items.need("the element or element set")?, "the element number")?;
+        let component = items.need("the component")?.component()?;
+        let magnitude = items.need("the magnitude")?.number()?;
+        items.end("an element or element set, a component and a magnitude")?;
+        let (amplitude, operation) = (given.amplitude.clone(), given.operation);
+        let load = ConnectorLoad { target, component, magnitude, amplitude, operation };
+        step_of(&mut deck.step, keyword)?.connector_loads.push(load);
+    }
+    Ok(())
+}
+
+/// Named boundary conditions and the degrees of freedom that they hold.
+const NAMED: &[(&str, &[u8])] = &[
+    ("PINNED", &[1, 2, 3]),
+    ("ENCASTRE", &[1, 2, 3, 4, 5, 6]),
+    ("XSYMM", &[1, 5, 6]),
+    ("YSYMM", &[2, 4, 6]),
+    ("ZSYMM", &[3, 4, 5]),
+    ("XASYMM", &[2, 3, 4]),
+    ("YASYMM", &[1, 3, 5]),
+    ("ZASYMM", &[1, 2, 6]),
+];
+
+pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let given = common(keyword)?;
+    let mut warning = None;
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let target = target(&items.need("the node or node set")?, "the node number")?;
+        let first = items.need("the first degree of freedom")?;
+        let named = first.text.starts_with(|letter: char| letter.is_ascii_alphabetic());
+        let mut magnitude = 0.0;
+        let degrees_of_freedom = if named {
+            let name = normal(first.text);
+            let known = NAMED.iter().find(|(known, _)| *known == name);
+            let Some((_, held)) = known else {
+                let remedy = suggest(&name, NAMED.iter().map(|(name, _)| *name), || {
+                    "write a degree of freedom, PINNED or ENCASTRE".to_owned()
+                });
+                let message = format!("there is no boundary condition {name}");
+                return Err(Diagnostic::error(
+                    Code::BadValue,
+                    first.span,
+                    message,
+                    "not one of those allowed",
+                )
+                .help(remedy));
+            };
+            items.end("a node or node set and the name of a boundary condition")?;
+            held.to_vec()
+        } else {
+            let from = degree_of_freedom(&first)?;
+            let last = items.maybe();
+            let to = last.map_or(Ok(from), |item| degree_of_freedom(&item))?;
+            if to < from {
+                let span = last.map_or(line.span, |item| item.span);
+                let message = format!("the last degree of freedom {to} is smaller than the first {from}");
+                return Err(Diagnostic::error(Code::BadDegreeOfFreedom, span, message, "too small")
+                    .help("write: node, first, last degree of freedom, magnitude"));
+            }
+            let value = items.maybe();
+            if let Some(value) = value {
+                magnitude = value.number()?;
+                if magnitude != 0.0 && deck.step.is_none() {
+                    warning = Some(nonzero(value));
+                }
+            }
+            items.end("a node or node set, the first and last degree of freedom and a magnitude")?;
+            (from..=to).filter(|dof| matches!(dof, 1..=6 | 10)).collect()
+        };
+        let boundary = Boundary {
+            target,
+            degrees_of_freedom,
+            magnitude,
+            kind: given.kind,
+            amplitude: given.amplitude.clone(),
+            operation: given.operation,
+            fixed: given.fixed,
+        };
+        match &mut deck.step {
+            Some(step) => step.boundaries.push(boundary),
+            None => deck.scene.boundaries.push(boundary),
+        }
+    }
+    warning.into_iter().for_each(|warning| deck.warn(warning));
+    Ok(())
+}
+
+pub(super) fn concentrated_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let given = common(keyword)?;
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let target = target(&items.need("the node or node set")?, "the node number")?;
+        let degree_of_freedom = degree_of_freedom(&items.need("the degree of freedom")?)?;
+        let magnitude = items.need("the magnitude")?.number()?;
+        items.end("a node or node set, a degree of freedom and a magnitude")?;
+        step_of(&mut deck.step, keyword)?.concentrated_loads.push(ConcentratedLoad {
+            target,
+            degree_of_freedom,
+            magnitude,
+            follower: keyword.has("FOLLOWER"),
+            amplitude: given.amplitude.clone(),
+            operation: given.operation,
+        });
+    }
+    Ok(())
+}
+
+pub(super) fn distributed_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let given = common(keyword)?;
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let target = items.maybe().map(|item| target(&item, "the element number")).transpose()?;
+        let label = items.need("the label of the load")?.name()?.value;
+        let mut values = Vec::new();
+        for item in items {
+            values.push(if item.text.is_empty() { None } else { Some(item.number()?) });
+        }
+        if label == "GRAV" && (values.len() != 4 || values.iter().any(Option::is_none)) {
+            let message = "GRAV takes a magnitude and a direction";
+            return Err(Diagnostic::error(Code::MissingData, line.span, message, "needs four numbers")
+                .help("write: set, GRAV, g, x, y, z"));
+        }
+        let (amplitude, operation) = (given.amplitude.clone(), given.operation);
+        let load = DistributedLoad { target, label, values, amplitude, operation };
+        step_of(&mut deck.step, keyword)?.distributed_loads.push(load);
+    }
+    Ok(())
+}
+
+pub(super) fn amplitude(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let name = keyword.need_name("NAME")?;
+    if let Some(first) = deck.scene.amplitudes.get(&name.value) {
+        return Err(keyword.duplicate(&name, first.span));
+    }
+    let definition = keyword.choice("DEFINITION", AMPLITUDES)?.unwrap_or("TABULAR");
+    let pairs = matches!(definition, "TABULAR" | "SMOOTH STEP");
+    let mut data = Vec::new();
+    let mut place = keyword.span;
+    let mut before: Option<f64> = None;
+    while let Some(line) = deck.lexer.row()? {
+        place = line.span;
+        let mut items = line.items();
+        for item in items.by_ref().take(8) {
+            let value = if item.text.is_empty() { None } else { Some(item.number()?) };
+            if pairs && data.len() % 2 == 0 {
+                if let (Some(before), Some(now)) = (before, value)
+                    && now < before
+                {
+                    let message = format!("time goes back from {before} to {now}");
+                    return Err(Diagnostic::error(Code::TableOrder, item.span, message, "must not decrease")
+                        .help("order the pairs so that time increases"));
+                }
+                before = value;
+            }
+            data.push(value);
+        }
+        items.end("at most eight numbers")?;
+    }
+    if pairs && (data.is_empty() || data.len() % 2 == 1 || data.iter().any(Option::is_none)) {
+        let message = format!("amplitude {} needs pairs of time and value", name.value);
+        return Err(Diagnostic::error(Code::MissingData, place, message, "a number is missing")
+            .help("write time, value, time, value …"));
+    }
+    let amplitude = Amplitude {
+        definition,
+        time: keyword.choice("TIME", &["STEP TIME", "TOTAL TIME"])?,
+        value: keyword.choice("VALUE", &["RELATIVE", "ABSOLUTE"])?,
+        smooth: keyword.number("SMOOTH")?,
+        data,
+        span: keyword.span,
+    };
+    deck.scene.amplitudes.insert(name.value, amplitude);
+    Ok(())
+}
+
+pub(super) fn step(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    if let Some(open) = &deck.step {
+        let message = format!("a step begins within the step of line {}", open.span.line());
+        return Err(Diagnostic::error(Code::UnfinishedStep, keyword.span, message, "the next step")
+            .help("close the step before by *END STEP"));
+    }
+    let nlgeom = keyword
+        .has("NLGEOM")
+        .then(|| keyword.get("NLGEOM").is_none_or(|value| normal(value.text()) == "YES"));
+    let step = Step {
+        name: keyword.name_of("NAME")?.map(|name| name.value),
+        nlgeom,
+        perturbation: keyword.has("PERTURBATION"),
+        increments: keyword.get("INC").map(|value| value.integer("INC")).transpose()?,
+        span: keyword.span,
+        ..Step::default()
+    };
+    while deck.lexer.text()?.is_some() {}
+    (deck.step, deck.stepped) = (Some(step), true);
+    Ok(())
+}
+
+pub(super) fn end_step(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let Some(step) = deck.step.take() else {
+        return Err(Diagnostic::error(
+            Code::HistoryOutsideStep,
+            keyword.span,
+            "no step is open",
+            "closes nothing",
+        )
+        .help("remove it, or begin the step by *STEP"));
+    };
+    deck.scene.steps.push(step);
+    Ok(())
+}
+
+/// Notes what a step does; a second procedure is an error.
+pub(super) fn set_procedure(step: &mut Step, procedure: Procedure, keyword: &Keyword) -> Result<()> {
+    if step.procedure.is_some() {
+        return Err(Diagnostic::error(
+            Code::TwoProcedures,
+            keyword.span,
+            "a step has two procedures",
+            "the second one",
+        )
+        .help("close the step by *END STEP and begin another one"));
+    }
+    step.procedure = Some(procedure);
+    Ok(())
+}
+
+fn times(deck: &mut Deck<'_>) -> Result<Times> {
+    let Some(line) = deck.lexer.data()? else { return Ok(Times::default()) };
+    let mut items = line.items();
+    let mut values = [None; 8];
+    for value in &mut values {
+        *value = items.number()?;
+    }
+    items.end("initial, total, minimum and maximum time")?;
+    let [initial, total, minimum, maximum, ..] = values;
+    if let Some(negative) = [initial, total, minimum, maximum].into_iter().flatten().find(|time| *time < 0.0)
+    {
+        let message = format!("a time is negative: {negative}");
+        return Err(Diagnostic::error(Code::NumberOutOfRange, line.span, message, "must not be negative")
+            .help("write: initial, total, minimum, maximum time"));
+    }
+    Ok(Times { initial, total, minimum, maximum })
+}
+
+fn set_solver(deck: &mut Deck<'_>, solver: Solver, keyword: &Keyword) -> Result<()> {
+    if deck.scene.solver.is_some_and(|before| before != solver) {
+        let message = "one deck cannot have explicit dynamics and other procedures";
+        return Err(Diagnostic::error(
+            Code::MixedSolvers,
+            keyword.span,
+            message,
+            "differs from the steps before",
+        )
+        .help("make two decks of it"));
+    }
+    deck.scene.solver = Some(solver);
+    Ok(())
+}
+
+pub(super) fn static_procedure(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let times = times(deck)?;
+    set_procedure(step_of(&mut deck.step, keyword)?, Procedure::Static(times), keyword)?;
+    set_solver(deck, Solver::Standard, keyword)
+}
+
+pub(super) fn dynamic(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let explicit = keyword.has("EXPLICIT");
+    let times = times(deck)?;
+    set_procedure(step_of(&mut deck.step, keyword)?, Procedure::Dynamic { explicit, times }, keyword)?;
+    set_solver(deck, if explicit { Solver::Explicit } else { Solver::Standard }, keyword)
+}
+
+pub(super) fn output(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let mut parameters = IndexMap::new();
+    for parameter in &keyword.parameters {
+        parameters
+            .insert(parameter.name.clone(), parameter.value.as_ref().map(|value| value.text().to_owned()));
+    }
+    let mut variables = Vec::new();
+    while let Some(line) = deck.lexer.row()? {
+        variables.extend(line.items().filter(|item| !item.text.is_empty()).map(|item| normal(item.text)));
+    }
+    let request = OutputRequest {
+        keyword: keyword.name.clone(),
+        parameters,
+        element_set: keyword.name_of("ELSET")?,
+        node_set: keyword.name_of("NSET")?,
+        variables,
+        span: keyword.span,
+    };
+    step_of(&mut deck.step, keyword)?.outputs.push(request);
+    Ok(())
+}

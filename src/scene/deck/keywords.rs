@@ -1,0 +1,705 @@
+//! The keywords that are understood: where they may stand, and which parameters they take.
+
+use super::{Deck, behavior, connector, history, mesh};
+use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::scene::lexer::Keyword;
+
+/// Where a keyword may stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Before the first step.
+    Model,
+    /// Within a step.
+    History,
+    /// Before the first step or within a step.
+    Both,
+    /// It opens or closes a step itself.
+    Step,
+}
+
+/// Does a keyword belong to the connector behaviour above it?
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Family {
+    /// It stands alone.
+    Plain,
+    /// It belongs to `*CONNECTOR BEHAVIOR`.
+    Suboption,
+}
+
+/// What a parameter takes after its equals sign.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Takes {
+    /// Nothing.
+    Flag,
+    /// A name.
+    Name,
+    /// Anything.
+    Text,
+    /// A number.
+    Number,
+    /// A whole number.
+    Count,
+    /// A component, 1 to 6.
+    Component,
+    /// One of these.
+    One(&'static [&'static str]),
+    /// Nothing, or one of these.
+    FlagOr(&'static [&'static str]),
+    /// Nothing, or anything.
+    FlagOrText,
+}
+
+/// A parameter that a keyword takes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Parameter {
+    pub(super) name: &'static str,
+    takes: Takes,
+    needed: bool,
+}
+
+/// A keyword that is understood.
+#[derive(Debug)]
+pub(super) struct Rule {
+    pub(super) name: &'static str,
+    pub(super) stage: Stage,
+    pub(super) family: Family,
+    /// None: every parameter is kept as it is.
+    pub(super) parameters: Option<&'static [Parameter]>,
+    /// What its data lines are, for messages.
+    pub(super) data: &'static str,
+    pub(super) read: fn(&mut Deck<'_>, &Keyword) -> Result<()>,
+}
+
+const fn may(name: &'static str, takes: Takes) -> Parameter {
+    Parameter { name, takes, needed: false }
+}
+
+const fn need(name: &'static str, takes: Takes) -> Parameter {
+    Parameter { name, takes, needed: true }
+}
+
+const fn rule(
+    name: &'static str,
+    stage: Stage,
+    parameters: &'static [Parameter],
+    data: &'static str,
+    read: fn(&mut Deck<'_>, &Keyword) -> Result<()>,
+) -> Rule {
+    Rule { name, stage, family: Family::Plain, parameters: Some(parameters), data, read }
+}
+
+const fn suboption(
+    name: &'static str,
+    parameters: &'static [Parameter],
+    data: &'static str,
+    read: fn(&mut Deck<'_>, &Keyword) -> Result<()>,
+) -> Rule {
+    Rule { name, stage: Model, family: Family::Suboption, parameters: Some(parameters), data, read }
+}
+
+const fn output(name: &'static str) -> Rule {
+    Rule {
+        name,
+        stage: History,
+        family: Family::Plain,
+        parameters: None,
+        data: "it takes output identifiers",
+        read: history::output,
+    }
+}
+
+use Stage::{Both, History, Model};
+use Takes::{Component, Count, Flag, FlagOr, FlagOrText, Name, Number, One, Text};
+
+const ON_OFF: Takes = One(&["ON", "OFF"]);
+const EXTRAPOLATION: Parameter = may("EXTRAPOLATION", One(&["CONSTANT", "LINEAR"]));
+const REGULARIZE: Parameter = may("REGULARIZE", ON_OFF);
+const RTOL: Parameter = may("RTOL", Number);
+const DEPENDENCIES: Parameter = may("DEPENDENCIES", Count);
+const COMPONENT: Parameter = may("COMPONENT", Component);
+const AMPLITUDE: Parameter = may("AMPLITUDE", Name);
+const OPERATION: Parameter = may("OP", One(&["MOD", "NEW"]));
+const LOAD_CASE: Parameter = may("LOAD CASE", Count);
+const MOTION_TYPE: Parameter = may("TYPE", One(&["DISPLACEMENT", "VELOCITY", "ACCELERATION"]));
+
+/// Every keyword that is understood.
+pub(super) static RULES: &[Rule] = &[
+    rule("HEADING", Model, &[may("SPARSE", Flag)], "it takes lines of text", mesh::heading),
+    rule(
+        "NODE",
+        Model,
+        &[may("NSET", Name), may("SYSTEM", One(&["R", "C", "S"])), may("INPUT", Text)],
+        "each line is: node, x, y, z",
+        mesh::node,
+    ),
+    rule(
+        "NSET",
+        Model,
+        &[need("NSET", Name), may("GENERATE", Flag), may("INTERNAL", Flag), may("UNSORTED", Flag)],
+        "each line lists nodes or node sets; with GENERATE: first, last, increment",
+        mesh::node_set,
+    ),
+    rule(
+        "ELSET",
+        Model,
+        &[need("ELSET", Name), may("GENERATE", Flag), may("INTERNAL", Flag), may("UNSORTED", Flag)],
+        "each line lists elements or element sets; with GENERATE: first, last, increment",
+        mesh::element_set,
+    ),
+    rule(
+        "ELEMENT",
+        Model,
+        &[need("TYPE", Text), may("ELSET", Name), may("INPUT", Text)],
+        "each line is: element, node, node …",
+        mesh::element,
+    ),
+    rule(
+        "ORIENTATION",
+        Model,
+        &[
+            need("NAME", Name),
+            may(
+                "SYSTEM",
+                One(&[
+                    "RECTANGULAR",
+                    "Z RECTANGULAR",
+                    "CYLINDRICAL",
+                    "SPHERICAL",
+                    "USER",
+                    "R",
+                    "Z",
+                    "C",
+                    "S",
+                ]),
+            ),
+            may("DEFINITION", One(&["COORDINATES", "NODES", "OFFSET TO NODES"])),
+            may("LOCAL DIRECTIONS", Count),
+        ],
+        "line 1 gives the points a, b, c; line 2: axis, additional rotation in degrees",
+        mesh::orientation,
+    ),
+    rule(
+        "TRANSFORM",
+        Model,
+        &[need("NSET", Name), may("TYPE", One(&["R", "C", "S"]))],
+        "one line: Xa, Ya, Za, Xb, Yb, Zb",
+        mesh::transform,
+    ),
+    rule("MASS", Model, &[need("ELSET", Name)], "one line: the mass", mesh::mass),
+    rule(
+        "ROTARY INERTIA",
+        Model,
+        &[need("ELSET", Name), may("ORIENTATION", Name)],
+        "one line: I11, I22, I33, I12, I13, I23",
+        mesh::rotary_inertia,
+    ),
+    rule(
+        "SPRING",
+        Model,
+        &[
+            need("ELSET", Name),
+            may("NONLINEAR", Flag),
+            may("ORIENTATION", Name),
+            may("COMPLEX STIFFNESS", Flag),
+            DEPENDENCIES,
+            RTOL,
+        ],
+        "line 1 gives the degrees of freedom, the next ones the stiffness",
+        mesh::spring,
+    ),
+    rule(
+        "DASHPOT",
+        Model,
+        &[need("ELSET", Name), may("NONLINEAR", Flag), may("ORIENTATION", Name), DEPENDENCIES, RTOL],
+        "line 1 gives the degrees of freedom, the next ones the coefficient",
+        mesh::dashpot,
+    ),
+    rule(
+        "MPC",
+        Model,
+        &[may("USER", Flag), may("MODE", One(&["DOF", "NODE"])), may("INPUT", Text)],
+        "each line is: type, node, node …",
+        connector::mpc,
+    ),
+    rule(
+        "CONNECTOR SECTION",
+        Model,
+        &[
+            need("ELSET", Name),
+            may("BEHAVIOR", Name),
+            may("CONTROLS", Name),
+            may("ELIMINATION", One(&["NO", "YES"])),
+        ],
+        "its lines are: connection types; orientations; section data",
+        connector::section,
+    ),
+    rule(
+        "CONNECTOR BEHAVIOR",
+        Model,
+        &[
+            need("NAME", Name),
+            EXTRAPOLATION,
+            may("INTEGRATION", One(&["IMPLICIT", "EXPLICIT"])),
+            REGULARIZE,
+            RTOL,
+        ],
+        "it takes no data lines; suboptions follow",
+        behavior::behavior,
+    ),
+    suboption(
+        "CONNECTOR CONSTITUTIVE REFERENCE",
+        &[],
+        "one line: l1, l2, l3, then three angles in degrees",
+        behavior::constitutive_reference,
+    ),
+    suboption(
+        "CONNECTOR ELASTICITY",
+        &[
+            COMPONENT,
+            may("NONLINEAR", Flag),
+            may("RIGID", Flag),
+            may("UNSYMM", Flag),
+            may("FREQUENCY DEPENDENCE", FlagOr(&["ON", "OFF"])),
+            may("INDEPENDENT COMPONENTS", One(&["POSITION", "CONSTITUTIVE MOTION"])),
+            DEPENDENCIES,
+            EXTRAPOLATION,
+            REGULARIZE,
+            RTOL,
+        ],
+        "each line is: stiffness, frequency, temperature; nonlinear: force, displacement, temperature",
+        behavior::elasticity,
+    ),
+    suboption(
+        "CONNECTOR DAMPING",
+        &[
+            COMPONENT,
+            may("NONLINEAR", Flag),
+            may("TYPE", One(&["VISCOUS", "STRUCTURAL"])),
+            may("UNSYMM", Flag),
+            may("FREQUENCY DEPENDENCE", FlagOr(&["ON", "OFF"])),
+            may("INDEPENDENT COMPONENTS", One(&["POSITION", "CONSTITUTIVE MOTION"])),
+            DEPENDENCIES,
+            EXTRAPOLATION,
+            REGULARIZE,
+            RTOL,
+        ],
+        "each line is: coefficient, frequency, temperature; nonlinear: force, velocity, temperature",
+        behavior::damping,
+    ),
+    suboption(
+        "CONNECTOR FRICTION",
+        &[
+            may("PREDEFINED", Flag),
+            COMPONENT,
+            may("CONTACT FORCE", Text),
+            may("STICK STIFFNESS", Number),
+            may("INDEPENDENT COMPONENTS", One(&["POSITION", "CONSTITUTIVE MOTION"])),
+            DEPENDENCIES,
+            EXTRAPOLATION,
+            REGULARIZE,
+            RTOL,
+        ],
+        "predefined: one line of constants; otherwise a table of internal contact forces",
+        behavior::friction,
+    ),
+    suboption(
+        "FRICTION",
+        &[
+            may("EXPONENTIAL DECAY", Flag),
+            may("TAUMAX", Number),
+            may("SLIP TOLERANCE", Number),
+            may("TEST DATA", Flag),
+            DEPENDENCIES,
+        ],
+        "each line is: μ, slip rate, contact force, temperature",
+        behavior::friction_coefficient,
+    ),
+    suboption(
+        "CONNECTOR DERIVED COMPONENT",
+        &[
+            need("NAME", Name),
+            may("OPERATOR", One(&["NORM", "SUM", "MACAULEY SUM"])),
+            may("SIGN", One(&["POSITIVE", "NEGATIVE"])),
+            may("INDEPENDENT COMPONENTS", One(&["POSITION", "CONSTITUTIVE MOTION"])),
+            DEPENDENCIES,
+            EXTRAPOLATION,
+            REGULARIZE,
+            RTOL,
+        ],
+        "line 1 lists components; the next ones scale factors",
+        behavior::derived_component,
+    ),
+    suboption(
+        "CONNECTOR POTENTIAL",
+        &[may("OPERATOR", One(&["SUM", "MAX"])), may("EXPONENT", Number)],
+        "each line is: component or derived component, R, α, H, shift, sign",
+        behavior::potential,
+    ),
+    suboption("CONNECTOR PLASTICITY", &[COMPONENT], "it takes no data lines", behavior::plasticity),
+    suboption(
+        "CONNECTOR HARDENING",
+        &[
+            may("TYPE", One(&["ISOTROPIC", "KINEMATIC"])),
+            may("DEFINITION", One(&["TABULAR", "EXPONENTIAL LAW", "HALF CYCLE", "STABILIZED", "PARAMETERS"])),
+            may("RATE FILTER FACTOR", Number),
+            may("RATE INTERPOLATION", One(&["LINEAR", "LOGARITHMIC"])),
+            DEPENDENCIES,
+            EXTRAPOLATION,
+            REGULARIZE,
+            RTOL,
+        ],
+        "each line is a row of the table that DEFINITION names",
+        behavior::hardening,
+    ),
+    suboption(
+        "CONNECTOR DAMAGE INITIATION",
+        &[
+            COMPONENT,
+            may("CRITERION", One(&["FORCE", "MOTION", "PLASTIC MOTION"])),
+            may("RATE FILTER FACTOR", Number),
+            may("RATE INTERPOLATION", One(&["LINEAR", "LOGARITHMIC"])),
+            DEPENDENCIES,
+            EXTRAPOLATION,
+            REGULARIZE,
+            RTOL,
+        ],
+        "each line is: lower limit, upper limit, temperature",
+        behavior::damage_initiation,
+    ),
+    suboption(
+        "CONNECTOR DAMAGE EVOLUTION",
+        &[
+            may("TYPE", One(&["MOTION", "ENERGY"])),
+            may("SOFTENING", One(&["LINEAR", "EXPONENTIAL", "TABULAR"])),
+            may("DEGRADATION", One(&["MAXIMUM", "MULTIPLICATIVE"])),
+            may("AFFECTED COMPONENTS", Flag),
+            DEPENDENCIES,
+            EXTRAPOLATION,
+            REGULARIZE,
+            RTOL,
+        ],
+        "the affected components if announced, then the table",
+        behavior::damage_evolution,
+    ),
+    suboption(
+        "CONNECTOR STOP",
+        &[need("COMPONENT", Component)],
+        "one line: lower, upper position",
+        behavior::stop,
+    ),
+    suboption(
+        "CONNECTOR LOCK",
+        &[need("COMPONENT", Component), may("LOCK", Text), DEPENDENCIES, EXTRAPOLATION, REGULARIZE, RTOL],
+        "each line is: lower, upper position, lower, upper force",
+        behavior::lock,
+    ),
+    suboption(
+        "CONNECTOR FAILURE",
+        &[need("COMPONENT", Component), may("RELEASE", Text)],
+        "one line: lower, upper position, lower, upper force",
+        behavior::failure,
+    ),
+    rule(
+        "CONNECTOR MOTION",
+        Both,
+        &[
+            MOTION_TYPE,
+            AMPLITUDE,
+            OPERATION,
+            LOAD_CASE,
+            may("FIXED", Flag),
+            may("USER", Flag),
+            may("REAL", Flag),
+            may("IMAGINARY", Flag),
+        ],
+        "each line is: element or element set, component, magnitude",
+        history::connector_motion,
+    ),
+    rule(
+        "CONNECTOR LOAD",
+        History,
+        &[AMPLITUDE, OPERATION, LOAD_CASE, may("REAL", Flag), may("IMAGINARY", Flag)],
+        "each line is: element or element set, component, magnitude",
+        history::connector_load,
+    ),
+    rule(
+        "BOUNDARY",
+        Both,
+        &[MOTION_TYPE, AMPLITUDE, OPERATION, LOAD_CASE, may("FIXED", Flag), may("USER", Flag)],
+        "each line is: node or node set, first, last degree of freedom, magnitude",
+        history::boundary,
+    ),
+    rule(
+        "CLOAD",
+        History,
+        &[AMPLITUDE, OPERATION, LOAD_CASE, may("FOLLOWER", Flag), may("REAL", Flag), may("IMAGINARY", Flag)],
+        "each line is: node or node set, degree of freedom, magnitude",
+        history::concentrated_load,
+    ),
+    rule(
+        "DLOAD",
+        History,
+        &[
+            AMPLITUDE,
+            OPERATION,
+            LOAD_CASE,
+            may("FOLLOWER", FlagOr(&["YES", "NO"])),
+            may("REAL", Flag),
+            may("IMAGINARY", Flag),
+        ],
+        "each line is: element or element set, label, magnitude …",
+        history::distributed_load,
+    ),
+    rule(
+        "AMPLITUDE",
+        Model,
+        &[
+            need("NAME", Name),
+            may("DEFINITION", One(history::AMPLITUDES)),
+            may("TIME", One(&["STEP TIME", "TOTAL TIME"])),
+            may("VALUE", One(&["RELATIVE", "ABSOLUTE"])),
+            may("SMOOTH", Number),
+            may("FIXED INTERVAL", Number),
+            may("BEGIN", Number),
+        ],
+        "its lines are: time, value, time, value …",
+        history::amplitude,
+    ),
+    rule(
+        "STEP",
+        Stage::Step,
+        &[
+            may("NAME", Name),
+            may("NLGEOM", FlagOr(&["YES", "NO"])),
+            may("INC", Count),
+            may("PERTURBATION", Flag),
+            may("AMPLITUDE", One(&["RAMP", "STEP"])),
+            may("UNSYMM", One(&["YES", "NO"])),
+            may("EXTRAPOLATION", Text),
+            may("CONVERT SDI", One(&["YES", "NO"])),
+            may("SOLVER", Text),
+        ],
+        "it takes lines of text",
+        history::step,
+    ),
+    rule("END STEP", Stage::Step, &[], "it takes no data lines", history::end_step),
+    rule(
+        "STATIC",
+        History,
+        &[
+            may("DIRECT", FlagOrText),
+            may("STABILIZE", FlagOrText),
+            may("ALLSDTOL", FlagOrText),
+            may("CONTINUE", Text),
+            may("FACTOR", Number),
+            may("RIKS", Flag),
+            may("ADIABATIC", Flag),
+            may("FULLY PLASTIC", Text),
+            may("LONG TERM", Flag),
+        ],
+        "one line: initial, total, minimum, maximum time",
+        history::static_procedure,
+    ),
+    rule(
+        "DYNAMIC",
+        History,
+        &[
+            may("EXPLICIT", Flag),
+            may("ALPHA", Number),
+            may("APPLICATION", Text),
+            may("BETA", Number),
+            may("GAMMA", Number),
+            may("DIRECT", FlagOrText),
+            may("HAFTOL", Number),
+            may("HALFINC SCALE FACTOR", Number),
+            may("INITIAL", Text),
+            may("NOHAF", Flag),
+            may("ADIABATIC", Flag),
+            may("TIME INTEGRATOR", Text),
+            may("IMPACT", Text),
+            may("SINGULAR MASS", Text),
+            may("ELEMENT BY ELEMENT", Flag),
+            may("SCALE FACTOR", Number),
+            may("FIXED TIME INCREMENTATION", Flag),
+            may("DIRECT USER CONTROL", Flag),
+        ],
+        "one line: initial, total, minimum, maximum time",
+        history::dynamic,
+    ),
+    output("OUTPUT"),
+    output("ELEMENT OUTPUT"),
+    output("NODE OUTPUT"),
+    output("ENERGY OUTPUT"),
+    output("INCREMENTATION OUTPUT"),
+    output("CONTACT OUTPUT"),
+];
+
+/// The rule of a keyword; blanks inside it do not matter.
+pub(super) fn find(name: &str) -> Option<&'static Rule> {
+    let same = |rule: &&Rule| {
+        rule.name.bytes().filter(|&byte| byte != b' ').eq(name.bytes().filter(|&byte| byte != b' '))
+    };
+    RULES.iter().find(same)
+}
+
+/// Why a keyword may not be skipped, if it is one of those without which the model is another.
+pub(super) fn indispensable(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "INCLUDE" => "copy the lines of the included file into the deck",
+        "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => {
+            "write the deck without parts and instances (in CAE: model attributes, no parts and assemblies)"
+        }
+        "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "IMPERFECTION" => {
+            "list the nodes under *NODE, at their final positions"
+        }
+        "SYSTEM" => "list the nodes under *NODE in global coordinates, without *SYSTEM",
+        "ELGEN" | "ELCOPY" => "list the elements under *ELEMENT",
+        "PARAMETER" => "replace the parameters by their values",
+        "IMPORT" | "IMPORT NODE SET" => "list the imported nodes and elements",
+        "MODEL CHANGE" => "remove or add the elements in the deck itself",
+        _ => return None,
+    })
+}
+
+/// Procedures that are noted but not read.
+pub(super) fn is_procedure(name: &str) -> bool {
+    [
+        "ANNEAL",
+        "BUCKLE",
+        "COMPLEX FREQUENCY",
+        "COUPLED TEMPERATURE-DISPLACEMENT",
+        "COUPLED THERMAL-ELECTRICAL",
+        "DIRECT CYCLIC",
+        "DYNAMIC TEMPERATURE-DISPLACEMENT",
+        "FREQUENCY",
+        "GEOSTATIC",
+        "HEAT TRANSFER",
+        "MODAL DYNAMIC",
+        "RANDOM RESPONSE",
+        "RESPONSE SPECTRUM",
+        "SOILS",
+        "STEADY STATE DYNAMICS",
+        "SUBSTRUCTURE GENERATE",
+        "VISCO",
+    ]
+    .contains(&name)
+}
+
+/// Curves below `*CONNECTOR UNIAXIAL BEHAVIOR`.
+pub(super) fn is_curve(name: &str) -> bool {
+    matches!(name, "LOADING DATA" | "UNLOADING DATA")
+}
+
+/// Keywords of the documentation that look like misspelt ones of ours.
+pub(super) fn is_unrelated(name: &str) -> bool {
+    is_procedure(name)
+        || is_curve(name)
+        || [
+            "CONNECTOR UNIAXIAL BEHAVIOR",
+            "DSLOAD",
+            "DASHPOT1",
+            "SPRING1",
+            "MODEL OUTPUT",
+            "RADIATION OUTPUT",
+            "SURFACE OUTPUT",
+            "INTEGRATED OUTPUT",
+            "MODAL OUTPUT",
+            "NODE FILE",
+            "NODE PRINT",
+            "TRANSPORT",
+            "POTENTIAL",
+            "PLASTIC",
+            "ELASTIC",
+            "DAMPING",
+            "DAMAGE INITIATION",
+            "DAMAGE EVOLUTION",
+        ]
+        .contains(&name)
+}
+
+impl Rule {
+    /// Every parameter is known, given once, and has the kind of value that it takes; those needed are there.
+    pub(super) fn check_parameters(&self, keyword: &Keyword) -> Result<()> {
+        let name = &keyword.name;
+        for (index, given) in keyword.parameters.iter().enumerate() {
+            if keyword.parameters[..index].iter().any(|earlier| earlier.name == given.name) {
+                let message = format!("{} stands twice on one *{name}", given.name);
+                return Err(Diagnostic::error(
+                    Code::RepeatedParameter,
+                    given.span,
+                    message,
+                    "the second one",
+                )
+                .help("keep one of the two"));
+            }
+            let Some(known) = self.parameters else { continue };
+            let Some(parameter) = known.iter().find(|parameter| parameter.name == given.name) else {
+                let remedy = suggest(&given.name, known.iter().map(|parameter| parameter.name), || {
+                    if known.is_empty() {
+                        return "this keyword takes no parameters; is a comma too many at the end of the line above?".to_owned();
+                    }
+                    let names: Vec<_> = known.iter().map(|parameter| parameter.name).collect();
+                    format!("*{name} takes {}", names.join(", "))
+                });
+                let message = format!("*{name} has no parameter {}", given.name);
+                return Err(Diagnostic::error(
+                    Code::UnknownParameter,
+                    given.span,
+                    message,
+                    "not a parameter",
+                )
+                .help(remedy));
+            };
+            parameter.check(keyword, index)?;
+        }
+        let needed = self.parameters.into_iter().flatten().filter(|parameter| parameter.needed);
+        for parameter in needed {
+            if !keyword.has(parameter.name) {
+                return Err(keyword.missing(parameter.name));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Parameter {
+    fn check(&self, keyword: &Keyword, index: usize) -> Result<()> {
+        let given = &keyword.parameters[index];
+        let bad = |label: &str, remedy: String| {
+            let message = format!("bad value of {} on *{}", self.name, keyword.name);
+            Err(Diagnostic::error(Code::BadParameterValue, given.span, message, label).help(remedy))
+        };
+        let value = match &given.value {
+            Some(value) if !value.text().is_empty() => value,
+            absent => {
+                let alone = matches!(self.takes, Flag | FlagOr(_) | FlagOrText);
+                return match absent {
+                    None if alone => Ok(()),
+                    _ => {
+                        bad("its value is missing", format!("write {}=…{}", self.name, self.takes.examples()))
+                    }
+                };
+            }
+        };
+        match self.takes {
+            Flag => bad("takes no value", format!("write {} alone", self.name)),
+            Name => value.name().map(|_| ()),
+            Text | FlagOrText => Ok(()),
+            Number => value.number().map(|_| ()),
+            Count => value.integer(self.name).map(|_| ()),
+            Component => value.component().map(|_| ()),
+            One(choices) | FlagOr(choices) => value.choice(self.name, choices).map(|_| ()),
+        }
+    }
+}
+
+impl Takes {
+    fn examples(self) -> String {
+        match self {
+            One(choices) | FlagOr(choices) => format!(" with one of {}", choices.join(", ")),
+            Component => " with a component, 1 to 6".to_owned(),
+            Number | Count => " with a number".to_owned(),
+            _ => String::new(),
+        }
+    }
+}

@@ -1,0 +1,512 @@
+//! Nodes, sets, elements, orientations, and the properties of point elements.
+
+use super::sets::SetBuilder;
+use super::{Deck, table};
+use crate::scene::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
+use crate::scene::lexer::{Data, Item, Items, Keyword};
+use crate::scene::model::{
+    ConnectorElement, Dimension, Discrete, Mass, Node, PointElement, PointKind, RotaryInertia, Transform,
+    TransformKind,
+};
+use crate::scene::orientation::{Definition, Orientation, System, sin_cos_degrees};
+use crate::scene::span::Span;
+use indexmap::map::Entry;
+
+pub(super) fn heading(deck: &mut Deck<'_>, _: &Keyword) -> Result<()> {
+    while let Some(line) = deck.lexer.text()? {
+        if !deck.scene.heading.is_empty() {
+            deck.scene.heading.push('\n');
+        }
+        deck.scene.heading.push_str(&line);
+    }
+    Ok(())
+}
+
+pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    reject_input(keyword)?;
+    let set = keyword.name_of("NSET")?;
+    let system = keyword.choice("SYSTEM", &["R", "C", "S"])?.unwrap_or("R");
+    if system == "S" {
+        let message = "spherical coordinates of nodes are not supported";
+        return Err(Diagnostic::error(Code::BadParameterValue, keyword.span, message, "SYSTEM=S")
+            .help("give the nodes in rectangular or cylindrical coordinates"));
+    }
+    let mut members =
+        set.map(|name| deck.node_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span)));
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let label = items.need("the node number")?.label("the node number")?;
+        let mut coordinates = [0.0; 3];
+        for coordinate in &mut coordinates {
+            *coordinate = items.number()?.unwrap_or(0.0);
+        }
+        for _normal in 0..3 {
+            items.number()?;
+        }
+        items.end("a node number and three coordinates, and may go on with the normal at the node")?;
+        if system == "C" {
+            let [radius, angle, z] = coordinates;
+            let (sine, cosine) = sin_cos_degrees(angle);
+            coordinates = [radius * cosine, radius * sine, z];
+        }
+        match deck.scene.nodes.entry(label) {
+            Entry::Vacant(place) => {
+                place.insert(Node { coordinates, span: line.span });
+            }
+            Entry::Occupied(first) if first.get().coordinates == coordinates => {}
+            Entry::Occupied(first) => {
+                let first = first.get().span.line();
+                let message = format!("node {label} is defined twice, at different places");
+                return Err(Diagnostic::error(
+                    Code::DuplicateNode,
+                    line.span,
+                    message,
+                    format!("first defined on line {first}"),
+                )
+                .help("give one of the two another number"));
+            }
+        }
+        if let Some(members) = &mut members {
+            members.push_defined(label, line.span);
+        }
+    }
+    Ok(())
+}
+
+fn reject_input(keyword: &Keyword) -> Result<()> {
+    let Some(value) = keyword.get("INPUT") else { return Ok(()) };
+    let message = format!("*{} reads its data from another file", keyword.name);
+    Err(Diagnostic::error(Code::UnsupportedKeyword, value.span, message, "not supported")
+        .help("copy the lines of that file into the deck"))
+}
+
+pub(super) fn node_set(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let name = keyword.need_name("NSET")?;
+    let set = deck.node_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span));
+    members(&mut deck.lexer, keyword, set, "the node number")
+}
+
+pub(super) fn element_set(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let name = keyword.need_name("ELSET")?;
+    let set = deck.element_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span));
+    members(&mut deck.lexer, keyword, set, "the element number")
+}
+
+fn members(
+    lexer: &mut crate::scene::lexer::Lexer<'_>,
+    keyword: &Keyword,
+    set: &mut SetBuilder,
+    what: &str,
+) -> Result<()> {
+    if keyword.has("UNSORTED") {
+        set.set_unsorted();
+    }
+    let generate = keyword.has("GENERATE");
+    while let Some(line) = lexer.row()? {
+        if generate {
+            range(&line, set, what)?;
+            continue;
+        }
+        for item in line.items().filter(|item| !item.text.is_empty()) {
+            if item.is_integer() {
+                set.push(item.label(what)?, item.span);
+            } else if item.looks_numeric() {
+                item.integer(what)?;
+            } else {
+                set.push_set(item.name()?);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn range(line: &Data<'_>, set: &mut SetBuilder, what: &str) -> Result<()> {
+    let mut items = line.items();
+    let first = items.need(&format!("{what} to begin with"))?.label(what)?;
+    let last = items.need(&format!("{what} to end with"))?.label(what)?;
+    let step = items.maybe().map_or(Ok(1), |item| item.integer("the increment"))?;
+    items.end("first, last and increment")?;
+    let error = |message: String, remedy: &str| {
+        Err(Diagnostic::error(Code::GenerateRange, line.span, message, "this range").help(remedy))
+    };
+    if last < first {
+        return error(
+            format!("the range ends at {last}, before it begins at {first}"),
+            "write the smaller number first",
+        );
+    }
+    if step == 0 {
+        return error("an increment of 0 never ends".to_owned(), "use an increment of at least 1");
+    }
+    if (last - first) / step >= super::MAX_MEMBERS {
+        return error(
+            format!("the range has more than {} members", super::MAX_MEMBERS),
+            "split the set, or use a larger increment",
+        );
+    }
+    set.push_range(first, last, step, line.span);
+    Ok(())
+}
+
+enum ElementType {
+    Connector(Dimension),
+    Point(PointKind),
+    Other(String),
+}
+
+fn element_type(keyword: &Keyword) -> Result<ElementType> {
+    let Some(value) = keyword.get("TYPE") else { return Err(keyword.missing("TYPE")) };
+    let name = crate::scene::lexer::normal(value.text());
+    let points = PointKind::ALL;
+    let connectors = ["CONN3D2", "CONN2D2"];
+    Ok(match name.as_str() {
+        "CONN3D2" => ElementType::Connector(Dimension::Three),
+        "CONN2D2" => ElementType::Connector(Dimension::Two),
+        other => match points.into_iter().find(|kind| kind.name() == other) {
+            Some(kind) => ElementType::Point(kind),
+            None if name.starts_with("CON") => {
+                let remedy =
+                    suggest(&name, connectors, || "connector elements are CONN3D2 and CONN2D2".to_owned());
+                let message = format!("there is no element type {name}");
+                return Err(Diagnostic::error(
+                    Code::BadParameterValue,
+                    value.span,
+                    message,
+                    "not an element type",
+                )
+                .help(remedy));
+            }
+            None => ElementType::Other(name),
+        },
+    })
+}
+
+pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    reject_input(keyword)?;
+    let kind = element_type(keyword)?;
+    if let ElementType::Other(name) = &kind
+        && let Some(near) = nearest(name, PointKind::ALL.map(PointKind::name))
+    {
+        let message = format!("elements of type {name} are skipped");
+        deck.warn(
+            Diagnostic::warning(Code::MisspeltKeyword, keyword.span, message, "not a type that is read")
+                .help(format!("did you mean {near}?")),
+        );
+    }
+    let set = keyword.name_of("ELSET")?;
+    let mut members =
+        set.map(|name| deck.element_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span)));
+    let (mut count, mut lines) = (0, 0);
+    let mut continued = false;
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        if continued {
+            continued = line.text.trim_end().ends_with(',');
+            lines += 1;
+            continue;
+        }
+        let label = items.need("the element number")?.label("the element number")?;
+        match &kind {
+            ElementType::Connector(dimension) => {
+                let element = connector(*dimension, items, &line)?;
+                let first = deck.scene.point_elements.get(&label).map(|element| element.span);
+                let first = first.or_else(|| {
+                    let known = deck.scene.connectors.get(&label)?;
+                    let same =
+                        (known.dimension, known.a, known.b) == (element.dimension, element.a, element.b);
+                    (!same).then_some(known.span)
+                });
+                check_first(label, first, line.span)?;
+                deck.scene.connectors.entry(label).or_insert(element);
+            }
+            ElementType::Point(kind) => {
+                let element = point(*kind, items, &line)?;
+                let first = deck.scene.connectors.get(&label).map(|element| element.span);
+                let first = first.or_else(|| {
+                    let known = deck.scene.point_elements.get(&label)?;
+                    let same = (known.kind, known.node, known.second)
+                        == (element.kind, element.node, element.second);
+                    (!same).then_some(known.span)
+                });
+                check_first(label, first, line.span)?;
+                deck.scene.point_elements.entry(label).or_insert(element);
+            }
+            ElementType::Other(_) => {
+                deck.other_elements.push(label);
+                continued = line.text.trim_end().ends_with(',');
+                (count, lines) = (count + 1, lines + 1);
+            }
+        }
+        if let Some(members) = &mut members {
+            members.push_defined(label, line.span);
+        }
+    }
+    if let ElementType::Other(name) = kind {
+        let skipped = deck.scene.skipped.element_types.entry(name).or_default();
+        if skipped.first_line == 0 {
+            skipped.first_line = keyword.span.line();
+        }
+        skipped.count += count;
+        skipped.data_lines += lines;
+    }
+    Ok(())
+}
+
+/// A number that an element of another definition has already.
+pub(super) fn duplicate_element(label: u64, first: Option<u32>, span: Span) -> Diagnostic {
+    let message = format!("element {label} is defined twice, and differently");
+    let place = first.map_or_else(
+        || "also an element of a skipped type".to_owned(),
+        |line| format!("first defined on line {line}"),
+    );
+    Diagnostic::error(Code::DuplicateElement, span, message, place).help("give one of the two another number")
+}
+
+fn check_first(label: u64, first: Option<Span>, span: Span) -> Result<()> {
+    first.map_or(Ok(()), |first| Err(duplicate_element(label, Some(first.line()), span)))
+}
+
+fn connector(dimension: Dimension, mut items: Items<'_>, line: &Data<'_>) -> Result<ConnectorElement> {
+    let mut end = || items.maybe().map(|item: Item<'_>| item.label("the node number")).transpose();
+    let (a, b) = (end()?, end()?);
+    items.end("an element number and two nodes")?;
+    let bad = |message: &str, remedy: &str| {
+        Err(Diagnostic::error(Code::BadConnectivity, line.span, message, "this element").help(remedy))
+    };
+    match (a, b) {
+        (None, None) => {
+            bad("a connector element without a node", "give two nodes; an empty item is the ground")
+        }
+        (Some(a), Some(b)) if a == b => bad(
+            "both ends of a connector are the same node",
+            "give two different nodes; an empty item is the ground",
+        ),
+        _ => Ok(ConnectorElement { dimension, a, b, section: usize::MAX, span: line.span }),
+    }
+}
+
+fn point(kind: PointKind, mut items: Items<'_>, line: &Data<'_>) -> Result<PointElement> {
+    let node = items.need("the node")?.label("the node number")?;
+    let second = if kind.node_count() == 2 {
+        Some(items.need("the second node")?.label("the node number")?)
+    } else {
+        None
+    };
+    items.end(if second.is_some() {
+        "an element number and two nodes"
+    } else {
+        "an element number and one node"
+    })?;
+    if second == Some(node) {
+        return Err(Diagnostic::error(
+            Code::BadConnectivity,
+            line.span,
+            "both ends of an element are the same node",
+            "this element",
+        )
+        .help("give two different nodes"));
+    }
+    Ok(PointElement { kind, node, second, span: line.span })
+}
+
+pub(super) fn orientation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let name = keyword.need_name("NAME")?;
+    let systems = [
+        ("RECTANGULAR", System::Rectangular),
+        ("R", System::Rectangular),
+        ("Z RECTANGULAR", System::ZRectangular),
+        ("Z", System::ZRectangular),
+        ("CYLINDRICAL", System::Cylindrical),
+        ("C", System::Cylindrical),
+        ("SPHERICAL", System::Spherical),
+        ("S", System::Spherical),
+        ("USER", System::User),
+    ];
+    let system = keyword.choice("SYSTEM", &systems.map(|(name, _)| name))?;
+    let system =
+        systems.into_iter().find(|(name, _)| Some(*name) == system).map_or(System::Rectangular, |(_, s)| s);
+    let definition = keyword.choice("DEFINITION", &["COORDINATES", "NODES", "OFFSET TO NODES"])?;
+    let definition = if system == System::User {
+        Definition::None
+    } else {
+        let Some(line) = deck.lexer.row()? else {
+            let message = format!("*ORIENTATION {} has no points", name.value);
+            return Err(Diagnostic::error(
+                Code::MissingData,
+                keyword.span,
+                message,
+                "a data line should follow",
+            )
+            .help("give a line with Xa, Ya, Za, Xb, Yb, Zb"));
+        };
+        points(&line, definition.unwrap_or("COORDINATES"))?
+    };
+    let (mut axis, mut angle) = (1, 0.0);
+    if let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        if let Some(item) = items.maybe() {
+            let number = item.integer("the axis")?;
+            axis = u8::try_from(number).ok().filter(|axis| (1..=3).contains(axis)).ok_or_else(|| {
+                let message = format!("there is no axis {number}");
+                Diagnostic::error(Code::BadValue, item.span, message, "must be 1, 2 or 3")
+                    .help("line 2 of *ORIENTATION is: axis, additional rotation in degrees about it")
+            })?;
+        }
+        angle = items.number()?.unwrap_or(0.0);
+        items.end("an axis (1, 2, 3) and an additional rotation in degrees")?;
+    }
+    let orientation = Orientation { system, definition, axis, angle, span: keyword.span };
+    if let Some(first) = deck.scene.orientations.get(&name.value) {
+        return Err(keyword.duplicate(&name, first.span));
+    }
+    deck.scene.orientations.insert(name.value, orientation);
+    Ok(())
+}
+
+fn points(line: &Data<'_>, definition: &str) -> Result<Definition> {
+    let mut items = line.items();
+    if definition == "COORDINATES" {
+        let [a, b] = [vector(&mut items, "point a")?, vector(&mut items, "point b")?];
+        let mut c = [0.0; 3];
+        for coordinate in &mut c {
+            *coordinate = items.number()?.unwrap_or(0.0);
+        }
+        items.end("the coordinates of points a, b and c")?;
+        return Ok(Definition::Coordinates { a, b, c });
+    }
+    let a = items.need("point a")?.label("the node number")?;
+    let b = items.need("point b")?.label("the node number")?;
+    let c = items.maybe().map(|item| item.label("the node number")).transpose()?;
+    items.end("the nodes a, b and c")?;
+    Ok(if definition == "NODES" {
+        Definition::Nodes { a, b, c }
+    } else {
+        Definition::OffsetToNodes { a, b, c }
+    })
+}
+
+/// Three coordinates, at least one of which must be written.
+fn vector(items: &mut Items<'_>, what: &str) -> Result<[f64; 3]> {
+    let mut start = items.clone();
+    let mut vector = [0.0; 3];
+    let mut written = false;
+    for coordinate in &mut vector {
+        if let Some(item) = items.maybe() {
+            *coordinate = item.number()?;
+            written = true;
+        }
+    }
+    if !written {
+        start.need(&format!("the coordinates of {what}"))?;
+    }
+    Ok(vector)
+}
+
+pub(super) fn transform(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let node_set = keyword.need_name("NSET")?;
+    let kind = match keyword.choice("TYPE", &["R", "C", "S"])? {
+        Some("C") => TransformKind::Cylindrical,
+        Some("S") => TransformKind::Spherical,
+        _ => TransformKind::Rectangular,
+    };
+    let Some(line) = deck.lexer.row()? else {
+        return Err(table::no_rows((&keyword.name, keyword.span), &["Xa", "Ya", "Za", "Xb", "Yb", "Zb"]));
+    };
+    let mut items = line.items();
+    let [a, b] = [vector(&mut items, "point a")?, vector(&mut items, "point b")?];
+    items.end("the coordinates of points a and b")?;
+    deck.scene.transforms.push(Transform { node_set, kind, a, b });
+    Ok(())
+}
+
+pub(super) fn mass(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let element_set = keyword.need_name("ELSET")?;
+    let Some(record) = table::record(&mut deck.lexer, 1)? else {
+        return Err(table::no_rows((&keyword.name, keyword.span), &["the mass"]));
+    };
+    let mass = record.need(0, "the mass")?;
+    not_negative(mass, "the mass", record.span)?;
+    deck.scene.masses.push(Mass { element_set, mass });
+    Ok(())
+}
+
+/// An error when a quantity that cannot be negative is.
+pub(super) fn not_negative(value: f64, what: &str, span: Span) -> Result<()> {
+    if value >= 0.0 {
+        return Ok(());
+    }
+    Err(Diagnostic::error(
+        Code::NumberOutOfRange,
+        span,
+        format!("{what} is negative: {value}"),
+        "must not be negative",
+    )
+    .help(format!("give {what} as a positive number")))
+}
+
+pub(super) fn rotary_inertia(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let element_set = keyword.need_name("ELSET")?;
+    let orientation = keyword.name_of("ORIENTATION")?;
+    let Some(record) = table::record(&mut deck.lexer, 6)? else {
+        return Err(table::no_rows(
+            (&keyword.name, keyword.span),
+            &["I11", "I22", "I33", "I12", "I13", "I23"],
+        ));
+    };
+    let inertia = std::array::from_fn(|index| record.values.get(index).copied().flatten().unwrap_or(0.0));
+    for value in inertia.iter().take(3) {
+        not_negative(*value, "a principal rotary inertia", record.span)?;
+    }
+    deck.scene.rotary_inertias.push(RotaryInertia { element_set, orientation, inertia });
+    Ok(())
+}
+
+pub(super) fn spring(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let spring = discrete(deck, keyword)?;
+    deck.scene.springs.push(spring);
+    Ok(())
+}
+
+pub(super) fn dashpot(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let dashpot = discrete(deck, keyword)?;
+    deck.scene.dashpots.push(dashpot);
+    Ok(())
+}
+
+fn discrete(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<Discrete> {
+    let element_set = keyword.need_name("ELSET")?;
+    let orientation = keyword.name_of("ORIENTATION")?;
+    let (nonlinear, fields) = (keyword.has("NONLINEAR"), keyword.dependencies()?);
+    let mut degrees_of_freedom = Vec::new();
+    if let Some(line) = deck.lexer.data()? {
+        let mut items = line.items();
+        while degrees_of_freedom.len() < 2 {
+            let Some(item) = items.maybe() else { break };
+            degrees_of_freedom.push(degree_of_freedom(&item)?);
+        }
+        items.end("one degree of freedom for each node; for elements along a line it is blank")?;
+    }
+    let columns: &[&str] = if nonlinear { &["the force", "the displacement"] } else { &["the coefficient"] };
+    let width = 3 + fields;
+    let records = table::records(&mut deck.lexer, width)?;
+    if records.is_empty() {
+        return Err(table::no_rows((&keyword.name, keyword.span), columns));
+    }
+    for record in &records {
+        for (index, what) in columns.iter().enumerate() {
+            record.need(index, what)?;
+        }
+    }
+    let rows = records.into_iter().map(|record| record.values).collect();
+    Ok(Discrete { element_set, orientation, degrees_of_freedom, nonlinear, rows })
+}
+
+/// 1 to 6, or 10 for material flow.
+pub(super) fn degree_of_freedom(item: &Item<'_>) -> Result<u8> {
+    let number = item.integer("a degree of freedom")?;
+    u8::try_from(number).ok().filter(|dof| matches!(dof, 1..=6 | 10)).ok_or_else(|| {
+        let message = format!("there is no degree of freedom {number} here");
+        Diagnostic::error(Code::BadDegreeOfFreedom, item.span, message, "must be 1 to 6, or 10")
+            .help("1 to 3 are translations, 4 to 6 rotations, 10 is material flow")
+    })
+}

@@ -1,0 +1,337 @@
+//! The reader of Abaqus-style decks: one pass over the lines, then the references between the parts.
+//!
+//! [`keywords`] lists what is understood, with stages and parameters; each family of keywords has its file;
+//! [`resolve`] checks every reference once the whole deck is known, so that forward references are allowed.
+
+mod behavior;
+mod connector;
+mod history;
+mod keywords;
+mod mesh;
+mod resolve;
+mod sets;
+mod table;
+
+use super::behavior::Behavior;
+use super::diagnostic::{Code, Diagnostic, Result, nearest};
+use super::lexer::{Keyword, Lexer, Value};
+use super::model::{MAX_WARNINGS, Scene, Step};
+use super::span::{Span, Spanned};
+use indexmap::IndexMap;
+use keywords::{Family, Rule, Stage};
+use sets::{LabelRanges, SetBuilder};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+pub use sets::MAX_MEMBERS;
+
+impl Scene {
+    /// Reads a deck from a file.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its place and a remedy.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        let open = || {
+            File::open(path).map(BufReader::new).map_err(|error| {
+                Diagnostic::error(
+                    Code::Unreadable,
+                    Span::default(),
+                    format!("cannot open {name}: {error}"),
+                    "",
+                )
+                .help("check the path and its permissions")
+                .in_file(&name)
+            })
+        };
+        let attach = |diagnostics: &mut [Diagnostic]| {
+            if let Ok(source) = open() {
+                Diagnostic::attach(diagnostics, &name, source);
+            }
+        };
+        finish(read(&mut open()?), &name, attach)
+    }
+
+    /// Reads a deck from memory. `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its place and a remedy.
+    pub fn parse(name: &str, text: &str) -> Result<Self> {
+        Self::parse_bytes(name, text.as_bytes())
+    }
+
+    /// Like [`parse`](Self::parse), for bytes that need not be UTF-8 where they are skipped.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its place and a remedy.
+    pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<Self> {
+        finish(read(&mut { bytes }), name, |diagnostics| Diagnostic::attach(diagnostics, name, bytes))
+    }
+}
+
+fn finish(result: Result<Scene>, name: &str, attach: impl Fn(&mut [Diagnostic])) -> Result<Scene> {
+    match result {
+        Ok(mut scene) => {
+            name.clone_into(&mut scene.name);
+            attach(&mut scene.warnings);
+            Ok(scene)
+        }
+        Err(error) => {
+            let mut errors = [error.in_file(name)];
+            attach(&mut errors);
+            let [error] = errors;
+            Err(error)
+        }
+    }
+}
+
+fn read(input: &mut dyn BufRead) -> Result<Scene> {
+    let mut deck = Deck {
+        lexer: Lexer::new(input),
+        scene: Scene::default(),
+        node_sets: IndexMap::new(),
+        element_sets: IndexMap::new(),
+        other_elements: LabelRanges::default(),
+        mpcs: Vec::new(),
+        warnings: Vec::new(),
+        behavior_open: false,
+        host: Host::None,
+        step: None,
+        stepped: false,
+    };
+    let mut empty = true;
+    while let Some(keyword) = deck.lexer.keyword()? {
+        empty = false;
+        deck.take(&keyword)?;
+    }
+    if empty {
+        return Err(Diagnostic::error(Code::MissingKeywords, Span::default(), "the deck is empty", "")
+            .help("a deck begins with a keyword such as *HEADING or *NODE"));
+    }
+    if let Some(step) = &deck.step {
+        return Err(Diagnostic::error(Code::UnfinishedStep, step.span, "a step does not end", "begins here")
+            .help("close the step by *END STEP"));
+    }
+    resolve::resolve(&mut deck)?;
+    deck.scene.warnings = deck.warnings;
+    Ok(deck.scene)
+}
+
+/// What has been read so far.
+struct Deck<'a> {
+    lexer: Lexer<'a>,
+    scene: Scene,
+    node_sets: IndexMap<String, SetBuilder>,
+    element_sets: IndexMap<String, SetBuilder>,
+    other_elements: LabelRanges,
+    mpcs: Vec<connector::RawMpc>,
+    warnings: Vec<Diagnostic>,
+    /// Connector suboptions belong to the last behaviour.
+    behavior_open: bool,
+    /// What a potential or another suboption of a suboption belongs to.
+    host: Host,
+    /// The step that is being read.
+    step: Option<Step>,
+    /// There has been a step.
+    stepped: bool,
+}
+
+/// The suboption that takes suboptions of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Host {
+    None,
+    Friction,
+    Plasticity,
+    Damage,
+}
+
+impl Deck<'_> {
+    fn warn(&mut self, diagnostic: Diagnostic) {
+        if self.warnings.len() < MAX_WARNINGS {
+            self.warnings.push(diagnostic);
+        }
+    }
+
+    fn take(&mut self, keyword: &Keyword) -> Result<()> {
+        let Some(rule) = keywords::find(&keyword.name).filter(|rule| !self.is_contact_friction(rule)) else {
+            return self.pass_over(keyword);
+        };
+        if rule.family != Family::Suboption {
+            (self.behavior_open, self.host) = (false, Host::None);
+        }
+        self.check_stage(rule, keyword)?;
+        rule.check_parameters(keyword)?;
+        (rule.read)(self, keyword)?;
+        match self.lexer.row()? {
+            None => Ok(()),
+            Some(line) => {
+                let message = format!("*{} takes no such data line", keyword.name);
+                Err(Diagnostic::error(Code::UnexpectedData, line.span, message, "not expected")
+                    .help(format!("remove the line, or a keyword is missing before it; {}", rule.data)))
+            }
+        }
+    }
+
+    /// `*FRICTION` belongs to contact unless a connector behaviour is being read.
+    fn is_contact_friction(&self, rule: &Rule) -> bool {
+        rule.name == "FRICTION" && !self.behavior_open
+    }
+
+    fn check_stage(&self, rule: &Rule, keyword: &Keyword) -> Result<()> {
+        let name = &keyword.name;
+        let error = |code, message: String, label: &str, remedy: &str| {
+            Err(Diagnostic::error(code, keyword.span, message, label).help(remedy))
+        };
+        match rule.stage {
+            Stage::Model if self.stepped => error(
+                Code::ModelDataInStep,
+                format!("*{name} defines the model but stands after the first *STEP"),
+                "model data",
+                "move it before the first *STEP",
+            ),
+            Stage::History if self.step.is_none() => error(
+                Code::HistoryOutsideStep,
+                format!("*{name} stands outside every step"),
+                "belongs to a step",
+                "move it between *STEP and *END STEP",
+            ),
+            Stage::Both if self.stepped && self.step.is_none() => error(
+                Code::HistoryOutsideStep,
+                format!("*{name} stands between two steps"),
+                "belongs to a step, or before all steps",
+                "move it between *STEP and *END STEP",
+            ),
+            _ if rule.family == Family::Suboption && !self.behavior_open => error(
+                Code::MisplacedKeyword,
+                format!("*{name} stands outside every connector behaviour"),
+                "a suboption",
+                "put it below *CONNECTOR BEHAVIOR, NAME=…, before any other keyword",
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    /// Skips a keyword that is not understood, unless the model would be another without it.
+    fn pass_over(&mut self, keyword: &Keyword) -> Result<()> {
+        if let Some(remedy) = keywords::indispensable(&keyword.name) {
+            let message = format!("*{} is not supported", keyword.name);
+            return Err(Diagnostic::error(
+                Code::UnsupportedKeyword,
+                keyword.span,
+                message,
+                "changes the model",
+            )
+            .help(remedy));
+        }
+        if let Some(near) = nearest(&keyword.name, keywords::RULES.iter().map(|rule| rule.name))
+            .filter(|near| *near != keyword.name && !keywords::is_unrelated(&keyword.name))
+        {
+            let message = format!("*{} is skipped", keyword.name);
+            self.warn(
+                Diagnostic::warning(
+                    Code::MisspeltKeyword,
+                    keyword.span,
+                    message,
+                    "not a keyword that is read",
+                )
+                .help(format!("did you mean *{near}?")),
+            );
+        }
+        if !keyword.name.starts_with("CONNECTOR ") && !keywords::is_curve(&keyword.name) {
+            (self.behavior_open, self.host) = (false, Host::None);
+        }
+        if let Some(step) = self.step.as_mut().filter(|_| keywords::is_procedure(&keyword.name)) {
+            history::set_procedure(step, super::model::Procedure::Other(keyword.name.clone()), keyword)?;
+        }
+        let skipped = self.scene.skipped.keywords.entry(keyword.name.clone()).or_default();
+        if skipped.count == 0 {
+            skipped.first_line = keyword.span.line();
+        }
+        skipped.count += 1;
+        skipped.data_lines += self.lexer.skip()?;
+        Ok(())
+    }
+
+    /// The behaviour that is being read.
+    fn behavior(&mut self, keyword: &Keyword) -> Result<&mut Behavior> {
+        match self.scene.behaviors.last_mut().filter(|_| self.behavior_open) {
+            Some((_, behavior)) => Ok(behavior),
+            None => Err(misplaced(keyword, "*CONNECTOR BEHAVIOR")),
+        }
+    }
+}
+
+fn misplaced(keyword: &Keyword, host: &str) -> Diagnostic {
+    let message = format!("*{} does not follow {host}", keyword.name);
+    Diagnostic::error(Code::MisplacedKeyword, keyword.span, message, format!("belongs to {host}"))
+        .help(format!("put it directly below {host}"))
+}
+
+impl Keyword {
+    /// The value of a parameter.
+    fn get(&self, name: &str) -> Option<&Value> {
+        self.parameters.iter().find(|parameter| parameter.name == name)?.value.as_ref()
+    }
+
+    /// Is the parameter there, with a value or without?
+    fn has(&self, name: &str) -> bool {
+        self.parameters.iter().any(|parameter| parameter.name == name)
+    }
+
+    fn name_of(&self, parameter: &str) -> Result<Option<Spanned<String>>> {
+        self.get(parameter).map(Value::name).transpose()
+    }
+
+    fn need_name(&self, parameter: &str) -> Result<Spanned<String>> {
+        match self.get(parameter) {
+            Some(value) => value.name(),
+            None => Err(self.missing(parameter)),
+        }
+    }
+
+    fn missing(&self, parameter: &str) -> Diagnostic {
+        let message = format!("*{} needs the parameter {parameter}", self.name);
+        Diagnostic::error(Code::MissingParameter, self.span, message, format!("{parameter} is missing"))
+            .help(format!("write *{}, {parameter}=…", self.name))
+    }
+
+    fn number(&self, parameter: &str) -> Result<Option<f64>> {
+        self.get(parameter).map(Value::number).transpose()
+    }
+
+    fn component(&self, parameter: &str) -> Result<Option<u8>> {
+        self.get(parameter).map(Value::component).transpose()
+    }
+
+    fn need_component(&self) -> Result<u8> {
+        self.component("COMPONENT")?.ok_or_else(|| self.missing("COMPONENT"))
+    }
+
+    fn choice(&self, parameter: &str, choices: &[&'static str]) -> Result<Option<&'static str>> {
+        self.get(parameter).map(|value| value.choice(parameter, choices)).transpose()
+    }
+
+    /// `DEPENDENCIES=`: the number of field variables in a table.
+    fn dependencies(&self) -> Result<usize> {
+        let Some(value) = self.get("DEPENDENCIES") else { return Ok(0) };
+        let count = value.integer("DEPENDENCIES")?;
+        usize::try_from(count).ok().filter(|&count| count <= MAX_DEPENDENCIES).ok_or_else(|| {
+            let message = format!("{count} field variables are too many");
+            Diagnostic::error(Code::NumberOutOfRange, value.span, message, "too large")
+                .help(format!("use at most {MAX_DEPENDENCIES}"))
+        })
+    }
+
+    /// Two definitions called `name`.
+    fn duplicate(&self, name: &Spanned<String>, first: Span) -> Diagnostic {
+        let message = format!("*{} {} is defined twice", self.name, name.value);
+        let label = format!("first defined on line {}", first.line());
+        Diagnostic::error(Code::DuplicateName, name.span, message, label)
+            .help("rename or remove one of the two")
+    }
+}
+
+/// The largest number of field variables in a table.
+const MAX_DEPENDENCIES: usize = 100;

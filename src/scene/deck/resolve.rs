@@ -1,0 +1,441 @@
+//! References between the parts of a deck, once all of it is known.
+
+use super::Deck;
+use super::connector::RawMpc;
+use super::mesh::duplicate_element;
+use super::sets::{self, Kind, Member, unknown_set};
+use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
+use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::scene::model::{Discrete, End, Mpc, MpcKind, PointKind, Scene, Set, Target};
+use crate::scene::span::{Span, Spanned};
+
+pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
+    elements(deck)?;
+    build_sets(deck)?;
+    sections(&mut deck.scene)?;
+    orientations(&deck.scene)?;
+    deck.scene.behaviors.iter().try_for_each(|(name, behavior)| check_behavior(name, behavior))?;
+    properties(&deck.scene)?;
+    let raw = std::mem::take(&mut deck.mpcs);
+    deck.scene.mpcs = mpcs(&deck.scene, &raw)?;
+    actuation(&deck.scene)
+}
+
+/// What to do about a node or element that is not there.
+fn undefined(kind: Kind) -> impl Fn() -> String {
+    move || match kind {
+        Kind::Node => "define it under *NODE".to_owned(),
+        Kind::Element => "define it under *ELEMENT".to_owned(),
+    }
+}
+
+fn unknown(kind: Kind, label: u64, span: Span) -> Diagnostic {
+    let name = kind.name();
+    let message = format!("there is no {name} {label}");
+    Diagnostic::error(kind.unknown(), span, message, "not defined").help(undefined(kind)())
+}
+
+fn elements(deck: &mut Deck<'_>) -> Result<()> {
+    deck.other_elements.sort();
+    let scene = &deck.scene;
+    let connectors =
+        scene.connectors.iter().map(|(&label, element)| (label, element.span, [element.a, element.b]));
+    let points = scene.point_elements.iter();
+    let points = points.map(|(&label, element)| (label, element.span, [Some(element.node), element.second]));
+    for (label, span, nodes) in connectors.chain(points) {
+        if deck.other_elements.contains(label) {
+            return Err(duplicate_element(label, None, span));
+        }
+        for node in nodes.into_iter().flatten() {
+            if !scene.nodes.contains_key(&node) {
+                let message = format!("element {label} uses node {node}, which is not defined");
+                return Err(Diagnostic::error(Code::UnknownNode, span, message, format!("no node {node}"))
+                    .help(undefined(Kind::Node)()));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
+    let scene = &deck.scene;
+    let mut warnings = Vec::new();
+    let node = |label| if scene.nodes.contains_key(&label) { Member::Modelled } else { Member::Unknown };
+    let element = |label| {
+        if scene.connectors.contains_key(&label) || scene.point_elements.contains_key(&label) {
+            Member::Modelled
+        } else if deck.other_elements.contains(label) {
+            Member::Unmodelled
+        } else {
+            Member::Unknown
+        }
+    };
+    let mut warn = |warning| warnings.push(warning);
+    let hint = undefined(Kind::Node);
+    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, node, &hint, &mut warn)?;
+    let hint = undefined(Kind::Element);
+    let element_sets = sets::resolve(Kind::Element, &deck.element_sets, element, &hint, &mut warn)?;
+    (deck.scene.node_sets, deck.scene.element_sets) = (node_sets, element_sets);
+    warnings.into_iter().for_each(|warning| deck.warn(warning));
+    Ok(())
+}
+
+fn element_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
+    let names = || scene.element_sets.keys().map(String::as_str);
+    scene.element_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Element, name, names()))
+}
+
+fn check_name<T>(
+    name: Option<&Spanned<String>>,
+    known: &indexmap::IndexMap<String, T>,
+    what: &str,
+    keyword: &str,
+    code: Code,
+) -> Result<()> {
+    let Some(name) = name.filter(|name| !known.contains_key(&name.value)) else { return Ok(()) };
+    let message = format!("there is no {what} {}", name.value);
+    let remedy = suggest(&name.value, known.keys().map(String::as_str), || {
+        format!("define it by *{keyword}, NAME={}", name.value)
+    });
+    Err(Diagnostic::error(code, name.span, message, "not defined").help(remedy))
+}
+
+fn check_orientation(scene: &Scene, name: Option<&Spanned<String>>) -> Result<()> {
+    check_name(name, &scene.orientations, "orientation", "ORIENTATION", Code::UnknownOrientation)
+}
+
+/// Names on connector sections, and one section for each connector.
+fn sections(scene: &mut Scene) -> Result<()> {
+    for place in 0..scene.connector_sections.len() {
+        let section = &scene.connector_sections[place];
+        check_name(
+            section.behavior.as_ref(),
+            &scene.behaviors,
+            "connector behaviour",
+            "CONNECTOR BEHAVIOR",
+            Code::UnknownBehavior,
+        )?;
+        check_orientation(scene, section.orientation_a.as_ref())?;
+        check_orientation(scene, section.orientation_b.as_ref())?;
+        let set = element_set(scene, &section.element_set)?;
+        let span = section.element_set.span;
+        let name = section.element_set.value.clone();
+        if set.labels.is_empty() && set.unmodelled == 0 {
+            let message = format!("element set {name} is empty");
+            return Err(Diagnostic::error(Code::EmptySet, span, message, "has no elements")
+                .help("put connector elements into the set, or remove the section"));
+        }
+        let other = set.labels.iter().find(|label| !scene.connectors.contains_key(*label));
+        if set.unmodelled > 0 || other.is_some() {
+            let which = other.map_or_else(|| "elements".to_owned(), |label| format!("element {label}"));
+            let message = format!("set {name} has {which} that cannot have a connector section");
+            return Err(Diagnostic::error(Code::WrongElementType, span, message, "not only connectors")
+                .help("give *CONNECTOR SECTION a set of CONN3D2 or CONN2D2 elements only"));
+        }
+        for label in set.labels.clone() {
+            let Some(connector) = scene.connectors.get_mut(&label) else { continue };
+            if let Some(first) =
+                scene.connector_sections.get(connector.section).filter(|_| connector.section != place)
+            {
+                let message = format!("connector {label} has two sections");
+                let label = format!("the first one is on line {}", first.span.line());
+                return Err(Diagnostic::error(Code::TwoSections, span, message, label)
+                    .help("take the element out of one of the two sets"));
+            }
+            connector.section = place;
+        }
+    }
+    let bare = scene.connectors.iter().find(|(_, connector)| connector.section == usize::MAX);
+    if let Some((label, connector)) = bare {
+        let message = format!("connector {label} has no section");
+        return Err(Diagnostic::error(
+            Code::MissingSection,
+            connector.span,
+            message,
+            "no *CONNECTOR SECTION",
+        )
+        .help("put the element into a set and give that set a *CONNECTOR SECTION"));
+    }
+    Ok(())
+}
+
+/// Every orientation that a connector uses, at the nodes where it is used; and those that hold everywhere.
+fn orientations(scene: &Scene) -> Result<()> {
+    for (name, orientation) in &scene.orientations {
+        use crate::scene::orientation::{Definition, System};
+        let everywhere = !orientation.depends_on_point()
+            && orientation.system != System::User
+            && !matches!(orientation.definition, Definition::OffsetToNodes { .. });
+        if everywhere {
+            orientation.triad(name, scene, [0.0; 3], &[])?;
+        }
+    }
+    for connector in scene.connectors.values() {
+        let Some(section) = scene.section(connector) else { continue };
+        let ends = [(End::A, &section.orientation_a), (End::B, &section.orientation_b)];
+        for (end, name) in ends {
+            let Some(name) = name else { continue };
+            let Some(orientation) = scene.orientations.get(&name.value) else { continue };
+            let Some(point) = scene.position(connector, end) else { continue };
+            orientation.triad(&name.value, scene, point, &scene.element_nodes(connector))?;
+        }
+    }
+    Ok(())
+}
+
+fn check_behavior(name: &str, behavior: &Behavior) -> Result<()> {
+    let source = |source: &Spanned<Source>| match &source.value {
+        Source::Derived(derived) if !behavior.derived_components.contains_key(derived) => {
+            let message = format!("behaviour {name} has no derived component {derived}");
+            let names = behavior.derived_components.keys().map(String::as_str);
+            let remedy = suggest(derived, names, || {
+                format!("define it by *CONNECTOR DERIVED COMPONENT, NAME={derived}")
+            });
+            Err(Diagnostic::error(Code::UnknownDerivedComponent, source.span, message, "not defined")
+                .help(remedy))
+        }
+        _ => Ok(()),
+    };
+    let terms = |potential: &Option<Potential>| {
+        potential.iter().flat_map(|potential| &potential.terms).try_for_each(|term| source(&term.source))
+    };
+    for friction in &behavior.friction {
+        if let FrictionKind::User { component, potential, contact_force, .. } = &friction.kind {
+            contact_force.iter().try_for_each(source)?;
+            terms(potential)?;
+            if component.is_none() && potential.is_none() {
+                return Err(Diagnostic::error(
+                    Code::MissingParameter,
+                    friction.span,
+                    "this friction has no direction of slip",
+                    "neither COMPONENT nor a potential",
+                )
+                .help("give COMPONENT=…, or *CONNECTOR POTENTIAL below, or PREDEFINED"));
+            }
+        }
+        if friction.coefficient.is_none() {
+            let message = format!("a friction of behaviour {name} has no coefficient");
+            return Err(Diagnostic::error(
+                Code::MissingFriction,
+                friction.span,
+                message,
+                "*FRICTION is missing",
+            )
+            .help("put *FRICTION with the coefficient directly below *CONNECTOR FRICTION"));
+        }
+    }
+    for plasticity in &behavior.plasticity {
+        terms(&plasticity.potential)?;
+        if plasticity.component.is_none() && plasticity.potential.is_none() {
+            return Err(Diagnostic::error(
+                Code::MissingParameter,
+                plasticity.span,
+                "this plasticity has no yield function",
+                "neither COMPONENT nor a potential",
+            )
+            .help("give COMPONENT=…, or *CONNECTOR POTENTIAL below"));
+        }
+    }
+    for damage in &behavior.damage {
+        terms(&damage.potential)?;
+        damage.evolution.iter().try_for_each(|evolution| terms(&evolution.potential))?;
+    }
+    Ok(())
+}
+
+/// Masses, inertias, springs, dashpots and transforms.
+fn properties(scene: &Scene) -> Result<()> {
+    let of_kind = |name: &Spanned<String>, keyword: &str, kinds: &[PointKind]| {
+        let set = element_set(scene, name)?;
+        let wrong = set.labels.iter().find(|label| {
+            scene.point_elements.get(*label).is_none_or(|element| !kinds.contains(&element.kind))
+        });
+        if set.unmodelled > 0 || wrong.is_some() || set.labels.is_empty() {
+            let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
+            let message = match wrong {
+                Some(label) => format!("element {label} of set {} cannot have a *{keyword}", name.value),
+                None => format!("set {} has elements that cannot have a *{keyword}, or none", name.value),
+            };
+            return Err(Diagnostic::error(Code::WrongElementType, name.span, message, "of another type")
+                .help(format!("give *{keyword} a set of {} elements", names.join(", "))));
+        }
+        Ok(set)
+    };
+    for mass in &scene.masses {
+        of_kind(&mass.element_set, "MASS", &[PointKind::Mass])?;
+    }
+    for inertia in &scene.rotary_inertias {
+        of_kind(&inertia.element_set, "ROTARY INERTIA", &[PointKind::Rotaryi])?;
+        check_orientation(scene, inertia.orientation.as_ref())?;
+    }
+    let springs = [PointKind::Spring1, PointKind::Spring2, PointKind::Springa];
+    let dashpots = [PointKind::Dashpot1, PointKind::Dashpot2, PointKind::Dashpota];
+    for (keyword, kinds, list) in
+        [("SPRING", springs, &scene.springs), ("DASHPOT", dashpots, &scene.dashpots)]
+    {
+        for discrete in list {
+            let set = of_kind(&discrete.element_set, keyword, &kinds)?;
+            check_orientation(scene, discrete.orientation.as_ref())?;
+            let kinds = set
+                .labels
+                .iter()
+                .filter_map(|label| scene.point_elements.get(label))
+                .map(|element| element.kind);
+            check_degrees_of_freedom(discrete, keyword, kinds)?;
+        }
+    }
+    for transform in &scene.transforms {
+        node_set(scene, &transform.node_set)?;
+    }
+    Ok(())
+}
+
+fn check_degrees_of_freedom(
+    discrete: &Discrete,
+    keyword: &str,
+    kinds: impl Iterator<Item = PointKind>,
+) -> Result<()> {
+    for kind in kinds {
+        let needed = match kind {
+            PointKind::Spring1 | PointKind::Dashpot1 => 1,
+            PointKind::Spring2 | PointKind::Dashpot2 => 2,
+            _ => 0,
+        };
+        let given = discrete.degrees_of_freedom.len();
+        if given != needed {
+            let message = format!(
+                "*{keyword} of {} elements gives {given} degrees of freedom, not {needed}",
+                kind.name()
+            );
+            let span = discrete.element_set.span;
+            return Err(Diagnostic::error(
+                Code::MissingData,
+                span,
+                message,
+                format!("elements of type {}", kind.name()),
+            )
+            .help(match needed {
+                0 => "leave the first data line blank".to_owned(),
+                1 => "give one degree of freedom on the first data line".to_owned(),
+                _ => "give two degrees of freedom on the first data line".to_owned(),
+            }));
+        }
+    }
+    Ok(())
+}
+
+fn node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
+    let names = || scene.node_sets.keys().map(String::as_str);
+    scene.node_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Node, name, names()))
+}
+
+fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<u64>> {
+    match &target.value {
+        Target::Label(label) if scene.nodes.contains_key(label) => Ok(vec![*label]),
+        Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
+        Target::Set(name) => Ok(node_set(scene, &Spanned::new(name.clone(), target.span))?.labels.clone()),
+    }
+}
+
+/// One constraint per line, or one per member where sets are given.
+fn mpcs(scene: &Scene, raw: &[RawMpc]) -> Result<Vec<Mpc>> {
+    let mut mpcs = Vec::with_capacity(raw.len());
+    for RawMpc { kind, needed, items, span } in raw {
+        let nodes = items.iter().map(|item| node_target(scene, item)).collect::<Result<Vec<_>>>()?;
+        let bad = |message: String, remedy: String| {
+            Err(Diagnostic::error(Code::BadConnectivity, *span, message, "this constraint").help(remedy))
+        };
+        let MpcKind::Other(_) = kind else {
+            let needed = needed.unwrap_or(nodes.len());
+            if nodes.len() != needed {
+                let name =
+                    MpcKind::KNOWN.iter().find(|(_, known, _)| known == kind).map_or("", |(name, ..)| name);
+                return bad(
+                    format!("{name} takes {needed} nodes, not {}", nodes.len()),
+                    format!("write: {name}, and {needed} nodes, the dependent one first"),
+                );
+            }
+            let count = nodes.iter().map(Vec::len).max().unwrap_or(0);
+            if nodes.iter().any(|members| members.len() != count && members.len() != 1) || count == 0 {
+                let lengths: Vec<_> = nodes.iter().map(|members| members.len().to_string()).collect();
+                return bad(
+                    format!("the sets have {} nodes", lengths.join(", ")),
+                    "give sets of equal size, or single nodes".to_owned(),
+                );
+            }
+            for index in 0..count {
+                let at = |members: &Vec<u64>| members.get(index).or(members.first()).copied();
+                let chosen: Vec<u64> = nodes.iter().filter_map(at).collect();
+                if chosen.first().is_some_and(|dependent| chosen[1..].contains(dependent)) {
+                    return bad(
+                        format!("node {} is constrained to itself", chosen[0]),
+                        "the first node is the dependent one and may stand there only".to_owned(),
+                    );
+                }
+                mpcs.push(Mpc { kind: kind.clone(), nodes: chosen, span: *span });
+            }
+            continue;
+        };
+        mpcs.push(Mpc { kind: kind.clone(), nodes: nodes.into_iter().flatten().collect(), span: *span });
+    }
+    Ok(mpcs)
+}
+
+/// Boundary conditions, motions, loads and output requests.
+fn actuation(scene: &Scene) -> Result<()> {
+    let amplitude = |name: &Option<Spanned<String>>| {
+        check_name(name.as_ref(), &scene.amplitudes, "amplitude", "AMPLITUDE", Code::UnknownAmplitude)
+    };
+    let connectors = |target: &Spanned<Target>| {
+        let named = |label: &u64| scene.connectors.contains_key(label);
+        let wrong = |what: String| {
+            let message = format!("{what} cannot be driven or loaded by component");
+            Err(Diagnostic::error(Code::WrongElementType, target.span, message, "not a connector")
+                .help("name a connector element, or a set of connector elements"))
+        };
+        match &target.value {
+            Target::Label(label) if named(label) => Ok(()),
+            Target::Label(label) if scene.point_elements.contains_key(label) => {
+                wrong(format!("element {label}"))
+            }
+            Target::Label(label) => Err(unknown(Kind::Element, *label, target.span)),
+            Target::Set(name) => {
+                let set = element_set(scene, &Spanned::new(name.clone(), target.span))?;
+                let all = set.unmodelled == 0 && !set.labels.is_empty() && set.labels.iter().all(named);
+                if all { Ok(()) } else { wrong(format!("set {name}")) }
+            }
+        }
+    };
+    let motions =
+        scene.connector_motions.iter().chain(scene.steps.iter().flat_map(|step| &step.connector_motions));
+    for motion in motions {
+        connectors(&motion.target)?;
+        amplitude(&motion.amplitude)?;
+    }
+    let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
+    for boundary in boundaries {
+        node_target(scene, &boundary.target)?;
+        amplitude(&boundary.amplitude)?;
+    }
+    for step in &scene.steps {
+        for load in &step.connector_loads {
+            connectors(&load.target)?;
+            amplitude(&load.amplitude)?;
+        }
+        for load in &step.concentrated_loads {
+            node_target(scene, &load.target)?;
+            amplitude(&load.amplitude)?;
+        }
+        for load in &step.distributed_loads {
+            amplitude(&load.amplitude)?;
+            if let Some(Spanned { value: Target::Set(name), span }) = &load.target {
+                element_set(scene, &Spanned::new(name.clone(), *span))?;
+            }
+        }
+        for request in &step.outputs {
+            request.element_set.iter().try_for_each(|name| element_set(scene, name).map(drop))?;
+            request.node_set.iter().try_for_each(|name| node_set(scene, name).map(drop))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,323 @@
+//! Sets while they are read, and what they contain once everything is known.
+
+use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::scene::model::Set;
+use crate::scene::span::{Span, Spanned};
+use indexmap::IndexMap;
+use std::collections::HashSet;
+
+/// The largest number of members of a GENERATE range, and of all sets of a deck together.
+pub const MAX_MEMBERS: u64 = 10_000_000;
+
+/// Nodes or elements?
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Node,
+    Element,
+}
+
+impl Kind {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Node => "node",
+            Self::Element => "element",
+        }
+    }
+
+    pub(super) fn unknown(self) -> Code {
+        match self {
+            Self::Node => Code::UnknownNode,
+            Self::Element => Code::UnknownElement,
+        }
+    }
+
+    pub(super) fn unknown_set(self) -> Code {
+        match self {
+            Self::Node => Code::UnknownNodeSet,
+            Self::Element => Code::UnknownElementSet,
+        }
+    }
+}
+
+/// What a number stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Member {
+    /// A node or element of the scene.
+    Modelled,
+    /// An element of a type that was skipped.
+    Unmodelled,
+    /// Nothing.
+    Unknown,
+}
+
+/// A set as its lines give it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SetBuilder {
+    entries: Vec<Entry>,
+    unsorted: bool,
+    span: Span,
+}
+
+#[derive(Debug, Clone)]
+enum Entry {
+    /// Written as `GENERATE` or as numbers one after the other.
+    Range { first: u64, last: u64, step: u64, generated: bool, span: Span },
+    /// Another set.
+    Set(Spanned<String>),
+}
+
+impl SetBuilder {
+    pub(super) fn new(span: Span) -> Self {
+        Self { span, ..Self::default() }
+    }
+
+    pub(super) fn set_unsorted(&mut self) {
+        self.unsorted = true;
+    }
+
+    /// One member. Numbers that follow each other on one line share an entry.
+    pub(super) fn push(&mut self, label: u64, span: Span) {
+        if let Some(Entry::Range { last, step: 1, generated: false, span: place, .. }) =
+            self.entries.last_mut()
+            && place.line() == span.line()
+            && last.checked_add(1) == Some(label)
+        {
+            *last = label;
+            return;
+        }
+        self.entries.push(Entry::Range { first: label, last: label, step: 1, generated: false, span });
+    }
+
+    /// A member that is defined by the same line; numbers that follow each other share an entry.
+    pub(super) fn push_defined(&mut self, label: u64, span: Span) {
+        if let Some(Entry::Range { last, step: 1, generated: false, .. }) = self.entries.last_mut()
+            && last.checked_add(1) == Some(label)
+        {
+            *last = label;
+            return;
+        }
+        self.entries.push(Entry::Range { first: label, last: label, step: 1, generated: false, span });
+    }
+
+    pub(super) fn push_range(&mut self, first: u64, last: u64, step: u64, span: Span) {
+        self.entries.push(Entry::Range { first, last, step, generated: true, span });
+    }
+
+    pub(super) fn push_set(&mut self, name: Spanned<String>) {
+        self.entries.push(Entry::Set(name));
+    }
+}
+
+/// Numbers in ranges, for those of which nothing else is kept.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LabelRanges {
+    ranges: Vec<(u64, u64)>,
+}
+
+impl LabelRanges {
+    pub(super) fn push(&mut self, label: u64) {
+        match self.ranges.last_mut() {
+            Some((_, last)) if last.checked_add(1) == Some(label) => *last = label,
+            _ => self.ranges.push((label, label)),
+        }
+    }
+
+    /// Orders the ranges, so that [`contains`](Self::contains) can search them.
+    pub(super) fn sort(&mut self) {
+        self.ranges.sort_unstable();
+        let mut merged: Vec<(u64, u64)> = Vec::new();
+        for &(first, last) in &self.ranges {
+            match merged.last_mut() {
+                Some((_, end)) if first <= *end => *end = last.max(*end),
+                _ => merged.push((first, last)),
+            }
+        }
+        self.ranges = merged;
+    }
+
+    pub(super) fn contains(&self, label: u64) -> bool {
+        let after = self.ranges.partition_point(|&(first, _)| first <= label);
+        after.checked_sub(1).and_then(|place| self.ranges.get(place)).is_some_and(|&(_, last)| label <= last)
+    }
+}
+
+/// The members of all sets of one kind. Sets may name sets that are defined later.
+pub(super) fn resolve(
+    kind: Kind,
+    builders: &IndexMap<String, SetBuilder>,
+    member: impl Fn(u64) -> Member,
+    hint: &dyn Fn() -> String,
+    warn: &mut dyn FnMut(Diagnostic),
+) -> Result<IndexMap<String, Set>> {
+    let mut done: Vec<Option<Set>> = vec![None; builders.len()];
+    let mut total = 0;
+    for place in order(kind, builders)? {
+        let Some((name, builder)) = builders.get_index(place) else { continue };
+        let mut set = Set { span: builder.span, ..Set::default() };
+        for entry in &builder.entries {
+            match entry {
+                Entry::Set(inner) => {
+                    let inner = builders.get_index_of(&inner.value).and_then(|place| done[place].as_ref());
+                    if let Some(inner) = inner {
+                        set.labels.extend_from_slice(&inner.labels);
+                        set.unmodelled += inner.unmodelled;
+                    }
+                }
+                &Entry::Range { first, last, step, generated, span } => {
+                    expand(kind, (first, last, step, generated), span, &member, hint, &mut set, warn)?;
+                }
+            }
+            if total + set.labels.len() as u64 > MAX_MEMBERS {
+                let message =
+                    format!("the {} sets have more than {MAX_MEMBERS} members together", kind.name());
+                return Err(Diagnostic::error(
+                    Code::GenerateRange,
+                    builder.span,
+                    message,
+                    format!("up to {name}"),
+                )
+                .help("remove sets that no connector needs"));
+            }
+        }
+        if builder.unsorted {
+            let mut seen = HashSet::with_capacity(set.labels.len());
+            set.labels.retain(|label| seen.insert(*label));
+        } else {
+            set.labels.sort_unstable();
+            set.labels.dedup();
+        }
+        total += set.labels.len() as u64;
+        done[place] = Some(set);
+    }
+    Ok(builders.keys().cloned().zip(done.into_iter().map(Option::unwrap_or_default)).collect())
+}
+
+fn expand(
+    kind: Kind,
+    (first, last, step, generated): (u64, u64, u64, bool),
+    span: Span,
+    member: &impl Fn(u64) -> Member,
+    hint: &dyn Fn() -> String,
+    set: &mut Set,
+    warn: &mut dyn FnMut(Diagnostic),
+) -> Result<()> {
+    let name = kind.name();
+    let (mut found, mut gaps, mut label) = (0_u64, 0_u64, first);
+    while label <= last {
+        match member(label) {
+            Member::Modelled => set.labels.push(label),
+            Member::Unmodelled => set.unmodelled += 1,
+            Member::Unknown if generated => gaps += 1,
+            Member::Unknown => {
+                let message = format!("the set contains {name} {label}, which is not defined");
+                return Err(
+                    Diagnostic::error(kind.unknown(), span, message, format!("no such {name}")).help(hint())
+                );
+            }
+        }
+        found += 1;
+        label += step;
+    }
+    if found == gaps && gaps > 0 {
+        let message = format!("no {name} from {first} to {last} is defined");
+        return Err(Diagnostic::error(kind.unknown(), span, message, format!("no such {name}s")).help(hint()));
+    }
+    if gaps > 0 {
+        let message = format!("{gaps} of {found} {name}s from {first} to {last} are not defined");
+        warn(
+            Diagnostic::warning(Code::GenerateGaps, span, message, "left out of the set")
+                .help(format!("check the range; the set has the {name}s that exist")),
+        );
+    }
+    Ok(())
+}
+
+/// An order in which every set comes after those that it names.
+fn order(kind: Kind, builders: &IndexMap<String, SetBuilder>) -> Result<Vec<usize>> {
+    let mut order = Vec::with_capacity(builders.len());
+    let mut mark = vec![Mark::New; builders.len()];
+    for root in 0..builders.len() {
+        let mut path = vec![(root, 0)];
+        while let Some((place, entry)) = path.pop() {
+            if mark[place] == Mark::Done {
+                continue;
+            }
+            mark[place] = Mark::Open;
+            let Some((_, builder)) = builders.get_index(place) else { continue };
+            let inner = builder.entries.iter().enumerate().skip(entry);
+            let inner = inner.filter_map(|(at, entry)| match entry {
+                Entry::Set(name) => Some((at, name)),
+                Entry::Range { .. } => None,
+            });
+            let mut next = None;
+            for (at, name) in inner {
+                let Some(child) = builders.get_index_of(&name.value) else {
+                    return Err(unknown_set(kind, name, builders.keys().map(String::as_str)));
+                };
+                match mark[child] {
+                    Mark::Done => {}
+                    Mark::Open => {
+                        let message = format!("{} set {} contains itself", kind.name(), name.value);
+                        return Err(Diagnostic::error(
+                            Code::SetCycle,
+                            name.span,
+                            message,
+                            "closes the circle",
+                        )
+                        .help("remove this name from the set"));
+                    }
+                    Mark::New => {
+                        next = Some((at, child));
+                        break;
+                    }
+                }
+            }
+            match next {
+                Some((at, child)) => path.extend([(place, at), (child, 0)]),
+                None => {
+                    mark[place] = Mark::Done;
+                    order.push(place);
+                }
+            }
+        }
+    }
+    Ok(order)
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mark {
+    New,
+    Open,
+    Done,
+}
+
+/// The error for a set that does not exist.
+pub(super) fn unknown_set<'a>(
+    kind: Kind,
+    name: &Spanned<String>,
+    names: impl IntoIterator<Item = &'a str>,
+) -> Diagnostic {
+    let (kind_name, keyword) = match kind {
+        Kind::Node => ("node", "*NSET, NSET"),
+        Kind::Element => ("element", "*ELSET, ELSET"),
+    };
+    let message = format!("there is no {kind_name} set {}", name.value);
+    let remedy = suggest(&name.value, names, || format!("define it by {keyword}={}", name.value));
+    Diagnostic::error(kind.unknown_set(), name.span, message, "not defined").help(remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LabelRanges;
+
+    #[test]
+    fn ranges_find_their_members() {
+        let mut ranges = LabelRanges::default();
+        for label in [10, 11, 12, 3, 4, 11, 12, 13, 20] {
+            ranges.push(label);
+        }
+        ranges.sort();
+        let inside: Vec<u64> = (0..25).filter(|&label| ranges.contains(label)).collect();
+        assert_eq!(inside, [3, 4, 10, 11, 12, 13, 20]);
+    }
+}

@@ -1,0 +1,445 @@
+//! What is wrong with an input, where, and what to do about it.
+
+use super::span::Span;
+use miette::{
+    GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode,
+    SourceSpan, SpanContents,
+};
+use std::collections::BTreeMap;
+use std::fmt::{self, Display};
+use std::io::BufRead;
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The input was read, but something in it deserves a look.
+    Warning,
+    /// The input was not read.
+    Error,
+}
+
+macro_rules! codes {
+    ($($variant:ident = $text:literal: $explanation:literal;)+) => {
+        /// The stable codes of diagnostics. They never change their meaning.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Code {
+            $(#[doc = concat!("`", $text, "`: ", $explanation)] $variant,)+
+        }
+
+        impl Code {
+            /// Every code, in the order in which they are listed.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            /// The code as it is printed, such as `deck::unknown-parameter`.
+            #[must_use]
+            pub fn as_str(self) -> &'static str {
+                match self { $(Self::$variant => $text),+ }
+            }
+
+            /// What the code means, in one or two sentences.
+            #[must_use]
+            pub fn explanation(self) -> &'static str {
+                match self { $(Self::$variant => $explanation),+ }
+            }
+        }
+    };
+}
+
+codes! {
+    Unreadable = "scene::unreadable": "The file could not be opened or read.";
+    UnknownFormat = "scene::unknown-format": "The ending of the file name does not say how to read the file.";
+
+    LineTooLong = "deck::line-too-long": "A line of a deck is longer than 65 535 bytes.";
+    NotUtf8 = "deck::not-utf8": "A line that has to be read contains bytes that are not UTF-8. Comments, headings and skipped lines may.";
+    UnclosedQuote = "deck::unclosed-quote": "A quotation mark opens a name and none closes it on the same line.";
+    DanglingContinuation = "deck::dangling-continuation": "A keyword line ends in a comma, so the next line should continue it, but that is another keyword or the end of the deck.";
+    EmptyKeyword = "deck::empty-keyword": "An asterisk without a keyword.";
+    StrayData = "deck::stray-data": "A data line that belongs to no keyword.";
+    UnexpectedData = "deck::unexpected-data": "A data line under a keyword that takes none, or takes fewer.";
+    MissingKeywords = "deck::missing-keywords": "The deck has no keyword at all.";
+
+    UnsupportedKeyword = "deck::unsupported-keyword": "A keyword that changes nodes, elements or the deck itself and is not understood; skipping it would give another model.";
+    MisspeltKeyword = "deck::misspelt-keyword": "A keyword was skipped that looks like a misspelt one. A warning.";
+    MisplacedKeyword = "deck::misplaced-keyword": "A keyword that must follow another one, such as a suboption outside a connector behaviour.";
+    ModelDataInStep = "deck::model-data-in-step": "A keyword that defines the model stands after the first *STEP.";
+    HistoryOutsideStep = "deck::history-outside-step": "A keyword that belongs to a step stands outside every step.";
+    UnfinishedStep = "deck::unfinished-step": "A *STEP has no *END STEP.";
+    TwoProcedures = "deck::two-procedures": "A step has two procedures.";
+    MixedSolvers = "deck::mixed-solvers": "Some steps are explicit dynamics and others are not.";
+
+    UnknownParameter = "deck::unknown-parameter": "A keyword that is understood has a parameter that is not.";
+    MissingParameter = "deck::missing-parameter": "A parameter that the keyword needs is not there.";
+    RepeatedParameter = "deck::repeated-parameter": "A parameter stands twice on one keyword line.";
+    BadParameterValue = "deck::bad-parameter-value": "The value of a parameter is missing, superfluous or not one of those allowed.";
+    ConflictingParameters = "deck::conflicting-parameters": "Two parameters exclude each other.";
+
+    MissingData = "deck::missing-data": "A data line, or an item of it, is not there.";
+    SurplusData = "deck::surplus-data": "A data line has more items than its keyword takes.";
+    MalformedNumber = "deck::malformed-number": "An item is not a number. Allowed are 1, 1., .5, 1.E-3 and 1.D-3, without blanks inside.";
+    MalformedInteger = "deck::malformed-integer": "An item is not a whole number.";
+    NumberOutOfRange = "deck::number-out-of-range": "A number is too large or too small for a double, or outside the range that is allowed here.";
+    MalformedName = "deck::malformed-name": "A name is empty or has a quotation mark inside.";
+    BadComponent = "deck::bad-component": "A component of relative motion is not one of 1 to 6.";
+    BadDegreeOfFreedom = "deck::bad-degree-of-freedom": "A degree of freedom is not one of 1 to 6, or 10 (material flow).";
+    BadValue = "deck::bad-value": "An item is not one of those allowed here.";
+
+    DuplicateNode = "deck::duplicate-node": "A node is defined twice, at different places.";
+    DuplicateElement = "deck::duplicate-element": "An element is defined twice, and differently.";
+    DuplicateName = "deck::duplicate-name": "Two definitions of one kind have the same name.";
+    BadLabel = "deck::bad-label": "The number of a node or element is 0 or larger than 2^53.";
+    BadConnectivity = "deck::bad-connectivity": "An element has too few, too many or equal nodes.";
+    GenerateRange = "deck::generate-range": "A GENERATE range is empty, endless or larger than ten million.";
+    GenerateGaps = "deck::generate-gaps": "A GENERATE range names numbers that do not exist. A warning.";
+    EmptySet = "deck::empty-set": "A set that is used has no members of the kind that is needed.";
+    SetCycle = "deck::set-cycle": "A set contains itself, directly or through others.";
+
+    UnknownNode = "deck::unknown-node": "A node is used that is not defined.";
+    UnknownElement = "deck::unknown-element": "An element is used that is not defined.";
+    UnknownNodeSet = "deck::unknown-node-set": "A node set is used that is not defined.";
+    UnknownElementSet = "deck::unknown-element-set": "An element set is used that is not defined.";
+    UnknownOrientation = "deck::unknown-orientation": "An orientation is used that is not defined.";
+    UnknownBehavior = "deck::unknown-behavior": "A connector behaviour is used that is not defined.";
+    UnknownAmplitude = "deck::unknown-amplitude": "An amplitude is used that is not defined.";
+    UnknownDerivedComponent = "deck::unknown-derived-component": "A derived component is used that its behaviour does not define.";
+    UnknownMpc = "deck::unknown-mpc": "A multi-point constraint type that does not exist.";
+    MpcNotEvaluated = "deck::mpc-not-evaluated": "A multi-point constraint type that is kept but not evaluated. A warning.";
+    WrongElementType = "deck::wrong-element-type": "A property is given to elements of another type.";
+    MissingSection = "deck::missing-section": "A connector element has no *CONNECTOR SECTION.";
+    TwoSections = "deck::two-sections": "A connector element has two *CONNECTOR SECTIONs.";
+    MissingFriction = "deck::missing-friction": "A *CONNECTOR FRICTION has no *FRICTION, so no friction coefficient.";
+    DegenerateOrientation = "deck::degenerate-orientation": "The points of an orientation do not define three directions.";
+    UnsupportedOrientation = "deck::unsupported-orientation": "An orientation that a connector uses comes from a user subroutine.";
+    LimitsReversed = "deck::limits-reversed": "A lower limit lies above the upper one.";
+    LimitsMissing = "deck::limits-missing": "A stop, lock or failure without any limit. A warning.";
+    TableOrder = "deck::table-order": "The independent variable of a table does not increase.";
+    NonzeroModelBoundary = "deck::nonzero-model-boundary": "A boundary condition before the first step has a magnitude other than zero. A warning.";
+
+    UnknownConnectionType = "type::unknown": "A connector section names a connection type that does not exist, or two that do not pair.";
+    OrientationRequired = "rule::orientation-required": "The connection type requires an orientation at a node, and none is given.";
+    OrientationIgnored = "rule::orientation-ignored": "The connection type does not use an orientation at a node, and one is given. A warning.";
+    NotInTwoDimensions = "rule::not-in-two-dimensions": "The connection type has no two-dimensional form.";
+    NotInProcedure = "rule::not-in-procedure": "The connection type is not available for the solver that the steps ask for.";
+    StopNotAvailable = "rule::stop-not-available": "A stop on a component that cannot have one.";
+    ReferenceNotAvailable = "rule::reference-not-available": "A constitutive reference for a component that cannot have one.";
+    ActionNotAvailable = "rule::action-not-available": "A behaviour, motion or load on a component that is not available.";
+    FrictionNotPredefined = "rule::friction-not-predefined": "Predefined friction for a connection type that has none.";
+    FrictionParameters = "rule::friction-parameters": "Predefined friction with more or fewer numbers than the connection type takes.";
+    SectionDataUnused = "rule::section-data-unused": "More numbers on the data line of a section than the connection type takes.";
+    CoincidentNodes = "rule::coincident-nodes": "The connection type needs two nodes apart, and they coincide initially.";
+
+    StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
+    StatesUnknownColumn = "states::unknown-column": "A column of a CSV file of states has a name that is not known.";
+    StatesRepeatedColumn = "states::repeated-column": "Two columns of a CSV file of states have the same name.";
+    StatesMissingColumn = "states::missing-column": "A CSV file of states has no column `node`.";
+    StatesUnknownNode = "states::unknown-node": "A state moves a node that the scene does not have.";
+    StatesRepeatedNode = "states::repeated-node": "A state gives one node twice.";
+    StatesMalformedNumber = "states::malformed-number": "An item is not a number.";
+    StatesNumberOutOfRange = "states::number-out-of-range": "A number is too large or too small for a double.";
+    StatesTwoRotations = "states::two-rotations": "A node has a rotation vector and a quaternion in one state.";
+    StatesQuaternionNorm = "states::quaternion-norm": "The norm of a quaternion differs from 1 by more than 1e-6.";
+    StatesRotationTooLarge = "states::rotation-too-large": "A rotation vector is longer than 1e8 rad, where a double no longer resolves 1e-8 rad.";
+    StatesOrder = "states::order": "The numbers of the states do not increase, or the rows of one state have different times.";
+    StatesEmpty = "states::empty": "The file has no state.";
+}
+
+impl Display for Code {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.as_str())
+    }
+}
+
+/// One error or warning about an input file: code, message, place and remedy.
+///
+/// It implements [`miette::Diagnostic`], and [`render`](Self::render) prints it with the source line, as rustc does.
+#[derive(Debug, Clone)]
+pub struct Diagnostic(Box<Parts>);
+
+/// What reading an input yields.
+pub type Result<T, E = Diagnostic> = std::result::Result<T, E>;
+
+#[derive(Debug, Clone)]
+struct Parts {
+    severity: Severity,
+    code: Code,
+    message: String,
+    label: String,
+    remedy: String,
+    file: String,
+    span: Span,
+    excerpt: Option<Excerpt>,
+}
+
+impl Diagnostic {
+    /// An error at `span`. `label` stands under the marked text.
+    #[must_use]
+    pub fn error(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
+        Self::new(Severity::Error, code, span, message.into(), label.into())
+    }
+
+    /// A warning at `span`. `label` stands under the marked text.
+    #[must_use]
+    pub fn warning(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
+        Self::new(Severity::Warning, code, span, message.into(), label.into())
+    }
+
+    fn new(severity: Severity, code: Code, span: Span, message: String, label: String) -> Self {
+        let (remedy, file) = (String::new(), String::new());
+        Self(Box::new(Parts { severity, code, message, label, remedy, file, span, excerpt: None }))
+    }
+
+    /// The same, with what to do about it.
+    #[must_use]
+    pub fn help(mut self, remedy: impl Into<String>) -> Self {
+        self.0.remedy = remedy.into();
+        self
+    }
+
+    /// The same, in the file of that name.
+    #[must_use]
+    pub fn in_file(mut self, name: &str) -> Self {
+        if self.0.file.is_empty() {
+            self.0.file = name.to_owned();
+        }
+        self
+    }
+
+    /// Error or warning.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        self.0.severity
+    }
+
+    /// The stable code.
+    #[must_use]
+    pub fn code(&self) -> Code {
+        self.0.code
+    }
+
+    /// What is wrong, in one sentence.
+    #[must_use]
+    pub fn message(&self) -> &str {
+        &self.0.message
+    }
+
+    /// What stands under the marked text.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        &self.0.label
+    }
+
+    /// What to do about it.
+    #[must_use]
+    pub fn remedy(&self) -> &str {
+        &self.0.remedy
+    }
+
+    /// The name of the file.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.0.file
+    }
+
+    /// The place in the file.
+    #[must_use]
+    pub fn span(&self) -> Span {
+        self.0.span
+    }
+
+    /// The 1-based line, if the diagnostic has a place.
+    #[must_use]
+    pub fn line(&self) -> Option<u32> {
+        self.0.span.is_known().then(|| self.0.span.line())
+    }
+
+    /// The diagnostic with its source line, at most `width` columns wide, with ANSI colours on request.
+    #[must_use]
+    pub fn render(&self, width: usize, colour: bool) -> String {
+        let theme = if colour { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        let mut text = String::new();
+        let handler = GraphicalReportHandler::new_themed(theme).with_width(width).with_links(false);
+        match handler.render_report(&mut text, self) {
+            Ok(()) => text,
+            Err(_) => format!("{}: {self}", self.code()),
+        }
+    }
+
+    /// Fetches the source lines of all `diagnostics`, in one pass over the file `name` that they are about.
+    pub fn attach(diagnostics: &mut [Self], name: &str, mut source: impl BufRead) {
+        let mut wanted: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for (index, diagnostic) in diagnostics.iter_mut().enumerate() {
+            diagnostic.0.file = name.to_owned();
+            if let Some(line) = diagnostic.line() {
+                for near in line.saturating_sub(CONTEXT).max(1)..=line.saturating_add(CONTEXT) {
+                    wanted.entry(near).or_default().push(index);
+                }
+            }
+        }
+        let Some(last) = wanted.keys().next_back().copied() else { return };
+        let (mut start, mut bytes) = (0, Vec::new());
+        for line in 1..=last {
+            bytes.clear();
+            let Ok(length @ 1..) = source.read_until(b'\n', &mut bytes) else { return };
+            for &index in wanted.get(&line).into_iter().flatten() {
+                let excerpt = &mut diagnostics[index].0.excerpt;
+                let excerpt = excerpt.get_or_insert_with(|| Excerpt {
+                    name: name.to_owned(),
+                    first_line: line,
+                    start,
+                    bytes: Vec::new(),
+                });
+                excerpt.bytes.extend_from_slice(&bytes);
+            }
+            start += length as u64;
+        }
+    }
+}
+
+/// Lines shown before and after the one that is marked.
+const CONTEXT: u32 = 1;
+
+/// The few lines of a file that a diagnostic shows.
+#[derive(Debug, Clone)]
+struct Excerpt {
+    name: String,
+    first_line: u32,
+    start: u64,
+    bytes: Vec<u8>,
+}
+
+impl SourceCode for Excerpt {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        lines_before: usize,
+        lines_after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let inner = self.bytes.as_slice().read_span(span, lines_before, lines_after)?;
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.name.clone(),
+            inner.data(),
+            *inner.span(),
+            inner.line() + self.first_line as usize - 1,
+            inner.column(),
+            inner.line_count(),
+        )))
+    }
+}
+
+impl Display for Diagnostic {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let parts = &self.0;
+        match (parts.file.as_str(), self.line()) {
+            ("", _) => Ok(()),
+            (file, Some(line)) => write!(formatter, "{file}:{line}: "),
+            (file, None) => write!(formatter, "{file}: "),
+        }?;
+        formatter.write_str(&parts.message)
+    }
+}
+
+impl std::error::Error for Diagnostic {}
+
+impl miette::Diagnostic for Diagnostic {
+    fn code<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        Some(Box::new(self.0.code))
+    }
+
+    fn severity(&self) -> Option<miette::Severity> {
+        Some(match self.0.severity {
+            Severity::Warning => miette::Severity::Warning,
+            Severity::Error => miette::Severity::Error,
+        })
+    }
+
+    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        (!self.0.remedy.is_empty()).then(|| Box::new(&self.0.remedy) as Box<dyn Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.0.excerpt.as_ref().map(|excerpt| excerpt as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let excerpt = self.0.excerpt.as_ref()?;
+        let offset = usize::try_from(self.0.span.start().checked_sub(excerpt.start)?).ok()?;
+        let length = usize::from(u16::try_from(self.0.span.end() - self.0.span.start()).unwrap_or(u16::MAX));
+        let length = length.min(excerpt.bytes.len().saturating_sub(offset));
+        let label = LabeledSpan::new(Some(self.0.label.clone()), offset, length);
+        Some(Box::new(std::iter::once(label)))
+    }
+}
+
+/// The candidate closest to `word`, if it is close enough to be what was meant: at most one edit in three letters.
+pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let word: Vec<char> =
+        word.chars().take(LONGEST_COMPARED).map(|letter| letter.to_ascii_uppercase()).collect();
+    let limit = (word.len() / 3).clamp(1, 3);
+    candidates
+        .into_iter()
+        .filter_map(|candidate| {
+            let other: Vec<char> =
+                candidate.chars().take(LONGEST_COMPARED).map(|letter| letter.to_ascii_uppercase()).collect();
+            let distance = edits(&word, &other);
+            (distance <= limit && distance < other.len()).then_some((distance, candidate))
+        })
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, candidate)| candidate)
+}
+
+const LONGEST_COMPARED: usize = 64;
+
+/// Optimal string alignment distance: insertions, deletions, substitutions and swaps of neighbours.
+fn edits(a: &[char], b: &[char]) -> usize {
+    if a.len().abs_diff(b.len()) > 3 {
+        return usize::MAX;
+    }
+    let mut before = vec![0; b.len() + 1];
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        let mut row = vec![i; b.len() + 1];
+        for j in 1..=b.len() {
+            let substitution = last[j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            row[j] = substitution.min(last[j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                row[j] = row[j].min(before[j - 2] + 1);
+            }
+        }
+        before = std::mem::replace(&mut last, row);
+    }
+    last[b.len()]
+}
+
+/// "; did you mean X?" when a candidate is close, otherwise the remedy alone.
+pub(crate) fn suggest<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+    otherwise: impl FnOnce() -> String,
+) -> String {
+    nearest(word, candidates).map_or_else(otherwise, |near| format!("did you mean {near}?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Code, nearest};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn codes_are_distinct_and_explained() {
+        let texts: BTreeSet<_> = Code::ALL.iter().map(|code| code.as_str()).collect();
+        assert_eq!(texts.len(), Code::ALL.len());
+        for code in Code::ALL {
+            assert!(code.as_str().contains("::"), "{code}");
+            assert!(code.explanation().ends_with('.'), "{code}");
+        }
+    }
+
+    #[test]
+    fn close_names_are_found() {
+        let names = ["HAXIS", "DRUM", "HZ"];
+        assert_eq!(nearest("HAXSI", names), Some("HAXIS"));
+        assert_eq!(nearest("haxis", names), Some("HAXIS"));
+        assert_eq!(nearest("DRUMM", names), Some("DRUM"));
+        assert_eq!(nearest("SOMETHING", names), None);
+        assert_eq!(nearest("", names), None);
+    }
+}

@@ -1,0 +1,55 @@
+//! Scenes: the model that a deck describes, and the states of its nodes.
+//!
+//! - [`Scene`] is the model: nodes, sets, connector elements and their sections, orientations, behaviours,
+//!   multi-point constraints, what is prescribed, steps. [`Scene::read`] and [`Scene::parse`] read it from an
+//!   Abaqus-style deck (`.inp`) in one pass. Connection types stay names here; the catalogue says what they mean.
+//! - [`Orientation::triad`] gives the directions e1, e2, e3 at a point.
+//! - [`StateFile`] holds what the nodes do: displacement, total rotation, velocities, accelerations, flow.
+//! - [`Diagnostic`] says what is wrong with an input, where, and what to do about it.
+//! - [`GALLERY`] has scenes with states in closed form, embedded in the binary.
+//!
+//! # Decks
+//! Keyword lines begin with an asterisk and go on after a comma at their end; comments begin with two. Case and
+//! blanks do not matter, except between quotation marks, where a name stands as it is. Data items are separated
+//! by commas; an empty item is the default, and trailing ones may be left out. Numbers may have a Fortran
+//! exponent (`1.D0`). Names may be used before they are defined.
+//!
+//! Keywords that are not understood are skipped with their data and counted in [`Skipped`]; those without which
+//! the model would be another (`*INCLUDE`, `*INSTANCE`, `*NGEN` …) are errors.
+//!
+//! # Units
+//! Those of the deck, and radians. Degrees stand in [`Behavior::constitutive_reference`] and
+//! [`Orientation::angle`] only, as in the deck.
+//!
+//! # Limits
+//! Lines of 65 535 bytes ([`MAX_LINE`]), numbers of nodes and elements up to 2⁵³ ([`MAX_LABEL`]), ten million
+//! members of all sets together ([`MAX_MEMBERS`]). What is kept grows with the deck; nothing recurses.
+
+mod behavior;
+mod deck;
+mod diagnostic;
+mod gallery;
+mod lexer;
+mod model;
+mod orientation;
+mod span;
+mod states;
+
+pub use behavior::{
+    Affected, Behavior, Damage, DamageEvolution, Damping, DerivedTerm, Elasticity, Failure, Friction,
+    FrictionCoefficient, FrictionKind, FrictionLaw, Hardening, Independent, Law, Limits, Lock, Plasticity,
+    Potential, PotentialTerm, Row, Source, Stop, TableOptions,
+};
+pub use deck::MAX_MEMBERS;
+pub use diagnostic::{Code, Diagnostic, Result, Severity};
+pub use gallery::{Example, GALLERY};
+pub use lexer::{MAX_LABEL, MAX_LINE};
+pub use model::{
+    Amplitude, Boundary, ConcentratedLoad, ConnectorElement, ConnectorLoad, ConnectorMotion,
+    ConnectorSection, Dimension, Discrete, DistributedLoad, End, MAX_WARNINGS, Mass, MotionType, Mpc,
+    MpcKind, Node, Operation, OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set,
+    Skipped, SkippedItem, Solver, Step, Target, Times, Transform, TransformKind,
+};
+pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
+pub use span::{Span, Spanned};
+pub use states::{MAX_ROTATION, NodeMotion, Rotation, State, StateFile};

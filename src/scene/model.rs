@@ -1,0 +1,614 @@
+//! What a scene consists of.
+//!
+//! Lengths, forces and times are in the units of the deck; angles are radians, except where a comment says
+//! degrees. Names are in upper case unless the deck quotes them. Maps and lists keep the order of the deck.
+
+use super::behavior::Behavior;
+use super::diagnostic::Diagnostic;
+use super::orientation::Orientation;
+use super::span::{Span, Spanned};
+use indexmap::IndexMap;
+use serde::Serialize;
+
+/// A model: nodes, connectors and what acts on them.
+///
+/// All references between its parts have been checked: a name or number that occurs in it is defined in it.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Scene {
+    /// The name of the file, or what the caller called the text.
+    pub name: String,
+    /// The text under `*HEADING`.
+    pub heading: String,
+    /// Nodes by number.
+    pub nodes: IndexMap<u64, Node>,
+    /// Node sets by name.
+    pub node_sets: IndexMap<String, Set>,
+    /// Connector elements by number.
+    pub connectors: IndexMap<u64, ConnectorElement>,
+    /// Masses, rotary inertias, springs and dashpots by element number.
+    pub point_elements: IndexMap<u64, PointElement>,
+    /// Element sets by name.
+    pub element_sets: IndexMap<String, Set>,
+    /// Orientations by name.
+    pub orientations: IndexMap<String, Orientation>,
+    /// Connector sections; [`ConnectorElement::section`] counts here.
+    pub connector_sections: Vec<ConnectorSection>,
+    /// Connector behaviours by name.
+    pub behaviors: IndexMap<String, Behavior>,
+    /// Multi-point constraints.
+    pub mpcs: Vec<Mpc>,
+    /// `*MASS`: one value per set of MASS elements.
+    pub masses: Vec<Mass>,
+    /// `*ROTARY INERTIA`.
+    pub rotary_inertias: Vec<RotaryInertia>,
+    /// `*SPRING`.
+    pub springs: Vec<Discrete>,
+    /// `*DASHPOT`.
+    pub dashpots: Vec<Discrete>,
+    /// `*TRANSFORM`.
+    pub transforms: Vec<Transform>,
+    /// Amplitudes by name.
+    pub amplitudes: IndexMap<String, Amplitude>,
+    /// Boundary conditions given before the first step.
+    pub boundaries: Vec<Boundary>,
+    /// Connector motions given before the first step: components held fixed.
+    pub connector_motions: Vec<ConnectorMotion>,
+    /// Steps in order.
+    pub steps: Vec<Step>,
+    /// Which solver the procedures belong to, if there are any.
+    pub solver: Option<Solver>,
+    /// What was passed over.
+    pub skipped: Skipped,
+    /// What deserves a look; at most [`MAX_WARNINGS`].
+    #[serde(skip)]
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// The number of warnings that a scene keeps.
+pub const MAX_WARNINGS: usize = 100;
+
+/// Which of the two ends of a connector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// The first node.
+    A,
+    /// The second node.
+    B,
+}
+
+impl Scene {
+    /// The initial position of an end of a connector. The ground sits where the other node is.
+    #[must_use]
+    pub fn position(&self, connector: &ConnectorElement, end: End) -> Option<[f64; 3]> {
+        let (own, other) = match end {
+            End::A => (connector.a, connector.b),
+            End::B => (connector.b, connector.a),
+        };
+        self.nodes.get(&own.or(other)?).map(|node| node.coordinates)
+    }
+
+    /// The initial positions of the nodes of a connector, without the ground.
+    #[must_use]
+    pub fn element_nodes(&self, connector: &ConnectorElement) -> Vec<[f64; 3]> {
+        let nodes = [connector.a, connector.b].into_iter().flatten();
+        nodes.filter_map(|node| self.nodes.get(&node)).map(|node| node.coordinates).collect()
+    }
+
+    /// The section of a connector element.
+    #[must_use]
+    pub fn section(&self, connector: &ConnectorElement) -> Option<&ConnectorSection> {
+        self.connector_sections.get(connector.section)
+    }
+
+    /// The behaviour that a section names.
+    #[must_use]
+    pub fn behavior(&self, section: &ConnectorSection) -> Option<&Behavior> {
+        self.behaviors.get(section.behavior.as_ref()?.value.as_str())
+    }
+}
+
+/// A node.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Node {
+    /// Initial position, in the global rectangular system.
+    pub coordinates: [f64; 3],
+    /// Where it was read.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// A set of nodes or elements.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Set {
+    /// The members that the scene has, each once: ascending, or as written when the set is UNSORTED.
+    pub labels: Vec<u64>,
+    /// Members that are elements of types that the scene does not have.
+    pub unmodelled: u64,
+    /// Where it was first defined.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// The space a connector element lives in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Dimension {
+    /// CONN2D2: components 1, 2 and 6; plane or axisymmetric.
+    #[serde(rename = "CONN2D2")]
+    Two,
+    /// CONN3D2: all components.
+    #[serde(rename = "CONN3D2")]
+    Three,
+}
+
+/// An element CONN3D2 or CONN2D2.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct ConnectorElement {
+    /// The space it lives in.
+    pub dimension: Dimension,
+    /// The first node; none is the ground, which sits at the initial position of the other node.
+    pub a: Option<u64>,
+    /// The second node; none is the ground.
+    pub b: Option<u64>,
+    /// The place of its section in [`Scene::connector_sections`].
+    pub section: usize,
+    /// Where it was read.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// Kinds of point elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum PointKind {
+    /// A point mass.
+    Mass,
+    /// A point with rotary inertia.
+    Rotaryi,
+    /// A spring from a node to ground, in one degree of freedom.
+    Spring1,
+    /// A spring between two nodes, in one degree of freedom each.
+    Spring2,
+    /// A spring along the line of two nodes.
+    Springa,
+    /// A dashpot from a node to ground.
+    Dashpot1,
+    /// A dashpot between two nodes, in one degree of freedom each.
+    Dashpot2,
+    /// A dashpot along the line of two nodes.
+    Dashpota,
+}
+
+impl PointKind {
+    /// Every kind.
+    pub const ALL: [Self; 8] = [
+        Self::Mass,
+        Self::Rotaryi,
+        Self::Spring1,
+        Self::Spring2,
+        Self::Springa,
+        Self::Dashpot1,
+        Self::Dashpot2,
+        Self::Dashpota,
+    ];
+
+    /// The element type as a deck writes it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mass => "MASS",
+            Self::Rotaryi => "ROTARYI",
+            Self::Spring1 => "SPRING1",
+            Self::Spring2 => "SPRING2",
+            Self::Springa => "SPRINGA",
+            Self::Dashpot1 => "DASHPOT1",
+            Self::Dashpot2 => "DASHPOT2",
+            Self::Dashpota => "DASHPOTA",
+        }
+    }
+
+    /// The number of its nodes.
+    #[must_use]
+    pub fn node_count(self) -> usize {
+        match self {
+            Self::Mass | Self::Rotaryi | Self::Spring1 | Self::Dashpot1 => 1,
+            Self::Spring2 | Self::Springa | Self::Dashpot2 | Self::Dashpota => 2,
+        }
+    }
+}
+
+/// A mass, rotary inertia, spring or dashpot element.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct PointElement {
+    /// Its kind.
+    pub kind: PointKind,
+    /// The first, or only, node.
+    pub node: u64,
+    /// The second node.
+    pub second: Option<u64>,
+    /// Where it was read.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*CONNECTOR SECTION`.
+#[derive(Debug, Clone, Serialize)]
+pub struct ConnectorSection {
+    /// The element set that it applies to.
+    pub element_set: Spanned<String>,
+    /// The behaviour, if there is one.
+    pub behavior: Option<Spanned<String>>,
+    /// One or two connection types, in upper case; what they mean is for the catalogue to say.
+    pub type_names: Vec<Spanned<String>>,
+    /// The orientation at the first node.
+    pub orientation_a: Option<Spanned<String>>,
+    /// The orientation at the second node.
+    pub orientation_b: Option<Spanned<String>>,
+    /// Line 3: RETRACTOR, FLOW-CONVERTER: β_s; SLIPRING: mass per unit length, contact angle in radians.
+    pub section_data: Vec<Option<f64>>,
+    /// `CONTROLS=`.
+    pub controls: Option<Spanned<String>>,
+    /// `ELIMINATION=`.
+    pub elimination: Option<bool>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// The types of `*MPC`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum MpcKind {
+    /// Equal translations of two nodes.
+    Pin,
+    /// A constant distance between two nodes.
+    Link,
+    /// A rigid beam between two nodes.
+    Beam,
+    /// All degrees of freedom of two nodes equal.
+    Tie,
+    /// A revolute joint: dependent node, master, and the node whose degree of freedom 6 is the joint angle.
+    Revolute,
+    /// A universal joint: dependent node, master, and the two nodes whose degree of freedom 6 are the angles.
+    Universal,
+    /// Kept, not evaluated.
+    Other(String),
+}
+
+impl MpcKind {
+    /// The name, as a deck writes it.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Other(name) => name,
+            known => Self::KNOWN.iter().find(|(_, kind, _)| kind == known).map_or("", |(name, ..)| *name),
+        }
+    }
+
+    /// The types that are evaluated, by name, with the number of their nodes.
+    pub const KNOWN: [(&'static str, Self, usize); 6] = [
+        ("PIN", Self::Pin, 2),
+        ("LINK", Self::Link, 2),
+        ("BEAM", Self::Beam, 2),
+        ("TIE", Self::Tie, 2),
+        ("REVOLUTE", Self::Revolute, 3),
+        ("UNIVERSAL", Self::Universal, 4),
+    ];
+}
+
+/// One multi-point constraint.
+#[derive(Debug, Clone, Serialize)]
+pub struct Mpc {
+    /// Its type.
+    pub kind: MpcKind,
+    /// Its nodes in the order of the deck; the first is the dependent one.
+    pub nodes: Vec<u64>,
+    /// The data line.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*MASS`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Mass {
+    /// The set of MASS elements.
+    pub element_set: Spanned<String>,
+    /// The mass of each.
+    pub mass: f64,
+}
+
+/// `*ROTARY INERTIA`.
+#[derive(Debug, Clone, Serialize)]
+pub struct RotaryInertia {
+    /// The set of ROTARYI elements.
+    pub element_set: Spanned<String>,
+    /// The axes of the inertia; the global ones when there is none.
+    pub orientation: Option<Spanned<String>>,
+    /// I11, I22, I33, I12, I13, I23.
+    pub inertia: [f64; 6],
+}
+
+/// `*SPRING` or `*DASHPOT`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Discrete {
+    /// The set of spring or dashpot elements.
+    pub element_set: Spanned<String>,
+    /// The axes in which the degrees of freedom count.
+    pub orientation: Option<Spanned<String>>,
+    /// One degree of freedom per node, none along the line of two nodes.
+    pub degrees_of_freedom: Vec<u8>,
+    /// Is the table one of force over displacement or velocity?
+    pub nonlinear: bool,
+    /// Linear: coefficient, frequency; nonlinear: force, displacement or velocity. Then temperature and fields.
+    pub rows: Vec<Vec<Option<f64>>>,
+}
+
+/// How the axes of a `*TRANSFORM` are given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TransformKind {
+    /// a on the local X′ axis, b in the X′Y′ plane, both as vectors from the global origin.
+    Rectangular,
+    /// a and b on the axis; 1 radial, 2 tangential, 3 axial.
+    Cylindrical,
+    /// a the centre, b on the polar axis; 1 radial, 2 circumferential, 3 meridional.
+    Spherical,
+}
+
+/// `*TRANSFORM`: axes in which loads and boundary conditions of nodes are expressed.
+#[derive(Debug, Clone, Serialize)]
+pub struct Transform {
+    /// The nodes.
+    pub node_set: Spanned<String>,
+    /// What the points mean.
+    pub kind: TransformKind,
+    /// The first point.
+    pub a: [f64; 3],
+    /// The second point.
+    pub b: [f64; 3],
+}
+
+/// `*AMPLITUDE`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Amplitude {
+    /// `DEFINITION=`, such as TABULAR.
+    pub definition: &'static str,
+    /// `TIME=`, `VALUE=` and `SMOOTH=` as they stand.
+    pub time: Option<&'static str>,
+    /// RELATIVE or ABSOLUTE.
+    pub value: Option<&'static str>,
+    /// The fraction of an interval that is smoothed.
+    pub smooth: Option<f64>,
+    /// All items of the data lines: pairs of time and value for a tabular one.
+    pub data: Vec<Option<f64>>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// A number or a set, as loads and boundary conditions name what they act on.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// One node or element.
+    Label(u64),
+    /// A set.
+    Set(String),
+}
+
+/// What is prescribed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MotionType {
+    /// Displacement or rotation, from the initial state.
+    #[default]
+    Displacement,
+    /// Velocity.
+    Velocity,
+    /// Acceleration.
+    Acceleration,
+}
+
+/// Does an option add to those of earlier steps or replace them?
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Operation {
+    /// `OP=MOD`: earlier ones stay.
+    #[default]
+    Modify,
+    /// `OP=NEW`: earlier ones are removed.
+    New,
+}
+
+/// A line of `*BOUNDARY`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Boundary {
+    /// The nodes.
+    pub target: Spanned<Target>,
+    /// Degrees of freedom: 1 to 6, or 10 for material flow.
+    pub degrees_of_freedom: Vec<u8>,
+    /// The prescribed value.
+    pub magnitude: f64,
+    /// What the value is.
+    pub kind: MotionType,
+    /// How it changes in time.
+    pub amplitude: Option<Spanned<String>>,
+    /// Together with earlier steps.
+    pub operation: Operation,
+    /// Held where it is at the start of the step.
+    pub fixed: bool,
+}
+
+/// A line of `*CONNECTOR MOTION`.
+#[derive(Debug, Clone, Serialize)]
+pub struct ConnectorMotion {
+    /// The connectors.
+    pub target: Spanned<Target>,
+    /// The component, 1 to 6.
+    pub component: u8,
+    /// The prescribed value, from the initial state; rotations in radians. None: held fixed.
+    pub magnitude: Option<f64>,
+    /// What the value is.
+    pub kind: MotionType,
+    /// How it changes in time.
+    pub amplitude: Option<Spanned<String>>,
+    /// Together with earlier steps.
+    pub operation: Operation,
+    /// Held where it is at the start of the step.
+    pub fixed: bool,
+}
+
+/// A line of `*CONNECTOR LOAD`: a force or moment in the current direction of the component.
+#[derive(Debug, Clone, Serialize)]
+pub struct ConnectorLoad {
+    /// The connectors.
+    pub target: Spanned<Target>,
+    /// The component, 1 to 6.
+    pub component: u8,
+    /// The load; positive drives the component in its positive sense.
+    pub magnitude: f64,
+    /// How it changes in time.
+    pub amplitude: Option<Spanned<String>>,
+    /// Together with earlier steps.
+    pub operation: Operation,
+}
+
+/// A line of `*CLOAD`.
+#[derive(Debug, Clone, Serialize)]
+pub struct ConcentratedLoad {
+    /// The nodes.
+    pub target: Spanned<Target>,
+    /// 1 to 6, or 10 for a flow force.
+    pub degree_of_freedom: u8,
+    /// Force, moment or flow force.
+    pub magnitude: f64,
+    /// Does the load rotate with the node?
+    pub follower: bool,
+    /// How it changes in time.
+    pub amplitude: Option<Spanned<String>>,
+    /// Together with earlier steps.
+    pub operation: Operation,
+}
+
+/// A line of `*DLOAD`.
+#[derive(Debug, Clone, Serialize)]
+pub struct DistributedLoad {
+    /// The elements; none is the whole model.
+    pub target: Option<Spanned<Target>>,
+    /// The label, such as GRAV.
+    pub label: String,
+    /// Magnitude, and for GRAV the direction x, y, z.
+    pub values: Vec<Option<f64>>,
+    /// How it changes in time.
+    pub amplitude: Option<Spanned<String>>,
+    /// Together with earlier steps.
+    pub operation: Operation,
+}
+
+/// Abaqus/Standard or Abaqus/Explicit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Solver {
+    /// Implicit.
+    Standard,
+    /// Explicit dynamics.
+    Explicit,
+}
+
+/// Initial, total, smallest and largest time or increment; none is the default of the code.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Times {
+    /// The first increment.
+    pub initial: Option<f64>,
+    /// The length of the step.
+    pub total: Option<f64>,
+    /// The smallest increment.
+    pub minimum: Option<f64>,
+    /// The largest increment.
+    pub maximum: Option<f64>,
+}
+
+/// What a step does.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Procedure {
+    /// `*STATIC`.
+    Static(Times),
+    /// `*DYNAMIC`, explicit or not.
+    Dynamic {
+        /// `EXPLICIT`.
+        explicit: bool,
+        /// Its times.
+        times: Times,
+    },
+    /// Another one, by keyword; its data are skipped.
+    Other(String),
+}
+
+/// `*STEP` to `*END STEP`.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Step {
+    /// `NAME=`.
+    pub name: Option<String>,
+    /// Geometrically nonlinear; none leaves it to the procedure.
+    pub nlgeom: Option<bool>,
+    /// A linear perturbation.
+    pub perturbation: bool,
+    /// The largest number of increments.
+    pub increments: Option<u64>,
+    /// What it does.
+    pub procedure: Option<Procedure>,
+    /// Boundary conditions.
+    pub boundaries: Vec<Boundary>,
+    /// Concentrated loads.
+    pub concentrated_loads: Vec<ConcentratedLoad>,
+    /// Distributed loads.
+    pub distributed_loads: Vec<DistributedLoad>,
+    /// Connector motions.
+    pub connector_motions: Vec<ConnectorMotion>,
+    /// Connector loads.
+    pub connector_loads: Vec<ConnectorLoad>,
+    /// Output requests.
+    pub outputs: Vec<OutputRequest>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*OUTPUT`, `*ELEMENT OUTPUT` and their kin.
+#[derive(Debug, Clone, Serialize)]
+pub struct OutputRequest {
+    /// The keyword.
+    pub keyword: String,
+    /// Its parameters as written.
+    pub parameters: IndexMap<String, Option<String>>,
+    /// `ELSET=`.
+    pub element_set: Option<Spanned<String>>,
+    /// `NSET=`.
+    pub node_set: Option<Spanned<String>>,
+    /// The identifiers on its data lines, in upper case.
+    pub variables: Vec<String>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// What a deck has and the scene has not.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Skipped {
+    /// Keywords.
+    pub keywords: IndexMap<String, SkippedItem>,
+    /// Elements of types that are not connectors, masses, springs or dashpots.
+    pub element_types: IndexMap<String, SkippedItem>,
+}
+
+/// How much of one kind was skipped.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct SkippedItem {
+    /// How often the keyword occurs, or how many elements there are.
+    pub count: u64,
+    /// Data lines skipped.
+    pub data_lines: u64,
+    /// The line where it first occurs.
+    pub first_line: u32,
+}

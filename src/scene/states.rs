@@ -1,0 +1,652 @@
+//! What the nodes of a scene do: one state, or many in order, from CSV or JSON.
+//!
+//! # CSV
+//! The first line names the columns, in any order; columns that are not there are 0:
+//! `state`, `time`, `node`, `u1` `u2` `u3` (displacement), `ur1` `ur2` `ur3` (rotation vector) or `q0` `q1` `q2`
+//! `q3` (quaternion), `v1` `v2` `v3`, `vr1` `vr2` `vr3` (spatial angular velocity), `a1` `a2` `a3`, `ar1` `ar2`
+//! `ar3` (spatial angular acceleration), `flow`, `flow_v`, `flow_a`. Only `node` is needed. Rows with the same
+//! number in `state` form one state; the numbers increase. Lines that begin with # are comments.
+//!
+//! # JSON
+//! `{"schema": "pintle-states/1", "states": [{"time": 0.5, "nodes": {"2": {"displacement": [0, 0, 0],
+//! "rotation": [0, 0, 7.5]}}}]}`, with the names of [`NodeMotion`]; `rotation` or `quaternion`.
+
+use super::diagnostic::{Code, Diagnostic, Result, suggest};
+use super::lexer::{NotANumber, parse_number};
+use super::model::Scene;
+use super::span::Span;
+use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The longest rotation vector, in radians: beyond it a double resolves less than 1e-8 rad.
+pub const MAX_ROTATION: f64 = 1e8;
+
+/// By how much the norm of a quaternion may differ from 1.
+const QUATERNION_TOLERANCE: f64 = 1e-6;
+
+const SCHEMA: &str = "pintle-states/1";
+
+/// The total rotation of a node from its initial orientation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rotation {
+    /// Rotation vector, radians: R = exp(θ^). Its length may exceed π and counts turns.
+    Vector([f64; 3]),
+    /// Quaternion q0, q1, q2, q3 (scalar first), of norm 1 within 1e-6. Turns are not in it.
+    Quaternion([f64; 4]),
+}
+
+impl Default for Rotation {
+    fn default() -> Self {
+        Self::Vector([0.0; 3])
+    }
+}
+
+/// What a node does. Everything is 0 unless given; components are global.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct NodeMotion {
+    /// From the initial position.
+    pub displacement: [f64; 3],
+    /// From the initial orientation.
+    pub rotation: Rotation,
+    /// Time derivative of the displacement.
+    pub velocity: [f64; 3],
+    /// Spatial angular velocity ω, with Ṙ = ω^ R.
+    pub angular_velocity: [f64; 3],
+    /// Time derivative of the velocity.
+    pub acceleration: [f64; 3],
+    /// Spatial angular acceleration ω̇.
+    pub angular_acceleration: [f64; 3],
+    /// Material flow Ψ (degree of freedom 10), a length.
+    pub flow: f64,
+    /// Time derivative of the flow.
+    pub flow_velocity: f64,
+    /// Second time derivative of the flow.
+    pub flow_acceleration: f64,
+}
+
+/// The motions of all nodes that move, at one time.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct State {
+    /// The time, if it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// Motions by node number. A node that is not in it is at rest in its initial place.
+    pub nodes: BTreeMap<u64, NodeMotion>,
+}
+
+/// States in order.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StateFile {
+    /// The states; at least one.
+    pub states: Vec<State>,
+}
+
+impl StateFile {
+    /// Reads states of `scene` from a `.csv` or `.json` file.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its place and a remedy.
+    pub fn read(path: impl AsRef<Path>, scene: &Scene) -> Result<Self> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        let fail = |code, message: String, remedy: &str| {
+            Err(Diagnostic::error(code, Span::default(), message, "").help(remedy).in_file(&name))
+        };
+        let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+        let json = match ending.as_ref().and_then(|ending| ending.to_str()) {
+            Some("csv") => false,
+            Some("json") => true,
+            _ => {
+                let message = format!("{name} is neither .csv nor .json");
+                return fail(
+                    Code::UnknownFormat,
+                    message,
+                    "name the file of states .csv or .json, as it is written",
+                );
+            }
+        };
+        match std::fs::read_to_string(path) {
+            Err(error) => fail(
+                Code::Unreadable,
+                format!("cannot read {name}: {error}"),
+                "check the path and its permissions",
+            ),
+            Ok(text) if json => Self::parse_json(&name, &text, scene),
+            Ok(text) => Self::parse_csv(&name, &text, scene),
+        }
+    }
+
+    /// Reads states from CSV. `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its place and a remedy.
+    pub fn parse_csv(name: &str, text: &str, scene: &Scene) -> Result<Self> {
+        csv_states(text, scene).map_err(|error| located(error, name, text))
+    }
+
+    /// Reads states from JSON. `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its place and a remedy.
+    pub fn parse_json(name: &str, text: &str, scene: &Scene) -> Result<Self> {
+        json_states(text, scene).map_err(|error| located(error, name, text))
+    }
+
+    /// The states as JSON; [`parse_json`](Self::parse_json) gives them back bit by bit.
+    ///
+    /// # Errors
+    /// None for finite numbers.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string(self)
+    }
+}
+
+fn located(error: Diagnostic, name: &str, text: &str) -> Diagnostic {
+    let mut errors = [error];
+    Diagnostic::attach(&mut errors, name, text.as_bytes());
+    let [error] = errors;
+    error
+}
+
+/// Why a motion cannot be, apart from its place.
+struct Fault {
+    code: Code,
+    message: String,
+    remedy: String,
+}
+
+impl Fault {
+    fn new(code: Code, message: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { code, message: message.into(), remedy: remedy.into() }
+    }
+
+    fn at(self, span: Span, label: &str) -> Diagnostic {
+        Diagnostic::error(self.code, span, self.message, label).help(self.remedy)
+    }
+}
+
+fn check_node(node: u64, scene: &Scene, state: &State) -> Result<(), Fault> {
+    if !scene.nodes.contains_key(&node) {
+        let remedy = format!("use the node numbers of {}", scene.name);
+        return Err(Fault::new(Code::StatesUnknownNode, format!("there is no node {node}"), remedy));
+    }
+    if state.nodes.contains_key(&node) {
+        let message = format!("node {node} occurs twice in one state");
+        let remedy = "keep one of the two, or give the second one another state number";
+        return Err(Fault::new(Code::StatesRepeatedNode, message, remedy));
+    }
+    Ok(())
+}
+
+fn rotation(vector: Option<[f64; 3]>, quaternion: Option<[f64; 4]>) -> Result<Rotation, Fault> {
+    let length = |parts: &[f64]| parts.iter().fold(0.0_f64, |sum, part| sum.hypot(*part));
+    match (vector, quaternion) {
+        (Some(_), Some(_)) => Err(Fault::new(
+            Code::StatesTwoRotations,
+            "a rotation vector and a quaternion for one node",
+            "give the rotation vector (it counts turns) or the quaternion, not both",
+        )),
+        (_, Some(quaternion)) => {
+            let norm = length(&quaternion);
+            if (norm - 1.0).abs() <= QUATERNION_TOLERANCE {
+                return Ok(Rotation::Quaternion(quaternion));
+            }
+            let message = format!("a quaternion of norm {norm}");
+            let remedy = "divide q0, q1, q2, q3 by their norm; no rotation is 1, 0, 0, 0";
+            Err(Fault::new(Code::StatesQuaternionNorm, message, remedy))
+        }
+        (vector, None) => {
+            let vector = vector.unwrap_or_default();
+            let length = length(&vector);
+            if length <= MAX_ROTATION {
+                return Ok(Rotation::Vector(vector));
+            }
+            let message = format!("a rotation of {length} rad");
+            let remedy = "rotations are in radians, up to 1e8";
+            Err(Fault::new(Code::StatesRotationTooLarge, message, remedy))
+        }
+    }
+}
+
+const COLUMNS: [&str; 28] = [
+    "state", "time", "node", "u1", "u2", "u3", "ur1", "ur2", "ur3", "q0", "q1", "q2", "q3", "v1", "v2", "v3",
+    "vr1", "vr2", "vr3", "a1", "a2", "a3", "ar1", "ar2", "ar3", "flow", "flow_v", "flow_a",
+];
+
+fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
+    let text_bytes = text.as_bytes();
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .flexible(true)
+        .from_reader(text_bytes);
+    let malformed = |error: &csv::Error| {
+        let span = error.position().map(place).unwrap_or_default();
+        Diagnostic::error(Code::StatesMalformed, span, format!("malformed CSV: {error}"), "here")
+            .help("separate fields by commas, one row per node and state")
+    };
+    let mut record = csv::StringRecord::new();
+    let header = reader.read_record(&mut record).map_err(|error| malformed(&error))?;
+    if !header {
+        return Err(empty("columns"));
+    }
+    let columns = header_columns(&record, row_span(&record, text))?;
+    let mut states: Vec<(u64, State)> = Vec::new();
+    while reader.read_record(&mut record).map_err(|error| malformed(&error))? {
+        let span = row_span(&record, text);
+        if record.len() != columns.len() {
+            let message = format!("a row of {} fields under a header of {}", record.len(), columns.len());
+            return Err(Diagnostic::error(Code::StatesMalformed, span, message, "this row")
+                .help("give every row as many fields as the header; an empty field is 0"));
+        }
+        let row = CsvRow { record: &record, columns: &columns, span };
+        let (number, time) = (row.integer("state")?.unwrap_or(0), row.number("time")?);
+        let disorder = |message: String, remedy: &str| {
+            Err(Diagnostic::error(Code::StatesOrder, span, message, "this row").help(remedy))
+        };
+        match states.last_mut() {
+            Some((last, state)) if *last == number => {
+                if state.time != time {
+                    let message = format!("state {number} has rows of different time");
+                    return disorder(
+                        message,
+                        "give all rows of a state the same time, or another state number",
+                    );
+                }
+            }
+            Some((last, _)) if *last > number => {
+                let message = format!("state {number} comes after state {last}");
+                return disorder(message, "put the rows of a state together, and number the states upwards");
+            }
+            _ => states.push((number, State { time, nodes: BTreeMap::new() })),
+        }
+        let Some((_, state)) = states.last_mut() else { continue };
+        let Some(node) = row.integer("node")? else {
+            return Err(Diagnostic::error(
+                Code::StatesMalformedNumber,
+                span,
+                "a row without a node",
+                "this row",
+            )
+            .help("give the node number in the column `node`"));
+        };
+        check_node(node, scene, state).map_err(|fault| fault.at(span, "this row"))?;
+        state.nodes.insert(node, row.motion()?);
+    }
+    if states.is_empty() {
+        return Err(empty("rows"));
+    }
+    Ok(StateFile { states: states.into_iter().map(|(_, state)| state).collect() })
+}
+
+fn empty(what: &str) -> Diagnostic {
+    Diagnostic::error(Code::StatesEmpty, Span::default(), format!("the file has no {what}"), "")
+        .help("give a header line and at least one row, or leave out --states for the initial state")
+}
+
+fn place(position: &csv::Position) -> Span {
+    Span::new(0, u32::try_from(position.line()).unwrap_or(u32::MAX), position.byte(), 0)
+}
+
+fn row_span(record: &csv::StringRecord, text: &str) -> Span {
+    let Some(position) = record.position() else { return Span::default() };
+    let start = usize::try_from(position.byte()).unwrap_or(usize::MAX);
+    let rest = text.get(start..).unwrap_or_default();
+    let lead = rest.len() - rest.trim_start_matches(['\r', '\n']).len();
+    let length = rest.trim_start_matches(['\r', '\n']).lines().next().map_or(0, str::len);
+    let skipped = rest.get(..lead).unwrap_or_default().matches('\n').count();
+    let line = u32::try_from(position.line())
+        .unwrap_or(u32::MAX)
+        .saturating_add(u32::try_from(skipped).unwrap_or(0));
+    Span::new(0, line, (start + lead) as u64, length)
+}
+
+fn header_columns(record: &csv::StringRecord, span: Span) -> Result<Vec<&'static str>> {
+    let mut columns: Vec<&'static str> = Vec::with_capacity(record.len());
+    for field in record {
+        let field = field.trim_start_matches('\u{feff}');
+        let Some(column) = COLUMNS.into_iter().find(|column| *column == field) else {
+            let remedy = suggest(field, COLUMNS, || format!("columns are {}", COLUMNS.join(", ")));
+            let message = format!("there is no column `{field}`");
+            return Err(
+                Diagnostic::error(Code::StatesUnknownColumn, span, message, "the header").help(remedy)
+            );
+        };
+        if columns.contains(&column) {
+            let message = format!("the column `{column}` occurs twice");
+            return Err(Diagnostic::error(Code::StatesRepeatedColumn, span, message, "the header")
+                .help("remove one of the two"));
+        }
+        columns.push(column);
+    }
+    if !columns.contains(&"node") {
+        return Err(Diagnostic::error(Code::StatesMissingColumn, span, "no column `node`", "the header")
+            .help("name the column of node numbers `node`"));
+    }
+    Ok(columns)
+}
+
+struct CsvRow<'a> {
+    record: &'a csv::StringRecord,
+    columns: &'a [&'static str],
+    span: Span,
+}
+
+impl CsvRow<'_> {
+    fn field(&self, column: &str) -> Option<&str> {
+        let index = self.columns.iter().position(|known| *known == column)?;
+        self.record.get(index).filter(|field| !field.is_empty())
+    }
+
+    fn number(&self, column: &str) -> Result<Option<f64>> {
+        let Some(field) = self.field(column) else { return Ok(None) };
+        parse_number(field).map(Some).map_err(|why| {
+            let (code, message, remedy) = match why {
+                NotANumber::Malformed => (
+                    Code::StatesMalformedNumber,
+                    format!("`{field}` in column {column} is not a number"),
+                    "write numbers like 1, 0.5 or 1e-3; states are finite",
+                ),
+                NotANumber::OutOfRange => (
+                    Code::StatesNumberOutOfRange,
+                    format!("{field} in column {column} does not fit into a double"),
+                    "doubles reach from 5e-324 to 1.8e308",
+                ),
+            };
+            Diagnostic::error(code, self.span, message, format!("column {column}")).help(remedy)
+        })
+    }
+
+    fn integer(&self, column: &str) -> Result<Option<u64>> {
+        let Some(field) = self.field(column) else { return Ok(None) };
+        field.parse().map(Some).map_err(|_| {
+            let message = format!("`{field}` in column {column} is not a whole number");
+            Diagnostic::error(Code::StatesMalformedNumber, self.span, message, format!("column {column}"))
+                .help("write digits only")
+        })
+    }
+
+    /// The numbers of several columns; none when all of them are empty or absent.
+    fn numbers<const N: usize>(&self, columns: [&str; N]) -> Result<Option<[f64; N]>> {
+        let mut values = [0.0; N];
+        let mut given = false;
+        for (value, column) in values.iter_mut().zip(columns) {
+            if let Some(number) = self.number(column)? {
+                (*value, given) = (number, true);
+            }
+        }
+        Ok(given.then_some(values))
+    }
+
+    fn motion(&self) -> Result<NodeMotion> {
+        let vector = |columns| Ok(self.numbers::<3>(columns)?.unwrap_or_default());
+        let rotation =
+            rotation(self.numbers(["ur1", "ur2", "ur3"])?, self.numbers(["q0", "q1", "q2", "q3"])?)
+                .map_err(|fault| fault.at(self.span, "this row"))?;
+        Ok(NodeMotion {
+            displacement: vector(["u1", "u2", "u3"])?,
+            rotation,
+            velocity: vector(["v1", "v2", "v3"])?,
+            angular_velocity: vector(["vr1", "vr2", "vr3"])?,
+            acceleration: vector(["a1", "a2", "a3"])?,
+            angular_acceleration: vector(["ar1", "ar2", "ar3"])?,
+            flow: self.number("flow")?.unwrap_or(0.0),
+            flow_velocity: self.number("flow_v")?.unwrap_or(0.0),
+            flow_acceleration: self.number("flow_a")?.unwrap_or(0.0),
+        })
+    }
+}
+
+impl Serialize for StateFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(2))?;
+        map.serialize_entry("schema", SCHEMA)?;
+        map.serialize_entry("states", &self.states)?;
+        map.end()
+    }
+}
+
+impl Serialize for NodeMotion {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        let mut vector = |name: &str, value: &[f64; 3]| {
+            if value.iter().any(|part| part.to_bits() != 0) {
+                map.serialize_entry(name, value)
+            } else {
+                Ok(())
+            }
+        };
+        vector("displacement", &self.displacement)?;
+        if let Rotation::Vector(rotation) = &self.rotation {
+            vector("rotation", rotation)?;
+        }
+        vector("velocity", &self.velocity)?;
+        vector("angular_velocity", &self.angular_velocity)?;
+        vector("acceleration", &self.acceleration)?;
+        vector("angular_acceleration", &self.angular_acceleration)?;
+        if let Rotation::Quaternion(quaternion) = &self.rotation {
+            map.serialize_entry("quaternion", quaternion)?;
+        }
+        let flows = [
+            ("flow", self.flow),
+            ("flow_velocity", self.flow_velocity),
+            ("flow_acceleration", self.flow_acceleration),
+        ];
+        for (name, value) in flows {
+            if value.to_bits() != 0 {
+                map.serialize_entry(name, &value)?;
+            }
+        }
+        map.end()
+    }
+}
+
+/// A motion as JSON writes it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JsonMotion {
+    #[serde(default)]
+    displacement: [f64; 3],
+    rotation: Option<[f64; 3]>,
+    quaternion: Option<[f64; 4]>,
+    #[serde(default)]
+    velocity: [f64; 3],
+    #[serde(default)]
+    angular_velocity: [f64; 3],
+    #[serde(default)]
+    acceleration: [f64; 3],
+    #[serde(default)]
+    angular_acceleration: [f64; 3],
+    #[serde(default)]
+    flow: f64,
+    #[serde(default)]
+    flow_velocity: f64,
+    #[serde(default)]
+    flow_acceleration: f64,
+}
+
+/// Carries the scene, and the fault of our own that stopped the reading, through serde.
+#[derive(Clone, Copy)]
+struct Context<'a> {
+    scene: &'a Scene,
+    fault: &'a Cell<Option<Fault>>,
+}
+
+impl Context<'_> {
+    fn stop<E: serde::de::Error>(self, fault: Fault) -> E {
+        let error = E::custom(&fault.message);
+        self.fault.set(Some(fault));
+        error
+    }
+}
+
+fn json_states(text: &str, scene: &Scene) -> Result<StateFile> {
+    let fault = Cell::new(None);
+    let mut reader = serde_json::Deserializer::from_str(text);
+    let context = Context { scene, fault: &fault };
+    let result = JsonFile(context).deserialize(&mut reader).and_then(|states| reader.end().map(|()| states));
+    let states = result.map_err(|error| {
+        let span = json_place(text, error.line(), error.column());
+        match fault.take() {
+            Some(fault) => fault.at(span, "ends here"),
+            None => {
+                let message = error.to_string();
+                let message = message.split(" at line ").next().unwrap_or_default().to_owned();
+                let remedy = format!("the form is {{\"schema\": \"{SCHEMA}\", \"states\": [{{\"time\": 0, \"nodes\": {{\"1\": {{\"displacement\": [0, 0, 0]}}}}}}]}}");
+                Diagnostic::error(Code::StatesMalformed, span, message, "here").help(remedy)
+            }
+        }
+    })?;
+    if states.is_empty() {
+        return Err(empty("states"));
+    }
+    Ok(StateFile { states })
+}
+
+/// The byte at 1-based `line` and `column` (in bytes).
+fn json_place(text: &str, line: usize, column: usize) -> Span {
+    let before: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let start = (before + column.saturating_sub(1)).min(text.len());
+    Span::new(0, u32::try_from(line.max(1)).unwrap_or(u32::MAX), start as u64, 1)
+}
+
+/// One JSON object or array, read with the scene at hand.
+macro_rules! seed {
+    ($name:ident, $output:ty, $method:ident, $expecting:literal) => {
+        struct $name<'a>(Context<'a>);
+
+        impl<'de> DeserializeSeed<'de> for $name<'_> {
+            type Value = $output;
+            fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<$output, D::Error> {
+                deserializer.$method(self)
+            }
+        }
+
+        impl $name<'_> {
+            fn describe(formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                formatter.write_str($expecting)
+            }
+        }
+    };
+}
+
+seed!(JsonFile, Vec<State>, deserialize_map, "an object with `schema` and `states`");
+seed!(JsonStates, Vec<State>, deserialize_seq, "an array of states");
+seed!(JsonState, State, deserialize_map, "an object with `time` and `nodes`");
+seed!(JsonNodes, State, deserialize_map, "an object with a motion for each node number");
+
+fn once<E: serde::de::Error>(seen: bool, name: &'static str) -> Result<(), E> {
+    if seen { Err(E::duplicate_field(name)) } else { Ok(()) }
+}
+
+impl<'de> Visitor<'de> for JsonFile<'_> {
+    type Value = Vec<State>;
+    fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        Self::describe(formatter)
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Vec<State>, A::Error> {
+        let (mut schema, mut states) = (false, None);
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "schema" => {
+                    once(schema, "schema")?;
+                    schema = true;
+                    let written: String = map.next_value()?;
+                    if written != SCHEMA {
+                        let message = format!("the schema is `{written}`");
+                        let remedy = format!("write \"schema\": \"{SCHEMA}\"");
+                        return Err(self.0.stop(Fault::new(Code::StatesMalformed, message, remedy)));
+                    }
+                }
+                "states" => {
+                    once(states.is_some(), "states")?;
+                    states = Some(map.next_value_seed(JsonStates(self.0))?);
+                }
+                other => return Err(A::Error::unknown_field(other, &["schema", "states"])),
+            }
+        }
+        if !schema {
+            return Err(A::Error::missing_field("schema"));
+        }
+        states.ok_or_else(|| A::Error::missing_field("states"))
+    }
+}
+
+impl<'de> Visitor<'de> for JsonStates<'_> {
+    type Value = Vec<State>;
+    fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        Self::describe(formatter)
+    }
+    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Vec<State>, A::Error> {
+        let mut states = Vec::new();
+        while let Some(state) = sequence.next_element_seed(JsonState(self.0))? {
+            states.push(state);
+        }
+        Ok(states)
+    }
+}
+
+impl<'de> Visitor<'de> for JsonState<'_> {
+    type Value = State;
+    fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        Self::describe(formatter)
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
+        let (mut time, mut state) = (None, None);
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "time" => {
+                    once(time.is_some(), "time")?;
+                    time = Some(map.next_value::<f64>()?);
+                }
+                "nodes" => {
+                    once(state.is_some(), "nodes")?;
+                    state = Some(map.next_value_seed(JsonNodes(self.0))?);
+                }
+                other => return Err(A::Error::unknown_field(other, &["time", "nodes"])),
+            }
+        }
+        let state: State = state.ok_or_else(|| A::Error::missing_field("nodes"))?;
+        Ok(State { time, ..state })
+    }
+}
+
+impl<'de> Visitor<'de> for JsonNodes<'_> {
+    type Value = State;
+    fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        Self::describe(formatter)
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
+        let mut state = State::default();
+        while let Some(key) = map.next_key::<String>()? {
+            let Ok(node) = key.parse::<u64>() else {
+                let message = format!("`{key}` is not a node number");
+                let fault =
+                    Fault::new(Code::StatesMalformedNumber, message, "name each motion by the node number");
+                return Err(self.0.stop(fault));
+            };
+            check_node(node, self.0.scene, &state).map_err(|fault| self.0.stop(fault))?;
+            let motion: JsonMotion = map.next_value()?;
+            let rotation =
+                rotation(motion.rotation, motion.quaternion).map_err(|fault| self.0.stop(fault))?;
+            let motion = NodeMotion {
+                displacement: motion.displacement,
+                rotation,
+                velocity: motion.velocity,
+                angular_velocity: motion.angular_velocity,
+                acceleration: motion.acceleration,
+                angular_acceleration: motion.angular_acceleration,
+                flow: motion.flow,
+                flow_velocity: motion.flow_velocity,
+                flow_acceleration: motion.flow_acceleration,
+            };
+            state.nodes.insert(node, motion);
+        }
+        Ok(state)
+    }
+}

@@ -1,0 +1,168 @@
+//! The functions under test, each on plain inputs, with first and second derivatives.
+
+use pintle::scalar::{Differentiable, Real, Scalar, Seeded, elementary};
+use pintle::so3;
+use pintle::vector::{self, Matrix, Vector};
+
+/// A function under test; [`Function::name`] is its name in the golden file and in the table of gates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Function {
+    Sqrt,
+    InverseSqrt,
+    Recip,
+    SinCos,
+    Atan2,
+    Norm2,
+    Norm3,
+    Direction3,
+    ExpQuaternion,
+    ExpMatrix,
+    LogQuaternion,
+    LogMatrix,
+    ContinuousLog,
+    Cardan,
+    Euler,
+}
+
+use Function::*;
+
+pub(super) const ALL: [Function; 15] = [
+    Sqrt,
+    InverseSqrt,
+    Recip,
+    SinCos,
+    Atan2,
+    Norm2,
+    Norm3,
+    Direction3,
+    ExpQuaternion,
+    ExpMatrix,
+    LogQuaternion,
+    LogMatrix,
+    ContinuousLog,
+    Cardan,
+    Euler,
+];
+
+impl Function {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Sqrt => "sqrt",
+            InverseSqrt => "inverse_sqrt",
+            Recip => "recip",
+            SinCos => "sin_cos",
+            Atan2 => "atan2",
+            Norm2 => "norm2",
+            Norm3 => "norm3",
+            Direction3 => "direction3",
+            ExpQuaternion => "exp_quaternion",
+            ExpMatrix => "exp_matrix",
+            LogQuaternion => "log_quaternion",
+            LogMatrix => "log_matrix",
+            ContinuousLog => "continuous_log",
+            Cardan => "cardan",
+            Euler => "euler",
+        }
+    }
+
+    /// How many directions it is differentiated in.
+    pub(super) fn directions(self) -> usize {
+        match self {
+            Sqrt | InverseSqrt | Recip | SinCos => 1,
+            Atan2 | Norm2 => 2,
+            _ => 3,
+        }
+    }
+
+    /// Whether the outputs are the components of one vector or matrix, or quantities of their own.
+    pub(super) fn is_vector(self) -> bool {
+        matches!(self, Direction3 | ExpQuaternion | ExpMatrix | LogQuaternion | LogMatrix | ContinuousLog)
+    }
+
+    /// Per output its value, first derivatives and the upper triangle of the second, at the inputs `x`.
+    ///
+    /// The inputs of a rotation are its quaternion (w, x, y, z) or its matrix by rows; of `ContinuousLog` the quaternion
+    /// and the reference; of `Euler` the matrix and the sign.
+    pub(super) fn numbers<R: Differentiable>(self, x: &[R]) -> Vec<Vec<R>> {
+        match self {
+            Sqrt => jets::<R, 1>([elementary::sqrt(seeded([x[0]])[0])]),
+            InverseSqrt => jets::<R, 1>([elementary::inverse_sqrt(seeded([x[0]])[0])]),
+            Recip => jets::<R, 1>([elementary::recip(seeded([x[0]])[0])]),
+            SinCos => jets::<R, 1>(<[_; 2]>::from(elementary::sin_cos(seeded([x[0]])[0]))),
+            Atan2 => {
+                let [a, b] = seeded([x[0], x[1]]);
+                jets::<R, 2>([elementary::atan2(a, b)])
+            }
+            Norm2 => jets::<R, 2>([elementary::norm(seeded([x[0], x[1]]))]),
+            Norm3 => jets::<R, 3>([elementary::norm(seeded(three(x)))]),
+            Direction3 => jets::<R, 3>(elementary::direction(seeded(three(x)))),
+            ExpQuaternion => jets::<R, 3>(so3::exp(seeded(three(x)))),
+            ExpMatrix => jets::<R, 3>(so3::matrix(so3::exp(seeded(three(x)))).concat()),
+            LogQuaternion => jets::<R, 3>(so3::log_quaternion(turned::<R, R::Hessian<3>>(four(x)))),
+            LogMatrix => jets::<R, 3>(so3::log(&turned_matrix::<R, R::Hessian<3>>(&nine(x)))),
+            ContinuousLog => {
+                let q = turned::<R, R::Hessian<3>>(four(x));
+                jets::<R, 3>(so3::continuous_log_quaternion(q, three(&x[4..])).phi)
+            }
+            Cardan => jets::<R, 3>(so3::cardan(&turned_matrix::<R, R::Hessian<3>>(&nine(x)))),
+            Euler => jets::<R, 3>(so3::euler(&turned_matrix::<R, R::Hessian<3>>(&nine(x)), x[9])),
+        }
+    }
+}
+
+fn jets<R: Differentiable, const N: usize>(outputs: impl IntoIterator<Item = R::Hessian<N>>) -> Vec<Vec<R>> {
+    let numbers = |f: R::Hessian<N>| {
+        let mut numbers = vec![f.real()];
+        numbers.extend(f.gradient());
+        let hessian = f.hessian();
+        for (i, row) in hessian.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                if j >= i {
+                    numbers.push(*entry);
+                }
+            }
+        }
+        numbers
+    };
+    outputs.into_iter().map(numbers).collect()
+}
+
+fn seeded<S: Seeded<N>, const N: usize>(x: [S::Real; N]) -> [S; N] {
+    std::array::from_fn(|i| S::seed(x[i], i))
+}
+
+fn three<R: Real>(x: &[R]) -> Vector<R> {
+    [x[0], x[1], x[2]]
+}
+
+fn four<R: Real>(x: &[R]) -> so3::Quaternion<R> {
+    [x[0], x[1], x[2], x[3]]
+}
+
+fn nine<R: Real>(x: &[R]) -> Matrix<R> {
+    [three(x), three(&x[3..]), three(&x[6..])]
+}
+
+/// (1 − |e|²/8, e/2) q at e = 0: exp(e) to second order, exact in floating point.
+fn turned<R: Real, S: Scalar<Real = R> + Seeded<3>>(q: so3::Quaternion<R>) -> so3::Quaternion<S> {
+    let e: Vector<S> = seeded([R::integer(0); 3]);
+    let half = vector::scale(e, R::ratio(1, 2));
+    let w = S::one() - vector::dot(e, e).scale(R::ratio(1, 8));
+    so3::compose([w, half[0], half[1], half[2]], q.map(S::from_real))
+}
+
+/// (I + E + E²/2) R, E = e^, at e = 0: exp(e^) to second order, exact in floating point.
+fn turned_matrix<R: Real, S: Scalar<Real = R> + Seeded<3>>(r: &Matrix<R>) -> Matrix<S> {
+    let [x, y, z]: Vector<S> = seeded([R::integer(0); 3]);
+    let o = S::zero();
+    let e: Matrix<S> = [[o, -z, y], [z, o, -x], [-y, x, o]];
+    let first = vector::product(&e, &r.map(vector::constant));
+    let second = vector::product(&e, &first);
+    let mut turned = [[o; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            turned[i][j] = S::from_real(r[i][j]) + first[i][j] + second[i][j].scale(R::ratio(1, 2));
+        }
+    }
+    turned
+}
