@@ -265,6 +265,8 @@ pub struct Branch<R> {
     pub euler_sign: R,
     /// What a one-form has accumulated [rad].
     pub accumulated: R,
+    /// What the roundings of that sum left out, so that thousands of turns lose nothing: the value is the sum of the two.
+    pub accumulated_rest: R,
 }
 
 /// What a state does to the nodes since the previous one: increments along which one-forms accumulate and turns are counted.
@@ -363,6 +365,10 @@ pub struct Connector<R: Differentiable> {
 /// axes carry a few roundings.
 const ALIGNED: f64 = 1e-12;
 
+/// How far the choice between two equally near sheets leans to where the nodes turned: enough to outweigh rounding at an
+/// increment of exactly half a turn, too little to matter elsewhere.
+const LEAN: (i32, i32) = (1, 1_000_000);
+
 /// What an evaluation gives; each part is present where it was asked for and exists.
 #[derive(Clone, Debug)]
 pub struct Evaluation<R> {
@@ -453,8 +459,13 @@ impl<R: Differentiable> Connector<R> {
                 && (number != 10 || definition.connection.flow[end])
                 && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
         }
-        let branch =
-            Branch { turns, rotation_vector: history.rotation_vector, euler_sign: one, accumulated: zero };
+        let branch = Branch {
+            turns,
+            rotation_vector: history.rotation_vector,
+            euler_sign: one,
+            accumulated: zero,
+            accumulated_rest: zero,
+        };
         Self {
             connection: definition.connection.clone(),
             rows,
@@ -493,26 +504,28 @@ impl<R: Differentiable> Connector<R> {
 
     /// The branch after `state`, which follows by `increment` the state that left `branch`.
     ///
-    /// Turns are counted to the nearest, from where the whole turns of the nodes' own increments would have taken the angle.
+    /// Turns are counted to the nearest, from where the whole turns of the nodes' own increments would have taken the angle. An
+    /// increment of exactly half a turn goes the way the nodes turned, or to the principal angle where that is not said.
     pub fn advance(&self, state: &State<R>, increment: &Increment<R>, branch: &Branch<R>) -> Branch<R> {
         let mut next = *branch;
         let needs = |wanted: fn(Measure) -> bool| self.rows.iter().flatten().any(|row| wanted(row.position));
         let pair = &state.pair;
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
+        let told = sub(sub(increment.rotation[1], increment.rotation[0]), whole);
         let rotates = needs(|m| m.dependence().rotation);
         if !rotates {
             return next;
         }
         let relative = self.relative(pair, Dependence { rotation: true, ..Dependence::default() });
         if needs(|m| matches!(m, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))) {
-            let hint = vector::apply_transposed(&pair.a.triad, whole);
-            let log = so3::continuous_log(&relative.q, add(branch.rotation_vector, hint));
-            next.rotation_vector =
-                R::choose(log.is_reference(), || log.phi, || add(branch.rotation_vector, hint));
+            let carried = add(branch.rotation_vector, vector::apply_transposed(&pair.a.triad, whole));
+            let lean = scale(vector::apply_transposed(&pair.a.triad, told), R::ratio(LEAN.0, LEAN.1));
+            let log = so3::continuous_log(&relative.q, add(carried, lean));
+            next.rotation_vector = R::choose(log.is_reference(), || log.phi, || carried);
         }
         if needs(|m| matches!(m, Measure::Euler(_))) {
-            let (same, distance) = self.wind(&relative, pair, whole, branch, branch.euler_sign);
-            let (other, other_distance) = self.wind(&relative, pair, whole, branch, -branch.euler_sign);
+            let (same, distance) = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign);
+            let (other, other_distance) = self.wind(&relative, pair, [whole, told], branch, -branch.euler_sign);
             let chosen = R::choose(
                 other_distance.less(distance),
                 || (other, -branch.euler_sign),
@@ -520,10 +533,16 @@ impl<R: Differentiable> Connector<R> {
             );
             (next.turns, next.euler_sign) = chosen;
         } else if needs(Measure::winds) {
-            next.turns = self.wind(&relative, pair, whole, branch, branch.euler_sign).0;
+            next.turns = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign).0;
         }
         if needs(Measure::is_one_form) {
-            next.accumulated = self.accumulate(pair, increment, branch);
+            // The sum and its rounding error, exactly (Knuth's two-sum).
+            let change = self.accumulation(pair, increment);
+            let sum = branch.accumulated + change;
+            let added = sum - branch.accumulated;
+            let lost = (branch.accumulated - (sum - added)) + (change - added);
+            next.accumulated = sum;
+            next.accumulated_rest = branch.accumulated_rest + lost;
         }
         next
     }
@@ -533,7 +552,7 @@ impl<R: Differentiable> Connector<R> {
         &self,
         relative: &Relative<R>,
         pair: &Pair<R>,
-        whole: Vector<R>,
+        [whole, told]: [Vector<R>; 2],
         branch: &Branch<R>,
         euler_sign: R,
     ) -> ([Turns<R>; 6], R) {
@@ -546,9 +565,10 @@ impl<R: Differentiable> Connector<R> {
             let Some(row) = row.filter(|row| row.position.winds()) else { continue };
             let principal = row.position.evaluate(&mut shared);
             let previous = branch.turns[k];
-            let hint = row.position.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, whole));
-            let change = principal - previous.principal - hint;
-            let counted = (change / turn).nearest_integer();
+            let along = |v: Vector<R>| row.position.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
+            let change = principal - previous.principal - along(whole);
+            let lean = (along(told) + change * R::ratio(LEAN.0, LEAN.1)) * R::ratio(LEAN.0, LEAN.1);
+            let counted = ((change - lean) / turn).nearest_integer();
             turns[k] = Turns { turns: previous.turns - counted, principal };
             moved = moved + (change - counted * turn).magnitude();
         }
@@ -556,7 +576,7 @@ impl<R: Differentiable> Connector<R> {
     }
 
     /// The one-form over the increment, at the midpoint direction: e3a(mid)·(Δθ_a − Δθ_b) − β_s ΔΨ_b.
-    fn accumulate(&self, pair: &Pair<R>, increment: &Increment<R>, branch: &Branch<R>) -> R {
+    fn accumulation(&self, pair: &Pair<R>, increment: &Increment<R>) -> R {
         let [of_a, of_b] = increment.rotation;
         let back = so3::matrix(so3::exp(scale(of_a, R::ratio(-1, 2))));
         let middle = vector::product(&back, &pair.a.triad);
@@ -566,7 +586,7 @@ impl<R: Differentiable> Connector<R> {
         change[node::THETA_B..node::PSI_B].copy_from_slice(&of_b);
         change[node::PSI_A] = increment.flow[0];
         change[node::PSI_B] = increment.flow[1];
-        let mut sum = branch.accumulated;
+        let mut sum = R::integer(0);
         for (row, change) in form.iter().zip(&change) {
             sum = sum + *row * *change;
         }
@@ -590,13 +610,8 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
     ) -> Evaluation<R> {
         let next = self.advance(state, increment, branch);
-        // The sheet of the rotation vector is chosen from the reference of the past; the sign of the Euler angles is new.
-        let hint = vector::apply_transposed(
-            &state.pair.a.triad,
-            sub(increment.whole_turns[1], increment.whole_turns[0]),
-        );
-        let history =
-            History { rotation_vector: add(branch.rotation_vector, hint), euler_sign: next.euler_sign };
+        // Values and derivatives are taken on the sheets just chosen, so that rounding cannot set them apart at a half turn.
+        let history = History { rotation_vector: next.rotation_vector, euler_sign: next.euler_sign };
         let mut evaluation = Evaluation::empty(next);
         let rows: Vec<(usize, Row<R>)> = (0..6)
             .filter(|k| request.components()[*k])
@@ -637,7 +652,7 @@ impl<R: Differentiable> Connector<R> {
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.section, history);
         let mut evaluate = |measure: Measure, tally: &mut Tally| {
             if measure.is_one_form() {
-                return evaluation.branch.accumulated;
+                return evaluation.branch.accumulated + evaluation.branch.accumulated_rest;
             }
             tally.values += 1;
             measure.evaluate(&mut shared)
@@ -748,8 +763,16 @@ impl<R: Differentiable> Connector<R> {
             }
             evaluation.jacobian[k] = Some(row);
             if second {
-                evaluation.hessian[k] =
-                    Some(Box::new(state.pair.nodal_hessian(&gradient, &relative, &self.active)));
+                let of = |active| state.pair.nodal_hessian(&gradient, &relative, active);
+                let carried = || of(&self.active);
+                let hessian = if self.differentiated(k) == Some(Measure::Distance) {
+                    let mut fixed = self.active;
+                    fixed[node::THETA_A..node::PSI_A].fill(false);
+                    R::choose(are_apart(&state.pair), carried, || of(&fixed))
+                } else {
+                    carried()
+                };
+                evaluation.hessian[k] = Some(Box::new(hessian));
             }
         };
         let input = (self, state, history);
@@ -912,7 +935,16 @@ impl<'a, R: Differentiable> Along<'a, R> {
             .iter()
             .filter(|m| !m.is_one_form() && !m.has_nodal_rates())
             .fold(Dependence::default(), |sum, m| sum.or(m.dependence()));
-        let rates = state.pair.relative_rates(&state.velocity, acceleration);
+        let mut rates = state.pair.relative_rates(&state.velocity, acceleration);
+        if measures.contains(&Measure::Distance) {
+            let linear = |rates: &NodalRates<R>| [0, 1, 2].map(|i| rates[node::XB + i] - rates[node::XA + i]);
+            let carried = rates.translation;
+            rates.translation = R::choose(
+                are_apart(&state.pair),
+                || carried,
+                || [linear(&state.velocity), linear(acceleration)],
+            );
+        }
         let relative = moving(&state.pair, &rates, needed);
         Along { connector, state, acceleration, history, relative, cache: Vec::new(), measures }
     }
@@ -940,6 +972,13 @@ impl<'a, R: Differentiable> Along<'a, R> {
         let found = self.cache.iter().find(|(known, _)| *known == measure);
         found.map_or([R::integer(0); 2], |(_, rates)| *rates)
     }
+}
+
+/// Whether the nodes are apart. Where they coincide, the direction of an AXIAL is one fixed in space, which a rotation of a
+/// does not turn.
+fn are_apart<R: Real>(pair: &Pair<R>) -> R::Mask {
+    let (_, length) = R::direction_and_norm(pair.separation());
+    R::integer(0).less(length)
 }
 
 /// The relative pair along time.
