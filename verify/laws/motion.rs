@@ -2,11 +2,11 @@
 
 use super::derivatives::Truth;
 use super::{Check, Scales, U, assert_bits, functions, times};
-use crate::states::{
-    Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, types,
-};
+use crate::states::{Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, types};
 use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally};
+use pintle::connector::{
+    Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
+};
 use pintle::measure::{Measure, Unit};
 use pintle::node::{DOFS, Pair};
 use pintle::scalar::{Scalar, Wide};
@@ -442,8 +442,7 @@ fn motion_starts_at_zero() {
     let mut check = Check::of("initial residuals");
     everywhere(|case| {
         let connector = case.connector();
-        let state =
-            State { pair: case.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let state = State { pair: case.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
         let branch = connector.initial_branch();
         let request = Request::everything(1);
         let got = connector.evaluate(&state, &Increment::none(), &branch, &request, &mut Tally::default());
@@ -675,7 +674,12 @@ fn constraint_rows_are_independent() {
                 }
             }
             let left = times(&rest, &rest).sqrt();
-            assert!(left > 0.02 * size, "{}: row {} depends on the others ({left} of {size})", case.name, c + 1);
+            assert!(
+                left > 0.02 * size,
+                "{}: row {} depends on the others ({left} of {size})",
+                case.name,
+                c + 1
+            );
             rows.push(rest.map(|x| x / left));
         }
     });
@@ -696,11 +700,14 @@ fn half_turns_in_one_increment() {
         let axis = if name == "EULER" { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
         for (told, expected) in [(pi, pi), (-pi, -pi), (0.0, pi)] {
             let mut after = definition.initial;
-            after.b.triad = product(&[0, 1, 2].map(|i| {
-                let mut row = [0.0; 3];
-                row[i] = if axis[i] == 1.0 { 1.0 } else { -1.0 };
-                row
-            }), &after.b.triad);
+            after.b.triad = product(
+                &[0, 1, 2].map(|i| {
+                    let mut row = [0.0; 3];
+                    row[i] = if axis[i] == 1.0 { 1.0 } else { -1.0 };
+                    row
+                }),
+                &after.b.triad,
+            );
             let mut increment = Increment::none();
             increment.rotation[1] = scale(axis, told);
             let state = State { pair: after, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
