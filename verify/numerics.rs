@@ -11,6 +11,8 @@
 
 mod function;
 mod golden;
+mod grid;
+mod truth;
 
 use crate::tolerance::NUMERICS;
 use function::Function;
@@ -42,6 +44,14 @@ impl Worst {
         Self { function, orders: [const { (0.0, String::new()) }; 3] }
     }
 
+    fn include(&mut self, other: Self) {
+        for (ours, theirs) in self.orders.iter_mut().zip(other.orders) {
+            if theirs.0 > ours.0 || ours.1.is_empty() {
+                *ours = theirs;
+            }
+        }
+    }
+
     /// Notes an error; one that is not a number counts as infinite.
     fn note(&mut self, order: usize, error: f64, place: impl FnOnce() -> String) {
         let error = if error.is_nan() { f64::INFINITY } else { error };
@@ -58,7 +68,7 @@ fn assert_gates(title: &str, measured: &[Worst]) {
     let mut missed = String::new();
     for worst in measured {
         let gate = NUMERICS.iter().find(|g| g.function == worst.function).expect(worst.function);
-        let _ = write!(table, "{:16}", worst.function);
+        let _ = write!(table, "{:22}", worst.function);
         for (k, (error, place)) in worst.orders.iter().enumerate() {
             let _ = write!(table, " {:>9.3} ({:>2})", error, gate.orders[k]);
             if *error > gate.orders[k] {

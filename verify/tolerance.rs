@@ -28,6 +28,7 @@ pub(crate) const NUMERICS: &[Gate] = &[
     gate("log_matrix", 4.0, 5.0, 6.0),
     // One more rounded vector than the log, and a multiple of 2π; to 1e4 turns.
     gate("continuous_log", 4.0, 6.0, 12.0),
+    gate("continuous_log_matrix", 4.0, 6.0, 12.0),
     gate("cardan", 1.0, 2.0, 3.0),
     gate("euler", 1.0, 2.0, 3.0),
 ];

@@ -20,13 +20,14 @@ pub(super) enum Function {
     LogQuaternion,
     LogMatrix,
     ContinuousLog,
+    ContinuousLogMatrix,
     Cardan,
     Euler,
 }
 
 use Function::*;
 
-pub(super) const ALL: [Function; 15] = [
+pub(super) const ALL: [Function; 16] = [
     Sqrt,
     InverseSqrt,
     Recip,
@@ -40,6 +41,7 @@ pub(super) const ALL: [Function; 15] = [
     LogQuaternion,
     LogMatrix,
     ContinuousLog,
+    ContinuousLogMatrix,
     Cardan,
     Euler,
 ];
@@ -60,6 +62,7 @@ impl Function {
             LogQuaternion => "log_quaternion",
             LogMatrix => "log_matrix",
             ContinuousLog => "continuous_log",
+            ContinuousLogMatrix => "continuous_log_matrix",
             Cardan => "cardan",
             Euler => "euler",
         }
@@ -79,10 +82,27 @@ impl Function {
         matches!(self, Direction3 | ExpQuaternion | ExpMatrix | LogQuaternion | LogMatrix | ContinuousLog)
     }
 
+    /// How many inputs are rounded numbers; those that follow select a branch.
+    pub(super) fn rounded_inputs(self) -> usize {
+        match self {
+            Sqrt | InverseSqrt | Recip | SinCos => 1,
+            Atan2 | Norm2 => 2,
+            Norm3 | Direction3 | ExpQuaternion | ExpMatrix => 3,
+            LogQuaternion | ContinuousLog => 4,
+            LogMatrix | ContinuousLogMatrix | Cardan | Euler => 9,
+        }
+    }
+
+    /// Whether it is the function of the exact rotation nearest to its inputs, and of derivatives along it whose seeds of second
+    /// order are rounded.
+    pub(super) fn is_log(self) -> bool {
+        matches!(self, LogQuaternion | LogMatrix | ContinuousLog | ContinuousLogMatrix)
+    }
+
     /// Per output its value, first derivatives and the upper triangle of the second, at the inputs `x`.
     ///
-    /// The inputs of a rotation are its quaternion (w, x, y, z) or its matrix by rows; of `ContinuousLog` the quaternion
-    /// and the reference; of `Euler` the matrix and the sign.
+    /// The inputs of a rotation are its quaternion (w, x, y, z) or its matrix by rows; the reference of a continuous log and
+    /// the sign of `Euler` follow.
     pub(super) fn numbers<R: Differentiable>(self, x: &[R]) -> Vec<Vec<R>> {
         match self {
             Sqrt => jets::<R, 1>([elementary::sqrt(seeded([x[0]])[0])]),
@@ -103,6 +123,10 @@ impl Function {
             ContinuousLog => {
                 let q = turned::<R, R::Hessian<3>>(four(x));
                 jets::<R, 3>(so3::continuous_log_quaternion(q, three(&x[4..])).phi)
+            }
+            ContinuousLogMatrix => {
+                let r = turned_matrix::<R, R::Hessian<3>>(&nine(x));
+                jets::<R, 3>(so3::continuous_log(&r, three(&x[9..])).phi)
             }
             Cardan => jets::<R, 3>(so3::cardan(&turned_matrix::<R, R::Hessian<3>>(&nine(x)))),
             Euler => jets::<R, 3>(so3::euler(&turned_matrix::<R, R::Hessian<3>>(&nine(x)), x[9])),
