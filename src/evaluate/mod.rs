@@ -1,0 +1,14 @@
+//! From a scene and a request to numbers.
+//!
+//! [`Model::compile`] resolves a [`crate::scene::Scene`] once: types by the catalogue, orientations to triads, rules to
+//! errors and warnings. [`Plan::compile`] turns a request (outputs × connectors × order of derivative) into the list of
+//! what is to be computed, and of the nodes that need it. [`Sequence`] walks through states in order, one at a time,
+//! committing every branch as it goes.
+
+mod model;
+mod plan;
+mod sequence;
+
+pub use model::{ConnectorElement, Joint, Model};
+pub use plan::{Plan, Selection, SelectionError};
+pub use sequence::{Branches, ConnectorResult, JointResult, Sequence, StepResult};

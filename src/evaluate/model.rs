@@ -1,0 +1,258 @@
+//! A scene with its connection types, triads and constraints resolved.
+
+use crate::catalog::{Breach, ConnectionType, Evidence, Facts, NameError, Orientation, Procedure};
+use crate::connector::{Connector, Definition, Stop};
+use crate::measure::Measure;
+use crate::mpc::Revolute;
+use crate::node::{End, Node, Pair};
+use crate::scene::{
+    Code, Dimension, Diagnostic, End as SceneEnd, MpcKind, Scene, Solver, Span, Target,
+};
+use crate::vector::{self, Matrix, column, identity, sub};
+use std::collections::{BTreeMap, HashMap};
+
+/// A connector element, ready to be evaluated.
+#[derive(Clone, Debug)]
+pub struct ConnectorElement {
+    /// The element number.
+    pub label: u64,
+    /// The nodes a and b; `None` is the ground.
+    pub nodes: [Option<u64>; 2],
+    /// The initial triads of a and b.
+    pub triads: [Matrix<f64>; 2],
+    /// X_b − X_a.
+    pub reference: [f64; 3],
+    /// What defines it.
+    pub definition: Definition,
+    /// The connector.
+    pub connector: Connector<f64>,
+}
+
+/// A revolute-joint MPC, ready to be evaluated.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    /// The nodes S, M and J.
+    pub nodes: [u64; 3],
+    /// The constraint.
+    pub constraint: Revolute<f64>,
+}
+
+/// A scene, resolved.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// Connectors in the order of the scene.
+    pub connectors: Vec<ConnectorElement>,
+    /// Revolute-joint MPCs in the order of the scene.
+    pub joints: Vec<Joint>,
+    /// The MPCs that are kept and not evaluated, by type, with their number.
+    pub other_mpcs: BTreeMap<String, usize>,
+    /// Element sets: the connectors in each, by index.
+    pub sets: BTreeMap<String, Vec<usize>>,
+    /// Rules broken that warn instead of refusing.
+    pub warnings: Vec<Diagnostic>,
+}
+
+impl Model {
+    /// Resolves a scene.
+    ///
+    /// # Errors
+    /// The first documented rule that is broken, with the element, the rule and its source; an unknown connection type; an
+    /// orientation that defines no directions.
+    pub fn compile(scene: &Scene) -> Result<Self, Diagnostic> {
+        let mut model = Self::default();
+        let mut types: HashMap<usize, ConnectionType> = HashMap::new();
+        let actions = actions(scene);
+        for (label, element) in &scene.connectors {
+            let Some(section) = scene.section(element) else { continue };
+            let connection = match types.get(&element.section) {
+                Some(known) => known,
+                None => {
+                    let resolved = resolve(section).map_err(|error| error.in_file(&scene.name))?;
+                    types.entry(element.section).or_insert(resolved)
+                }
+            };
+            let moving = [element.a, element.b];
+            let position = |end| scene.position(element, end).unwrap_or_default();
+            let ends = [position(SceneEnd::A), position(SceneEnd::B)];
+            let reference = sub(ends[1], ends[0]);
+            let behavior = scene.behavior(section);
+
+            let mut references = [None; 6];
+            let mut stops = [None; 6];
+            let mut facts = Facts {
+                orientation: [section.orientation_a.is_some(), section.orientation_b.is_some()],
+                planar: element.dimension == Dimension::Two,
+                procedure: scene.solver.map(|solver| match solver {
+                    Solver::Standard => Procedure::Standard,
+                    Solver::Explicit => Procedure::Explicit,
+                }),
+                section_data: section.section_data.len(),
+                coincident: reference == [0.0; 3],
+                ..Facts::default()
+            };
+            if let Some(behavior) = behavior {
+                references = behavior.constitutive_reference;
+                facts.references = (0..6).filter(|k| references[*k].is_some()).collect();
+                for stop in &behavior.stops {
+                    let k = usize::from(stop.component) - 1;
+                    stops[k] = Some(Stop { lower: stop.lower, upper: stop.upper });
+                    facts.stops.push(k);
+                }
+                facts.predefined_friction = behavior.predefined_friction_parameters();
+                facts.actions = behavior.acts_on();
+            }
+            facts.actions.extend(actions.get(label).into_iter().flatten());
+            facts.actions.sort_unstable();
+            facts.actions.dedup();
+            for breach in connection.breaches(&facts) {
+                let diagnostic = diagnose(&breach, *label, element.span, section.span, scene);
+                if breach.refuses() {
+                    return Err(diagnostic);
+                }
+                model.warnings.push(diagnostic);
+            }
+
+            let nodes: Vec<[f64; 3]> = ends.to_vec();
+            let triad = |end: usize| -> Result<Option<Matrix<f64>>, Diagnostic> {
+                let name = if end == 0 { &section.orientation_a } else { &section.orientation_b };
+                if connection.orientation[end].orientation == Orientation::Ignored {
+                    return Ok(None);
+                }
+                let Some(name) = name else { return Ok(None) };
+                let Some(orientation) = scene.orientations.get(name.value.as_str()) else { return Ok(None) };
+                let directions = orientation
+                    .triad(&name.value, scene, ends[end], &nodes)
+                    .map_err(|error| error.in_file(&scene.name))?;
+                Ok(Some(vector::transpose(&directions)))
+            };
+            let (given_a, given_b) = (triad(0)?, triad(1)?);
+            let triad_a = given_a.unwrap_or_else(identity);
+            let triad_b = given_b.unwrap_or(triad_a);
+            let uses_direction = connection.slots[0].position() == Some(Measure::Distance);
+            let fixed_direction = match given_a.or(given_b) {
+                Some(triad) if uses_direction => column(&triad, 0),
+                _ => [0.0; 3],
+            };
+            let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
+            let definition = Definition {
+                connection: connection.clone(),
+                initial: Pair { reference, a: node(triad_a), b: node(triad_b) },
+                flow_scale: section.section_data.first().copied().flatten().unwrap_or(1.0),
+                fixed_direction,
+                references,
+                stops,
+                planar: facts.planar,
+                moves: moving.map(|node| node.is_some()),
+            };
+            model.connectors.push(ConnectorElement {
+                label: *label,
+                nodes: moving,
+                triads: [triad_a, triad_b],
+                reference,
+                connector: Connector::new(&definition),
+                definition,
+            });
+        }
+        model.join(scene);
+        model.collect_sets(scene);
+        Ok(model)
+    }
+
+    fn join(&mut self, scene: &Scene) {
+        for mpc in &scene.mpcs {
+            match (&mpc.kind, mpc.nodes.as_slice()) {
+                (MpcKind::Revolute, &[slave, master, joint]) => {
+                    let at = |label| scene.nodes.get(&label).map_or([0.0; 3], |node| node.coordinates);
+                    let constraint = Revolute::between(at(master), at(joint));
+                    self.joints.push(Joint { nodes: [slave, master, joint], constraint });
+                }
+                (kind, _) => *self.other_mpcs.entry(kind.name().to_string()).or_default() += 1,
+            }
+        }
+    }
+
+    fn collect_sets(&mut self, scene: &Scene) {
+        let index: HashMap<u64, usize> =
+            self.connectors.iter().enumerate().map(|(i, connector)| (connector.label, i)).collect();
+        for (name, set) in &scene.element_sets {
+            let members: Vec<usize> = set.labels.iter().filter_map(|label| index.get(label).copied()).collect();
+            if !members.is_empty() {
+                self.sets.insert(name.clone(), members);
+            }
+        }
+    }
+}
+
+/// The connection type that a section names.
+fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, Diagnostic> {
+    let [first, rest @ ..] = section.type_names.as_slice() else {
+        let message = "a connector section without a connection type";
+        return Err(Diagnostic::error(Code::UnknownConnectionType, section.span, message, "no type follows")
+            .help("name one type, or a basic translational and a basic rotational type, on the next line"));
+    };
+    let second = rest.first();
+    ConnectionType::named(&first.value, second.map(|name| name.value.as_str())).map_err(|error| {
+        let (span, remedy) = match &error {
+            NameError::Unknown { name, nearest } => {
+                let second_is_wrong = second.is_some_and(|other| other.value.eq_ignore_ascii_case(name));
+                let span = second.filter(|_| second_is_wrong).map_or(first.span, |other| other.span);
+                let remedy = nearest.map_or_else(
+                    || "`pintle list` shows the types there are".to_string(),
+                    |nearest| format!("write {nearest}, or see `pintle list`"),
+                );
+                (span, remedy)
+            }
+            NameError::Pair { .. } => {
+                (first.span, "use several connector elements on the same nodes for anything else".to_string())
+            }
+        };
+        Diagnostic::error(Code::UnknownConnectionType, span, error.to_string(), "this type").help(remedy)
+    })
+}
+
+/// The components (0-based) of each connector that motions and loads act on.
+fn actions(scene: &Scene) -> HashMap<u64, Vec<usize>> {
+    let mut found: HashMap<u64, Vec<usize>> = HashMap::new();
+    let mut act = |target: &Target, component: u8| {
+        let labels: &[u64] = match target {
+            Target::Label(label) => std::slice::from_ref(label),
+            Target::Set(name) => scene.element_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice()),
+        };
+        for label in labels {
+            found.entry(*label).or_default().push(usize::from(component) - 1);
+        }
+    };
+    for motion in scene.connector_motions.iter().chain(scene.steps.iter().flat_map(|s| &s.connector_motions)) {
+        act(&motion.target.value, motion.component);
+    }
+    for load in scene.steps.iter().flat_map(|step| &step.connector_loads) {
+        act(&load.target.value, load.component);
+    }
+    found
+}
+
+/// A broken rule as a diagnostic at the section, naming the element and the source of the rule.
+fn diagnose(breach: &Breach, label: u64, element: Span, section: Span, scene: &Scene) -> Diagnostic {
+    let place = if section.is_known() { section } else { element };
+    let message = format!("element {label}: {}", breach.message);
+    let here = format!("by {} [{:?}]", breach.source, breach.evidence);
+    let build = if breach.refuses() { Diagnostic::error } else { Diagnostic::warning };
+    let certainty = match breach.evidence {
+        Evidence::S | Evidence::D => "",
+        Evidence::P | Evidence::R => " (the rule rests on our reading, so this is a warning)",
+    };
+    build(Code::ConnectionRule(breach.rule), place, message, here)
+        .help(format!("{}{certainty}", breach.remedy))
+        .in_file(&scene.name)
+}
+
+impl ConnectorElement {
+    /// The node at an end, in words: a number or `ground`.
+    pub fn node_name(&self, end: End) -> String {
+        let node = match end {
+            End::A => self.nodes[0],
+            End::B => self.nodes[1],
+        };
+        node.map_or_else(|| "ground".to_string(), |label| label.to_string())
+    }
+}

@@ -1,0 +1,91 @@
+//! What is to be computed, decided once.
+
+use super::model::Model;
+use crate::connector::{Output, Request};
+use std::collections::BTreeSet;
+
+/// The connectors of a request.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Selection {
+    /// All, and all MPCs.
+    All,
+    /// Those named by element number or element set.
+    Named(Vec<String>),
+}
+
+/// A name that selects nothing.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no connector or element set {name:?} in the scene; {known}")]
+pub struct SelectionError {
+    /// What was asked for.
+    pub name: String,
+    /// What there is.
+    pub known: String,
+}
+
+/// The work of every state: which connectors and joints, which nodes they need, what of each.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Indices of connectors in the model, in its order.
+    pub connectors: Vec<usize>,
+    /// Indices of joints in the model.
+    pub joints: Vec<usize>,
+    /// The nodes whose state is needed.
+    pub nodes: BTreeSet<u64>,
+    /// What is computed of each.
+    pub request: Request,
+    /// Whether anything but derivatives and margins is asked for.
+    pub wants_margins: bool,
+}
+
+impl Plan {
+    /// Compiles a request.
+    ///
+    /// # Errors
+    /// A name that is neither a connector's number nor an element set with connectors.
+    pub fn compile(model: &Model, selection: &Selection, request: Request) -> Result<Self, SelectionError> {
+        let mut chosen = BTreeSet::new();
+        match selection {
+            Selection::All => chosen.extend(0..model.connectors.len()),
+            Selection::Named(names) => {
+                for name in names {
+                    chosen.extend(find(model, name)?);
+                }
+            }
+        }
+        let connectors: Vec<usize> = chosen.into_iter().collect();
+        let joints = match selection {
+            Selection::All => (0..model.joints.len()).collect(),
+            Selection::Named(_) => Vec::new(),
+        };
+        let mut nodes = BTreeSet::new();
+        for index in &connectors {
+            nodes.extend(model.connectors[*index].nodes.iter().flatten());
+        }
+        for index in &joints {
+            let joint: &super::model::Joint = &model.joints[*index];
+            nodes.extend(joint.nodes);
+        }
+        let wants_margins = request.outputs.contains(&Output::MARGIN);
+        Ok(Self { connectors, joints, nodes, request, wants_margins })
+    }
+}
+
+fn find(model: &Model, name: &str) -> Result<Vec<usize>, SelectionError> {
+    if let Ok(label) = name.trim().parse::<u64>()
+        && let Some(index) = model.connectors.iter().position(|connector| connector.label == label)
+    {
+        return Ok(vec![index]);
+    }
+    let found = model.sets.iter().find(|(known, _)| known.eq_ignore_ascii_case(name.trim()));
+    found.map(|(_, members)| members.clone()).ok_or_else(|| {
+        const SHOWN: usize = 8;
+        let mut names: Vec<String> = model.sets.keys().take(SHOWN).cloned().collect();
+        names.extend(model.connectors.iter().take(SHOWN).map(|connector| connector.label.to_string()));
+        let known = match names.as_slice() {
+            [] => "the scene has no connectors".to_string(),
+            names => format!("there are {}", names.join(", ")),
+        };
+        SelectionError { name: name.to_string(), known }
+    })
+}

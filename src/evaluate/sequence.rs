@@ -1,0 +1,266 @@
+//! States in order: nodes once, connectors as planned, branches committed.
+
+use super::model::{ConnectorElement, Model};
+use super::plan::Plan;
+use crate::connector::{
+    Branch, Components, Evaluation, Flag, Increment, Output, State, StopStatus, Tally, Turns,
+};
+use crate::measure::Margin;
+use crate::mpc;
+use crate::node::{DOFS, Node, Pair};
+use crate::scene::{NodeMotion, Rotation, State as SceneState};
+use crate::so3::{self, Quaternion};
+use crate::vector::{self, Matrix, Vector, identity, product, sub};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, HashMap};
+
+/// A node at one state, its rotation worked out once for all connectors that share it.
+#[derive(Clone, Copy, Debug)]
+struct Moved {
+    displacement: Vector<f64>,
+    rotation: Matrix<f64>,
+    flow: f64,
+    rates: [f64; 7],
+    accelerations: [f64; 7],
+    /// Since the previous state.
+    change: Vector<f64>,
+    whole_turns: Vector<f64>,
+    flow_change: f64,
+    /// Component 3 of the rotation as given: degree of freedom 6.
+    sixth: Option<f64>,
+}
+
+const STILL: Moved = Moved {
+    displacement: [0.0; 3],
+    rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    flow: 0.0,
+    rates: [0.0; 7],
+    accelerations: [0.0; 7],
+    change: [0.0; 3],
+    whole_turns: [0.0; 3],
+    flow_change: 0.0,
+    sixth: None,
+};
+
+/// How a node was rotated at the last state: enough to form the increment to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Orientation {
+    quaternion: Quaternion<f64>,
+    /// The total rotation vector, where the state gave one; its turns count.
+    vector: Option<Vector<f64>>,
+    flow: f64,
+}
+
+const UNTURNED: Orientation =
+    Orientation { quaternion: [1.0, 0.0, 0.0, 0.0], vector: Some([0.0; 3]), flow: 0.0 };
+
+/// Everything that a sequence remembers between states. Saved and read back, it continues bit for bit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Branches {
+    /// The number of states committed.
+    pub states: u64,
+    connectors: BTreeMap<u64, Branch<f64>>,
+    joints: BTreeMap<String, Turns<f64>>,
+    nodes: BTreeMap<u64, Orientation>,
+}
+
+/// One connector at one state.
+#[derive(Clone, Debug)]
+pub struct ConnectorResult {
+    /// The index of the connector in the model.
+    pub index: usize,
+    /// The numbers.
+    pub evaluation: Evaluation<f64>,
+    /// CSLST.
+    pub stops: Components<StopStatus>,
+    /// MARGIN.
+    pub margins: Components<Margin>,
+    /// What needs care.
+    pub flags: Vec<Flag>,
+}
+
+/// One revolute-joint MPC at one state.
+#[derive(Clone, Debug)]
+pub struct JointResult {
+    /// The index of the joint in the model.
+    pub index: usize,
+    /// The numbers.
+    pub evaluation: mpc::Evaluation<f64>,
+    /// φ_J as the state gives it, where it does.
+    pub given: Option<f64>,
+    /// How far the relative rotation is from being about the axis [rad].
+    pub misalignment: f64,
+}
+
+/// Everything planned, at one state.
+#[derive(Clone, Debug)]
+pub struct StepResult {
+    /// The number of the state, from 0.
+    pub index: u64,
+    /// Its time, where given.
+    pub time: Option<f64>,
+    /// Connectors in the order of the plan.
+    pub connectors: Vec<ConnectorResult>,
+    /// Joints in the order of the plan.
+    pub joints: Vec<JointResult>,
+}
+
+/// A walk through states, holding one of them at a time.
+#[derive(Clone, Debug)]
+pub struct Sequence<'a> {
+    model: &'a Model,
+    plan: &'a Plan,
+    branches: Branches,
+    tally: Tally,
+}
+
+impl<'a> Sequence<'a> {
+    /// A walk that starts from the initial state of the model.
+    pub fn new(model: &'a Model, plan: &'a Plan) -> Self {
+        Self { model, plan, branches: Branches::default(), tally: Tally::default() }
+    }
+
+    /// A walk that continues where another stopped.
+    pub fn resume(model: &'a Model, plan: &'a Plan, branches: Branches) -> Self {
+        Self { branches, ..Self::new(model, plan) }
+    }
+
+    /// What is remembered: save it to continue later.
+    pub const fn branches(&self) -> &Branches {
+        &self.branches
+    }
+
+    /// What was computed so far.
+    pub const fn tally(&self) -> Tally {
+        self.tally
+    }
+
+    /// Evaluates the plan at the next state and commits it.
+    pub fn step(&mut self, state: &SceneState) -> StepResult {
+        let mut moved: HashMap<u64, Moved> = HashMap::with_capacity(self.plan.nodes.len());
+        for label in &self.plan.nodes {
+            let motion = state.nodes.get(label).copied().unwrap_or_default();
+            let before = self.branches.nodes.get(label).copied().unwrap_or(UNTURNED);
+            let (node, after) = follow(&motion, &before, state.nodes.contains_key(label));
+            moved.insert(*label, node);
+            self.branches.nodes.insert(*label, after);
+        }
+        let at = |label: Option<u64>| label.and_then(|label| moved.get(&label)).copied().unwrap_or(STILL);
+
+        let mut connectors = Vec::with_capacity(self.plan.connectors.len());
+        for index in &self.plan.connectors {
+            let element = &self.model.connectors[*index];
+            let ends = element.nodes.map(at);
+            connectors.push(self.connector(*index, element, &ends));
+        }
+        let mut joints = Vec::with_capacity(self.plan.joints.len());
+        for index in &self.plan.joints {
+            let nodes = self.model.joints[*index].nodes.map(|label| at(Some(label)));
+            joints.push(self.joint(*index, &nodes));
+        }
+        let index = self.branches.states;
+        self.branches.states += 1;
+        StepResult { index, time: state.time, connectors, joints }
+    }
+
+    fn connector(&mut self, index: usize, element: &ConnectorElement, ends: &[Moved; 2]) -> ConnectorResult {
+        let node = |end: usize| Node {
+            displacement: ends[end].displacement,
+            triad: product(&ends[end].rotation, &element.triads[end]),
+            flow: ends[end].flow,
+        };
+        let both = |of: fn(&Moved) -> &[f64; 7]| {
+            let mut rates = [0.0; DOFS];
+            rates[..7].copy_from_slice(of(&ends[0]));
+            rates[7..].copy_from_slice(of(&ends[1]));
+            rates
+        };
+        let state = State {
+            pair: Pair { reference: element.reference, a: node(0), b: node(1) },
+            velocity: both(|node| &node.rates),
+            acceleration: both(|node| &node.accelerations),
+        };
+        let increment = Increment {
+            rotation: [ends[0].change, ends[1].change],
+            whole_turns: [ends[0].whole_turns, ends[1].whole_turns],
+            flow: [ends[0].flow_change, ends[1].flow_change],
+        };
+        let connector = &element.connector;
+        let known = self.branches.connectors.get(&element.label).copied();
+        let before = known.unwrap_or_else(|| connector.initial_branch());
+        let request = &self.plan.request;
+        let evaluation = connector.evaluate(&state, &increment, &before, request, &mut self.tally);
+        let stops = if request.outputs.contains(&Output::CSLST) {
+            connector.stop_status(&evaluation.position)
+        } else {
+            [None; 6]
+        };
+        let margins =
+            if self.plan.wants_margins { connector.margins(&state, &evaluation.branch) } else { [None; 6] };
+        let flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
+        self.branches.connectors.insert(element.label, evaluation.branch);
+        ConnectorResult { index, evaluation, stops, margins, flags }
+    }
+
+    fn joint(&mut self, index: usize, [slave, master, joint]: &[Moved; 3]) -> JointResult {
+        let element = &self.model.joints[index];
+        let combined = |of: fn(&Moved) -> &[f64; 7]| {
+            let (s, m, j) = (of(slave), of(master), of(joint));
+            [s[3], s[4], s[5], m[3], m[4], m[5], j[5]]
+        };
+        let state = mpc::State {
+            slave: slave.rotation,
+            master: master.rotation,
+            joint: joint.sixth,
+            velocity: combined(|node| &node.rates),
+            acceleration: combined(|node| &node.accelerations),
+        };
+        let key = element.nodes.map(|label| label.to_string()).join("-");
+        let before =
+            self.branches.joints.get(&key).copied().unwrap_or(Turns { turns: 0.0, principal: 0.0 });
+        let whole = sub(slave.whole_turns, master.whole_turns);
+        let evaluation =
+            element.constraint.evaluate(&state, &before, whole, &self.plan.request, &mut self.tally);
+        self.branches.joints.insert(key, evaluation.angle);
+        let misalignment = element.constraint.misalignment(&state);
+        JointResult { index, evaluation, given: joint.sixth, misalignment }
+    }
+}
+
+/// A node at its next state: rotation matrix, and increments since the last one.
+///
+/// The increment is the rotation vector of C(new) C(old)ᵀ. It is principal, unless one of the two states gave a rotation
+/// vector beyond half a turn: those keep their turns, and the increment then continues their difference.
+fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Orientation) {
+    let (quaternion, vector) = match motion.rotation {
+        Rotation::Vector(phi) => (so3::exp(phi), Some(phi)),
+        Rotation::Quaternion(q) => (so3::normalize(q), None),
+    };
+    let relative = so3::compose(quaternion, so3::conjugate(before.quaternion));
+    let principal = so3::log_quaternion(relative);
+    let keeps_turns = |phi: &Vector<f64>| vector::dot(*phi, *phi) > std::f64::consts::PI.powi(2);
+    let change = match (vector, before.vector) {
+        (Some(new), Some(old)) if keeps_turns(&new) || keeps_turns(&old) => {
+            so3::continuous_log_quaternion(relative, sub(new, old)).phi
+        }
+        _ => principal,
+    };
+    let rotation = match vector {
+        Some([0.0, 0.0, 0.0]) => identity(),
+        _ => so3::matrix(quaternion),
+    };
+    let [v, w] = [motion.velocity, motion.angular_velocity];
+    let [a, alpha] = [motion.acceleration, motion.angular_acceleration];
+    let node = Moved {
+        displacement: motion.displacement,
+        rotation,
+        flow: motion.flow,
+        rates: [v[0], v[1], v[2], w[0], w[1], w[2], motion.flow_velocity],
+        accelerations: [a[0], a[1], a[2], alpha[0], alpha[1], alpha[2], motion.flow_acceleration],
+        change,
+        whole_turns: sub(change, principal),
+        flow_change: motion.flow - before.flow,
+        sixth: vector.filter(|_| given).map(|phi| phi[2]),
+    };
+    (node, Orientation { quaternion, vector, flow: motion.flow })
+}
