@@ -14,7 +14,7 @@
 //! ```
 
 use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm, sqrt};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
 
 /// A quaternion (w, x, y, z), scalar part first.
@@ -71,12 +71,12 @@ pub fn normalize<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
     [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
 }
 
-/// The unit quaternion of a rotation matrix, w ≥ 0, from the largest of 1 + tr R and 1 + 2 R_ii − tr R.
+/// The unit quaternion of a rotation matrix, w ≥ 0: from 1 + tr R below a right angle, else from the largest 1 + 2 R_ii − tr R.
 #[inline(always)]
 pub fn quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
     let trace = r[0][0] + r[1][1] + r[2][2];
     S::Real::choose(
-        S::Real::integer(0).less(trace.real()),
+        S::Real::integer(1).less(trace.real()),
         || {
             let half = S::Real::ratio(1, 2);
             let [x, y, z] = times(twice_axial(r), inverse_sqrt(S::one() + trace).scale(half));
@@ -104,18 +104,32 @@ fn beyond_right_angle<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
     upper_half(q)
 }
 
-/// (w, v) from the diagonal entry I: 4 v_I² = 1 + R_II − R_JJ − R_KK, I, J, K cyclic.
+/// (w, v) from the diagonal entry I: 4 v_I² = 1 + R_II − R_JJ − R_KK = P_I, I, J, K cyclic.
+///
+/// Where another P_J > 1, v_J = ±½√P_J too: in the second derivative of (R_IJ + R_JI)/(2√P_I) large terms cancel.
 #[inline(always)]
 fn from_pivot<S: Scalar, const I: usize>(r: &Matrix<S>) -> Quaternion<S> {
     let (j, k) = ((I + 1) % 3, (I + 2) % 3);
+    let (zero, one, half) = (S::Real::integer(0), S::Real::integer(1), S::Real::ratio(1, 2));
     let pivot = S::one() + r[I][I] - r[j][j] - r[k][k];
-    let half = S::Real::ratio(1, 2);
     let f = inverse_sqrt(pivot).scale(half);
+    let beside = |j: usize, k: usize| {
+        let own = S::one() + r[j][j] - r[k][k] - r[I][I];
+        let sum = r[I][j] + r[j][I];
+        S::Real::choose(
+            one.less(own.real()),
+            || {
+                let root = sqrt(own).scale(half);
+                S::Real::choose(sum.real().less(zero), || -root, || root)
+            },
+            || sum * f,
+        )
+    };
     let mut q = [S::zero(); 4];
     q[0] = (r[k][j] - r[j][k]) * f;
     q[1 + I] = sqrt(pivot).scale(half);
-    q[1 + j] = (r[I][j] + r[j][I]) * f;
-    q[1 + k] = (r[I][k] + r[k][I]) * f;
+    q[1 + j] = beside(j, k);
+    q[1 + k] = beside(k, j);
     q
 }
 
@@ -218,34 +232,16 @@ fn continue_from_quaternion<S: Scalar>(
         },
         || nearest_turn::<S>(principal, along, turn),
     );
-    let minus_one = S::Real::integer(-1);
     let phi = S::Real::choose(
         zero.less(k.magnitude()),
         || {
             S::Real::choose(
                 zero.less(lateral),
                 || {
-                    // On the sheet k = −1 away from the identity, −K(−w) v needs no sum.
                     S::Real::choose(
-                        minus_one.less(k),
+                        w.real().less(S::Real::ratio(4, 5)),
+                        || times(v, w.lift(&turned_series(w.real(), k, S::ORDER))),
                         || along_direction::<S>(v, principal, k),
-                        || {
-                            S::Real::choose(
-                                k.less(minus_one),
-                                || along_direction::<S>(v, principal, k),
-                                || {
-                                    S::Real::choose(
-                                        w.real().less(S::Real::ratio(4, 5)),
-                                        || {
-                                            let opposite = -w;
-                                            let series = S::Real::log_series(opposite.real(), S::ORDER);
-                                            times(v, -opposite.lift(&series))
-                                        },
-                                        || along_direction::<S>(v, principal, k),
-                                    )
-                                },
-                            )
-                        },
                     )
                 },
                 || {
@@ -266,6 +262,27 @@ fn continue_from_quaternion<S: Scalar>(
 fn nearest_turn<S: Scalar>(principal: Vector<S>, along: S::Real, turn: S::Real) -> S::Real {
     let (_, angle) = S::Real::direction_and_norm(vector::real(principal));
     ((along - angle) / turn).nearest_integer()
+}
+
+/// The Taylor coefficients of K_k(c) = (2 acos c + 2πk)/√(1 − c²) at 0 ≤ c < 1: on the sheet k, φ = K_k(w) v.
+///
+/// (1 − c²) K′ = c K − 2 holds on every sheet. Away from whole turns this needs no sum of two vectors.
+fn turned_series<R: Real>(c: R, k: R, order: usize) -> Series<R> {
+    let one = R::integer(1);
+    let rest = (one - c) * (one + c);
+    let sine = rest.square_root();
+    let half_angle = sine.arctangent(c);
+    let mut series = [R::integer(0); MAX_ORDER + 1];
+    series[0] = R::with_turns(half_angle + half_angle, k) / sine;
+    if order > 0 {
+        series[1] = (c * series[0] - R::integer(2)) / rest;
+    }
+    for n in 1..order {
+        let m = n as i32;
+        let sum = R::integer(2 * m + 1) * c * series[n] + R::integer(m) * series[n - 1];
+        series[n + 1] = sum / (R::integer(m + 1) * rest);
+    }
+    series
 }
 
 /// φ_p + 2πk v/|v|.

@@ -4,7 +4,7 @@ use pintle::scalar::{Differentiable, Real, Scalar, Seeded, elementary};
 use pintle::so3;
 use pintle::vector::{self, Matrix, Vector};
 
-/// A function under test; [`Function::name`] is its name in the golden file and in the table of gates.
+/// A function under test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Function {
     Sqrt,
@@ -47,27 +47,6 @@ pub(super) const ALL: [Function; 16] = [
 ];
 
 impl Function {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Sqrt => "sqrt",
-            InverseSqrt => "inverse_sqrt",
-            Recip => "recip",
-            SinCos => "sin_cos",
-            Atan2 => "atan2",
-            Norm2 => "norm2",
-            Norm3 => "norm3",
-            Direction3 => "direction3",
-            ExpQuaternion => "exp_quaternion",
-            ExpMatrix => "exp_matrix",
-            LogQuaternion => "log_quaternion",
-            LogMatrix => "log_matrix",
-            ContinuousLog => "continuous_log",
-            ContinuousLogMatrix => "continuous_log_matrix",
-            Cardan => "cardan",
-            Euler => "euler",
-        }
-    }
-
     /// How many directions it is differentiated in.
     pub(super) fn directions(self) -> usize {
         match self {
@@ -77,9 +56,31 @@ impl Function {
         }
     }
 
-    /// Whether the outputs are the components of one vector or matrix, or quantities of their own.
-    pub(super) fn is_vector(self) -> bool {
-        matches!(self, Direction3 | ExpQuaternion | ExpMatrix | LogQuaternion | LogMatrix | ContinuousLog)
+    /// The measures to apply: the name of the gate, and how many outputs are measured in one maximum norm.
+    pub(super) fn measures(self) -> &'static [(&'static str, usize)] {
+        match self {
+            SinCos => &[("sin_cos", 1)],
+            Cardan => &[("cardan", 3), ("cardan, each angle", 1)],
+            Euler => &[("euler", 3), ("euler, each angle", 1)],
+            Sqrt => &[("sqrt", 1)],
+            InverseSqrt => &[("inverse_sqrt", 1)],
+            Recip => &[("recip", 1)],
+            Atan2 => &[("atan2", 1)],
+            Norm2 => &[("norm2", 1)],
+            Norm3 => &[("norm3", 1)],
+            Direction3 => &[("direction3", 3)],
+            ExpQuaternion => &[("exp_quaternion", 4)],
+            ExpMatrix => &[("exp_matrix", 9)],
+            LogQuaternion => &[("log_quaternion", 3)],
+            LogMatrix => &[("log_matrix", 3)],
+            ContinuousLog => &[("continuous_log", 3)],
+            ContinuousLogMatrix => &[("continuous_log_matrix", 3)],
+        }
+    }
+
+    /// Its name in the golden file.
+    pub(super) fn name(self) -> &'static str {
+        self.measures()[0].0
     }
 
     /// How many inputs are rounded numbers; those that follow select a branch.

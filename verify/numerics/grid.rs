@@ -1,7 +1,7 @@
 //! The product against the 237-bit scalar on a large grid, and the 237-bit scalar against mpmath.
 
 use super::function::{ALL, Function};
-use super::{Worst, assert_gates, error, golden, judge, truth};
+use super::{Worst, assert_gates, error, golden, judge, truth, unmeasured};
 use pintle::scalar::{Real, Wide};
 use pintle::so3;
 use pintle::vector::{self, Matrix, Vector};
@@ -229,11 +229,11 @@ fn inputs(function: Function) -> Vec<Vec<f64>> {
 }
 
 /// The errors of one function over its grid, on four threads.
-fn measured(function: Function) -> Worst {
+fn measured(function: Function) -> Vec<Worst> {
     let inputs = inputs(function);
     let per_thread = inputs.len().div_ceil(4);
     let part = |inputs: &[Vec<f64>]| {
-        let mut worst = Worst::new(function.name());
+        let mut worst = unmeasured(function);
         for input in inputs {
             judge(&mut worst, function, input, &function.numbers(input), &truth::references(function, input));
         }
@@ -242,9 +242,11 @@ fn measured(function: Function) -> Worst {
     std::thread::scope(|scope| {
         let threads: Vec<_> =
             inputs.chunks(per_thread).map(|inputs| scope.spawn(move || part(inputs))).collect();
-        let mut worst = Worst::new(function.name());
+        let mut worst = unmeasured(function);
         for thread in threads {
-            worst.include(thread.join().unwrap());
+            for (worst, other) in worst.iter_mut().zip(thread.join().unwrap()) {
+                worst.include(other);
+            }
         }
         worst
     })
@@ -252,15 +254,7 @@ fn measured(function: Function) -> Worst {
 
 #[test]
 fn product_agrees_with_wide() {
-    let measured: Vec<Worst> = ALL
-        .iter()
-        .map(|f| {
-            let start = std::time::Instant::now();
-            let worst = measured(*f);
-            println!("{} points of {:?}: {:.1} s", inputs(*f).len(), f, start.elapsed().as_secs_f64());
-            worst
-        })
-        .collect();
+    let measured: Vec<Worst> = ALL.iter().flat_map(|function| measured(*function)).collect();
     assert_gates("237-bit scalar", &measured);
 }
 
@@ -276,6 +270,9 @@ fn wide_agrees_with_mpmath() {
                     continue;
                 }
                 let scale = a.scale.max(b.scale);
+                if scale < 1e-290 {
+                    continue; // rounded to the spacing of subnormal numbers
+                }
                 assert!(
                     (a.scale - b.scale).abs() <= 1e-5 * scale,
                     "{function:?} at {:?}: scale {a:?} for {b:?}",

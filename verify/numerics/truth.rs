@@ -33,9 +33,8 @@ pub(super) fn references(function: Function, inputs: &[f64]) -> Vec<Vec<Referenc
         }
     }
     let reference = |(x, s): (&Wide, &Wide)| {
-        let (value, rest) = x.split();
-        let scale = s.to_f64();
-        let rest = if scale > 0.0 && value.is_finite() && scale.is_finite() { rest / scale / U } else { 0.0 };
+        let (value, scale) = (x.to_f64(), s.to_f64());
+        let rest = if scale > 0.0 && value.is_finite() { ((*x - value) / *s / U).to_f64() } else { 0.0 };
         Reference { value, scale: if value.is_finite() { scale } else { f64::INFINITY }, rest }
     };
     base.iter().zip(&scales).map(|(c, s)| c.iter().zip(s).map(reference).collect()).collect()
