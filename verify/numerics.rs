@@ -10,10 +10,14 @@
 //! Two references stand beside each other. Golden numbers from mpmath (`scripts/numerics_golden.py`, formulas and jets of its
 //! own) judge the product and the 237-bit scalar alike, on few points; the 237-bit scalar judges the product on many.
 
+mod chain;
 mod function;
+mod fuzz;
 mod golden;
 mod grid;
+mod identity;
 mod truth;
+mod turns;
 
 use crate::tolerance::NUMERICS;
 use function::Function;
