@@ -13,7 +13,7 @@
 //! assert_eq!(phi.map(|p| p.eps), [1.0, 2.0, 3.0]);
 //! ```
 
-use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm};
+use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm, recip, sin_cos, sqrt};
 use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
 
@@ -396,4 +396,73 @@ pub fn euler_angle<S: Scalar>(r: &Matrix<S>, s: S::Real, which: usize) -> S {
         2 => atan2(norm([r[0][2], r[1][2]]), r[2][2]).scale(s),
         _ => atan2(signed(r[2][0]), signed(r[2][1])),
     }
+}
+
+/// α in [0, π], the angle between the third directions: the flexion of FLEXION-TORSION. A kink at 0 and π.
+#[inline(always)]
+pub fn flexion<S: Scalar>(r: &Matrix<S>) -> S {
+    atan2(norm([r[0][2], r[1][2]]), r[2][2])
+}
+
+/// θ in (−π, π], the direction of the axis of flexion q = cos θ e1a + sin θ e2a (decision D-16). It does not exist without
+/// flexion.
+#[inline(always)]
+pub fn sweep<S: Scalar>(r: &Matrix<S>) -> S {
+    atan2(r[0][2], S::zero() - r[1][2])
+}
+
+/// β in [−π, π], the torsion about the third directions: with R = Rz(φ) Ry(α) Rz(ψ), β = φ + ψ.
+///
+/// 2 atan(z/w) of the quaternion, which is −tan⁻¹((R₁₂ − R₂₁)/(R₁₁ + R₂₂)) of connection type FLEXION-TORSION, and is regular up
+/// to α = π.
+#[inline(always)]
+pub fn torsion<S: Scalar>(r: &Matrix<S>) -> S {
+    let [w, _, _, z] = quaternion(r);
+    atan2(z, w).scale(S::Real::integer(2))
+}
+
+/// The quaternion (cos α/2 cos β/2, −sin α/2 sin χ, sin α/2 cos χ, cos α/2 sin β/2), χ = (φ − ψ)/2, of R = Rz(φ) Ry(α) Rz(ψ) on the
+/// sheet where β has made `turns` whole turns: each turns the sign, since the directions midway follow β/2.
+#[inline(always)]
+fn quaternion_on_sheet<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> Quaternion<S> {
+    let half = turns * S::Real::ratio(1, 2);
+    let odd = (half - half.nearest_integer()).magnitude(); // ½ for an odd number of turns, else 0
+    let sign = S::Real::integer(1) - S::Real::integer(4) * odd;
+    quaternion(r).map(|part| part.scale(sign))
+}
+
+/// α_1 and α_2, the flexion α about q resolved in the directions e1, e2 midway between a and b; β has made `turns` turns.
+///
+/// With the quaternion (w, x, y, z) and K(c) = 2 acos(c)/√(1 − c²) at c = cos α/2 = |(w, z)|: (α_1, α_2) = K (x, y), regular without
+/// flexion, singular at α = π.
+#[inline(always)]
+pub fn component_flexions<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> [S; 2] {
+    let [w, x, y, z] = quaternion_on_sheet(r, turns);
+    let cosine = norm([w, z]);
+    let k = cosine.lift(&S::Real::log_series(cosine.real(), S::ORDER));
+    [x * k, y * k]
+}
+
+/// The directions e1, e2, e3 midway between a and b as columns, components along e_i^a: Rz(φ) Ry(α/2) Rz((ψ − φ)/2).
+///
+/// e3 = (e3a + e3b)/|e3a + e3b|; e1, e2 lie at half the torsion β, of which `turns` are whole. Symmetric in a and b; singular at
+/// α = π (connection type PROJECTION FLEXION-TORSION; decision D-17).
+#[inline(always)]
+pub fn mid_frame<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> Matrix<S> {
+    let [w, x, y, z] = quaternion_on_sheet(r, turns);
+    // From here β/2 is the angle of (w, z) on this sheet, plus whole turns that β/4 counts as halves.
+    let [principal_w, _, _, principal_z] = quaternion(r);
+    let principal = atan2(principal_z, principal_w);
+    let quarter =
+        principal.scale(S::Real::ratio(1, 2)) + S::from_real(turns * S::Real::pi() * S::Real::ratio(1, 2));
+    let (sine, cosine) = sin_cos(quarter);
+    let half = S::Real::ratio(1, 2);
+    let cos_quarter_flexion = sqrt((S::one() + norm([w, z])).scale(half));
+    let shrink = recip(cos_quarter_flexion).scale(half); // sin(α/4)/sin(α/2)
+    matrix([
+        cos_quarter_flexion * cosine,
+        (x * cosine - y * sine) * shrink,
+        (y * cosine + x * sine) * shrink,
+        cos_quarter_flexion * sine,
+    ])
 }

@@ -125,6 +125,7 @@ codes! {
     FrictionNotPredefined = "rule::friction-not-predefined": "Predefined friction for a connection type that has none.";
     FrictionParameters = "rule::friction-parameters": "Predefined friction with more or fewer numbers than the connection type takes.";
     SectionDataUnused = "rule::section-data-unused": "More numbers on the data line of a section than the connection type takes.";
+    ConvertedInStandard = "rule::converted-in-standard": "The connection type is another one in a Standard analysis, and is evaluated as such. A warning.";
     CoincidentNodes = "rule::coincident-nodes": "The connection type needs two nodes apart, and they coincide initially.";
 
     StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
