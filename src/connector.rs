@@ -264,6 +264,8 @@ pub struct Branch<R> {
     pub rotation_vector: [R; 3],
     /// The sign of sin β on the sheet of the Euler angles: ±1.
     pub euler_sign: R,
+    /// The torsion between the third directions, with its turns, where the directions midway between a and b depend on it.
+    pub torsion: Turns<R>,
     /// What a one-form has accumulated [rad].
     pub accumulated: R,
     /// What the roundings of that sum left out, so that thousands of turns lose nothing: the value is the sum of the two.
@@ -423,7 +425,7 @@ impl<R: Differentiable> Connector<R> {
         };
         let zero = R::integer(0);
         let one = R::integer(1);
-        let mut history = History { rotation_vector: [zero; 3], euler_sign: one };
+        let mut history = History { rotation_vector: [zero; 3], euler_sign: one, torsion_turns: zero };
         history.rotation_vector = so3::log(&relative.q);
         let mut shared = Shared::new(&relative, &initial.a.triad, &section, &history);
         let planar = |k: usize| !definition.planar || matches!(k, 0 | 1 | 5);
@@ -464,6 +466,7 @@ impl<R: Differentiable> Connector<R> {
             turns,
             rotation_vector: history.rotation_vector,
             euler_sign: one,
+            torsion: Turns { turns: zero, principal: so3::torsion(&relative.q) },
             accumulated: zero,
             accumulated_rest: zero,
         };
@@ -537,6 +540,12 @@ impl<R: Differentiable> Connector<R> {
         } else if needs(Measure::winds) {
             next.turns = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign).0;
         }
+        if needs(Measure::counts_torsion) {
+            let principal = so3::torsion(&relative.q);
+            let along =
+                |v: Vector<R>| Measure::Torsion.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
+            next.torsion = nearest_turn(principal, &branch.torsion, along(whole), along(told)).0;
+        }
         if needs(Measure::is_one_form) {
             // The sum and its rounding error, exactly (Knuth's two-sum).
             let change = self.accumulation(pair, increment);
@@ -558,22 +567,19 @@ impl<R: Differentiable> Connector<R> {
         branch: &Branch<R>,
         euler_sign: R,
     ) -> ([Turns<R>; 6], R) {
-        let history = History { rotation_vector: branch.rotation_vector, euler_sign };
+        let history = History { euler_sign, ..branch.history() };
         let mut shared = Shared::new(relative, &pair.a.triad, &self.section, &history);
         let mut turns = branch.turns;
         let mut moved = R::integer(0);
-        let turn = R::pi() + R::pi();
         for (k, row) in self.rows.iter().enumerate() {
             let Some(row) = row.filter(|row| row.position.winds()) else { continue };
             let principal = row.position.evaluate(&mut shared);
             let previous = branch.turns[k];
             let along =
                 |v: Vector<R>| row.position.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
-            let change = principal - previous.principal - along(whole);
-            let lean = (along(told) + change * R::ratio(LEAN.0, LEAN.1)) * R::ratio(LEAN.0, LEAN.1);
-            let counted = ((change - lean) / turn).nearest_integer();
-            turns[k] = Turns { turns: previous.turns - counted, principal };
-            moved = moved + (change - counted * turn).magnitude();
+            let (counted, change) = nearest_turn(principal, &previous, along(whole), along(told));
+            turns[k] = counted;
+            moved = moved + change.magnitude();
         }
         (turns, moved)
     }
@@ -614,7 +620,7 @@ impl<R: Differentiable> Connector<R> {
     ) -> Evaluation<R> {
         let next = self.advance(state, increment, branch);
         // Values and derivatives are taken on the sheets just chosen, so that rounding cannot set them apart at a half turn.
-        let history = History { rotation_vector: next.rotation_vector, euler_sign: next.euler_sign };
+        let history = next.history();
         let mut evaluation = Evaluation::empty(next);
         let rows: Vec<(usize, Row<R>)> = (0..6)
             .filter(|k| request.components()[*k])
@@ -782,10 +788,12 @@ impl<R: Differentiable> Connector<R> {
         if second {
             Seeds::Translation.pass::<R, R::Hessian<3>, 3>(input, &of(Seeds::Translation), &mut take);
             Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(input, &of(Seeds::Rotation), &mut take);
+            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(input, &of(Seeds::Motion), &mut take);
             Seeds::All.pass::<R, R::Hessian<8>, 8>(input, &of(Seeds::All), &mut take);
         } else {
             Seeds::Translation.pass::<R, R::Gradient<3>, 3>(input, &of(Seeds::Translation), &mut take);
             Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(input, &of(Seeds::Rotation), &mut take);
+            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(input, &of(Seeds::Motion), &mut take);
             Seeds::All.pass::<R, R::Gradient<8>, 8>(input, &of(Seeds::All), &mut take);
         }
         let count = rows.iter().filter(|(_, row)| !row.differentiated.is_one_form()).count() as u64;
@@ -838,6 +846,28 @@ impl<R: Differentiable> Connector<R> {
     }
 }
 
+impl<R: Copy> Branch<R> {
+    /// What measures need to know of it.
+    const fn history(&self) -> History<R> {
+        History {
+            rotation_vector: self.rotation_vector,
+            euler_sign: self.euler_sign,
+            torsion_turns: self.torsion.turns,
+        }
+    }
+}
+
+/// An angle with the number of turns that brings it nearest to where the previous one is after the `whole` turns of the nodes,
+/// and how far it moved besides [rad]. Where two numbers of turns are equally near, `told`, how far the nodes turned besides,
+/// decides.
+fn nearest_turn<R: Real>(principal: R, previous: &Turns<R>, whole: R, told: R) -> (Turns<R>, R) {
+    let turn = R::pi() + R::pi();
+    let lean = R::ratio(LEAN.0, LEAN.1);
+    let change = principal - previous.principal - whole;
+    let counted = ((change - (told + change * lean) * lean) / turn).nearest_integer();
+    (Turns { turns: previous.turns - counted, principal }, change - counted * turn)
+}
+
 /// The triad after a first-order rotation θ: e + θ × e, exact for first derivatives.
 fn turned_triad<S: Scalar>(triad: &vector::Matrix<S::Real>, theta: Vector<S>) -> vector::Matrix<S> {
     let mut turned = [[S::zero(); 3]; 3];
@@ -856,6 +886,7 @@ fn turned_triad<S: Scalar>(triad: &vector::Matrix<S::Real>, theta: Vector<S>) ->
 enum Seeds {
     Translation,
     Rotation,
+    Motion,
     All,
     None,
 }
@@ -868,6 +899,7 @@ impl Seeds {
         match measure.dependence() {
             Dependence { translation: true, rotation: false, flow: false } => Self::Translation,
             Dependence { translation: false, rotation: true, flow: false } => Self::Rotation,
+            Dependence { translation: true, rotation: true, flow: false } => Self::Motion,
             _ => Self::All,
         }
     }
@@ -885,6 +917,7 @@ impl Seeds {
         let (first, needed) = match self {
             Self::Translation => (0, Dependence { translation: true, ..Dependence::default() }),
             Self::Rotation => (3, Dependence { rotation: true, ..Dependence::default() }),
+            Self::Motion => (0, Dependence { translation: true, rotation: true, flow: false }),
             Self::All | Self::None => (0, Dependence { translation: true, rotation: true, flow: true }),
         };
         let zero = R::integer(0);
@@ -1126,7 +1159,7 @@ impl Connector<f64> {
 
     /// The distance of each component wanted, in what is differentiated and in its position, to the nearest singular set.
     pub fn margins(&self, state: &State<f64>, branch: &Branch<f64>, wanted: Mask) -> Components<Margin> {
-        let history = History { rotation_vector: branch.rotation_vector, euler_sign: branch.euler_sign };
+        let history = branch.history();
         let relative = LazyCell::new(|| state.pair.relative());
         // The components of one kind of measure share their singular set.
         let mut known: Vec<(Discriminant<Measure>, f64)> = Vec::new();
@@ -1240,7 +1273,7 @@ mod tests {
             let zero = <Naive as Scalar>::zero();
             let dofs = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13].map(|i| zero + Naive::seed(0.0, i));
             let moved = state.pair.moved(&dofs).relative();
-            let history = History { rotation_vector: branch.rotation_vector, euler_sign: 1.0 };
+            let history = branch.history();
             let mut shared = Shared::new(&moved, &state.pair.a.triad, &connector.section, &history);
             for k in 0..6 {
                 let Some(measure) = connector.differentiated(k) else { continue };

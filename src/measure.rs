@@ -8,7 +8,7 @@ use crate::node::{self, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::elementary::{norm, recip};
 use crate::scalar::{Real, Scalar};
 use crate::so3;
-use crate::vector::{self, Matrix, Vector, column, dot, scale, sub};
+use crate::vector::{self, Matrix, Vector, add, column, dot, scale, sub};
 use serde::Serialize;
 
 /// A scalar measure of two nodes. Indices are 1-based, as the manual's.
@@ -18,6 +18,12 @@ pub enum Measure {
     Position(usize),
     /// |d| [length]. AXIAL, LINK.
     Distance,
+    /// e_i^a · d [length]; its rates are the nodal ones resolved in b. ACCELEROMETER.
+    PositionAtB(usize),
+    /// e_i · d with the directions e_i halfway between those of a and b ([`so3::mid_frame`]) [length]. PROJECTION CARTESIAN.
+    ProjectedPosition(usize),
+    /// √((e1a·d)² + (e2a·d)²), the distance from the axis e3a [length]. RADIAL-THRUST.
+    RadialDistance,
     /// |d| / (l₀ + Ψ_a − Ψ_b) − 1, the strain of a belt segment whose material is l₀ long at first [–]. SLIPRING.
     Strain,
     /// Ψ_a (1) or Ψ_b (2), the material flow at a node [length]. SLIPRING.
@@ -28,6 +34,14 @@ pub enum Measure {
     Cardan(usize),
     /// The Euler angle α (1), β (2) or γ (3) of Q = Rz(α) Rx(β) Rz(γ) [rad].
     Euler(usize),
+    /// α, the angle between e3a and e3b [rad], in [0, π]. FLEXION-TORSION.
+    Flexion,
+    /// β, the angle by which b is twisted about the shaft e3 [rad] ([`so3::torsion`]). FLEXION-TORSION, CONSTANT VELOCITY.
+    Torsion,
+    /// θ, the direction in the plane e1a, e2a of the axis about which the shaft is bent [rad]. FLEXION-TORSION.
+    Sweep,
+    /// α_i = α q·e_i, the flexion α about q resolved in the mid directions e1, e2 [rad]. PROJECTION FLEXION-TORSION.
+    ComponentFlexion(usize),
     /// φ_i, the component along e_i^a of the rotation vector that turns a's directions into b's [rad]. ROTATION.
     RotationVector(usize),
     /// e_i^b · φ [rad], equal to e_i^a · φ; its rates are the nodal ones resolved in b. ROTATION-ACCELEROMETER.
@@ -108,6 +122,7 @@ pub(crate) struct Shared<'a, S: Scalar> {
     triad_a: &'a Matrix<S::Real>,
     rotation_vector: Option<Vector<S>>,
     misalignment: Option<Vector<S>>,
+    mid_frame: Option<Matrix<S>>,
 }
 
 /// What the past decides about the present value of a measure.
@@ -117,6 +132,8 @@ pub struct History<R> {
     pub rotation_vector: Vector<R>,
     /// The sign s = ±1 of sin β on the sheet of the Euler angles.
     pub euler_sign: R,
+    /// The whole turns of torsion, an integer.
+    pub torsion_turns: R,
 }
 
 impl<'a, S: Scalar> Shared<'a, S> {
@@ -126,7 +143,15 @@ impl<'a, S: Scalar> Shared<'a, S> {
         section: &'a Section<S::Real>,
         history: &'a History<S::Real>,
     ) -> Self {
-        Shared { relative, section, history, triad_a, rotation_vector: None, misalignment: None }
+        Shared {
+            relative,
+            section,
+            history,
+            triad_a,
+            rotation_vector: None,
+            misalignment: None,
+            mid_frame: None,
+        }
     }
 
     fn rotation_vector(&mut self) -> Vector<S> {
@@ -149,6 +174,12 @@ impl<'a, S: Scalar> Shared<'a, S> {
     }
 }
 
+impl<S: Scalar> Shared<'_, S> {
+    fn mid_frame(&mut self) -> Matrix<S> {
+        *self.mid_frame.get_or_insert_with(|| so3::mid_frame(&self.relative.q, self.history.torsion_turns))
+    }
+}
+
 impl Measure {
     /// The formula, in the manual's symbols with d = x_b − x_a.
     pub const fn formula(self) -> &'static str {
@@ -156,6 +187,18 @@ impl Measure {
             Self::Position(1) => "e1a·d",
             Self::Position(2) => "e2a·d",
             Self::Position(_) => "e3a·d",
+            Self::PositionAtB(1) => "e1a·d",
+            Self::PositionAtB(2) => "e2a·d",
+            Self::PositionAtB(_) => "e3a·d",
+            Self::ProjectedPosition(1) => "e1·d, ei midway between eia and eib",
+            Self::ProjectedPosition(2) => "e2·d, ei midway between eia and eib",
+            Self::ProjectedPosition(_) => "e3·d, ei midway between eia and eib",
+            Self::RadialDistance => "√((e1a·d)² + (e2a·d)²)",
+            Self::Flexion => "α = atan2(|e3a × e3b|, e3a·e3b)",
+            Self::Torsion => "β = atan2(e2a·e1b − e1a·e2b, e1a·e1b + e2a·e2b)",
+            Self::Sweep => "θ = atan2(e1a·e3b, −e2a·e3b)",
+            Self::ComponentFlexion(1) => "α1 = α q·e1, q = e3a × e3b/|e3a × e3b|",
+            Self::ComponentFlexion(_) => "α2 = α q·e2, q = e3a × e3b/|e3a × e3b|",
             Self::Distance => "|d|",
             Self::Strain => "|d|/(l0 + Ψa − Ψb) − 1",
             Self::Flow(1) => "Ψa",
@@ -185,9 +228,15 @@ impl Measure {
     /// The manual's symbol of the position, as used in stops: l, x, α, φ1 …
     pub const fn symbol(self) -> &'static str {
         match self {
-            Self::Position(1) => "x",
-            Self::Position(2) => "y",
-            Self::Position(_) => "z",
+            Self::Position(1) | Self::PositionAtB(1) | Self::ProjectedPosition(1) => "x",
+            Self::Position(2) | Self::PositionAtB(2) | Self::ProjectedPosition(2) => "y",
+            Self::Position(_) | Self::PositionAtB(_) | Self::ProjectedPosition(_) => "z",
+            Self::RadialDistance => "r",
+            Self::Flexion => "α",
+            Self::Torsion => "β",
+            Self::Sweep => "θ",
+            Self::ComponentFlexion(1) => "α1",
+            Self::ComponentFlexion(_) => "α2",
             Self::Distance => "l",
             Self::Strain => "λ − 1",
             Self::Flow(1) => "Ψa",
@@ -207,7 +256,12 @@ impl Measure {
     /// The unit of the value.
     pub const fn unit(self) -> Unit {
         match self {
-            Self::Position(_) | Self::Distance | Self::Flow(_) => Unit::Length,
+            Self::Position(_)
+            | Self::PositionAtB(_)
+            | Self::ProjectedPosition(_)
+            | Self::RadialDistance
+            | Self::Distance
+            | Self::Flow(_) => Unit::Length,
             Self::Strain | Self::Cosine(..) => Unit::None,
             _ => Unit::Angle,
         }
@@ -216,7 +270,10 @@ impl Measure {
     /// What the measure depends on. Derivatives with respect to the rest are exactly zero, and are not computed.
     pub const fn dependence(self) -> Dependence {
         let (translation, rotation, flow) = match self {
-            Self::Position(_) | Self::Distance => (true, false, false),
+            Self::Position(_) | Self::PositionAtB(_) | Self::RadialDistance | Self::Distance => {
+                (true, false, false)
+            }
+            Self::ProjectedPosition(_) => (true, true, false),
             Self::Strain => (true, false, true),
             Self::Flow(_) => (false, false, true),
             Self::FlowConversion => (false, true, true),
@@ -227,7 +284,12 @@ impl Measure {
 
     /// The period by which the principal value jumps and the continued value does not: 2π for an angle that winds.
     pub const fn winds(self) -> bool {
-        matches!(self, Self::Cardan(1 | 3) | Self::Euler(_))
+        matches!(self, Self::Cardan(1 | 3) | Self::Euler(_) | Self::Torsion | Self::Sweep)
+    }
+
+    /// Whether the value depends on the whole turns of torsion.
+    pub const fn counts_torsion(self) -> bool {
+        matches!(self, Self::ProjectedPosition(_) | Self::ComponentFlexion(_))
     }
 
     /// Whether this is a one-form, judged by its rates: [`Measure::one_form`] gives its row.
@@ -237,7 +299,7 @@ impl Measure {
 
     /// Whether velocity and acceleration are the nodal ones resolved in b, rather than time derivatives of the value.
     pub const fn has_nodal_rates(self) -> bool {
-        matches!(self, Self::RotationVectorAtB(_))
+        matches!(self, Self::RotationVectorAtB(_) | Self::PositionAtB(_))
     }
 
     /// The points where the measure, or a derivative of it, does not exist.
@@ -269,7 +331,21 @@ impl Measure {
                 "π − |ρ|",
                 Unit::Angle,
             ),
-            Self::Position(_) | Self::Flow(_) | Self::Cosine(..) | Self::FlowConversion => return None,
+            Self::RadialDistance => ("b on the axis e3a, r = 0", SingularClass::Kink, "r", Unit::Length),
+            Self::Flexion => ("e3a ∥ e3b, α = 0 or π", SingularClass::Kink, "min(α, π − α)", Unit::Angle),
+            Self::Sweep => {
+                ("e3a ∥ e3b, α = 0 or π", SingularClass::TrueSingularity, "min(α, π − α)", Unit::Angle)
+            }
+            Self::Torsion | Self::ComponentFlexion(_) | Self::ProjectedPosition(_) => {
+                ("e3b = −e3a, α = π", SingularClass::TrueSingularity, "π − α", Unit::Angle)
+            }
+            Self::Position(_)
+            | Self::PositionAtB(_)
+            | Self::Flow(_)
+            | Self::Cosine(..)
+            | Self::FlowConversion => {
+                return None;
+            }
         };
         Some(SingularSet { at, class, distance, unit })
     }
@@ -300,7 +376,21 @@ impl Measure {
                 let frozen = vector::product(q, &vector::transpose(&section.initial_orientation));
                 (std::f64::consts::PI - norm(so3::log(&frozen))).max(0.0)
             }
-            Self::Position(_) | Self::Flow(_) | Self::Cosine(..) | Self::FlowConversion => return None,
+            Self::RadialDistance => norm([relative.d[0], relative.d[1]]),
+            Self::Flexion | Self::Sweep => {
+                let flexion = so3::flexion(q);
+                flexion.min(std::f64::consts::PI - flexion)
+            }
+            Self::Torsion | Self::ComponentFlexion(_) | Self::ProjectedPosition(_) => {
+                std::f64::consts::PI - so3::flexion(q)
+            }
+            Self::Position(_)
+            | Self::PositionAtB(_)
+            | Self::Flow(_)
+            | Self::Cosine(..)
+            | Self::FlowConversion => {
+                return None;
+            }
         };
         Some(Margin { distance, set })
     }
@@ -309,7 +399,13 @@ impl Measure {
     pub(crate) fn evaluate<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
         let Relative { d, q, flow } = *shared.relative;
         match self {
-            Self::Position(i) => d[i - 1],
+            Self::Position(i) | Self::PositionAtB(i) => d[i - 1],
+            Self::ProjectedPosition(i) => dot(column(&shared.mid_frame(), i - 1), d),
+            Self::RadialDistance => norm([d[0], d[1]]),
+            Self::Flexion => so3::flexion(&q),
+            Self::Torsion => so3::torsion(&q),
+            Self::Sweep => so3::sweep(&q),
+            Self::ComponentFlexion(i) => so3::component_flexions(&q, shared.history.torsion_turns)[i - 1],
             Self::Distance => {
                 let length = norm(d);
                 let fixed = vector::apply_transposed(shared.triad_a, shared.section.fixed_direction);
@@ -343,20 +439,22 @@ impl Measure {
         }
     }
 
-    /// Velocity and acceleration by nodal rates resolved in b: vr_i = (ω_b − ω_a)·e_i^b, ar_i = (α_b − α_a)·e_i^b
-    /// (seed ROTATION-ACCELEROMETER). Neither is the time derivative of the value, nor the second that of the first.
+    /// Velocity and acceleration by nodal rates resolved in b: vr_i = (ω_b − ω_a)·e_i^b, ar_i = (α_b − α_a)·e_i^b (seed
+    /// ROTATION-ACCELEROMETER), and likewise v_i, a_i (ACCELEROMETER). Neither is the time derivative of the value, nor the
+    /// second that of the first.
     pub(crate) fn nodal_rates<R: Real>(
         self,
         pair: &Pair<R>,
         velocity: &NodalRates<R>,
         acceleration: &NodalRates<R>,
     ) -> Option<[R; 2]> {
-        let Self::RotationVectorAtB(i) = self else { return None };
-        let direction = column(&pair.b.triad, i - 1);
-        let resolved = |rates: &NodalRates<R>| {
-            dot(sub(node::spin(rates, node::End::B), node::spin(rates, node::End::A)), direction)
+        let (i, relative) = match self {
+            Self::RotationVectorAtB(i) => (i, node::relative_spin(velocity, acceleration)),
+            Self::PositionAtB(i) => (i, node::relative_translation(velocity, acceleration)),
+            _ => return None,
         };
-        Some([resolved(velocity), resolved(acceleration)])
+        let direction = column(&pair.b.triad, i - 1);
+        Some(relative.map(|rate| dot(rate, direction)))
     }
 
     /// The gradient of this angle with respect to the relative rotation of the nodes, global components: its product with
@@ -367,14 +465,22 @@ impl Measure {
     /// two is known; the first takes all.
     pub(crate) fn winding_axis<R: Real>(self, pair: &Pair<R>) -> Option<Vector<R>> {
         const LOCK: (i32, i32) = (1, 1000);
+        let lock = R::ratio(LOCK.0, LOCK.1);
         let (first_axis, third_axis, is_first) = match self {
             Self::Cardan(i @ (1 | 3)) => (column(&pair.a.triad, 0), column(&pair.b.triad, 2), i == 1),
             Self::Euler(i @ (1 | 3)) => (column(&pair.a.triad, 2), column(&pair.b.triad, 2), i == 1),
+            Self::Torsion => {
+                let (shaft_a, shaft_b) = (column(&pair.a.triad, 2), column(&pair.b.triad, 2));
+                let rest = R::integer(1) + dot(shaft_a, shaft_b);
+                let both = add(shaft_a, shaft_b);
+                let shared = || scale(both, R::integer(1) / rest);
+                return Some(R::choose(lock.less(rest), shared, || shaft_a));
+            }
             _ => return None,
         };
         let (own, other) = if is_first { (first_axis, third_axis) } else { (third_axis, first_axis) };
         let across = sub(own, scale(other, dot(own, other)));
         let locked = if is_first { own } else { [R::integer(0); 3] };
-        Some(R::choose(R::ratio(LOCK.0, LOCK.1).less(norm(across)), || R::inverted(across), || locked))
+        Some(R::choose(lock.less(norm(across)), || R::inverted(across), || locked))
     }
 }

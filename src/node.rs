@@ -334,18 +334,17 @@ impl<R: Real> Pair<R> {
     /// ρ̈ = α_b − α_a − ω_a × w. They are formed from differences of nodal rates, so that a common rigid motion cancels.
     pub fn relative_rates(&self, velocity: &NodalRates<R>, acceleration: &NodalRates<R>) -> RelativeRates<R> {
         let part = |rates: &NodalRates<R>, at: usize| [rates[at], rates[at + 1], rates[at + 2]];
-        let difference = |rates: &NodalRates<R>, a: usize, b: usize| sub(part(rates, b), part(rates, a));
         let separation = self.separation();
         let spin_a = part(velocity, THETA_A);
-        let v = difference(velocity, XA, XB);
-        let w = difference(velocity, THETA_A, THETA_B);
+        let v = rate_difference(velocity, XA, XB);
+        let w = rate_difference(velocity, THETA_A, THETA_B);
         let carried = cross(spin_a, separation);
         let first = sub(v, carried);
         let second = sub(
-            sub(difference(acceleration, XA, XB), cross(part(acceleration, THETA_A), separation)),
+            sub(rate_difference(acceleration, XA, XB), cross(part(acceleration, THETA_A), separation)),
             sub(scale(cross(spin_a, v), R::integer(2)), cross(spin_a, carried)),
         );
-        let turning = sub(difference(acceleration, THETA_A, THETA_B), cross(spin_a, w));
+        let turning = sub(rate_difference(acceleration, THETA_A, THETA_B), cross(spin_a, w));
         RelativeRates {
             translation: [first, second],
             rotation: [w, turning],
@@ -384,4 +383,25 @@ pub(crate) fn spin<R: Real>(rates: &NodalRates<R>, end: End) -> Vector<R> {
         End::B => THETA_B,
     };
     [rates[at], rates[at + 1], rates[at + 2]]
+}
+
+/// ω_b − ω_a and α_b − α_a.
+pub(crate) fn relative_spin<R: Real>(
+    velocity: &NodalRates<R>,
+    acceleration: &NodalRates<R>,
+) -> [Vector<R>; 2] {
+    [velocity, acceleration].map(|rates| rate_difference(rates, THETA_A, THETA_B))
+}
+
+/// v_b − v_a and a_b − a_a.
+pub(crate) fn relative_translation<R: Real>(
+    velocity: &NodalRates<R>,
+    acceleration: &NodalRates<R>,
+) -> [Vector<R>; 2] {
+    [velocity, acceleration].map(|rates| rate_difference(rates, XA, XB))
+}
+
+/// Three of the rates of b minus those of a.
+fn rate_difference<R: Real>(rates: &NodalRates<R>, a: usize, b: usize) -> Vector<R> {
+    sub([rates[b], rates[b + 1], rates[b + 2]], [rates[a], rates[a + 1], rates[a + 2]])
 }

@@ -13,8 +13,8 @@
 //! assert_eq!(phi.map(|p| p.eps), [1.0, 2.0, 3.0]);
 //! ```
 
-use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm, sqrt};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm, recip, sin_cos, sqrt};
+use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
 
 /// A quaternion (w, x, y, z), scalar part first.
@@ -71,19 +71,67 @@ pub fn normalize<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
     [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
 }
 
-/// The unit quaternion of a rotation matrix, w ≥ 0, from the largest of 1 + tr R and 1 + 2 R_ii − tr R.
+/// The unit quaternion of a rotation matrix, w ≥ 0.
+///
+/// The real part comes from 1 + tr R below a right angle, else from the largest 1 + 2 R_ii − tr R; derivatives from
+/// R = exp(δ^) R₀, δ nilpotent, as exp(δ/2) q₀. Taken through the real formulas they would be sums of large terms that cancel.
 #[inline(always)]
 pub fn quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
-    let trace = r[0][0] + r[1][1] + r[2][2];
-    S::Real::choose(
-        S::Real::integer(0).less(trace.real()),
+    let r0 = [vector::real(r[0]), vector::real(r[1]), vector::real(r[2])];
+    let one = S::Real::integer(1);
+    let trace = r0[0][0] + r0[1][1] + r0[2][2];
+    let q0 = S::Real::choose(
+        one.less(trace),
         || {
-            let half = S::Real::ratio(1, 2);
-            let [x, y, z] = times(twice_axial(r), inverse_sqrt(S::one() + trace).scale(half));
-            [sqrt(S::one() + trace).scale(half), x, y, z]
+            let root = (one + trace).square_root();
+            let [x, y, z] = scale(twice_axial(&r0), S::Real::ratio(1, 2) / root);
+            [root * S::Real::ratio(1, 2), x, y, z]
         },
-        || beyond_right_angle(r),
-    )
+        || beyond_right_angle(&r0),
+    );
+    if S::ORDER == 0 { constant(q0) } else { compose_real(nilpotent_rotation(r, &r0), q0) }
+}
+
+/// exp(δ/2) of the nilpotent δ in R = exp(δ^) R₀.
+///
+/// With s = sin|δ| δ/|δ|, half the axial vector of R R₀ᵀ, and σ = s·s: (1 − σ/8 − 5σ²/128, (1 + σ/8) s/2).
+#[inline(always)]
+fn nilpotent_rotation<S: Scalar>(r: &Matrix<S>, r0: &Matrix<S::Real>) -> Quaternion<S> {
+    let e = r.map(|row| row.map(Scalar::nilpotent));
+    let component = |i: usize, j: usize| dot_real(r0[i], e[j]) - dot_real(r0[j], e[i]);
+    let ratio = S::Real::ratio;
+    let s = scale([component(1, 2), component(2, 0), component(0, 1)], ratio(1, 2));
+    let mut w = S::one();
+    let mut v = scale(s, ratio(1, 2));
+    if S::ORDER > 1 {
+        let square = dot(s, s);
+        w = w - square.scale(ratio(1, 8));
+        if S::ORDER > 2 {
+            v = times(v, S::one() + square.scale(ratio(1, 8)));
+        }
+        if S::ORDER > 3 {
+            w = w - (square * square).scale(ratio(5, 128));
+        }
+    }
+    [w, v[0], v[1], v[2]]
+}
+
+/// The constant q.
+#[inline(always)]
+fn constant<S: Scalar>(q: Quaternion<S::Real>) -> Quaternion<S> {
+    [S::from_real(q[0]), S::from_real(q[1]), S::from_real(q[2]), S::from_real(q[3])]
+}
+
+/// The product p q with a constant q.
+#[inline(always)]
+fn compose_real<S: Scalar>(p: Quaternion<S>, q: Quaternion<S::Real>) -> Quaternion<S> {
+    let c = |i: usize, j: usize| p[i].scale(q[j]);
+    [
+        c(0, 0) - c(1, 1) - c(2, 2) - c(3, 3),
+        c(0, 1) + c(1, 0) + c(2, 3) - c(3, 2),
+        c(0, 2) + c(2, 0) + c(3, 1) - c(1, 3),
+        c(0, 3) + c(3, 0) + c(1, 2) - c(2, 1),
+    ]
 }
 
 /// (R₃₂ − R₂₃, R₁₃ − R₃₁, R₂₁ − R₁₂) = 2 sin|φ| φ/|φ|.
@@ -94,26 +142,25 @@ fn twice_axial<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
 
 /// The quaternion, w ≥ 0, of a rotation by more than about a right angle, from its largest diagonal entry.
 #[inline(always)]
-fn beyond_right_angle<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
-    let d = [r[0][0].real(), r[1][1].real(), r[2][2].real()];
-    let q = S::Real::choose(
+fn beyond_right_angle<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
+    let d = [r[0][0], r[1][1], r[2][2]];
+    let q = R::choose(
         d[0].less(d[1]),
-        || S::Real::choose(d[1].less(d[2]), || from_pivot::<S, 2>(r), || from_pivot::<S, 1>(r)),
-        || S::Real::choose(d[0].less(d[2]), || from_pivot::<S, 2>(r), || from_pivot::<S, 0>(r)),
+        || R::choose(d[1].less(d[2]), || from_pivot::<R, 2>(r), || from_pivot::<R, 1>(r)),
+        || R::choose(d[0].less(d[2]), || from_pivot::<R, 2>(r), || from_pivot::<R, 0>(r)),
     );
     upper_half(q)
 }
 
 /// (w, v) from the diagonal entry I: 4 v_I² = 1 + R_II − R_JJ − R_KK, I, J, K cyclic.
 #[inline(always)]
-fn from_pivot<S: Scalar, const I: usize>(r: &Matrix<S>) -> Quaternion<S> {
+fn from_pivot<R: Real, const I: usize>(r: &Matrix<R>) -> Quaternion<R> {
     let (j, k) = ((I + 1) % 3, (I + 2) % 3);
-    let pivot = S::one() + r[I][I] - r[j][j] - r[k][k];
-    let half = S::Real::ratio(1, 2);
-    let f = inverse_sqrt(pivot).scale(half);
-    let mut q = [S::zero(); 4];
+    let root = (R::integer(1) + r[I][I] - r[j][j] - r[k][k]).square_root();
+    let f = R::ratio(1, 2) / root;
+    let mut q = [R::integer(0); 4];
     q[0] = (r[k][j] - r[j][k]) * f;
-    q[1 + I] = sqrt(pivot).scale(half);
+    q[1 + I] = root * R::ratio(1, 2);
     q[1 + j] = (r[I][j] + r[j][I]) * f;
     q[1 + k] = (r[I][k] + r[k][I]) * f;
     q
@@ -149,7 +196,7 @@ pub fn log<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
             times(twice_axial(r), k.scale(S::Real::ratio(1, 4)))
         },
         || {
-            let [w, x, y, z] = beyond_right_angle(r);
+            let [w, x, y, z] = quaternion(r);
             times([x, y, z], w.lift(&S::Real::log_series(w.real(), S::ORDER)))
         },
     )
@@ -218,34 +265,16 @@ fn continue_from_quaternion<S: Scalar>(
         },
         || nearest_turn::<S>(principal, along, turn),
     );
-    let minus_one = S::Real::integer(-1);
     let phi = S::Real::choose(
         zero.less(k.magnitude()),
         || {
             S::Real::choose(
                 zero.less(lateral),
                 || {
-                    // On the sheet k = −1 away from the identity, −K(−w) v needs no sum.
                     S::Real::choose(
-                        minus_one.less(k),
+                        w.real().less(S::Real::ratio(4, 5)),
+                        || times(v, w.lift(&turned_series(w.real(), k, S::ORDER))),
                         || along_direction::<S>(v, principal, k),
-                        || {
-                            S::Real::choose(
-                                k.less(minus_one),
-                                || along_direction::<S>(v, principal, k),
-                                || {
-                                    S::Real::choose(
-                                        w.real().less(S::Real::ratio(4, 5)),
-                                        || {
-                                            let opposite = -w;
-                                            let series = S::Real::log_series(opposite.real(), S::ORDER);
-                                            times(v, -opposite.lift(&series))
-                                        },
-                                        || along_direction::<S>(v, principal, k),
-                                    )
-                                },
-                            )
-                        },
                     )
                 },
                 || {
@@ -267,6 +296,27 @@ fn nearest_turn<S: Scalar>(principal: Vector<S>, along: S::Real, turn: S::Real) 
     let (_, angle) = S::Real::direction_and_norm(vector::real(principal));
     let turns = (along - angle) / turn;
     (turns - turns * S::Real::ratio(1, i32::MAX)).nearest_integer()
+}
+
+/// The Taylor coefficients of K_k(c) = (2 acos c + 2πk)/√(1 − c²) at 0 ≤ c < 1: on the sheet k, φ = K_k(w) v.
+///
+/// (1 − c²) K′ = c K − 2 holds on every sheet. Away from whole turns this needs no sum of two vectors.
+fn turned_series<R: Real>(c: R, k: R, order: usize) -> Series<R> {
+    let one = R::integer(1);
+    let rest = (one - c) * (one + c);
+    let sine = rest.square_root();
+    let half_angle = sine.arctangent(c);
+    let mut series = [R::integer(0); MAX_ORDER + 1];
+    series[0] = R::with_turns(half_angle + half_angle, k) / sine;
+    if order > 0 {
+        series[1] = (c * series[0] - R::integer(2)) / rest;
+    }
+    for n in 1..order {
+        let m = n as i32;
+        let sum = R::integer(2 * m + 1) * c * series[n] + R::integer(m) * series[n - 1];
+        series[n + 1] = sum / (R::integer(m + 1) * rest);
+    }
+    series
 }
 
 /// φ_p + 2πk v/|v|.
@@ -347,4 +397,73 @@ pub fn euler_angle<S: Scalar>(r: &Matrix<S>, s: S::Real, which: usize) -> S {
         2 => atan2(norm([r[0][2], r[1][2]]), r[2][2]).scale(s),
         _ => atan2(signed(r[2][0]), signed(r[2][1])),
     }
+}
+
+/// α in [0, π], the angle between the third directions: the flexion of FLEXION-TORSION. A kink at 0 and π.
+#[inline(always)]
+pub fn flexion<S: Scalar>(r: &Matrix<S>) -> S {
+    atan2(norm([r[0][2], r[1][2]]), r[2][2])
+}
+
+/// θ in (−π, π], the direction of the axis of flexion q = cos θ e1a + sin θ e2a (decision D-16). It does not exist without
+/// flexion.
+#[inline(always)]
+pub fn sweep<S: Scalar>(r: &Matrix<S>) -> S {
+    atan2(r[0][2], S::zero() - r[1][2])
+}
+
+/// β in [−π, π], the torsion about the third directions: with R = Rz(φ) Ry(α) Rz(ψ), β = φ + ψ.
+///
+/// 2 atan(z/w) of the quaternion, which is −tan⁻¹((R₁₂ − R₂₁)/(R₁₁ + R₂₂)) of connection type FLEXION-TORSION, and is regular up
+/// to α = π.
+#[inline(always)]
+pub fn torsion<S: Scalar>(r: &Matrix<S>) -> S {
+    let [w, _, _, z] = quaternion(r);
+    atan2(z, w).scale(S::Real::integer(2))
+}
+
+/// The quaternion (cos α/2 cos β/2, −sin α/2 sin χ, sin α/2 cos χ, cos α/2 sin β/2), χ = (φ − ψ)/2, of R = Rz(φ) Ry(α) Rz(ψ) on the
+/// sheet where β has made `turns` whole turns: each turns the sign, since the directions midway follow β/2.
+#[inline(always)]
+fn quaternion_on_sheet<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> Quaternion<S> {
+    let half = turns * S::Real::ratio(1, 2);
+    let odd = (half - half.nearest_integer()).magnitude(); // ½ for an odd number of turns, else 0
+    let sign = S::Real::integer(1) - S::Real::integer(4) * odd;
+    quaternion(r).map(|part| part.scale(sign))
+}
+
+/// α_1 and α_2, the flexion α about q resolved in the directions e1, e2 midway between a and b; β has made `turns` turns.
+///
+/// With the quaternion (w, x, y, z) and K(c) = 2 acos(c)/√(1 − c²) at c = cos α/2 = |(w, z)|: (α_1, α_2) = K (x, y), regular without
+/// flexion, singular at α = π.
+#[inline(always)]
+pub fn component_flexions<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> [S; 2] {
+    let [w, x, y, z] = quaternion_on_sheet(r, turns);
+    let cosine = norm([w, z]);
+    let k = cosine.lift(&S::Real::log_series(cosine.real(), S::ORDER));
+    [x * k, y * k]
+}
+
+/// The directions e1, e2, e3 midway between a and b as columns, components along e_i^a: Rz(φ) Ry(α/2) Rz((ψ − φ)/2).
+///
+/// e3 = (e3a + e3b)/|e3a + e3b|; e1, e2 lie at half the torsion β, of which `turns` are whole. Symmetric in a and b; singular at
+/// α = π (connection type PROJECTION FLEXION-TORSION; decision D-17).
+#[inline(always)]
+pub fn mid_frame<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> Matrix<S> {
+    let [w, x, y, z] = quaternion_on_sheet(r, turns);
+    // From here β/2 is the angle of (w, z) on this sheet, plus whole turns that β/4 counts as halves.
+    let [principal_w, _, _, principal_z] = quaternion(r);
+    let principal = atan2(principal_z, principal_w);
+    let quarter =
+        principal.scale(S::Real::ratio(1, 2)) + S::from_real(turns * S::Real::pi() * S::Real::ratio(1, 2));
+    let (sine, cosine) = sin_cos(quarter);
+    let half = S::Real::ratio(1, 2);
+    let cos_quarter_flexion = sqrt((S::one() + norm([w, z])).scale(half));
+    let shrink = recip(cos_quarter_flexion).scale(half); // sin(α/4)/sin(α/2)
+    matrix([
+        cos_quarter_flexion * cosine,
+        (x * cosine - y * sine) * shrink,
+        (y * cosine + x * sine) * shrink,
+        cos_quarter_flexion * sine,
+    ])
 }

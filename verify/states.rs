@@ -550,12 +550,13 @@ pub(crate) fn exact_state<R: Real>(state: &State<f64>) -> State<R> {
 
 /// The same branch on another real number.
 pub(crate) fn exact_branch<R: Real>(branch: &Branch<f64>) -> Branch<R> {
-    let turns = branch.turns.map(|t| pintle::connector::Turns {
+    let exact = |t: pintle::connector::Turns<f64>| pintle::connector::Turns {
         turns: R::from_f64(t.turns),
         principal: R::from_f64(t.principal),
-    });
+    };
     Branch {
-        turns,
+        turns: branch.turns.map(exact),
+        torsion: exact(branch.torsion),
         rotation_vector: vector::exact(branch.rotation_vector),
         euler_sign: R::from_f64(branch.euler_sign),
         accumulated: R::from_f64(branch.accumulated),

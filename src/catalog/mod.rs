@@ -191,6 +191,8 @@ pub struct Half {
     pub planar: Availability,
     /// Where it can be used in three dimensions.
     pub availability: Availability,
+    /// What it becomes in a Standard analysis, where that is another type.
+    pub in_standard: Option<&'static Half>,
     /// The forces or moments in words, with the manual's symbols.
     pub forces: &'static str,
     /// Predefined friction when used by itself.
@@ -323,11 +325,33 @@ impl ConnectionType {
             ([Some(t), None], [None, Some(r)]) | ([None, Some(r)], [Some(t), None]) => (t, r),
             _ => return Err(NameError::Pair { first: one.name.to_string(), second: other.name.to_string() }),
         };
+        Ok(Self::pair(translational, rotational))
+    }
+
+    /// The type that a basic pair makes: the assembled type of the same halves, if there is one.
+    fn pair(translational: &'static Half, rotational: &'static Half) -> Self {
         let equal = TABLE.iter().find(|entry| entry.halves == [Some(translational), Some(rotational)]);
-        Ok(equal.cloned().unwrap_or_else(|| {
+        equal.cloned().unwrap_or_else(|| {
             let name = Cow::Owned(format!("{} + {}", translational.name, rotational.name));
             Self::joined(name, translational, rotational, None, [translational.source, rotational.source])
-        }))
+        })
+    }
+
+    /// What the type becomes in a Standard analysis, where that is another one: ACCELEROMETER becomes CARTESIAN (decision
+    /// D-25).
+    ///
+    /// ```
+    /// use pintle::catalog::ConnectionType;
+    /// let accelerometer = ConnectionType::named("ACCELEROMETER", None).unwrap();
+    /// assert_eq!(accelerometer.in_standard().unwrap().name, "CARTESIAN");
+    /// ```
+    pub fn in_standard(&self) -> Option<Self> {
+        let [translational, rotational] = self.halves;
+        let becomes = translational?.in_standard?;
+        Some(match rotational {
+            Some(rotational) => Self::pair(becomes, rotational),
+            None => Self::basic(becomes),
+        })
     }
 
     fn find(name: &str) -> Result<&'static Self, NameError> {

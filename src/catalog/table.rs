@@ -10,8 +10,9 @@ use super::{
     OrientationRule,
 };
 use crate::measure::Measure::{
-    Cardan, Cosine, Distance, Euler, Flow, FlowConversion, Misalignment, Position, RotationVector,
-    RotationVectorAtB, Strain,
+    Cardan, ComponentFlexion, Cosine, Distance, Euler, Flexion, Flow, FlowConversion, Misalignment, Position,
+    PositionAtB, ProjectedPosition, RadialDistance, RotationVector, RotationVectorAtB, Strain, Sweep,
+    Torsion,
 };
 use std::borrow::Cow;
 
@@ -34,6 +35,7 @@ const TRANSLATIONAL: Half = Half {
     orientation: [rule(Required, D), rule(Ignored, D)],
     planar: Always,
     availability: Always,
+    in_standard: None,
     forces: "",
     friction: None,
     stops: true,
@@ -45,6 +47,21 @@ const ROTATIONAL: Half = Half {
     class: Class::BasicRotational,
     orientation: [rule(Required, D), rule(Optional, D)],
     planar: Never,
+    ..TRANSLATIONAL
+};
+
+static ACCELEROMETER: Half = Half {
+    name: "ACCELEROMETER",
+    slots: [Measured(PositionAtB(1)), Measured(PositionAtB(2)), Measured(PositionAtB(3))],
+    orientation: [rule(Optional, P), rule(Optional, P)],
+    planar: Never,
+    availability: ExplicitOnly,
+    in_standard: Some(&CARTESIAN),
+    forces: "none",
+    stops: false,
+    source: "connection type ACCELEROMETER, Description (decision D-25)",
+    note: "Output only: v_i = (v_b − v_a)·eib, a_i = (a_b − a_a)·eib, which are not time derivatives of u_i. In a Standard analysis \
+           it is CARTESIAN.",
     ..TRANSLATIONAL
 };
 
@@ -85,6 +102,31 @@ static LINK: Half = Half {
     stops: false,
     source: "connection type components, LINK (one line); the rest ours",
     note: "Needs a length: nodes that coincide initially have no direction to hold.",
+    ..TRANSLATIONAL
+};
+
+static PROJECTION_CARTESIAN: Half = Half {
+    name: "PROJECTION CARTESIAN",
+    slots: [
+        Available(ProjectedPosition(1)),
+        Available(ProjectedPosition(2)),
+        Available(ProjectedPosition(3)),
+    ],
+    orientation: [rule(Required, P), rule(Optional, P)],
+    forces: "f = f1 e1 + f2 e2 + f3 e3",
+    source: "connection type PROJECTION CARTESIAN, Description (decision D-17)",
+    note: "The directions e1, e2, e3 lie midway between those of a and b; forces load the rotations of both nodes.",
+    ..TRANSLATIONAL
+};
+
+static RADIAL_THRUST: Half = Half {
+    name: "RADIAL-THRUST",
+    slots: [Available(RadialDistance), Absent, Available(Position(3))],
+    orientation: [rule(Required, D), rule(Ignored, P)],
+    planar: Never,
+    forces: "f = f1 er + f3 e3a, er = ((e1a·d) e1a + (e2a·d) e2a)/r",
+    source: "connection type RADIAL-THRUST, Description and Summary",
+    note: "A single radial spring: nothing holds b tangentially but f1/r.",
     ..TRANSLATIONAL
 };
 
@@ -141,6 +183,16 @@ static CARDAN: Half = Half {
     ..ROTATIONAL
 };
 
+static CONSTANT_VELOCITY: Half = Half {
+    name: "CONSTANT VELOCITY",
+    slots: [Absent, Constrained(Torsion, Held), Absent],
+    forces: "m = m2 (e3a + e3b)/(1 + e3a·e3b)",
+    stops: false,
+    source: "connection type CONSTANT VELOCITY, Description (decision D-8)",
+    note: "The shafts are e3a and e3b. The printed angle B is −β: it stays constant.",
+    ..ROTATIONAL
+};
+
 static EULER: Half = Half {
     name: "EULER",
     slots: [Available(Euler(1)), Available(Euler(2)), Available(Euler(3))],
@@ -148,6 +200,16 @@ static EULER: Half = Half {
     forces: "m1 = M·e3a, m2 = M·(cos α e1a + sin α e2a), m3 = M·e3b",
     source: "connection type EULER, Description; β = ± acos(e3a·e3b) + 2jπ where the page prints + jπ (decision D-3)",
     note: "Locks where e3a and e3b are parallel: give b an orientation of its own.",
+    ..ROTATIONAL
+};
+
+static FLEXION_TORSION: Half = Half {
+    name: "FLEXION-TORSION",
+    slots: [Available(Flexion), Available(Torsion), Available(Sweep)],
+    orientation: [rule(Required, P), rule(Optional, P)],
+    forces: "m = m1 q + m2 (e3a + e3b)/(1 + c) + m3 (e3a − c e3b)/sin²α, c = e3a·e3b",
+    source: "connection type FLEXION-TORSION, Description; formulas ours (decision D-16)",
+    note: "The sweep is meant as an independent variable of the behaviour: it does not exist without flexion.",
     ..ROTATIONAL
 };
 
@@ -161,6 +223,15 @@ static FLOW_CONVERTER: Half = Half {
     stops: false,
     source: "connection type FLOW-CONVERTER, Description; seed RETRACTOR, Summary (decisions D-9, D-28)",
     note: "Positive from a minus b, opposite to every other rotation; degree of freedom 10 at b must be restrained.",
+    ..ROTATIONAL
+};
+
+static PROJECTION_FLEXION_TORSION: Half = Half {
+    name: "PROJECTION FLEXION-TORSION",
+    slots: [Available(ComponentFlexion(1)), Available(ComponentFlexion(2)), Available(Torsion)],
+    forces: "for moderate flexion m = m1 e1 + m2 e2 + m3 e3",
+    source: "connection type PROJECTION FLEXION-TORSION, Description; formulas ours",
+    note: "Regular without flexion, unlike FLEXION-TORSION; the directions e1, e2, e3 lie midway between those of a and b.",
     ..ROTATIONAL
 };
 
@@ -212,21 +283,35 @@ static UNIVERSAL: Half = Half {
 
 /// Every connection type: basic translational, basic rotational, assembled, complex; alphabetical within each.
 pub static TABLE: &[ConnectionType] = &[
+    ConnectionType::basic(&ACCELEROMETER),
     ConnectionType::basic(&AXIAL),
     ConnectionType::basic(&CARTESIAN),
     ConnectionType::basic(&JOIN),
     ConnectionType::basic(&LINK),
+    ConnectionType::basic(&PROJECTION_CARTESIAN),
+    ConnectionType::basic(&RADIAL_THRUST),
     ConnectionType::basic(&SLIDE_PLANE),
     ConnectionType::basic(&SLOT),
     ConnectionType::basic(&ALIGN),
     ConnectionType::basic(&CARDAN),
+    ConnectionType::basic(&CONSTANT_VELOCITY),
     ConnectionType::basic(&EULER),
+    ConnectionType::basic(&FLEXION_TORSION),
     ConnectionType::basic(&FLOW_CONVERTER),
+    ConnectionType::basic(&PROJECTION_FLEXION_TORSION),
     ConnectionType::basic(&REVOLUTE),
     ConnectionType::basic(&ROTATION),
     ConnectionType::basic(&ROTATION_ACCELEROMETER),
     ConnectionType::basic(&UNIVERSAL),
     ConnectionType::assembled("BEAM", &JOIN, &ALIGN, None, "connection type BEAM"),
+    ConnectionType::assembled(
+        "BUSHING",
+        &PROJECTION_CARTESIAN,
+        &PROJECTION_FLEXION_TORSION,
+        None,
+        "connection type BUSHING, Description and Summary",
+    ),
+    ConnectionType::assembled("CVJOINT", &JOIN, &CONSTANT_VELOCITY, None, "connection type CVJOINT"),
     ConnectionType::assembled(
         "CYLINDRICAL",
         &SLOT,

@@ -65,7 +65,22 @@ impl Model {
             let connection = match types.get(&element.section) {
                 Some(known) => known,
                 None => {
-                    let resolved = resolve(section).map_err(|error| error.in_file(&scene.name))?;
+                    let mut resolved = resolve(section).map_err(|error| error.in_file(&scene.name))?;
+                    if let (Some(Solver::Standard), Some(other)) = (scene.solver, resolved.in_standard()) {
+                        let message = format!("{} is {} in a Standard analysis", resolved.name, other.name);
+                        let place = section.type_names.first().map_or(section.span, |name| name.span);
+                        model.warnings.push(
+                            Diagnostic::warning(
+                                Code::ConvertedInStandard,
+                                place,
+                                message,
+                                "evaluated as such",
+                            )
+                            .help(format!("write {}, or use a *DYNAMIC, EXPLICIT step", other.name))
+                            .in_file(&scene.name),
+                        );
+                        resolved = other;
+                    }
                     types.entry(element.section).or_insert(resolved)
                 }
             };

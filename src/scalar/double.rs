@@ -69,7 +69,8 @@ impl Real for f64 {
 
     #[inline(always)]
     fn reciprocal_or_zero(self) -> Self {
-        if self == 0.0 { 0.0 } else { 1.0 / self }
+        let inverse = 1.0 / self;
+        if inverse.is_infinite() { 0.0 } else { inverse }
     }
 
     type Mask = bool;
@@ -105,7 +106,8 @@ impl Real for f64 {
     #[inline(always)]
     fn inverted<const N: usize>(v: [Self; N]) -> [Self; N] {
         let Some((scale, square)) = scaled_square(v) else { return [0.0; N] };
-        v.map(|x| x * scale / square * scale)
+        let inverted = v.map(|x| x * scale / square * scale);
+        if inverted.iter().all(|x| x.is_finite()) { inverted } else { [0.0; N] }
     }
 
     #[inline(always)]

@@ -126,6 +126,7 @@ codes! {
     FrictionNotPredefined = "rule::friction-not-predefined": "Predefined friction for a connection type that has none.";
     FrictionParameters = "rule::friction-parameters": "More or fewer parameters of predefined friction than the connection type takes.";
     SectionDataUnused = "rule::section-data-unused": "Section data for a connection type that takes none, or less.";
+    ConvertedInStandard = "rule::converted-in-standard": "The connection type is another one in a Standard analysis, and is evaluated as such. A warning.";
     CoincidentNodes = "rule::coincident-nodes": "A length or direction is needed, and the nodes coincide initially.";
 
     StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
