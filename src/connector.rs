@@ -6,7 +6,7 @@
 //! [`Connector::advance`] never changes the one it starts from.
 
 use crate::catalog::{Condition, ConnectionType, Slot};
-use crate::measure::{History, Margin, Measure, Section, Shared, Unit};
+use crate::measure::{History, Margin, Measure, Section, Shared, SingularClass, Unit};
 use crate::node::{
     self, DOF_NUMBER, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates,
 };
@@ -982,20 +982,24 @@ impl<R> Evaluation<R> {
 #[serde(tag = "flag", rename_all = "kebab-case")]
 pub enum Flag {
     /// The state lies on a singular set: derivatives named there do not exist, and are reported as zero or along the
-    /// direction kept.
+    /// direction kept; at a true singularity the value is not determined either.
     Singular {
         /// The component.
         component: &'static str,
         /// The set.
         at: &'static str,
+        /// What happens there.
+        class: SingularClass,
     },
-    /// The state is so close to a singular set that derivatives lose digits: the relative error grows like u divided by the
-    /// distance.
+    /// The state is so close to a singular set that derivatives lose digits, and at a true singularity the value too: the
+    /// relative error grows like u divided by the distance.
     IllConditioned {
         /// The component.
         component: &'static str,
         /// The set.
         at: &'static str,
+        /// What happens there.
+        class: SingularClass,
         /// The distance to it.
         distance: f64,
     },
@@ -1068,17 +1072,13 @@ impl Connector<f64> {
         // The components of one kind of measure share their singular set.
         let mut known: Vec<(Discriminant<Measure>, f64)> = Vec::new();
         let mut of = |measure: Measure| {
-            let set = measure.singular_set()?;
             let kind = mem::discriminant(&measure);
-            let distance = match known.iter().find(|(seen, _)| *seen == kind) {
-                Some((_, distance)) => *distance,
-                None => {
-                    let distance = measure.margin(&relative, &self.section, &history)?.distance;
-                    known.push((kind, distance));
-                    distance
-                }
-            };
-            Some(Margin { distance, set })
+            if let Some((_, distance)) = known.iter().find(|(seen, _)| *seen == kind) {
+                return Some(Margin { distance: *distance, set: measure.singular_set()? });
+            }
+            let margin = measure.margin(&relative, &self.section, &history)?;
+            known.push((kind, margin.distance));
+            Some(margin)
         };
         [0, 1, 2, 3, 4, 5].map(|k| {
             let row = self.rows[k].filter(|_| wanted[k])?;
@@ -1103,9 +1103,9 @@ impl Connector<f64> {
             let component = crate::catalog::COMPONENT[k];
             let Some(Margin { distance, set }) = *margin else { continue };
             if distance == 0.0 {
-                flags.push(Flag::Singular { component, at: set.at });
+                flags.push(Flag::Singular { component, at: set.at, class: set.class });
             } else if distance < ILL_CONDITIONED {
-                flags.push(Flag::IllConditioned { component, at: set.at, distance });
+                flags.push(Flag::IllConditioned { component, at: set.at, class: set.class, distance });
             }
         }
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);

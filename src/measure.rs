@@ -244,9 +244,12 @@ impl Measure {
     pub const fn singular_set(self) -> Option<SingularSet> {
         let (at, class, distance, unit) = match self {
             Self::Distance => ("coincident nodes, d = 0", SingularClass::Kink, "|d|", Unit::Length),
-            Self::Strain => {
-                ("d = 0, or no material left", SingularClass::Kink, "min(|d|, l0 + Ψa − Ψb)", Unit::Length)
-            }
+            Self::Strain => (
+                "no material left, l0 + Ψa − Ψb ≤ 0 (kink at d = 0)",
+                SingularClass::TrueSingularity,
+                "min(|d|, l0 + Ψa − Ψb)",
+                Unit::Length,
+            ),
             Self::Cardan(1 | 3) => {
                 ("β = ±π/2 (lock)", SingularClass::TrueSingularity, "π/2 − |β|", Unit::Angle)
             }
@@ -281,12 +284,19 @@ impl Measure {
         section: &Section<f64>,
         history: &History<f64>,
     ) -> Option<Margin> {
-        let set = self.singular_set()?;
+        let mut set = self.singular_set()?;
         let q = &relative.q;
         let distance = match self {
             Self::Distance => norm(relative.d),
             Self::Strain => {
-                norm(relative.d).min(section.initial_length + relative.flow[0] - relative.flow[1]).max(0.0)
+                let (length, material) = (
+                    norm(relative.d),
+                    (section.initial_length + relative.flow[0] - relative.flow[1]).max(0.0),
+                );
+                if length < material {
+                    (set.at, set.class) = ("coincident nodes, d = 0", SingularClass::Kink);
+                }
+                length.min(material)
             }
             Self::Cardan(_) => norm([q[1][2], q[2][2]]).atan2(q[0][2].abs()),
             Self::Euler(_) => norm([q[0][2], q[1][2]]).atan2(q[2][2].abs()),

@@ -28,6 +28,9 @@ pub struct Human<'w> {
     scenes: u64,
 }
 
+/// What is smaller than this, in comparison with the largest number of its table, is shown with four digits at most: it is
+/// rounding, or nearly so, and its size says all.
+const NEGLIGIBLE: f64 = 1e-10;
 /// Blanks between columns.
 const GAP: usize = 2;
 /// Blanks before rows.
@@ -45,11 +48,11 @@ impl<'w> Human<'w> {
         number(value, self.style.digits)
     }
 
-    fn value(&self, value: Value) -> String {
-        match value {
-            Value::Stop(status) => status.flag().to_string(),
-            other => self.number(other.number()),
-        }
+    /// A number beside others of size `largest`: four digits are enough of what is next to nothing in comparison.
+    fn beside(&self, value: f64, largest: f64) -> String {
+        let digits =
+            if value.abs() < NEGLIGIBLE * largest { self.style.digits.min(4) } else { self.style.digits };
+        number(value, digits)
     }
 
     /// Columns side by side behind a label, as many as fit, the rest below in the same way.
@@ -115,11 +118,16 @@ impl<'w> Human<'w> {
             })
             .map(|label| layout::left(&label, NAMES - INDENT))
             .collect();
+        let largest = largest(block.rows.iter().flat_map(|row| row.values).flatten().map(Value::number));
         let columns: Vec<(String, Vec<String>)> = block
             .outputs()
             .into_iter()
             .map(|output| {
-                let cell = |value: Option<Value>| value.map(|value| self.value(value)).unwrap_or_default();
+                let cell = |value: Option<Value>| match value {
+                    None => String::new(),
+                    Some(Value::Stop(status)) => status.flag().to_string(),
+                    Some(value) => self.beside(value.number(), largest),
+                };
                 let texts = block.rows.iter().map(|row| cell(row.values[output as usize])).collect();
                 (heading(output).to_string(), texts)
             })
@@ -139,6 +147,7 @@ impl<'w> Human<'w> {
         if shown.is_empty() {
             return writeln!(self.out, "  Jacobian: every entry is 0");
         }
+        let largest = largest(block.derivatives.iter().flat_map(|row| row.gradient.iter().copied()));
         for group in shown.chunk_by(|i, j| block.columns[*i].role == block.columns[*j].role) {
             let Some(first) = group.first().map(|j| &block.columns[*j]) else { continue };
             let title = format!("  node {} ({})", first.node, first.role);
@@ -147,7 +156,7 @@ impl<'w> Human<'w> {
                 .map(|j| {
                     let entry = |row: &Derivative| match row.gradient[*j] {
                         0.0 => "·".to_string(),
-                        entry => self.number(entry),
+                        entry => self.beside(entry, largest),
                     };
                     (format!("∂{}", block.columns[*j].name), block.derivatives.iter().map(entry).collect())
                 })
@@ -170,15 +179,17 @@ impl<'w> Human<'w> {
 
     fn hessian(&mut self, block: &Block<'_>) -> io::Result<()> {
         let mut entries = Vec::new();
+        let all = block.derivatives.iter().flat_map(|row| row.hessian.iter().flatten().flatten());
+        let largest = largest(all.copied());
         for row in &block.derivatives {
             let Some(hessian) = &row.hessian else { continue };
             for (i, line) in hessian.iter().enumerate() {
                 for (j, entry) in line.iter().enumerate() {
-                    let mirrored = j < i && hessian[j][i].to_bits() == entry.to_bits();
+                    let text = self.beside(*entry, largest);
+                    let mirrored = j < i && self.beside(hessian[j][i], largest) == text;
                     if *entry != 0.0 && !mirrored {
                         let (first, second) = (block.columns[i].name, block.columns[j].name);
-                        let name = format!("∂²{}/∂{first}∂{second}", row.component);
-                        entries.push((name, self.number(*entry)));
+                        entries.push((format!("∂²{}/∂{first}∂{second}", row.component), text));
                     }
                 }
             }
@@ -189,7 +200,11 @@ impl<'w> Human<'w> {
         if entries.is_empty() {
             return writeln!(self.out, "  second derivatives: every entry is 0");
         }
-        writeln!(self.out, "  {}", styled(DIM, "second derivatives that are not 0; mirrored ones once"))?;
+        writeln!(
+            self.out,
+            "  {}",
+            styled(DIM, "second derivatives that are not 0; equal ones across the diagonal once")
+        )?;
         let names = entries.iter().map(|(name, _)| layout::width(name)).max().unwrap_or(0);
         let texts: Vec<String> = entries.iter().map(|(_, text)| text.clone()).collect();
         let aligned = Aligned::new("", &texts);
@@ -209,7 +224,7 @@ impl<'w> Human<'w> {
         if notes.is_empty() {
             return Ok(());
         }
-        let list: Vec<String> = notes.iter().map(|note| format!("{} × {}", note.count, note.what)).collect();
+        let list: Vec<String> = notes.iter().map(|note| format!("{} {}", note.count, note.what)).collect();
         let text = format!("read, not evaluated: {}", list.join(", "));
         for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
             writeln!(self.out, "  {}", styled(DIM, line))?;
@@ -224,6 +239,11 @@ impl<'w> Human<'w> {
         }
         Ok(())
     }
+}
+
+/// The largest magnitude.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |largest, value| value.abs().max(largest))
 }
 
 /// The heading of an output's column.
