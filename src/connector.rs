@@ -10,6 +10,7 @@ use crate::measure::{History, Margin, Measure, Section, Shared, SingularClass, U
 use crate::node::{
     self, DOF_NUMBER, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates,
 };
+use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::so3;
 use crate::vector::{self, Vector, add, column, dot, scale, sub};
@@ -265,6 +266,8 @@ pub struct Branch<R> {
     pub euler_sign: R,
     /// What a one-form has accumulated [rad].
     pub accumulated: R,
+    /// What the roundings of that sum left out, so that thousands of turns lose nothing: the value is the sum of the two.
+    pub accumulated_rest: R,
 }
 
 /// What a state does to the nodes since the previous one: increments along which one-forms accumulate and turns are counted.
@@ -318,6 +321,22 @@ pub struct Definition {
     pub moves: [bool; 2],
 }
 
+impl Definition {
+    /// A three-dimensional connector between two nodes that move, with β_s = 1 and neither references nor stops.
+    pub const fn new(connection: ConnectionType, initial: Pair<f64>) -> Self {
+        Self {
+            connection,
+            initial,
+            flow_scale: 1.0,
+            fixed_direction: [0.0; 3],
+            references: [None; 6],
+            stops: [None; 6],
+            planar: false,
+            moves: [true; 2],
+        }
+    }
+}
+
 /// A component of one connector, resolved.
 #[derive(Clone, Copy, Debug)]
 struct Row<R> {
@@ -346,6 +365,10 @@ pub struct Connector<R: Differentiable> {
 /// How far an initially zero constraint may be from zero and still count as satisfied: direction cosines of exactly aligned
 /// axes carry a few roundings.
 const ALIGNED: f64 = 1e-12;
+
+/// How far the choice between two equally near sheets leans to where the nodes turned: enough to outweigh rounding at an
+/// increment of exactly half a turn, too little to matter elsewhere.
+const LEAN: (i32, i32) = (1, 1_000_000);
 
 /// What an evaluation gives; each part is present where it was asked for and exists.
 #[derive(Clone, Debug)]
@@ -437,8 +460,13 @@ impl<R: Differentiable> Connector<R> {
                 && (number != 10 || definition.connection.flow[end])
                 && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
         }
-        let branch =
-            Branch { turns, rotation_vector: history.rotation_vector, euler_sign: one, accumulated: zero };
+        let branch = Branch {
+            turns,
+            rotation_vector: history.rotation_vector,
+            euler_sign: one,
+            accumulated: zero,
+            accumulated_rest: zero,
+        };
         Self {
             connection: definition.connection.clone(),
             rows,
@@ -477,26 +505,29 @@ impl<R: Differentiable> Connector<R> {
 
     /// The branch after `state`, which follows by `increment` the state that left `branch`.
     ///
-    /// Turns are counted to the nearest, from where the whole turns of the nodes' own increments would have taken the angle.
+    /// Turns are counted to the nearest, from where the whole turns of the nodes' own increments would have taken the angle. An
+    /// increment of exactly half a turn goes the way the nodes turned, or to the principal angle where that is not said.
     pub fn advance(&self, state: &State<R>, increment: &Increment<R>, branch: &Branch<R>) -> Branch<R> {
         let mut next = *branch;
         let needs = |wanted: fn(Measure) -> bool| self.rows.iter().flatten().any(|row| wanted(row.position));
         let pair = &state.pair;
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
+        let told = sub(sub(increment.rotation[1], increment.rotation[0]), whole);
         let rotates = needs(|m| m.dependence().rotation);
         if !rotates {
             return next;
         }
         let relative = self.relative(pair, Dependence { rotation: true, ..Dependence::default() });
         if needs(|m| matches!(m, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))) {
-            let hint = vector::apply_transposed(&pair.a.triad, whole);
-            let log = so3::continuous_log(&relative.q, add(branch.rotation_vector, hint));
-            next.rotation_vector =
-                R::choose(log.is_reference(), || log.phi, || add(branch.rotation_vector, hint));
+            let carried = add(branch.rotation_vector, vector::apply_transposed(&pair.a.triad, whole));
+            let lean = scale(vector::apply_transposed(&pair.a.triad, told), R::ratio(LEAN.0, LEAN.1));
+            let log = so3::continuous_log(&relative.q, add(carried, lean));
+            next.rotation_vector = R::choose(log.is_reference(), || log.phi, || carried);
         }
         if needs(|m| matches!(m, Measure::Euler(_))) {
-            let (same, distance) = self.wind(&relative, pair, whole, branch, branch.euler_sign);
-            let (other, other_distance) = self.wind(&relative, pair, whole, branch, -branch.euler_sign);
+            let (same, distance) = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign);
+            let (other, other_distance) =
+                self.wind(&relative, pair, [whole, told], branch, -branch.euler_sign);
             let chosen = R::choose(
                 other_distance.less(distance),
                 || (other, -branch.euler_sign),
@@ -504,10 +535,16 @@ impl<R: Differentiable> Connector<R> {
             );
             (next.turns, next.euler_sign) = chosen;
         } else if needs(Measure::winds) {
-            next.turns = self.wind(&relative, pair, whole, branch, branch.euler_sign).0;
+            next.turns = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign).0;
         }
         if needs(Measure::is_one_form) {
-            next.accumulated = self.accumulate(pair, increment, branch);
+            // The sum and its rounding error, exactly (Knuth's two-sum).
+            let change = self.accumulation(pair, increment);
+            let sum = branch.accumulated + change;
+            let added = sum - branch.accumulated;
+            let lost = (branch.accumulated - (sum - added)) + (change - added);
+            next.accumulated = sum;
+            next.accumulated_rest = branch.accumulated_rest + lost;
         }
         next
     }
@@ -517,7 +554,7 @@ impl<R: Differentiable> Connector<R> {
         &self,
         relative: &Relative<R>,
         pair: &Pair<R>,
-        whole: Vector<R>,
+        [whole, told]: [Vector<R>; 2],
         branch: &Branch<R>,
         euler_sign: R,
     ) -> ([Turns<R>; 6], R) {
@@ -530,9 +567,11 @@ impl<R: Differentiable> Connector<R> {
             let Some(row) = row.filter(|row| row.position.winds()) else { continue };
             let principal = row.position.evaluate(&mut shared);
             let previous = branch.turns[k];
-            let hint = row.position.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, whole));
-            let change = principal - previous.principal - hint;
-            let counted = (change / turn).nearest_integer();
+            let along =
+                |v: Vector<R>| row.position.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
+            let change = principal - previous.principal - along(whole);
+            let lean = (along(told) + change * R::ratio(LEAN.0, LEAN.1)) * R::ratio(LEAN.0, LEAN.1);
+            let counted = ((change - lean) / turn).nearest_integer();
             turns[k] = Turns { turns: previous.turns - counted, principal };
             moved = moved + (change - counted * turn).magnitude();
         }
@@ -540,7 +579,7 @@ impl<R: Differentiable> Connector<R> {
     }
 
     /// The one-form over the increment, at the midpoint direction: e3a(mid)·(Δθ_a − Δθ_b) − β_s ΔΨ_b.
-    fn accumulate(&self, pair: &Pair<R>, increment: &Increment<R>, branch: &Branch<R>) -> R {
+    fn accumulation(&self, pair: &Pair<R>, increment: &Increment<R>) -> R {
         let [of_a, of_b] = increment.rotation;
         let back = so3::matrix(so3::exp(scale(of_a, R::ratio(-1, 2))));
         let middle = vector::product(&back, &pair.a.triad);
@@ -550,7 +589,7 @@ impl<R: Differentiable> Connector<R> {
         change[node::THETA_B..node::PSI_B].copy_from_slice(&of_b);
         change[node::PSI_A] = increment.flow[0];
         change[node::PSI_B] = increment.flow[1];
-        let mut sum = branch.accumulated;
+        let mut sum = R::integer(0);
         for (row, change) in form.iter().zip(&change) {
             sum = sum + *row * *change;
         }
@@ -574,13 +613,8 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
     ) -> Evaluation<R> {
         let next = self.advance(state, increment, branch);
-        // The sheet of the rotation vector is chosen from the reference of the past; the sign of the Euler angles is new.
-        let hint = vector::apply_transposed(
-            &state.pair.a.triad,
-            sub(increment.whole_turns[1], increment.whole_turns[0]),
-        );
-        let history =
-            History { rotation_vector: add(branch.rotation_vector, hint), euler_sign: next.euler_sign };
+        // Values and derivatives are taken on the sheets just chosen, so that rounding cannot set them apart at a half turn.
+        let history = History { rotation_vector: next.rotation_vector, euler_sign: next.euler_sign };
         let mut evaluation = Evaluation::empty(next);
         let rows: Vec<(usize, Row<R>)> = (0..6)
             .filter(|k| request.components()[*k])
@@ -621,7 +655,7 @@ impl<R: Differentiable> Connector<R> {
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.section, history);
         let mut evaluate = |measure: Measure, tally: &mut Tally| {
             if measure.is_one_form() {
-                return evaluation.branch.accumulated;
+                return evaluation.branch.accumulated + evaluation.branch.accumulated_rest;
             }
             tally.values += 1;
             measure.evaluate(&mut shared)
@@ -732,8 +766,16 @@ impl<R: Differentiable> Connector<R> {
             }
             evaluation.jacobian[k] = Some(row);
             if second {
-                evaluation.hessian[k] =
-                    Some(Box::new(state.pair.nodal_hessian(&gradient, &relative, &self.active)));
+                let of = |active| state.pair.nodal_hessian(&gradient, &relative, active);
+                let carried = || of(&self.active);
+                let hessian = if self.differentiated(k) == Some(Measure::Distance) {
+                    let mut fixed = self.active;
+                    fixed[node::THETA_A..node::PSI_A].fill(false);
+                    R::choose(are_apart(&state.pair), carried, || of(&fixed))
+                } else {
+                    carried()
+                };
+                evaluation.hessian[k] = Some(Box::new(hessian));
             }
         };
         let input = (self, state, history);
@@ -896,7 +938,16 @@ impl<'a, R: Differentiable> Along<'a, R> {
             .iter()
             .filter(|m| !m.is_one_form() && !m.has_nodal_rates())
             .fold(Dependence::default(), |sum, m| sum.or(m.dependence()));
-        let rates = state.pair.relative_rates(&state.velocity, acceleration);
+        let mut rates = state.pair.relative_rates(&state.velocity, acceleration);
+        if measures.contains(&Measure::Distance) {
+            let linear = |rates: &NodalRates<R>| [0, 1, 2].map(|i| rates[node::XB + i] - rates[node::XA + i]);
+            let carried = rates.translation;
+            rates.translation = R::choose(
+                are_apart(&state.pair),
+                || carried,
+                || [linear(&state.velocity), linear(acceleration)],
+            );
+        }
         let relative = moving(&state.pair, &rates, needed);
         Along { connector, state, acceleration, history, relative, cache: Vec::new(), measures }
     }
@@ -924,6 +975,13 @@ impl<'a, R: Differentiable> Along<'a, R> {
         let found = self.cache.iter().find(|(known, _)| *known == measure);
         found.map_or([R::integer(0); 2], |(_, rates)| *rates)
     }
+}
+
+/// Whether the nodes are apart. Where they coincide, the direction of an AXIAL is one fixed in space, which a rotation of a
+/// does not turn.
+fn are_apart<R: Real>(pair: &Pair<R>) -> R::Mask {
+    let (_, length) = R::direction_and_norm(pair.separation());
+    R::integer(0).less(length)
 }
 
 /// The relative pair along time.
@@ -991,8 +1049,8 @@ pub enum Flag {
         /// What happens there.
         class: SingularClass,
     },
-    /// The state is so close to a singular set that derivatives lose digits, and at a true singularity the value too: the
-    /// relative error grows like u divided by the distance.
+    /// The state is so close to a singular set that derivatives, and at a true singularity the value too, lose digits: the
+    /// relative error grows like u divided by the distance, a length in units of the largest length it is formed from.
     IllConditioned {
         /// The component.
         component: &'static str,
@@ -1010,7 +1068,8 @@ pub enum Flag {
         /// The output, or `derivative`.
         quantity: &'static str,
     },
-    /// An angle moved by more than 0.9 π since the previous state: its turns cannot be counted with certainty.
+    /// An angle moved by more than 0.9 π since the previous state besides the whole turns of the nodes, or these were not about
+    /// its axis: its turns cannot be counted with certainty.
     LargeIncrement {
         /// The component.
         component: &'static str,
@@ -1046,6 +1105,10 @@ const ILL_CONDITIONED: f64 = 1e-8;
 
 /// The change of an angle, as a fraction of π, beyond which its turns are flagged.
 const CERTAIN_INCREMENT: f64 = 0.9;
+
+/// How far the advance of an angle by whole turns of the nodes may be from whole turns of its own, in turns, to be counted with
+/// certainty.
+const CERTAIN_TURNS: f64 = 0.1;
 
 impl Connector<f64> {
     /// Whether stops are reached at the given positions.
@@ -1099,12 +1162,13 @@ impl Connector<f64> {
         after: &Branch<f64>,
     ) -> Vec<Flag> {
         let mut flags = Vec::new();
+        let scale_of = |unit| if unit == Unit::Length { extent(&state.pair) } else { 1.0 };
         for (k, margin) in margins.iter().enumerate() {
             let component = crate::catalog::COMPONENT[k];
             let Some(Margin { distance, set }) = *margin else { continue };
             if distance == 0.0 {
                 flags.push(Flag::Singular { component, at: set.at, class: set.class });
-            } else if distance < ILL_CONDITIONED {
+            } else if distance < ILL_CONDITIONED * scale_of(set.unit) {
                 flags.push(Flag::IllConditioned { component, at: set.at, class: set.class, distance });
             }
         }
@@ -1114,12 +1178,35 @@ impl Connector<f64> {
             let hint = row.position.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, whole));
             let turns = after.turns[k].turns - before.turns[k].turns;
             let change = f64::with_turns(after.turns[k].principal - before.turns[k].principal, turns);
-            if (change - hint).abs() > CERTAIN_INCREMENT * std::f64::consts::PI {
+            let told = hint / std::f64::consts::TAU;
+            if (change - hint).abs() > CERTAIN_INCREMENT * std::f64::consts::PI
+                || (told - told.round()).abs() > CERTAIN_TURNS
+            {
                 flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
+            }
+        }
+        let is_vector =
+            |measure| matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
+        let turned = LazyCell::new(|| {
+            let [old, new] = [before, after].map(|branch| so3::exp(branch.rotation_vector));
+            norm(so3::log_quaternion(so3::compose(new, so3::conjugate(old))))
+        });
+        for (k, _) in
+            self.rows.iter().enumerate().filter(|(_, row)| row.is_some_and(|r| is_vector(r.position)))
+        {
+            if *turned > CERTAIN_INCREMENT * std::f64::consts::PI {
+                flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change: *turned });
             }
         }
         flags
     }
+}
+
+/// The largest of the lengths from which x_b − x_a is formed: its rounding scales with it, so that a distance is small or not
+/// regardless of the unit of length.
+fn extent(pair: &Pair<f64>) -> f64 {
+    let lengths = [pair.reference, pair.a.displacement, pair.b.displacement];
+    lengths.as_flattened().iter().fold(0.0, |most, length| most.max(length.abs()))
 }
 
 #[cfg(test)]
@@ -1141,16 +1228,7 @@ mod tests {
     fn nodal_maps_equal_naive_seeding() {
         for entry in crate::catalog::TABLE {
             let initial = pair(0.2);
-            let definition = Definition {
-                connection: entry.clone(),
-                initial,
-                flow_scale: 50.0,
-                fixed_direction: [0.0; 3],
-                references: [None; 6],
-                stops: [None; 6],
-                planar: false,
-                moves: [true; 2],
-            };
+            let definition = Definition { flow_scale: 50.0, ..Definition::new(entry.clone(), initial) };
             let connector = Connector::<f64>::new(&definition);
             let mut state = State { pair: pair(0.25), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
             state.pair.reference = initial.reference;
@@ -1184,6 +1262,82 @@ mod tests {
                         }
                     }
                 }
+            }
+        }
+    }
+
+    /// A node b that turns, from the initial state, by `angle` about a global axis, whole turns included.
+    fn turned(name: &str, of_b: [f64; 3], axis: [f64; 3], angle: f64) -> (Evaluation<f64>, Vec<Flag>) {
+        let still = |triad| node::Node { displacement: [0.0; 3], triad, flow: 0.0 };
+        let triad = so3::matrix(so3::exp(of_b));
+        let initial = Pair { reference: [0.0; 3], a: still(vector::identity()), b: still(triad) };
+        let connection = ConnectionType::named(name, None).unwrap();
+        let connector = Connector::<f64>::new(&Definition::new(connection, initial));
+        let turn = scale(axis, angle);
+        let principal = so3::log_quaternion(so3::exp(turn));
+        let zero = [0.0; 3];
+        let increment =
+            Increment { rotation: [zero, turn], whole_turns: [zero, sub(turn, principal)], flow: [0.0; 2] };
+        let b = still(vector::product(&so3::matrix(so3::exp(turn)), &triad));
+        let state = State { pair: Pair { b, ..initial }, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let branch = connector.initial_branch();
+        let request = Request::everything(0);
+        let evaluation = connector.evaluate(&state, &increment, &branch, &request, &mut Tally::default());
+        let margins = connector.margins(&state, &evaluation.branch, [true; 6]);
+        let flags = connector.flags(&margins, &increment, &state, &branch, &evaluation.branch);
+        (evaluation, flags)
+    }
+
+    /// Whole turns about the axis of one angle advance that angle alone, however far from square the axes are.
+    #[test]
+    fn whole_turns_go_to_the_angle_they_are_about() {
+        let angle = 3.0 * std::f64::consts::TAU + 0.1;
+        for tilt in [0.01, 0.6, 1.2] {
+            for (name, of_b, axis) in
+                [("CARDAN", [0.0, tilt, 0.0], [1.0, 0.0, 0.0]), ("EULER", [tilt, 0.0, 0.0], [0.0, 0.0, 1.0])]
+            {
+                let (evaluation, flags) = turned(name, of_b, axis, angle);
+                let [_, _, _, first, _, third] = evaluation.displacement;
+                assert!((first.unwrap() - angle).abs() < 1e-9, "{name} {tilt}: {first:?}");
+                assert!(third.unwrap().abs() < 1e-9, "{name} {tilt}: {third:?}");
+                assert_eq!(flags, []);
+                // About e3b, carried by b itself.
+                let own = column(&so3::matrix(so3::exp(of_b)), 2);
+                let (evaluation, _) = turned(name, of_b, own, angle);
+                let [_, _, _, first, _, third] = evaluation.displacement;
+                assert!((third.unwrap() - angle).abs() < 1e-9, "{name} {tilt}: {third:?}");
+                assert!(first.unwrap().abs() < 1e-9, "{name} {tilt}: {first:?}");
+            }
+        }
+    }
+
+    /// Whole turns about no axis of the joint, and a rotation vector that may have gone either way round, are told.
+    #[test]
+    fn uncertain_turns_are_flagged() {
+        let large = |flags: Vec<Flag>| flags.iter().any(|flag| matches!(flag, Flag::LargeIncrement { .. }));
+        let tau = std::f64::consts::TAU;
+        assert!(large(turned("REVOLUTE", [0.0; 3], [0.8, 0.6, 0.0], tau + 0.1).1));
+        assert!(!large(turned("REVOLUTE", [0.0; 3], [1.0, 0.0, 0.0], tau + 0.1).1));
+        assert!(large(turned("ROTATION", [0.0; 3], [0.8, 0.6, 0.0], 3.0).1));
+        assert!(!large(turned("ROTATION", [0.0; 3], [0.8, 0.6, 0.0], 2.0).1));
+    }
+
+    /// What is flagged does not change with the unit of length.
+    #[test]
+    fn lengths_are_flagged_alike_in_every_unit() {
+        for unit in [1e-9, 1e-3, 1.0, 1e3] {
+            for (gap, flagged) in [(1e-6, false), (1e-10, true)] {
+                let mut pair = pair(0.0);
+                pair.a.displacement = scale([0.3, 0.4, 0.5], unit);
+                pair.b.displacement = scale([0.3 + gap, 0.4, 0.5], unit);
+                pair.reference = [0.0; 3];
+                let connection = ConnectionType::named("AXIAL", None).unwrap();
+                let connector = Connector::<f64>::new(&Definition::new(connection, pair));
+                let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+                let branch = connector.initial_branch();
+                let margins = connector.margins(&state, &branch, [true; 6]);
+                let flags = connector.flags(&margins, &Increment::none(), &state, &branch, &branch);
+                assert_eq!(!flags.is_empty(), flagged, "{unit} {gap}");
             }
         }
     }

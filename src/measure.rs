@@ -8,7 +8,7 @@ use crate::node::{self, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::elementary::{norm, recip};
 use crate::scalar::{Real, Scalar};
 use crate::so3;
-use crate::vector::{self, Matrix, Vector, column, dot, sub};
+use crate::vector::{self, Matrix, Vector, column, dot, scale, sub};
 use serde::Serialize;
 
 /// A scalar measure of two nodes. Indices are 1-based, as the manual's.
@@ -369,15 +369,22 @@ impl Measure {
         Some([resolved(velocity), resolved(acceleration)])
     }
 
-    /// The direction, in global components, about which whole turns of the nodes advance this angle; `None` for measures that
-    /// do not wind.
+    /// The gradient of this angle with respect to the relative rotation of the nodes, global components: its product with
+    /// whole turns of the nodes is how far they advance the angle. `None` for measures that do not wind.
+    ///
+    /// The angle is counted about the direction u while b turns about u, and does not move while b turns about w, the axis of
+    /// the other angle that winds: (u − (u·w) w)/(1 − (u·w)²). Close to the lock u ∥ w only the sum or the difference of the
+    /// two is known; the first takes all.
     pub(crate) fn winding_axis<R: Real>(self, pair: &Pair<R>) -> Option<Vector<R>> {
-        match self {
-            Self::Cardan(1) => Some(column(&pair.a.triad, 0)),
-            Self::Cardan(3) => Some(column(&pair.b.triad, 2)),
-            Self::Euler(1) => Some(column(&pair.a.triad, 2)),
-            Self::Euler(3) => Some(column(&pair.b.triad, 2)),
-            _ => None,
-        }
+        const LOCK: (i32, i32) = (1, 1000);
+        let (first_axis, third_axis, is_first) = match self {
+            Self::Cardan(i @ (1 | 3)) => (column(&pair.a.triad, 0), column(&pair.b.triad, 2), i == 1),
+            Self::Euler(i @ (1 | 3)) => (column(&pair.a.triad, 2), column(&pair.b.triad, 2), i == 1),
+            _ => return None,
+        };
+        let (own, other) = if is_first { (first_axis, third_axis) } else { (third_axis, first_axis) };
+        let across = sub(own, scale(other, dot(own, other)));
+        let locked = if is_first { own } else { [R::integer(0); 3] };
+        Some(R::choose(R::ratio(LOCK.0, LOCK.1).less(norm(across)), || R::inverted(across), || locked))
     }
 }

@@ -12,7 +12,7 @@
 //! The axis runs from M to J in the initial geometry, along the global z if they coincide. Translations are not tied; add a
 //! PIN for that.
 
-use crate::connector::{Request, Tally, Turns};
+use crate::connector::{Output, Request, Tally, Turns};
 use crate::scalar::elementary::{atan2, norm};
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::so3;
@@ -54,19 +54,19 @@ pub struct Evaluation<R> {
     /// The rotation vector of C(φ_S) [C(φ_J a) C(φ_M)]ᵀ, global components [rad]; zero where the constraint holds.
     pub residual: [R; 3],
     /// Its rate, ω_S − ω_M − φ̇_J a where the constraint holds [rad/time].
-    pub residual_rate: [R; 3],
+    pub residual_rate: Option<[R; 3]>,
     /// The part of its acceleration that is quadratic in the rates, J̇ q̇.
-    pub residual_bias: [R; 3],
+    pub residual_bias: Option<[R; 3]>,
     /// Its acceleration, J q̈ + J̇ q̇.
-    pub residual_acceleration: [R; 3],
+    pub residual_acceleration: Option<[R; 3]>,
     /// ∂ρ_i/∂(θ_S, θ_M, φ_J).
     pub jacobian: Option<[[R; DOFS]; 3]>,
     /// ∂²ρ_i/∂q_j∂q_k.
     pub hessian: Option<Box<[[[R; DOFS]; DOFS]; 3]>>,
     /// The angle about a that the rotations of S and M imply, turns counted [rad].
     pub angle: Turns<R>,
-    /// Its first and second rate.
-    pub angle_rates: [R; 2],
+    /// Its first and second rate, where rates were asked for.
+    pub angle_rates: Option<[R; 2]>,
     /// The axis a = C(φ_M) a₀.
     pub axis: Vector<R>,
 }
@@ -150,35 +150,48 @@ impl<R: Differentiable> Revolute<R> {
             }
             moving
         };
-        let angle = self.implied_angle(state, along(&state.acceleration));
-        tally.rates += 1;
-        let principal = angle.real();
+        let wants = |wanted: &[Output]| request.outputs().any(|output| wanted.contains(&output));
+        let of_angle = wants(&[Output::CV, Output::CA]);
+        let of_residual = wants(&[Output::RESV, Output::RESA]);
+        let (principal, angle_rates) = if of_angle {
+            tally.rates += 1;
+            let angle = self.implied_angle(state, along(&state.acceleration));
+            let (first, second) = R::rates(angle);
+            (angle.real(), Some([first, second]))
+        } else {
+            tally.values += 1;
+            (self.implied_angle(state, [zero; DOFS]), None)
+        };
         let turn = R::pi() + R::pi();
         let hint = dot(axis, whole_turns);
         let counted = ((principal - previous.principal - hint) / turn).nearest_integer();
-        let (first, second) = R::rates(angle);
         let joint = state.joint.unwrap_or(principal);
 
         let mut evaluation = Evaluation {
             residual: [zero; 3],
-            residual_rate: [zero; 3],
-            residual_bias: [zero; 3],
-            residual_acceleration: [zero; 3],
+            residual_rate: None,
+            residual_bias: None,
+            residual_acceleration: None,
             jacobian: None,
             hessian: None,
             angle: Turns { turns: previous.turns - counted, principal },
-            angle_rates: [first, second],
+            angle_rates,
             axis,
         };
-        tally.rates += 6;
-        let violation = self.violation(state, joint, along(&state.acceleration));
-        let still = self.violation(state, joint, along(&[zero; DOFS]));
-        for i in 0..3 {
-            let (rate, acceleration) = R::rates(violation[i]);
-            evaluation.residual[i] = violation[i].real();
-            evaluation.residual_rate[i] = rate;
-            evaluation.residual_acceleration[i] = acceleration;
-            evaluation.residual_bias[i] = R::rates(still[i]).1;
+        if of_residual {
+            tally.rates += 3;
+            let violation = self.violation(state, joint, along(&state.acceleration));
+            evaluation.residual = vector::real(violation);
+            evaluation.residual_rate = Some(violation.map(|moving| R::rates(moving).0));
+            evaluation.residual_acceleration = Some(violation.map(|moving| R::rates(moving).1));
+        } else {
+            tally.values += 3;
+            evaluation.residual = self.violation(state, joint, [zero; DOFS]);
+        }
+        if wants(&[Output::RESB]) {
+            tally.rates += 3;
+            let still = self.violation(state, joint, along(&[zero; DOFS]));
+            evaluation.residual_bias = Some(still.map(|moving| R::rates(moving).1));
         }
         match request.order {
             0 => {}

@@ -244,35 +244,58 @@ impl<R: Real> Pair<R> {
     ) -> [[R; DOFS]; DOFS] {
         let zero = R::integer(0);
         let separation = self.separation();
-        // The columns of L: the relative variation (δ, ρ, Ψ_a, Ψ_b) of each nodal degree of freedom.
-        let mut map = [[zero; 8]; DOFS];
-        let one = R::integer(1);
-        for i in 0..3 {
-            map[XA + i][i] = -one;
-            map[XB + i][i] = one;
-            map[THETA_A + i][3 + i] = -one;
-            map[THETA_B + i][3 + i] = one;
-            let mut axis = [zero; 3];
-            axis[i] = one;
-            let lever = cross(separation, axis);
-            map[THETA_A + i][..3].copy_from_slice(&lever);
-        }
-        map[PSI_A][6] = one;
-        map[PSI_B][7] = one;
+        let block = |i: usize, j: usize| {
+            let row = |k: usize| [relative[i + k][j], relative[i + k][j + 1], relative[i + k][j + 2]];
+            [row(0), row(1), row(2)]
+        };
+        let (dd, dr, rr) = (block(0, 0), block(0, 3), block(3, 3));
+        // θ_a enters δ as D × θ_a and ρ as −θ_a: the columns of H L and of Lᵀ H L that belong to it.
+        let lever = skew(separation);
+        let d_theta = difference(&vector::product(&dd, &lever), &dr);
+        let r_theta = difference(&vector::product(&vector::transpose(&dr), &lever), &rr);
+        let theta_theta = difference(&vector::transposed_product(&lever, &d_theta), &r_theta);
 
         let mut hessian = [[zero; DOFS]; DOFS];
-        for j in (0..DOFS).filter(|j| active[*j]) {
-            let mut image = [zero; 8];
-            for (entry, row) in image.iter_mut().zip(relative) {
-                for (x, m) in row.iter().zip(&map[j]) {
-                    *entry = *entry + *x * *m;
+        let mut put = |at: (usize, usize), block: &Matrix<R>, sign: i32| {
+            let sign = R::integer(sign);
+            for i in 0..3 {
+                for j in 0..3 {
+                    let entry = sign * block[i][j];
+                    let (j, k) = (at.0 + i, at.1 + j);
+                    if active[j] && active[k] {
+                        hessian[j][k] = entry;
+                        hessian[k][j] = entry;
+                    }
                 }
             }
-            for k in (0..DOFS).filter(|k| active[*k]) {
-                for (x, m) in image.iter().zip(&map[k]) {
-                    hessian[j][k] = hessian[j][k] + *x * *m;
+        };
+        put((XB, XB), &dd, 1);
+        put((XA, XA), &dd, 1);
+        put((XA, XB), &dd, -1);
+        put((XB, THETA_B), &dr, 1);
+        put((XA, THETA_B), &dr, -1);
+        put((XB, THETA_A), &d_theta, 1);
+        put((XA, THETA_A), &d_theta, -1);
+        put((THETA_B, THETA_B), &rr, 1);
+        put((THETA_B, THETA_A), &r_theta, 1);
+        put((THETA_A, THETA_A), &theta_theta, 1);
+        for (flow, of) in [(PSI_A, 6), (PSI_B, 7)] {
+            let (d, r) = ([0, 1, 2].map(|i| relative[i][of]), [3, 4, 5].map(|i| relative[i][of]));
+            let theta = sub(vector::apply_transposed(&lever, d), r);
+            let mut put = |at: usize, entry: R| {
+                if active[at] && active[flow] {
+                    hessian[at][flow] = entry;
+                    hessian[flow][at] = entry;
                 }
+            };
+            for i in 0..3 {
+                put(XA + i, -d[i]);
+                put(XB + i, d[i]);
+                put(THETA_A + i, theta[i]);
+                put(THETA_B + i, r[i]);
             }
+            put(PSI_A, relative[6][of]);
+            put(PSI_B, relative[7][of]);
         }
 
         let (g, h) = (gradient.translation, gradient.rotation);
@@ -329,6 +352,11 @@ impl<R: Real> Pair<R> {
             flow: [[velocity[PSI_A], velocity[PSI_B]], [acceleration[PSI_A], acceleration[PSI_B]]],
         }
     }
+}
+
+/// a − b.
+fn difference<R: Real>(a: &Matrix<R>, b: &Matrix<R>) -> Matrix<R> {
+    [sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2])]
 }
 
 /// The matrix v^ with v^ x = v × x.

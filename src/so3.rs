@@ -261,11 +261,12 @@ fn continue_from_quaternion<S: Scalar>(
     ContinuousLog { phi, lateral }
 }
 
-/// round((d·reference − θ_p)/2π).
+/// round((d·reference − θ_p)/2π), halves towards zero: a half turn from a reference at zero is principal.
 #[inline(always)]
 fn nearest_turn<S: Scalar>(principal: Vector<S>, along: S::Real, turn: S::Real) -> S::Real {
     let (_, angle) = S::Real::direction_and_norm(vector::real(principal));
-    ((along - angle) / turn).nearest_integer()
+    let turns = (along - angle) / turn;
+    (turns - turns * S::Real::ratio(1, i32::MAX)).nearest_integer()
 }
 
 /// φ_p + 2πk v/|v|.

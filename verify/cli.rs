@@ -1,7 +1,5 @@
 //! The command line, by its output and exit codes.
 
-#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a malformed output is a failed test")]
-
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
 use pintle::catalog::{COMPONENT, TABLE};

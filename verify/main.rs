@@ -1,7 +1,12 @@
-//! The tests.
+//! The tests, in one binary: each module asks one question of the whole.
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 mod cli; // the command line
+mod laws; // what holds for every connection type
+mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are
-mod scene; // the deck reader, files of states, the gallery
+mod rules; // what a connector section may not do
+mod scene; // what decks and state files mean, and how faulty ones are refused
+mod states; // where laws are tried
 mod tolerance; // every tolerance, with the cause of the odd ones
 mod wide; // the 237-bit scalar against mpmath

@@ -368,7 +368,7 @@ impl ConnectionType {
     pub fn constraint(&self, k: usize) -> Option<String> {
         let Slot::Constrained(position, condition) = self.slots[k] else { return None };
         Some(match condition {
-            Condition::Held => format!("{} = {}0", position.formula(), position.symbol()),
+            Condition::Held => format!("{} = {}0", position.formula(), self.symbol(k, position)),
             Condition::ZeroOrHeld(printed) | Condition::Zero(printed) => format!("{} = 0", printed.formula()),
         })
     }
@@ -377,13 +377,23 @@ impl ConnectionType {
     pub fn stop_list(&self) -> String {
         list(self.limits().map(|(k, measure)| {
             let limit = limit_symbol(k, measure);
-            format!("{limit}min ≤ {} ≤ {limit}max", measure.symbol())
+            format!("{limit}min ≤ {} ≤ {limit}max", self.symbol(k, measure))
         }))
     }
 
-    /// The constitutive reference lengths and angles, `l1ref`, `θ1ref`, or `none`.
+    /// The constitutive reference lengths, angles and strains, `l1ref`, `θ1ref`, `ε1ref`, or `none`.
     pub fn reference_list(&self) -> String {
-        list(self.limits().map(|(k, measure)| format!("{}ref", limit_symbol(k, measure))))
+        let strains = (0..6).filter_map(|k| match self.slots[k] {
+            Slot::Available(measure @ Measure::Strain) => Some((k, measure)),
+            _ => None,
+        });
+        list(self.limits().chain(strains).map(|(k, measure)| format!("{}ref", limit_symbol(k, measure))))
+    }
+
+    /// The manual's symbol of the position of component k (0-based): that of its measure, but l along a slot.
+    fn symbol(&self, k: usize, position: Measure) -> &'static str {
+        let slot = k == 0 && self.slots[0].is_available() && self.slots[1].is_constrained();
+        if slot { Measure::Distance.symbol() } else { position.symbol() }
     }
 
     fn limits(&self) -> impl Iterator<Item = (usize, Measure)> + '_ {
@@ -398,7 +408,8 @@ impl ConnectionType {
 fn limit_symbol(k: usize, measure: Measure) -> String {
     match measure.unit() {
         Unit::Angle => format!("θ{}", k % 3 + 1),
-        _ => format!("l{}", k % 3 + 1),
+        Unit::Length => format!("l{}", k % 3 + 1),
+        Unit::None => format!("ε{}", k % 3 + 1),
     }
 }
 

@@ -332,7 +332,15 @@ pub static TABLE: &[ConnectionType] = &[
         planar: StandardOnly,
         availability: Always,
         forces: ["f = f1 q, q = d/|d|; flow forces −f1 at a, +f1 at b", ""],
-        friction: None,
+        friction: Some(Friction {
+            parameters: &[],
+            criteria: &[FrictionCriterion {
+                tangential: "|T2 − T1|",
+                contact: "min(T1, T2) (exp(μ α) − 1)/μ",
+                output: "CSF2",
+            }],
+            evidence: P,
+        }),
         stops: false,
         flow: [true, true],
         source: ["connection type SLIPRING, Description (decision D-10: strain = λ − 1)", ""],

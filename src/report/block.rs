@@ -204,8 +204,8 @@ impl<'a> Block<'a> {
             unit: Unit::Angle,
             values: values(&|output| match output {
                 Output::CP | Output::CU => Some(Value::Number(angle)),
-                Output::CV => Some(Value::Number(evaluation.angle_rates[0])),
-                Output::CA => Some(Value::Number(evaluation.angle_rates[1])),
+                Output::CV => evaluation.angle_rates.map(|[rate, _]| Value::Number(rate)),
+                Output::CA => evaluation.angle_rates.map(|[_, second]| Value::Number(second)),
                 Output::TURNS => Some(Value::Turns(evaluation.angle)),
                 _ => None,
             }),
@@ -217,9 +217,9 @@ impl<'a> Block<'a> {
                 unit: Unit::Angle,
                 values: values(&|output| match output {
                     Output::RES => Some(Value::Number(evaluation.residual[i])),
-                    Output::RESV => Some(Value::Number(evaluation.residual_rate[i])),
-                    Output::RESB => Some(Value::Number(evaluation.residual_bias[i])),
-                    Output::RESA => Some(Value::Number(evaluation.residual_acceleration[i])),
+                    Output::RESV => evaluation.residual_rate.map(|of| Value::Number(of[i])),
+                    Output::RESB => evaluation.residual_bias.map(|of| Value::Number(of[i])),
+                    Output::RESA => evaluation.residual_acceleration.map(|of| Value::Number(of[i])),
                     _ => None,
                 }),
             });

@@ -267,7 +267,7 @@ fn summary(connection: &ConnectionType) -> Vec<Field> {
                 (!symbols.is_empty()).then(|| format!("{word}: {}", symbols.join(", ")))
             };
             let groups: Vec<String> = [group(true), group(false)].into_iter().flatten().collect();
-            tagged(&groups.join("; "), friction.evidence)
+            if groups.is_empty() { none() } else { tagged(&groups.join("; "), friction.evidence) }
         }),
     );
     field(

@@ -106,7 +106,7 @@ pub struct Row {
 /// `INDEPENDENT COMPONENTS=` and the components listed under it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Independent {
-    /// POSITION or CONSTITUTIVE MOTION (damping: VELOCITY).
+    /// POSITION or CONSTITUTIVE MOTION.
     pub basis: &'static str,
     /// The components.
     pub components: Vec<u8>,
@@ -272,6 +272,8 @@ pub struct DerivedTerm {
     pub independent: Option<Independent>,
     /// Columns: one scale factor per component, then one value per independent component. No row: factors 1.
     pub rows: Vec<Row>,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
     /// The keyword.
     #[serde(skip)]
     pub span: Span,
@@ -352,6 +354,10 @@ pub struct Damage {
     pub potential: Option<Potential>,
     /// FORCE, MOTION: lower and upper limit. PLASTIC MOTION: motion, mode mix, rate. Then temperature, fields: as written.
     pub rows: Vec<Vec<Option<f64>>>,
+    /// `RATE FILTER FACTOR=`.
+    pub rate_filter: Option<f64>,
+    /// `RATE INTERPOLATION=` LINEAR or LOGARITHMIC.
+    pub rate_interpolation: Option<&'static str>,
     /// `*CONNECTOR DAMAGE EVOLUTION`.
     pub evolution: Option<DamageEvolution>,
     /// Between and beyond the rows.
@@ -376,6 +382,8 @@ pub struct DamageEvolution {
     pub potential: Option<Potential>,
     /// LINEAR: u_f. EXPONENTIAL: u_f, exponent. TABULAR: d, u. ENERGY: E. Then mode mix, temperature, fields: as written.
     pub rows: Vec<Vec<Option<f64>>>,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
 }
 
 /// `*CONNECTOR STOP`: lower ≤ position ≤ upper.

@@ -71,6 +71,7 @@ codes! {
     MissingParameter = "deck::missing-parameter": "A parameter that the keyword needs is not there.";
     RepeatedParameter = "deck::repeated-parameter": "A parameter stands twice on one keyword line.";
     BadParameterValue = "deck::bad-parameter-value": "The value of a parameter is missing, superfluous or not one of those allowed.";
+    RepeatedSuboption = "deck::repeated-suboption": "A suboption that may stand once in a behaviour, or once for a component, stands twice.";
     ConflictingParameters = "deck::conflicting-parameters": "Two parameters exclude each other.";
 
     MissingData = "deck::missing-data": "A data line, or an item of it, is not there.";
@@ -88,7 +89,7 @@ codes! {
     DuplicateName = "deck::duplicate-name": "Two definitions of one kind have the same name.";
     BadLabel = "deck::bad-label": "The number of a node or element is 0 or larger than 2^53.";
     BadConnectivity = "deck::bad-connectivity": "An element has too few, too many or equal nodes.";
-    GenerateRange = "deck::generate-range": "A GENERATE range is empty, endless or larger than ten million.";
+    GenerateRange = "deck::generate-range": "A GENERATE range is empty, endless or larger than ten million, or all sets together are too large.";
     GenerateGaps = "deck::generate-gaps": "A GENERATE range names numbers that do not exist. A warning.";
     EmptySet = "deck::empty-set": "A set that is used has no members of the kind that is needed.";
     SetCycle = "deck::set-cycle": "A set contains itself, directly or through others.";
@@ -335,14 +336,17 @@ impl SourceCode for Excerpt {
     }
 }
 
+/// The message; before it the file, and the line, unless [`render`](Diagnostic::render) shows them with an excerpt.
 impl Display for Diagnostic {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let parts = &self.0;
-        match (parts.file.as_str(), self.line()) {
-            ("", _) => Ok(()),
-            (file, Some(line)) => write!(formatter, "{file}:{line}: "),
-            (file, None) => write!(formatter, "{file}: "),
-        }?;
+        if parts.excerpt.is_none() && !parts.file.is_empty() {
+            write!(formatter, "{}:", parts.file)?;
+            if let Some(line) = self.line() {
+                write!(formatter, "{line}:")?;
+            }
+            formatter.write_str(" ")?;
+        }
         formatter.write_str(&parts.message)
     }
 }

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# Sets up what the tests need and runs all of them: the Rust tests and doc tests, then the Python witnesses, which
+# recompute their reference values live and compare them with the committed ones.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+cargo test
+
+if [ ! -x .venv/bin/python ]; then
+    python3 -m venv .venv || {
+        echo "scripts/test.sh: python3 could not make a virtual environment (on Debian: apt install python3-venv)" >&2
+        exit 1
+    }
+fi
+if ! cmp -s scripts/requirements.txt .venv/installed.txt; then
+    .venv/bin/pip install --quiet --disable-pip-version-check --requirement scripts/requirements.txt
+    cp scripts/requirements.txt .venv/installed.txt
+fi
+
+passed=0
+for witness in $(grep --files-with-matches __main__ scripts/*.py); do
+    echo "$witness --check"
+    .venv/bin/python "$witness" --check
+    passed=$((passed + 1))
+done
+echo "witnesses: $passed passed, 0 failed"
