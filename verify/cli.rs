@@ -519,7 +519,16 @@ fn what_needs_care_is_said() {
     assert!(belt["u1"]["CP"].is_null() && belt["u2"]["CP"].is_number(), "{belt}");
     assert_eq!(flags(2, 0), [r#""large-increment" "ur1""#]);
     let page = stdout(&pintle(&[&arguments[..], &["human"]].concat()).assert().success());
-    insta::assert_snapshot!("edge", without_rounding(&page));
+    let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in [
+        "from β = ±π/2 (lock): value and derivatives lose digits",
+        "! u1 is singular, at no material left, l0 + Ψa − Ψb ≤ 0",
+        "! ur1 moved by 3.100000 rad since the previous state, more than 0.9 π: its turns are not certain",
+        "! CP of u1 is not finite",
+        "! derivative of u1 is not finite",
+    ] {
+        assert!(words.contains(part), "{part:?} in {page}");
+    }
     let message =
         stderr(&pintle(&["eval", &deck, "--states", &states, "--show", "0", "--outputs", "CU1"]).assert());
     assert!(message.contains("state 2, CARDAN 101: ur1 moved by 3.1"), "a state not shown: {message}");

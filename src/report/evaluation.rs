@@ -6,6 +6,7 @@ use crate::evaluate::{Model, Plan};
 use crate::scene::{Scene, Skipped, SkippedItem, Step};
 use indexmap::IndexMap;
 use std::io;
+use std::ops::RangeInclusive;
 
 /// A scene that is being evaluated.
 #[derive(Clone, Copy, Debug)]
@@ -16,8 +17,10 @@ pub struct Subject<'a> {
     pub model: &'a Model,
     /// What is asked for.
     pub plan: &'a Plan,
-    /// The number of states, of which those written may be fewer.
+    /// The number of states.
     pub states: usize,
+    /// The numbers of those that are written.
+    pub shown: &'a [RangeInclusive<u64>],
     /// The number of the first state: not 0 where a history is continued.
     pub first: u64,
 }

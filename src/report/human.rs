@@ -8,6 +8,7 @@ use super::words;
 use crate::connector::{Output, Tally};
 use crate::measure::Unit;
 use std::io::{self, Write};
+use std::ops::RangeInclusive;
 
 /// How tables look.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +37,7 @@ const GAP: usize = 2;
 /// Blanks before rows.
 const INDENT: usize = 2;
 /// The columns that name a component: name, role, unit.
-const NAMES: usize = 32;
+const NAMES: usize = 26;
 
 impl<'w> Human<'w> {
     /// Tables on a stream.
@@ -48,11 +49,11 @@ impl<'w> Human<'w> {
         number(value, self.style.digits)
     }
 
-    /// A number beside others of size `largest`: four digits are enough of what is next to nothing in comparison.
+    /// A number beside others of size `largest`: where it needs an exponent and is next to nothing in comparison, four digits
+    /// are enough.
     fn beside(&self, value: f64, largest: f64) -> String {
-        let digits =
-            if value.abs() < NEGLIGIBLE * largest { self.style.digits.min(4) } else { self.style.digits };
-        number(value, digits)
+        let is_rounding = value.abs() < 1e-4 && value.abs() < NEGLIGIBLE * largest;
+        number(value, if is_rounding { self.style.digits.min(4) } else { self.style.digits })
     }
 
     /// Columns side by side behind a label, as many as fit, the rest below in the same way.
@@ -84,6 +85,10 @@ impl<'w> Human<'w> {
             let blanks = " ".repeat(names - layout::width(title));
             writeln!(self.out, "{}{blanks}{}", styled(BOLD, title), styled(DIM, heading.trim_end()))?;
             for (i, label) in labels.iter().enumerate() {
+                let is_blank = columns[first..end].iter().all(|column| column.1[i].is_empty());
+                if is_blank && columns.len() > 1 && first > 0 {
+                    continue;
+                }
                 let mut line = layout::left(&format!("{}{label}", " ".repeat(INDENT)), names);
                 for (column, layout) in columns[first..end].iter().zip(&layouts[first..end]) {
                     line.push_str(&" ".repeat(GAP));
@@ -258,6 +263,23 @@ const fn heading(output: Output) -> &'static str {
     }
 }
 
+/// Which states are shown, where not all are.
+fn shown(subject: &Subject<'_>) -> String {
+    let last = subject.first + subject.states as u64 - 1;
+    if subject.shown.iter().any(|range| *range == (subject.first..=last)) {
+        return String::new();
+    }
+    let range = |range: &RangeInclusive<u64>| {
+        if range.start() == range.end() {
+            range.start().to_string()
+        } else {
+            format!("{}-{}", range.start(), range.end())
+        }
+    };
+    let list: Vec<String> = subject.shown.iter().map(range).collect();
+    format!(" (shown: {}; --show all shows every one)", list.join(", "))
+}
+
 fn plural(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
@@ -285,8 +307,11 @@ impl Format for Human<'_> {
         if !plan.joints.is_empty() {
             counts.push(plural(plan.joints.len(), "revolute-joint MPC"));
         }
-        counts.push(plural(subject.states, "state"));
-        writeln!(self.out, "  {}; lengths in the unit of the deck, angles in rad", counts.join(", "))?;
+        counts.push(plural(subject.states, "state") + &shown(subject));
+        let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
+        for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+            writeln!(self.out, "  {line}")?;
+        }
         self.notes(&unevaluated(scene, subject.model))
     }
 
