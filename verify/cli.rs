@@ -123,8 +123,12 @@ fn codes_are_explained() {
 
 #[test]
 fn gallery_overview() {
-    let assert = pintle(&["eval"]).assert().success();
-    insta::assert_snapshot!("gallery", without_rounding(&stdout(&assert)));
+    insta::assert_snapshot!("gallery", without_rounding(&output(&["eval", "--show", "middle"])));
+    let page = stdout(&pintle(&["eval"]).assert().success());
+    for example in GALLERY {
+        assert!(page.contains(&format!("{}.inp\n", example.name)), "{page}");
+    }
+    assert!(page.contains("25 states (shown: 12, 24; --show all shows every one)"), "{page}");
 }
 
 #[test]

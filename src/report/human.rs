@@ -266,7 +266,7 @@ const fn heading(output: Output) -> &'static str {
 /// Which states are shown, where not all are.
 fn shown(subject: &Subject<'_>) -> String {
     let last = subject.first + subject.states as u64 - 1;
-    if subject.shown.iter().any(|range| *range == (subject.first..=last)) {
+    if subject.shown.contains(&(subject.first..=last)) {
         return String::new();
     }
     let range = |range: &RangeInclusive<u64>| {
