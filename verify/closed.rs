@@ -12,9 +12,7 @@ use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Components, NodalRow, Request};
 use pintle::node::DOFS;
 use pintle::so3;
-use pintle::vector::{
-    Matrix, Vector, add, apply, column, cross, dot, product, scale, sub, transpose,
-};
+use pintle::vector::{Matrix, Vector, add, apply, column, cross, dot, product, scale, sub, transpose};
 
 fn entry(name: &str) -> &'static ConnectionType {
     TABLE.iter().find(|entry| entry.name == name).expect(name)
@@ -141,7 +139,13 @@ fn judge(name: &str, rows: impl Fn(&Case, &Pose) -> Components<NodalRow<f64>>) {
         let expected = rows(&case, &Pose::of(&case));
         let functions = functions(&got);
         for c in 0..6 {
-            assert_eq!(got.jacobian[c].is_some(), expected[c].is_some(), "{}, component {}", case.name, c + 1);
+            assert_eq!(
+                got.jacobian[c].is_some(),
+                expected[c].is_some(),
+                "{}, component {}",
+                case.name,
+                c + 1
+            );
             let (Some(row), Some(expected)) = (got.jacobian[c], expected[c]) else { continue };
             let hessian = got.hessian[c].as_ref().expect("second derivatives");
             let scales = Scales::new(functions[c].expect("a value"), &row, hessian, case.length);

@@ -6,7 +6,9 @@
 use crate::states::Draw;
 use crate::tolerance::GOLDEN;
 use pintle::catalog::{ConnectionType, Slot, TABLE};
-use pintle::connector::{Components, Connector, Definition, Evaluation, Increment, Request, State, Tally, Turns};
+use pintle::connector::{
+    Components, Connector, Definition, Evaluation, Increment, Request, State, Tally, Turns,
+};
 use pintle::mpc::{self, Revolute};
 use pintle::node::{DOFS, Node, Pair};
 use pintle::so3;
@@ -227,7 +229,8 @@ fn the_catalogue_agrees_with_jax() {
         for c in 0..6 {
             let place = |what: &str| format!("{place}, component {}, {what}", c + 1);
             assert_eq!(got.jacobian[c].is_some(), case.jacobian[c].is_some(), "{}", place("row"));
-            let (Some(row), Some(want), Some(allowed)) = (got.jacobian[c], case.jacobian[c], error.jacobian[c])
+            let (Some(row), Some(want), Some(allowed)) =
+                (got.jacobian[c], case.jacobian[c], error.jacobian[c])
             else {
                 continue;
             };
@@ -256,7 +259,8 @@ fn every_type_is_in_the_file() {
     assert_eq!(here, there, "the catalogue and scripts/reference.py do not know the same types");
     for name in here {
         let of = || file.cases.iter().filter(move |case| case.r#type == name);
-        for kind in ["random", "tiny", "near-pi", "past-2pi", "right-angle", "far", "millimetre", "kilometre"] {
+        for kind in ["random", "tiny", "near-pi", "past-2pi", "right-angle", "far", "millimetre", "kilometre"]
+        {
             assert!(of().any(|case| case.name.starts_with(kind)), "{name} has no {kind} state");
         }
         assert!(of().filter(|case| case.hessian.is_some()).count() >= 5, "{name} has few second derivatives");
@@ -368,7 +372,12 @@ fn the_joint_agrees_with_jax() {
             let (rate, acceleration) = (got.residual_rate.unwrap()[i], got.residual_acceleration.unwrap()[i]);
             agreement.compare(&place("residual"), got.residual[i], joint.residual[i], error.residual);
             agreement.compare(&place("rate"), rate, joint.velocity[i], error.velocity);
-            agreement.compare(&place("acceleration"), acceleration, joint.acceleration[i], error.acceleration);
+            agreement.compare(
+                &place("acceleration"),
+                acceleration,
+                joint.acceleration[i],
+                error.acceleration,
+            );
             for j in 0..mpc::DOFS {
                 let row = got.jacobian.unwrap()[i];
                 agreement.compare(&place(&format!("∂{j}")), row[j], joint.jacobian[i][j], error.jacobian);

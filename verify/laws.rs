@@ -5,8 +5,8 @@
 //! F for a value, F/s_j + Σ_k |∂²f/∂q_j∂q_k| s_k for a first derivative, F₂/(s_j s_k) for a second.
 
 mod derivatives; // derivatives are those of the functions, on 237-bit numbers
-mod motion; // rigid motions, frames, units, rates, the initial state, exchanged nodes
 mod histories; // turns are counted and saved branches continue
+mod motion; // rigid motions, frames, units, rates, the initial state, exchanged nodes
 mod requests; // a part is part of the whole, and nothing else is computed
 
 use crate::tolerance::{LAWS, Law};
@@ -55,7 +55,10 @@ impl Check {
     /// Fails with all that was beyond the tolerance, or where nothing was compared.
     pub(crate) fn finish(self) {
         let Self { law, worst, failures, count } = self;
-        println!("{}: {count} compared, worst {:.3} u (allowed {}) at {}", law.name, worst.0, law.units, worst.1);
+        println!(
+            "{}: {count} compared, worst {:.3} u (allowed {}) at {}",
+            law.name, worst.0, law.units, worst.1
+        );
         assert!(count > 0, "{}: nothing was compared", law.name);
         let shown = failures.iter().take(30).cloned().collect::<Vec<_>>().join("\n");
         assert!(failures.is_empty(), "{}: {} of {count} fail\n{shown}", law.name, failures.len());

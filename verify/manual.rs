@@ -388,7 +388,8 @@ fn the_catalogue_is_the_manual() {
         let mut compare = |field: &str, catalogue: &str, manual: &str| {
             if catalogue != manual {
                 let name = row.name;
-                differences.push(format!("{name}, {field}: catalogue {catalogue:?}, {} {manual:?}", row.page));
+                differences
+                    .push(format!("{name}, {field}: catalogue {catalogue:?}, {} {manual:?}", row.page));
             }
         };
         compare("class", class(entry), row.class);

@@ -18,7 +18,10 @@ pub(crate) struct Draw(u64);
 
 impl Draw {
     pub(crate) fn new(seed: &str) -> Self {
-        Self(seed.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)))
+        Self(
+            seed.bytes()
+                .fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)),
+        )
     }
 
     /// Uniform in [0, 1).
@@ -135,9 +138,8 @@ pub(crate) fn turning(connection: &ConnectionType) -> Turning {
             _ => false,
         })
     };
-    let position = |wanted: fn(Measure) -> bool| {
-        connection.slots.iter().any(|slot| slot.position().is_some_and(wanted))
-    };
+    let position =
+        |wanted: fn(Measure) -> bool| connection.slots.iter().any(|slot| slot.position().is_some_and(wanted));
     if printed(Measure::Misalignment(1)) {
         Turning::Align
     } else if printed(Measure::Cosine(1, 2)) {
@@ -205,7 +207,8 @@ pub(crate) struct Step {
 impl Step {
     /// From one pair to the next, by less than half a turn of each node.
     pub(crate) fn between(before: &Pair<f64>, after: Pair<f64>) -> Self {
-        let turned = |old: &Node<f64>, new: &Node<f64>| so3::log(&product(&new.triad, &transpose(&old.triad)));
+        let turned =
+            |old: &Node<f64>, new: &Node<f64>| so3::log(&product(&new.triad, &transpose(&old.triad)));
         let increment = Increment {
             rotation: [turned(&before.a, &after.a), turned(&before.b, &after.b)],
             whole_turns: [[0.0; 3]; 2],
@@ -325,7 +328,8 @@ impl Case {
     fn is_regular(&self, end: f64) -> bool {
         let connector = self.connector();
         let mut branch = connector.initial_branch();
-        let initial = State { pair: self.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let initial =
+            State { pair: self.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
         let clear = |state: &State<f64>, branch: &Branch<f64>, least: f64| {
             connector.margins(state, branch, [true; 6]).iter().flatten().all(|margin| {
                 let unit = if margin.set.unit == Unit::Length { self.length } else { 1.0 };

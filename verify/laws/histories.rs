@@ -3,7 +3,9 @@
 use super::{Check, assert_bits, functions};
 use crate::states::{Case, Draw, Extent, Motion, about_1, about_3, cases, definition, pair, turn, types};
 use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{Branch, Connector, Definition, Evaluation, Increment, Output, Request, State, Tally};
+use pintle::connector::{
+    Branch, Connector, Definition, Evaluation, Increment, Output, Request, State, Tally,
+};
 use pintle::node::{DOFS, Pair};
 use pintle::scalar::{Real, Scalar, Wide};
 use pintle::so3;
@@ -125,7 +127,8 @@ fn whole_turns_of_the_nodes_are_counted() {
 #[test]
 fn cardan_angles_wind() {
     let mut check = Check::of("angles along paths");
-    let definition = definition(entry("CARDAN"), pair([1.0, 0.0, 0.0], Draw::new("C").triad(), &identity()), 1.0);
+    let definition =
+        definition(entry("CARDAN"), pair([1.0, 0.0, 0.0], Draw::new("C").triad(), &identity()), 1.0);
     let mut walk = Walk::new(&definition);
     for i in 1..=3000 {
         let t = f64::from(i);
@@ -134,7 +137,12 @@ fn cardan_angles_wind() {
         let got = walk.told_nothing(posed(&definition.initial, &q));
         for (c, want) in [(3, alpha), (4, beta), (5, gamma)] {
             let scale = 4.0 * (1.0 + alpha.abs() + gamma.abs()) / beta.cos();
-            check.against(|| format!("CARDAN at {t}, component {}", c + 1), got.displacement[c].unwrap(), want, scale);
+            check.against(
+                || format!("CARDAN at {t}, component {}", c + 1),
+                got.displacement[c].unwrap(),
+                want,
+                scale,
+            );
         }
     }
     check.finish();
@@ -145,9 +153,8 @@ fn cardan_angles_wind() {
 fn euler_angles_continue_through_the_lock() {
     let mut check = Check::of("angles along paths");
     let start = [0.4, 0.9, -0.2];
-    let posed_by = |[alpha, beta, gamma]: [f64; 3]| {
-        product(&product(&about_3(alpha), &about_1(beta)), &about_3(gamma))
-    };
+    let posed_by =
+        |[alpha, beta, gamma]: [f64; 3]| product(&product(&about_3(alpha), &about_1(beta)), &about_3(gamma));
     let initial = pair([1.0, 0.0, 0.0], Draw::new("E").triad(), &posed_by(start));
     let definition = definition(entry("EULER"), initial, 1.0);
     let mut walk = Walk::new(&definition);
@@ -327,7 +334,9 @@ fn the_end_of_a_path_does_not_depend_on_its_steps() {
             let mut last = None;
             let motion = refit(case);
             for i in 1..=8 * case.path.len() {
-                last = Some(walk.short(motion.at(&case.definition.initial, i as f64 / (8 * case.path.len()) as f64)));
+                last = Some(
+                    walk.short(motion.at(&case.definition.initial, i as f64 / (8 * case.path.len()) as f64)),
+                );
             }
             let fine = last.expect("a path has an end");
             for c in 0..6 {

@@ -2,15 +2,16 @@
 
 use super::derivatives::Truth;
 use super::{Check, Scales, U, assert_bits, functions, times};
-use crate::states::{
-    Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, types,
-};
+use crate::states::{Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, types};
 use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally};
+use pintle::connector::{
+    Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally, Turns,
+};
 use pintle::measure::{Measure, Unit};
+use pintle::mpc::{self, Revolute};
 use pintle::node::{DOFS, Pair};
 use pintle::scalar::{Scalar, Wide};
-use pintle::vector::{Matrix, Vector, add, apply, column, cross, dot, product, scale, sub};
+use pintle::vector::{self, Matrix, Vector, add, apply, column, cross, dot, product, scale, sub};
 
 fn everywhere(mut judge: impl FnMut(&Case)) {
     for connection in types() {
@@ -442,8 +443,7 @@ fn motion_starts_at_zero() {
     let mut check = Check::of("initial residuals");
     everywhere(|case| {
         let connector = case.connector();
-        let state =
-            State { pair: case.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let state = State { pair: case.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
         let branch = connector.initial_branch();
         let request = Request::everything(1);
         let got = connector.evaluate(&state, &Increment::none(), &branch, &request, &mut Tally::default());
@@ -675,11 +675,34 @@ fn constraint_rows_are_independent() {
                 }
             }
             let left = times(&rest, &rest).sqrt();
-            assert!(left > 0.02 * size, "{}: row {} depends on the others ({left} of {size})", case.name, c + 1);
+            assert!(
+                left > 0.02 * size,
+                "{}: row {} depends on the others ({left} of {size})",
+                case.name,
+                c + 1
+            );
             rows.push(rest.map(|x| x / left));
         }
     });
     assert!(count > 200, "only {count} states are near their constraints");
+}
+
+/// A revolute MPC turned by exactly half a turn from nothing is at +π.
+#[test]
+fn a_joint_turned_by_half_is_principal() {
+    let joint = Revolute::<f64>::between([0.0; 3], [0.0, 0.0, 1.0]);
+    let identity: Matrix<f64> = vector::identity();
+    let state = mpc::State {
+        slave: [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]],
+        master: identity,
+        joint: None,
+        velocity: [0.0; mpc::DOFS],
+        acceleration: [0.0; mpc::DOFS],
+    };
+    let start = Turns { turns: 0.0, principal: 0.0 };
+    let request = Request::everything(0);
+    let got = joint.evaluate(&state, &start, [0.0; 3], &request, &mut Tally::default());
+    assert_eq!((got.angle.turns, got.angle.principal), (0.0, std::f64::consts::PI));
 }
 
 /// Two half turns that are the same pose are told apart by the increment that leads there, and without one the principal
@@ -690,17 +713,20 @@ fn half_turns_in_one_increment() {
     for name in ["REVOLUTE", "CARDAN", "UNIVERSAL", "ROTATION", "EULER"] {
         let connection = entry(name);
         let q0 = if name == "EULER" { crate::states::about_1(1.0) } else { crate::states::about_1(0.0) };
-        let a0: Matrix<f64> = pintle::vector::identity();
+        let a0: Matrix<f64> = vector::identity();
         let definition = crate::states::definition(connection, pair([1.0, 0.0, 0.0], a0, &q0), 1.0);
         let connector = Connector::<f64>::new(&definition);
         let axis = if name == "EULER" { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
         for (told, expected) in [(pi, pi), (-pi, -pi), (0.0, pi)] {
             let mut after = definition.initial;
-            after.b.triad = product(&[0, 1, 2].map(|i| {
-                let mut row = [0.0; 3];
-                row[i] = if axis[i] == 1.0 { 1.0 } else { -1.0 };
-                row
-            }), &after.b.triad);
+            after.b.triad = product(
+                &[0, 1, 2].map(|i| {
+                    let mut row = [0.0; 3];
+                    row[i] = if axis[i] == 1.0 { 1.0 } else { -1.0 };
+                    row
+                }),
+                &after.b.triad,
+            );
             let mut increment = Increment::none();
             increment.rotation[1] = scale(axis, told);
             let state = State { pair: after, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };

@@ -36,7 +36,9 @@ fn assert_same_derivatives(place: &str, got: &Evaluation<f64>, want: &Evaluation
                 assert_bits(format!("{place}, ∂{j}"), got[j] + 0.0, want[j] + 0.0);
             }
         }
-        (_, got, _) => panic!("{place}: a row is {}", if got.is_some() { "not asked for" } else { "missing" }),
+        (_, got, _) => {
+            panic!("{place}: a row is {}", if got.is_some() { "not asked for" } else { "missing" })
+        }
     }
     match (order, &got.hessian[c], &want.hessian[c]) {
         (0 | 1, None, _) | (_, None, None) => {}
@@ -98,7 +100,8 @@ fn a_part_is_part_of_the_whole() {
         for case in cases(&connection, extent(&connection)) {
             let connector = case.connector();
             let (whole, _) = case.evaluate(&Request::everything(2));
-            let mut requests = vec![Request::nothing(2), Request::everything(2), Request::new(&[], [true; 6], 0)];
+            let mut requests =
+                vec![Request::nothing(2), Request::everything(2), Request::new(&[], [true; 6], 0)];
             // Another output of each component.
             for shift in 0..Output::ALL.len() {
                 let mut mixed = Request::nothing((shift % 3) as u8);
@@ -130,14 +133,19 @@ fn a_part_is_part_of_the_whole() {
                         let asked = request.wants(output, c) || stops;
                         match (asked, values(&part, output)[c], values(&whole, output)[c]) {
                             (false, None, _) | (true, None, None) => {}
-                            (true, Some(got), Some(want)) => assert_bits(format!("{place}, {output:?}"), got, want),
+                            (true, Some(got), Some(want)) => {
+                                assert_bits(format!("{place}, {output:?}"), got, want)
+                            }
                             (_, got, _) => panic!("{place}, {output:?}: asked {asked}, got {got:?}"),
                         }
                     }
                     if request.components()[c] {
                         assert_same_derivatives(&place, &part, &whole, c, request.order);
                     } else {
-                        assert!(part.jacobian[c].is_none() && part.hessian[c].is_none(), "{place}: not asked for");
+                        assert!(
+                            part.jacobian[c].is_none() && part.hessian[c].is_none(),
+                            "{place}: not asked for"
+                        );
                     }
                 }
             }
@@ -199,7 +207,7 @@ fn declared_dependence_is_true() {
                     let kind = [0, 0, 0, 1, 1, 1, 2][j % 7];
                     seen[c][kind] |= row[j] != 0.0;
                     // The directions of a turn what is measured in them.
-                    let carried = dependence.translation && (3..6).contains(&j);
+                    let carried = measure.turns_with_a() && (3..6).contains(&j);
                     let matters = (declared[kind] || carried) && connector.active()[j];
                     assert!(matters || row[j] == 0.0, "{place}: ∂{j} = {}, though undeclared", row[j]);
                     for k in 0..DOFS {
@@ -213,6 +221,7 @@ fn declared_dependence_is_true() {
                 let mut by = [0.0; DOFS];
                 for (j, entry) in by.iter_mut().enumerate() {
                     let kind = [0, 0, 0, 1, 1, 1, 2][j % 7];
+                    // (|d| is formed in the frame of a, and turning that rounds it.)
                     if !declared[kind] && !(dependence.translation && (3..6).contains(&j)) {
                         *entry = draw.between(-0.1, 0.1) * case.length;
                     }
@@ -237,7 +246,11 @@ fn declared_dependence_is_true() {
                 let d = measure.dependence();
                 for (kind, declared) in [d.translation, d.rotation, d.flow].into_iter().enumerate() {
                     let what = ["translation", "rotation", "flow"][kind];
-                    assert!(!declared || seen[c][kind], "{}: {what} never mattered to {measure:?}", case.name);
+                    assert!(
+                        !declared || seen[c][kind],
+                        "{}: {what} never mattered to {measure:?}",
+                        case.name
+                    );
                 }
             }
         }
