@@ -69,6 +69,38 @@ impl Output {
         Self::MARGIN,
     ];
 
+    /// The name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::CP => "CP",
+            Self::CU => "CU",
+            Self::CCU => "CCU",
+            Self::CV => "CV",
+            Self::CA => "CA",
+            Self::RES => "RES",
+            Self::RESV => "RESV",
+            Self::RESB => "RESB",
+            Self::RESA => "RESA",
+            Self::CSLST => "CSLST",
+            Self::TURNS => "TURNS",
+            Self::MARGIN => "MARGIN",
+        }
+    }
+
+    /// Whether it is one of the manual's outputs of relative motion, which has a name of its own for rotations: CP and CPR.
+    pub const fn is_kinematic(self) -> bool {
+        matches!(self, Self::CP | Self::CU | Self::CCU | Self::CV | Self::CA)
+    }
+
+    /// The power of time by which the unit of the component is divided: 0, 1 or 2.
+    pub const fn per_time(self) -> u8 {
+        match self {
+            Self::CV | Self::RESV => 1,
+            Self::CA | Self::RESB | Self::RESA => 2,
+            _ => 0,
+        }
+    }
+
     /// One line on what it is.
     pub const fn meaning(self) -> &'static str {
         match self {
@@ -119,7 +151,8 @@ impl Request {
 
     /// The same components of every output listed, with derivatives up to `order`. Without outputs, derivatives only.
     pub fn new(outputs: &[Output], components: Mask, order: u8) -> Self {
-        let mut request = Self { components, ..Self::nothing(order) };
+        let mut request = Self::nothing(order);
+        request.add_rows(components);
         for output in outputs {
             request.add(*output, components);
         }
@@ -135,6 +168,13 @@ impl Request {
     pub fn add(&mut self, output: Output, components: Mask) {
         for (k, wanted) in components.into_iter().enumerate() {
             self.wanted[output as usize][k] |= wanted;
+        }
+        self.add_rows(components);
+    }
+
+    /// Adds rows of derivatives of components, without any output.
+    pub fn add_rows(&mut self, components: Mask) {
+        for (k, wanted) in components.into_iter().enumerate() {
             self.components[k] |= wanted;
         }
     }
@@ -1001,6 +1041,13 @@ pub enum Flag {
         /// The distance to it.
         distance: f64,
     },
+    /// A number is infinite or not a number: the state lies beyond what the formula can be evaluated at.
+    NotFinite {
+        /// The component.
+        component: &'static str,
+        /// The output, or `derivative`.
+        quantity: &'static str,
+    },
     /// An angle moved by more than 0.9 π since the previous state: its turns cannot be counted with certainty.
     LargeIncrement {
         /// The component.
@@ -1008,6 +1055,28 @@ pub enum Flag {
         /// The change of the angle [rad].
         change: f64,
     },
+}
+
+impl Flag {
+    /// The name, as JSON has it.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Singular { .. } => "singular",
+            Self::IllConditioned { .. } => "ill-conditioned",
+            Self::NotFinite { .. } => "not-finite",
+            Self::LargeIncrement { .. } => "large-increment",
+        }
+    }
+
+    /// The component that it is about.
+    pub const fn component(&self) -> &'static str {
+        match self {
+            Self::Singular { component, .. }
+            | Self::IllConditioned { component, .. }
+            | Self::NotFinite { component, .. }
+            | Self::LargeIncrement { component, .. } => component,
+        }
+    }
 }
 
 /// The distance to a singular set below which a state is flagged: half the digits of a second derivative are gone.

@@ -3,57 +3,36 @@
 mod cli;
 
 use clap::Parser;
-use cli::{Cli, Command, TextFormat};
-use pintle::catalog::ConnectionType;
-use pintle::report::{self, explain::Explanation};
-use std::io::{self, Write};
+use cli::{Cli, Command, Failure};
+use std::panic;
 use std::process::ExitCode;
 
-/// What ends a command early. Each has its exit code.
-#[derive(Debug, thiserror::Error)]
-enum Failure {
-    /// 2
-    #[error("{0}")]
-    Usage(String),
-    /// The reader of our output has gone: not an error.
-    #[error(transparent)]
-    Output(#[from] io::Error),
-}
+/// The exit code of an internal error.
+const INTERNAL_ERROR: u8 = 70;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    match run(&cli) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("error: {failure}");
-            ExitCode::from(2)
-        }
+    panic::set_hook(Box::new(|defect| {
+        cli::eval::complain("internal error", &format!("{defect}"));
+        cli::eval::complain(
+            "note",
+            "this is a defect of pintle; please report it with the command and its input",
+        );
+    }));
+    match panic::catch_unwind(|| run(&cli)) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(failure)) => failure.report(),
+        Err(_) => ExitCode::from(INTERNAL_ERROR),
     }
 }
 
 fn run(cli: &Cli) -> Result<(), Failure> {
     match &cli.command {
-        Command::List(list) => {
-            let mut out = anstream::stdout().lock();
-            match list.format {
-                TextFormat::Human => report::list::human(&mut out, 100)?,
-                TextFormat::Json => report::list::json(&mut out)?,
-            }
-            out.flush()?;
-        }
-        Command::Explain(explain) => {
-            let connection = ConnectionType::named(&explain.name, explain.second.as_deref())
-                .map_err(|error| Failure::Usage(error.to_string()))?;
-            let explanation = Explanation::of(&connection);
-            let mut out = anstream::stdout().lock();
-            match explain.format {
-                TextFormat::Human => explanation.human(&mut out, 100)?,
-                TextFormat::Json => explanation.json(&mut out)?,
-            }
-            out.flush()?;
-        }
-        Command::Eval(_) => {}
+        Command::List(arguments) => cli::list(arguments),
+        Command::Explain(arguments) => cli::explain(arguments),
+        Command::Eval(arguments) => cli::eval::run(arguments),
+        #[cfg(debug_assertions)]
+        #[expect(clippy::panic, reason = "its purpose")]
+        Command::Panic => panic!("as asked"),
     }
-    Ok(())
 }

@@ -6,9 +6,11 @@
 //! committing every branch as it goes.
 
 mod model;
+mod outputs;
 mod plan;
 mod sequence;
 
 pub use model::{ConnectorElement, Joint, Model};
+pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
 pub use sequence::{Branches, ConnectorResult, Item, JointResult, Sequence, StepResult};

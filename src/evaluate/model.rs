@@ -97,7 +97,7 @@ impl Model {
                     facts.stops.push(k);
                 }
                 facts.predefined_friction = behavior.predefined_friction_parameters();
-                facts.actions = behavior.acts_on();
+                facts.actions = behavior.acts_on().map(|component| usize::from(component) - 1).collect();
             }
             facts.actions.extend(actions.get(label).into_iter().flatten());
             facts.actions.sort_unstable();

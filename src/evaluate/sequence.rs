@@ -3,7 +3,7 @@
 use super::model::{ConnectorElement, Model};
 use super::plan::Plan;
 use crate::connector::{
-    Branch, Components, Evaluation, Flag, Increment, Output, State, StopStatus, Tally, Turns,
+    Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
 };
 use crate::measure::Margin;
 use crate::mpc;
@@ -12,7 +12,7 @@ use crate::scene::{NodeMotion, Rotation, State as SceneState};
 use crate::so3::{self, Quaternion};
 use crate::vector::{self, Matrix, Vector, identity, product, sub};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::convert::Infallible;
 
 /// A node at one state, its rotation worked out once for all connectors that share it.
@@ -63,6 +63,27 @@ pub struct Branches {
     connectors: BTreeMap<u64, Branch<f64>>,
     joints: BTreeMap<String, Turns<f64>>,
     nodes: BTreeMap<u64, Orientation>,
+}
+
+impl Branches {
+    /// Whether these branches can be continued by a plan.
+    ///
+    /// # Errors
+    /// In words, the first connector that one of the two knows and the other does not.
+    pub fn check(&self, model: &Model, plan: &Plan) -> Result<(), String> {
+        let planned: BTreeSet<u64> =
+            plan.connectors.iter().map(|index| model.connectors[*index].label).collect();
+        let saved = |label: &u64| self.connectors.contains_key(label);
+        if self.states > 0
+            && let Some(label) = planned.iter().find(|label| !saved(label))
+        {
+            return Err(format!("connector {label} is to be evaluated, and its branch was not saved"));
+        }
+        if let Some(label) = self.connectors.keys().find(|label| !planned.contains(label)) {
+            return Err(format!("a branch was saved for connector {label}, which is not to be evaluated"));
+        }
+        Ok(())
+    }
 }
 
 /// One connector at one state.
@@ -168,9 +189,22 @@ impl<'a> Sequence<'a> {
     ///
     /// # Errors
     /// The first error of `take`; the walk must then be given up.
-    pub fn visit<E>(
+    pub fn visit<E>(&mut self, state: &SceneState, take: impl FnMut(Item) -> Result<(), E>) -> Result<(), E> {
+        self.walk(state, &self.plan.request, take)
+    }
+
+    /// Commits the next state without any output: branches follow it, and results carry their flags only.
+    ///
+    /// # Errors
+    /// The first error of `take`; the walk must then be given up.
+    pub fn pass<E>(&mut self, state: &SceneState, take: impl FnMut(Item) -> Result<(), E>) -> Result<(), E> {
+        self.walk(state, &Request::nothing(0), take)
+    }
+
+    fn walk<E>(
         &mut self,
         state: &SceneState,
+        request: &Request,
         mut take: impl FnMut(Item) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut moved: HashMap<u64, Moved> = HashMap::with_capacity(self.plan.nodes.len());
@@ -186,17 +220,23 @@ impl<'a> Sequence<'a> {
         for index in &self.plan.connectors {
             let element = &self.model.connectors[*index];
             let ends = element.nodes.map(at);
-            take(Item::Connector(Box::new(self.connector(*index, element, &ends))))?;
+            take(Item::Connector(Box::new(self.connector(*index, element, &ends, request))))?;
         }
         for index in &self.plan.joints {
             let nodes = self.model.joints[*index].nodes.map(|label| at(Some(label)));
-            take(Item::Joint(Box::new(self.joint(*index, &nodes))))?;
+            take(Item::Joint(Box::new(self.joint(*index, &nodes, request))))?;
         }
         self.branches.states += 1;
         Ok(())
     }
 
-    fn connector(&mut self, index: usize, element: &ConnectorElement, ends: &[Moved; 2]) -> ConnectorResult {
+    fn connector(
+        &mut self,
+        index: usize,
+        element: &ConnectorElement,
+        ends: &[Moved; 2],
+        request: &Request,
+    ) -> ConnectorResult {
         let node = |end: usize| Node {
             displacement: ends[end].displacement,
             triad: product(&ends[end].rotation, &element.triads[end]),
@@ -221,7 +261,6 @@ impl<'a> Sequence<'a> {
         let connector = &element.connector;
         let known = self.branches.connectors.get(&element.label).copied();
         let before = known.unwrap_or_else(|| connector.initial_branch());
-        let request = &self.plan.request;
         let evaluation = connector.evaluate(&state, &increment, &before, request, &mut self.tally);
         let mut stops = connector.stop_status(&evaluation.position);
         for (k, status) in stops.iter_mut().enumerate() {
@@ -233,7 +272,7 @@ impl<'a> Sequence<'a> {
         ConnectorResult { index, evaluation, stops, margins, flags }
     }
 
-    fn joint(&mut self, index: usize, [slave, master, joint]: &[Moved; 3]) -> JointResult {
+    fn joint(&mut self, index: usize, [slave, master, joint]: &[Moved; 3], request: &Request) -> JointResult {
         let element = &self.model.joints[index];
         let combined = |of: fn(&Moved) -> &[f64; 7]| {
             let (s, m, j) = (of(slave), of(master), of(joint));
@@ -249,8 +288,7 @@ impl<'a> Sequence<'a> {
         let key = element.nodes.map(|label| label.to_string()).join("-");
         let before = self.branches.joints.get(&key).copied().unwrap_or(Turns { turns: 0.0, principal: 0.0 });
         let whole = sub(slave.whole_turns, master.whole_turns);
-        let evaluation =
-            element.constraint.evaluate(&state, &before, whole, &self.plan.request, &mut self.tally);
+        let evaluation = element.constraint.evaluate(&state, &before, whole, request, &mut self.tally);
         self.branches.joints.insert(key, evaluation.angle);
         let misalignment = element.constraint.misalignment(&state);
         JointResult { index, evaluation, given: joint.sixth, misalignment }

@@ -8,6 +8,7 @@ use crate::catalog::{
     OrientationRule, Slot,
 };
 use crate::measure::{SingularSet, Unit};
+use crate::scene::Code;
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -206,6 +207,27 @@ impl Explanation {
         }
         Ok(())
     }
+}
+
+/// Writes what the code of a diagnostic means.
+///
+/// # Errors
+/// Those of the stream.
+pub fn code(out: &mut dyn Write, code: Code, width: usize) -> io::Result<()> {
+    writeln!(out, "{}", styled(BOLD, code))?;
+    write!(out, "{}", layout::labelled("", 2, 2, code.explanation(), width))
+}
+
+/// Writes what the code of a diagnostic means, as JSON.
+///
+/// # Errors
+/// Those of the stream.
+pub fn code_json(out: &mut dyn Write, code: Code) -> io::Result<()> {
+    let document = serde_json::json!({
+        "schema": SCHEMA, "version": crate::VERSION, "code": code.as_str(), "explanation": code.explanation(),
+    });
+    serde_json::to_writer_pretty(&mut *out, &document)?;
+    writeln!(out)
 }
 
 fn bracket(unit: &str) -> String {

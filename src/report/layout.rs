@@ -26,11 +26,6 @@ pub(crate) fn left(text: &str, cells: usize) -> String {
     format!("{text}{}", " ".repeat(cells.saturating_sub(width(text))))
 }
 
-/// A text filled up to a width on the left.
-pub(crate) fn right(text: &str, cells: usize) -> String {
-    format!("{}{text}", " ".repeat(cells.saturating_sub(width(text))))
-}
-
 /// A text in lines of at most `cells`, broken at blanks; a word that is longer stands alone.
 pub(crate) fn wrap(text: &str, cells: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
@@ -87,7 +82,7 @@ mod tests {
     #[test]
     fn combining_marks_take_no_cell() {
         assert_eq!(width("J q̇"), 3);
-        assert_eq!(right("q̇", 3), "  q̇");
+        assert_eq!(left("q̇", 3), "q̇  ");
     }
 
     #[test]

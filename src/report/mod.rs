@@ -3,9 +3,17 @@
 //! Every function writes to a stream that it is given. Human text carries ANSI styles, which a stream that is no terminal
 //! drops (`anstream`); it fits the width that the caller names.
 
+mod block;
+pub mod csv;
+mod evaluation;
 pub mod explain;
+pub mod human;
+pub mod json;
 mod layout;
 pub mod list;
+mod number;
 mod words;
 
+pub use block::{Block, Column, Derivative, JointFacts, Kind, Row, Value, flag_in_words};
+pub use evaluation::{Format, Subject, Unevaluated, unevaluated};
 pub use words::{NOTATION, ROWS, SIGNS};

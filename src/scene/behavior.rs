@@ -41,35 +41,43 @@ pub struct Behavior {
 }
 
 impl Behavior {
-    /// The components, counted from 0, that must be available: those with elasticity, damping, plasticity or friction of their
-    /// own. Coupled matrices are not among them (entries of constrained components are not used), nor are locks and
-    /// failures, whose limits may refer to constrained components.
-    #[must_use]
-    pub fn acts_on(&self) -> Vec<usize> {
-        let laws =
-            self.elasticity.iter().map(|item| &item.law).chain(self.damping.iter().map(|item| &item.law));
-        let mut components: Vec<u8> = laws
-            .flat_map(|law| match law {
-                Law::Linear { component, .. } | Law::Nonlinear { component, .. } => vec![*component],
-                Law::Rigid { components } => components.clone(),
-                Law::Coupled { .. } => Vec::new(),
-            })
-            .collect();
-        components.extend(self.plasticity.iter().filter_map(|item| item.component));
-        components.extend(self.friction.iter().filter_map(|item| match item.kind {
-            FrictionKind::User { component, .. } => component,
-            FrictionKind::Predefined { .. } => None,
-        }));
-        components.into_iter().map(|component| usize::from(component) - 1).collect()
-    }
-
-    /// The number of items given for predefined friction, where it is asked for.
+    /// The number of items under `*CONNECTOR FRICTION, PREDEFINED`, without empty ones at the end; none if the behaviour has
+    /// no predefined friction.
     #[must_use]
     pub fn predefined_friction_parameters(&self) -> Option<usize> {
-        self.friction.iter().find_map(|item| match &item.kind {
-            FrictionKind::Predefined { constants } => Some(constants.len()),
+        self.friction.iter().find_map(|friction| match &friction.kind {
+            FrictionKind::Predefined { constants } => {
+                Some(constants.iter().rposition(Option::is_some).map_or(0, |last| last + 1))
+            }
             FrictionKind::User { .. } => None,
         })
+    }
+
+    /// The components, 1 to 6, to which elasticity, damping, friction, plasticity and damage are attached. Not among them:
+    /// coupled tables, whose entries for constrained components are ignored; locks and failures, whose triggers may be
+    /// constrained components.
+    pub fn acts_on(&self) -> impl Iterator<Item = u8> + '_ {
+        let laws = self.elasticity.iter().map(|e| &e.law).chain(self.damping.iter().map(|d| &d.law));
+        let slips = self.friction.iter().filter_map(|friction| match &friction.kind {
+            FrictionKind::User { component, .. } => *component,
+            FrictionKind::Predefined { .. } => None,
+        });
+        let plastic = self.plasticity.iter().filter_map(|plasticity| plasticity.component);
+        let damaged = self.damage.iter().filter_map(|damage| damage.component);
+        laws.flat_map(Law::components).copied().chain(slips).chain(plastic).chain(damaged)
+    }
+}
+
+impl Law {
+    /// The components that it gives forces, one by one; none for a coupled law.
+    fn components(&self) -> &[u8] {
+        match self {
+            Self::Linear { component, .. } | Self::Nonlinear { component, .. } => {
+                std::slice::from_ref(component)
+            }
+            Self::Rigid { components } => components,
+            Self::Coupled { .. } => &[],
+        }
     }
 }
 
@@ -98,7 +106,7 @@ pub struct Row {
 /// `INDEPENDENT COMPONENTS=` and the components listed under it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Independent {
-    /// POSITION or CONSTITUTIVE MOTION (damping: VELOCITY).
+    /// POSITION or CONSTITUTIVE MOTION.
     pub basis: &'static str,
     /// The components.
     pub components: Vec<u8>,
@@ -264,6 +272,8 @@ pub struct DerivedTerm {
     pub independent: Option<Independent>,
     /// Columns: one scale factor per component, then one value per independent component. No row: factors 1.
     pub rows: Vec<Row>,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
     /// The keyword.
     #[serde(skip)]
     pub span: Span,
@@ -344,6 +354,10 @@ pub struct Damage {
     pub potential: Option<Potential>,
     /// FORCE, MOTION: lower and upper limit. PLASTIC MOTION: motion, mode mix, rate. Then temperature, fields: as written.
     pub rows: Vec<Vec<Option<f64>>>,
+    /// `RATE FILTER FACTOR=`.
+    pub rate_filter: Option<f64>,
+    /// `RATE INTERPOLATION=` LINEAR or LOGARITHMIC.
+    pub rate_interpolation: Option<&'static str>,
     /// `*CONNECTOR DAMAGE EVOLUTION`.
     pub evolution: Option<DamageEvolution>,
     /// Between and beyond the rows.
@@ -368,6 +382,8 @@ pub struct DamageEvolution {
     pub potential: Option<Potential>,
     /// LINEAR: u_f. EXPONENTIAL: u_f, exponent. TABULAR: d, u. ENERGY: E. Then mode mix, temperature, fields: as written.
     pub rows: Vec<Vec<Option<f64>>>,
+    /// Between and beyond the rows.
+    pub table: TableOptions,
 }
 
 /// `*CONNECTOR STOP`: lower ≤ position ≤ upper.

@@ -71,6 +71,7 @@ codes! {
     MissingParameter = "deck::missing-parameter": "A parameter that the keyword needs is not there.";
     RepeatedParameter = "deck::repeated-parameter": "A parameter stands twice on one keyword line.";
     BadParameterValue = "deck::bad-parameter-value": "The value of a parameter is missing, superfluous or not one of those allowed.";
+    RepeatedSuboption = "deck::repeated-suboption": "A suboption that may stand once in a behaviour, or once for a component, stands twice.";
     ConflictingParameters = "deck::conflicting-parameters": "Two parameters exclude each other.";
 
     MissingData = "deck::missing-data": "A data line, or an item of it, is not there.";
@@ -88,7 +89,7 @@ codes! {
     DuplicateName = "deck::duplicate-name": "Two definitions of one kind have the same name.";
     BadLabel = "deck::bad-label": "The number of a node or element is 0 or larger than 2^53.";
     BadConnectivity = "deck::bad-connectivity": "An element has too few, too many or equal nodes.";
-    GenerateRange = "deck::generate-range": "A GENERATE range is empty, endless or larger than ten million.";
+    GenerateRange = "deck::generate-range": "A GENERATE range is empty, endless or larger than ten million, or all sets together are too large.";
     GenerateGaps = "deck::generate-gaps": "A GENERATE range names numbers that do not exist. A warning.";
     EmptySet = "deck::empty-set": "A set that is used has no members of the kind that is needed.";
     SetCycle = "deck::set-cycle": "A set contains itself, directly or through others.";
@@ -114,18 +115,18 @@ codes! {
     TableOrder = "deck::table-order": "The independent variable of a table does not increase.";
     NonzeroModelBoundary = "deck::nonzero-model-boundary": "A boundary condition before the first step has a magnitude other than zero. A warning.";
 
-    UnknownConnectionType = "type::unknown": "A connector section names a connection type that does not exist, or two that do not pair.";
-    OrientationRequired = "rule::orientation-required": "The connection type requires an orientation at a node, and none is given.";
-    OrientationIgnored = "rule::orientation-ignored": "The connection type does not use an orientation at a node, and one is given. A warning.";
-    NotInTwoDimensions = "rule::not-in-two-dimensions": "The connection type has no two-dimensional form.";
-    NotInProcedure = "rule::not-in-procedure": "The connection type is not available for the solver that the steps ask for.";
+    UnknownConnectionType = "rule::unknown-connection-type": "A connector section names no connection type, one that does not exist, or two that do not pair.";
+    OrientationRequired = "rule::orientation-required": "An orientation is missing where the connection type requires one.";
+    OrientationIgnored = "rule::orientation-ignored": "An orientation is given where the connection type does not use one.";
+    NotInTwoDimensions = "rule::not-in-two-dimensions": "A CONN2D2 element has a connection type without a two-dimensional form.";
+    NotInProcedure = "rule::not-in-procedure": "The connection type is not available for the solver of the steps.";
     StopNotAvailable = "rule::stop-not-available": "A stop on a component that cannot have one.";
     ReferenceNotAvailable = "rule::reference-not-available": "A constitutive reference for a component that cannot have one.";
     ActionNotAvailable = "rule::action-not-available": "A behaviour, motion or load on a component that is not available.";
     FrictionNotPredefined = "rule::friction-not-predefined": "Predefined friction for a connection type that has none.";
-    FrictionParameters = "rule::friction-parameters": "Predefined friction with more or fewer numbers than the connection type takes.";
-    SectionDataUnused = "rule::section-data-unused": "More numbers on the data line of a section than the connection type takes.";
-    CoincidentNodes = "rule::coincident-nodes": "The connection type needs two nodes apart, and they coincide initially.";
+    FrictionParameters = "rule::friction-parameters": "More or fewer parameters of predefined friction than the connection type takes.";
+    SectionDataUnused = "rule::section-data-unused": "Section data for a connection type that takes none, or less.";
+    CoincidentNodes = "rule::coincident-nodes": "A length or direction is needed, and the nodes coincide initially.";
 
     StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
     StatesUnknownColumn = "states::unknown-column": "A column of a CSV file of states has a name that is not known.";
@@ -263,8 +264,18 @@ impl Diagnostic {
         }
     }
 
-    /// Fetches the source lines of all `diagnostics`, in one pass over the file `name` that they are about.
-    pub fn attach(diagnostics: &mut [Self], name: &str, mut source: impl BufRead) {
+    /// The same, with the source lines that [`render`](Self::render) shows, fetched from the text of its file.
+    #[must_use]
+    pub fn with_source(self, source: impl BufRead) -> Self {
+        let name = self.0.file.clone();
+        let mut diagnostics = [self];
+        Self::attach(&mut diagnostics, &name, source);
+        let [diagnostic] = diagnostics;
+        diagnostic
+    }
+
+    /// Fetches the source lines of all `diagnostics` in one pass over their file.
+    pub(crate) fn attach(diagnostics: &mut [Self], name: &str, mut source: impl BufRead) {
         let mut wanted: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (index, diagnostic) in diagnostics.iter_mut().enumerate() {
             diagnostic.0.file = name.to_owned();
@@ -325,14 +336,17 @@ impl SourceCode for Excerpt {
     }
 }
 
+/// The message; before it the file, and the line, unless [`render`](Diagnostic::render) shows them with an excerpt.
 impl Display for Diagnostic {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let parts = &self.0;
-        match (parts.file.as_str(), self.line()) {
-            ("", _) => Ok(()),
-            (file, Some(line)) => write!(formatter, "{file}:{line}: "),
-            (file, None) => write!(formatter, "{file}: "),
-        }?;
+        if parts.excerpt.is_none() && !parts.file.is_empty() {
+            write!(formatter, "{}:", parts.file)?;
+            if let Some(line) = self.line() {
+                write!(formatter, "{line}:")?;
+            }
+            formatter.write_str(" ")?;
+        }
         formatter.write_str(&parts.message)
     }
 }

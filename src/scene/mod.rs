@@ -45,7 +45,7 @@ pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub use gallery::{Example, GALLERY};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{
-    Amplitude, Boundary, ConcentratedLoad, ConnectorElement, ConnectorLoad, ConnectorMotion,
+    Amplitude, Application, Boundary, ConcentratedLoad, ConnectorElement, ConnectorLoad, ConnectorMotion,
     ConnectorSection, Dimension, Discrete, DistributedLoad, End, MAX_WARNINGS, Mass, MotionType, Mpc,
     MpcKind, Node, Operation, OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set,
     Skipped, SkippedItem, Solver, Step, Target, Times, Transform, TransformKind,

@@ -339,6 +339,8 @@ pub struct Discrete {
     pub degrees_of_freedom: Vec<u8>,
     /// Is the table one of force over displacement or velocity?
     pub nonlinear: bool,
+    /// `COMPLEX STIFFNESS`.
+    pub complex: bool,
     /// Linear: coefficient, frequency; nonlinear: force, displacement or velocity. Then temperature and fields.
     pub rows: Vec<Vec<Option<f64>>>,
 }
@@ -373,12 +375,16 @@ pub struct Transform {
 pub struct Amplitude {
     /// `DEFINITION=`, such as TABULAR.
     pub definition: &'static str,
-    /// `TIME=`, `VALUE=` and `SMOOTH=` as they stand.
+    /// `TIME=` STEP TIME or TOTAL TIME.
     pub time: Option<&'static str>,
-    /// RELATIVE or ABSOLUTE.
+    /// `VALUE=` RELATIVE or ABSOLUTE.
     pub value: Option<&'static str>,
-    /// The fraction of an interval that is smoothed.
+    /// `SMOOTH=`: the fraction of an interval that is smoothed.
     pub smooth: Option<f64>,
+    /// `FIXED INTERVAL=` of equally spaced values.
+    pub fixed_interval: Option<f64>,
+    /// `BEGIN=`: the time of the first of them.
+    pub begin: Option<f64>,
     /// All items of the data lines: pairs of time and value for a tabular one.
     pub data: Vec<Option<f64>>,
     /// The keyword.
@@ -420,6 +426,25 @@ pub enum Operation {
     New,
 }
 
+/// How a motion or load is applied.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Application {
+    /// How it changes in time.
+    pub amplitude: Option<Spanned<String>>,
+    /// Together with earlier steps.
+    pub operation: Operation,
+    /// `FIXED`: held where it is at the start of the step.
+    pub fixed: bool,
+    /// `USER`: a user subroutine gives the value, not the magnitude.
+    pub user: bool,
+    /// `FOLLOWER`: the load rotates with the node.
+    pub follower: bool,
+    /// `IMAGINARY`: the imaginary part of a harmonic value.
+    pub imaginary: bool,
+    /// `LOAD CASE=`.
+    pub load_case: Option<u64>,
+}
+
 /// A line of `*BOUNDARY`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Boundary {
@@ -431,12 +456,8 @@ pub struct Boundary {
     pub magnitude: f64,
     /// What the value is.
     pub kind: MotionType,
-    /// How it changes in time.
-    pub amplitude: Option<Spanned<String>>,
-    /// Together with earlier steps.
-    pub operation: Operation,
-    /// Held where it is at the start of the step.
-    pub fixed: bool,
+    /// How it is applied.
+    pub applied: Application,
 }
 
 /// A line of `*CONNECTOR MOTION`.
@@ -450,12 +471,8 @@ pub struct ConnectorMotion {
     pub magnitude: Option<f64>,
     /// What the value is.
     pub kind: MotionType,
-    /// How it changes in time.
-    pub amplitude: Option<Spanned<String>>,
-    /// Together with earlier steps.
-    pub operation: Operation,
-    /// Held where it is at the start of the step.
-    pub fixed: bool,
+    /// How it is applied.
+    pub applied: Application,
 }
 
 /// A line of `*CONNECTOR LOAD`: a force or moment in the current direction of the component.
@@ -467,10 +484,8 @@ pub struct ConnectorLoad {
     pub component: u8,
     /// The load; positive drives the component in its positive sense.
     pub magnitude: f64,
-    /// How it changes in time.
-    pub amplitude: Option<Spanned<String>>,
-    /// Together with earlier steps.
-    pub operation: Operation,
+    /// How it is applied.
+    pub applied: Application,
 }
 
 /// A line of `*CLOAD`.
@@ -482,12 +497,8 @@ pub struct ConcentratedLoad {
     pub degree_of_freedom: u8,
     /// Force, moment or flow force.
     pub magnitude: f64,
-    /// Does the load rotate with the node?
-    pub follower: bool,
-    /// How it changes in time.
-    pub amplitude: Option<Spanned<String>>,
-    /// Together with earlier steps.
-    pub operation: Operation,
+    /// How it is applied.
+    pub applied: Application,
 }
 
 /// A line of `*DLOAD`.
@@ -499,10 +510,8 @@ pub struct DistributedLoad {
     pub label: String,
     /// Magnitude, and for GRAV the direction x, y, z.
     pub values: Vec<Option<f64>>,
-    /// How it changes in time.
-    pub amplitude: Option<Spanned<String>>,
-    /// Together with earlier steps.
-    pub operation: Operation,
+    /// How it is applied.
+    pub applied: Application,
 }
 
 /// Abaqus/Standard or Abaqus/Explicit.
@@ -556,6 +565,8 @@ pub struct Step {
     pub perturbation: bool,
     /// The largest number of increments.
     pub increments: Option<u64>,
+    /// `AMPLITUDE=` RAMP or STEP, for what has no amplitude of its own.
+    pub default_amplitude: Option<&'static str>,
     /// What it does.
     pub procedure: Option<Procedure>,
     /// Boundary conditions.

@@ -28,6 +28,8 @@ pub const MAX_ROTATION: f64 = 1e8;
 /// By how much the norm of a quaternion may differ from 1.
 const QUATERNION_TOLERANCE: f64 = 1e-6;
 
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 const SCHEMA: &str = "pintle-states/1";
 
 /// The total rotation of a node from its initial orientation.
@@ -125,6 +127,7 @@ impl StateFile {
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
     pub fn parse_csv(name: &str, text: &str, scene: &Scene) -> Result<Self> {
+        let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
         csv_states(text, scene).map_err(|error| located(error, name, text))
     }
 
@@ -133,6 +136,7 @@ impl StateFile {
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
     pub fn parse_json(name: &str, text: &str, scene: &Scene) -> Result<Self> {
+        let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
         json_states(text, scene).map_err(|error| located(error, name, text))
     }
 
@@ -244,7 +248,7 @@ fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
             return Err(Diagnostic::error(Code::StatesMalformed, span, message, "this row")
                 .help("give every row as many fields as the header; an empty field is 0"));
         }
-        let row = CsvRow { record: &record, columns: &columns, span };
+        let row = CsvRow { record: &record, columns: &columns, span, text };
         let (number, time) = (row.integer("state")?.unwrap_or(0), row.number("time")?);
         let disorder = |message: String, remedy: &str| {
             Err(Diagnostic::error(Code::StatesOrder, span, message, "this row").help(remedy))
@@ -275,7 +279,7 @@ fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
             )
             .help("give the node number in the column `node`"));
         };
-        check_node(node, scene, state).map_err(|fault| fault.at(span, "this row"))?;
+        check_node(node, scene, state).map_err(|fault| fault.at(row.place("node"), "this node"))?;
         state.nodes.insert(node, row.motion()?);
     }
     if states.is_empty() {
@@ -293,23 +297,24 @@ fn place(position: &csv::Position) -> Span {
     Span::new(0, u32::try_from(position.line()).unwrap_or(u32::MAX), position.byte(), 0)
 }
 
+/// The first line of a record, after the blank lines and comments that its position may include.
 fn row_span(record: &csv::StringRecord, text: &str) -> Span {
     let Some(position) = record.position() else { return Span::default() };
-    let start = usize::try_from(position.byte()).unwrap_or(usize::MAX);
-    let rest = text.get(start..).unwrap_or_default();
-    let lead = rest.len() - rest.trim_start_matches(['\r', '\n']).len();
-    let length = rest.trim_start_matches(['\r', '\n']).lines().next().map_or(0, str::len);
-    let skipped = rest.get(..lead).unwrap_or_default().matches('\n').count();
-    let line = u32::try_from(position.line())
-        .unwrap_or(u32::MAX)
-        .saturating_add(u32::try_from(skipped).unwrap_or(0));
-    Span::new(0, line, (start + lead) as u64, length)
+    let (mut start, mut line) = (position.byte(), u32::try_from(position.line()).unwrap_or(u32::MAX));
+    let rest = usize::try_from(start).ok().and_then(|start| text.get(start..)).unwrap_or_default();
+    for whole in rest.split_inclusive('\n') {
+        let content = whole.trim_end();
+        if !content.is_empty() && !content.starts_with('#') {
+            return Span::new(0, line, start, content.len());
+        }
+        (start, line) = (start + whole.len() as u64, line.saturating_add(1));
+    }
+    Span::new(0, line, start, 0)
 }
 
 fn header_columns(record: &csv::StringRecord, span: Span) -> Result<Vec<&'static str>> {
     let mut columns: Vec<&'static str> = Vec::with_capacity(record.len());
     for field in record {
-        let field = field.trim_start_matches('\u{feff}');
         let Some(column) = COLUMNS.into_iter().find(|column| *column == field) else {
             let remedy = suggest(field, COLUMNS, || format!("columns are {}", COLUMNS.join(", ")));
             let message = format!("there is no column `{field}`");
@@ -335,12 +340,26 @@ struct CsvRow<'a> {
     record: &'a csv::StringRecord,
     columns: &'a [&'static str],
     span: Span,
+    text: &'a str,
 }
 
 impl CsvRow<'_> {
     fn field(&self, column: &str) -> Option<&str> {
         let index = self.columns.iter().position(|known| *known == column)?;
         self.record.get(index).filter(|field| !field.is_empty())
+    }
+
+    /// Where a field stands; the whole row if it has quotation marks.
+    fn place(&self, column: &str) -> Span {
+        let index = self.columns.iter().position(|known| *known == column);
+        let start = usize::try_from(self.span.start()).unwrap_or(usize::MAX);
+        let row =
+            self.text.get(start..).and_then(|rest| rest.lines().next()).filter(|row| !row.contains('"'));
+        let (Some(index), Some(row)) = (index, row) else { return self.span };
+        let before: usize = row.split(',').take(index).map(|field| field.len() + 1).sum();
+        let field = row.split(',').nth(index).unwrap_or_default();
+        let lead = field.len() - field.trim_start().len();
+        Span::new(0, self.span.line(), (start + before + lead) as u64, field.trim().len())
     }
 
     fn number(&self, column: &str) -> Result<Option<f64>> {
@@ -358,7 +377,7 @@ impl CsvRow<'_> {
                     "doubles reach from 5e-324 to 1.8e308",
                 ),
             };
-            Diagnostic::error(code, self.span, message, format!("column {column}")).help(remedy)
+            Diagnostic::error(code, self.place(column), message, format!("column {column}")).help(remedy)
         })
     }
 
@@ -366,8 +385,13 @@ impl CsvRow<'_> {
         let Some(field) = self.field(column) else { return Ok(None) };
         field.parse().map(Some).map_err(|_| {
             let message = format!("`{field}` in column {column} is not a whole number");
-            Diagnostic::error(Code::StatesMalformedNumber, self.span, message, format!("column {column}"))
-                .help("write digits only")
+            Diagnostic::error(
+                Code::StatesMalformedNumber,
+                self.place(column),
+                message,
+                format!("column {column}"),
+            )
+            .help("write digits only")
         })
     }
 

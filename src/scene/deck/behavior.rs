@@ -48,8 +48,23 @@ pub(super) fn constitutive_reference(deck: &mut Deck<'_>, keyword: &Keyword) -> 
         *value = items.number()?;
     }
     items.end("three lengths and three angles in degrees")?;
-    deck.behavior(keyword)?.constitutive_reference = reference;
+    let behavior = deck.behavior(keyword)?;
+    if behavior.constitutive_reference != [None; 6] {
+        return Err(repeated(keyword, "a second constitutive reference"));
+    }
+    behavior.constitutive_reference = reference;
     Ok(())
+}
+
+/// A suboption that may stand once only.
+fn repeated(keyword: &Keyword, what: &str) -> Diagnostic {
+    Diagnostic::error(
+        Code::RepeatedSuboption,
+        keyword.span,
+        format!("{what} in one behaviour"),
+        "the second one",
+    )
+    .help("keep one of the two, or define another behaviour")
 }
 
 /// A line of component numbers, each at most once.
@@ -360,6 +375,7 @@ pub(super) fn derived_component(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
         components,
         independent,
         rows: records.into_iter().map(|record| record.row(columns)).collect(),
+        table: table_options(keyword)?,
         span: keyword.span,
     };
     deck.behavior(keyword)?.derived_components.entry(name.value).or_default().push(term);
@@ -499,6 +515,8 @@ pub(super) fn damage_initiation(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
         component: keyword.component("COMPONENT")?,
         potential: None,
         rows: records.into_iter().map(|record| record.values).collect(),
+        rate_filter: keyword.number("RATE FILTER FACTOR")?,
+        rate_interpolation: keyword.choice("RATE INTERPOLATION", &["LINEAR", "LOGARITHMIC"])?,
         evolution: None,
         table: table_options(keyword)?,
         span: keyword.span,
@@ -529,6 +547,7 @@ pub(super) fn damage_evolution(deck: &mut Deck<'_>, keyword: &Keyword) -> Result
         affected,
         potential: None,
         rows,
+        table: table_options(keyword)?,
     };
     match deck.behavior(keyword)?.damage.last_mut() {
         Some(damage) if damage.evolution.is_none() => damage.evolution = Some(evolution),
@@ -569,7 +588,11 @@ pub(super) fn stop(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     if lower.is_none() && upper.is_none() {
         deck.warn(no_limits(keyword, span));
     }
-    deck.behavior(keyword)?.stops.push(Stop { component, lower, upper, span });
+    let behavior = deck.behavior(keyword)?;
+    if behavior.stops.iter().any(|stop| stop.component == component) {
+        return Err(repeated(keyword, &format!("a second stop of component {component}")));
+    }
+    behavior.stops.push(Stop { component, lower, upper, span });
     Ok(())
 }
 

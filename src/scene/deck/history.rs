@@ -5,8 +5,8 @@ use super::{Deck, misplaced};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::lexer::{Item, Keyword, normal};
 use crate::scene::model::{
-    Amplitude, Boundary, ConcentratedLoad, ConnectorLoad, ConnectorMotion, DistributedLoad, MotionType,
-    Operation, OutputRequest, Procedure, Solver, Step, Target, Times,
+    Amplitude, Application, Boundary, ConcentratedLoad, ConnectorLoad, ConnectorMotion, DistributedLoad,
+    MotionType, Operation, OutputRequest, Procedure, Solver, Step, Target, Times,
 };
 use crate::scene::span::Spanned;
 use indexmap::IndexMap;
@@ -37,26 +37,27 @@ pub(super) fn target(item: &Item<'_>, what: &str) -> Result<Spanned<Target>> {
     Ok(Spanned::new(target, item.span))
 }
 
-struct Common {
-    amplitude: Option<Spanned<String>>,
-    operation: Operation,
-    kind: MotionType,
-    fixed: bool,
-}
-
-fn common(keyword: &Keyword) -> Result<Common> {
-    Ok(Common {
+fn application(keyword: &Keyword) -> Result<Application> {
+    Ok(Application {
         amplitude: keyword.name_of("AMPLITUDE")?,
         operation: match keyword.choice("OP", &["MOD", "NEW"])? {
             Some("NEW") => Operation::New,
             _ => Operation::Modify,
         },
-        kind: match keyword.get("TYPE").map(|value| normal(value.text())).as_deref() {
-            Some("VELOCITY") => MotionType::Velocity,
-            Some("ACCELERATION") => MotionType::Acceleration,
-            _ => MotionType::Displacement,
-        },
         fixed: keyword.has("FIXED"),
+        user: keyword.has("USER"),
+        follower: keyword.has("FOLLOWER")
+            && keyword.get("FOLLOWER").is_none_or(|value| normal(value.text()) == "YES"),
+        imaginary: keyword.has("IMAGINARY"),
+        load_case: keyword.get("LOAD CASE").map(|value| value.integer("LOAD CASE")).transpose()?,
+    })
+}
+
+fn motion_type(keyword: &Keyword) -> Result<MotionType> {
+    Ok(match keyword.choice("TYPE", &["DISPLACEMENT", "VELOCITY", "ACCELERATION"])? {
+        Some("VELOCITY") => MotionType::Velocity,
+        Some("ACCELERATION") => MotionType::Acceleration,
+        _ => MotionType::Displacement,
     })
 }
 
@@ -66,7 +67,7 @@ fn step_of<'a>(step: &'a mut Option<Step>, keyword: &Keyword) -> Result<&'a mut 
 }
 
 pub(super) fn connector_motion(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let given = common(keyword)?;
+    let (kind, applied) = (motion_type(keyword)?, application(keyword)?);
     let mut warning = None;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
@@ -80,15 +81,7 @@ pub(super) fn connector_motion(deck: &mut Deck<'_>, keyword: &Keyword) -> Result
         }
         let magnitude = magnitude.map(|item| item.number()).transpose()?;
         items.end("an element or element set, a component and a magnitude")?;
-        let motion = ConnectorMotion {
-            target,
-            component,
-            magnitude,
-            kind: given.kind,
-            amplitude: given.amplitude.clone(),
-            operation: given.operation,
-            fixed: given.fixed,
-        };
+        let motion = ConnectorMotion { target, component, magnitude, kind, applied: applied.clone() };
         match &mut deck.step {
             Some(step) => step.connector_motions.push(motion),
             None => deck.scene.connector_motions.push(motion),
@@ -110,15 +103,14 @@ fn nonzero(item: Item<'_>) -> Diagnostic {
 }
 
 pub(super) fn connector_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let given = common(keyword)?;
+    let applied = application(keyword)?;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let target = target(&items.need("the element or element set")?, "the element number")?;
         let component = items.need("the component")?.component()?;
         let magnitude = items.need("the magnitude")?.number()?;
         items.end("an element or element set, a component and a magnitude")?;
-        let (amplitude, operation) = (given.amplitude.clone(), given.operation);
-        let load = ConnectorLoad { target, component, magnitude, amplitude, operation };
+        let load = ConnectorLoad { target, component, magnitude, applied: applied.clone() };
         step_of(&mut deck.step, keyword)?.connector_loads.push(load);
     }
     Ok(())
@@ -137,7 +129,7 @@ const NAMED: &[(&str, &[u8])] = &[
 ];
 
 pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let given = common(keyword)?;
+    let (kind, applied) = (motion_type(keyword)?, application(keyword)?);
     let mut warning = None;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
@@ -183,15 +175,7 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             items.end("a node or node set, the first and last degree of freedom and a magnitude")?;
             (from..=to).filter(|dof| matches!(dof, 1..=6 | 10)).collect()
         };
-        let boundary = Boundary {
-            target,
-            degrees_of_freedom,
-            magnitude,
-            kind: given.kind,
-            amplitude: given.amplitude.clone(),
-            operation: given.operation,
-            fixed: given.fixed,
-        };
+        let boundary = Boundary { target, degrees_of_freedom, magnitude, kind, applied: applied.clone() };
         match &mut deck.step {
             Some(step) => step.boundaries.push(boundary),
             None => deck.scene.boundaries.push(boundary),
@@ -202,7 +186,7 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 }
 
 pub(super) fn concentrated_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let given = common(keyword)?;
+    let applied = application(keyword)?;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let target = target(&items.need("the node or node set")?, "the node number")?;
@@ -213,16 +197,14 @@ pub(super) fn concentrated_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
             target,
             degree_of_freedom,
             magnitude,
-            follower: keyword.has("FOLLOWER"),
-            amplitude: given.amplitude.clone(),
-            operation: given.operation,
+            applied: applied.clone(),
         });
     }
     Ok(())
 }
 
 pub(super) fn distributed_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let given = common(keyword)?;
+    let applied = application(keyword)?;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let target = items.maybe().map(|item| target(&item, "the element number")).transpose()?;
@@ -236,8 +218,7 @@ pub(super) fn distributed_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result
             return Err(Diagnostic::error(Code::MissingData, line.span, message, "needs four numbers")
                 .help("write: set, GRAV, g, x, y, z"));
         }
-        let (amplitude, operation) = (given.amplitude.clone(), given.operation);
-        let load = DistributedLoad { target, label, values, amplitude, operation };
+        let load = DistributedLoad { target, label, values, applied: applied.clone() };
         step_of(&mut deck.step, keyword)?.distributed_loads.push(load);
     }
     Ok(())
@@ -282,6 +263,8 @@ pub(super) fn amplitude(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         time: keyword.choice("TIME", &["STEP TIME", "TOTAL TIME"])?,
         value: keyword.choice("VALUE", &["RELATIVE", "ABSOLUTE"])?,
         smooth: keyword.number("SMOOTH")?,
+        fixed_interval: keyword.number("FIXED INTERVAL")?,
+        begin: keyword.number("BEGIN")?,
         data,
         span: keyword.span,
     };
@@ -302,6 +285,7 @@ pub(super) fn step(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         name: keyword.name_of("NAME")?.map(|name| name.value),
         nlgeom,
         perturbation: keyword.has("PERTURBATION"),
+        default_amplitude: keyword.choice("AMPLITUDE", &["RAMP", "STEP"])?,
         increments: keyword.get("INC").map(|value| value.integer("INC")).transpose()?,
         span: keyword.span,
         ..Step::default()

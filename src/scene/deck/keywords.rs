@@ -3,6 +3,7 @@
 use super::{Deck, behavior, connector, history, mesh};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::lexer::Keyword;
+use std::collections::HashSet;
 
 /// Where a keyword may stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -173,7 +174,6 @@ pub(super) static RULES: &[Rule] = &[
                 ]),
             ),
             may("DEFINITION", One(&["COORDINATES", "NODES", "OFFSET TO NODES"])),
-            may("LOCAL DIRECTIONS", Count),
         ],
         "line 1 gives the points a, b, c; line 2: axis, additional rotation in degrees",
         mesh::orientation,
@@ -202,7 +202,6 @@ pub(super) static RULES: &[Rule] = &[
             may("ORIENTATION", Name),
             may("COMPLEX STIFFNESS", Flag),
             DEPENDENCIES,
-            RTOL,
         ],
         "line 1 gives the degrees of freedom, the next ones the stiffness",
         mesh::spring,
@@ -210,7 +209,7 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "DASHPOT",
         Model,
-        &[need("ELSET", Name), may("NONLINEAR", Flag), may("ORIENTATION", Name), DEPENDENCIES, RTOL],
+        &[need("ELSET", Name), may("NONLINEAR", Flag), may("ORIENTATION", Name), DEPENDENCIES],
         "line 1 gives the degrees of freedom, the next ones the coefficient",
         mesh::dashpot,
     ),
@@ -621,8 +620,9 @@ impl Rule {
     /// Every parameter is known, given once, and has the kind of value that it takes; those needed are there.
     pub(super) fn check_parameters(&self, keyword: &Keyword) -> Result<()> {
         let name = &keyword.name;
+        let mut seen = HashSet::new();
         for (index, given) in keyword.parameters.iter().enumerate() {
-            if keyword.parameters[..index].iter().any(|earlier| earlier.name == given.name) {
+            if !seen.insert(given.name.as_str()) {
                 let message = format!("{} stands twice on one *{name}", given.name);
                 return Err(Diagnostic::error(
                     Code::RepeatedParameter,

@@ -498,7 +498,8 @@ fn discrete(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<Discrete> {
         }
     }
     let rows = records.into_iter().map(|record| record.values).collect();
-    Ok(Discrete { element_set, orientation, degrees_of_freedom, nonlinear, rows })
+    let complex = keyword.has("COMPLEX STIFFNESS");
+    Ok(Discrete { element_set, orientation, degrees_of_freedom, nonlinear, complex, rows })
 }
 
 /// 1 to 6, or 10 for material flow.

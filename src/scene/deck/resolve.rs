@@ -18,7 +18,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     properties(&deck.scene)?;
     let raw = std::mem::take(&mut deck.mpcs);
     deck.scene.mpcs = mpcs(&deck.scene, &raw)?;
-    actuation(&deck.scene)
+    actuation(deck)
 }
 
 /// What to do about a node or element that is not there.
@@ -382,7 +382,8 @@ fn mpcs(scene: &Scene, raw: &[RawMpc]) -> Result<Vec<Mpc>> {
 }
 
 /// Boundary conditions, motions, loads and output requests.
-fn actuation(scene: &Scene) -> Result<()> {
+fn actuation(deck: &Deck<'_>) -> Result<()> {
+    let scene = &deck.scene;
     let amplitude = |name: &Option<Spanned<String>>| {
         check_name(name.as_ref(), &scene.amplitudes, "amplitude", "AMPLITUDE", Code::UnknownAmplitude)
     };
@@ -410,26 +411,37 @@ fn actuation(scene: &Scene) -> Result<()> {
         scene.connector_motions.iter().chain(scene.steps.iter().flat_map(|step| &step.connector_motions));
     for motion in motions {
         connectors(&motion.target)?;
-        amplitude(&motion.amplitude)?;
+        amplitude(&motion.applied.amplitude)?;
     }
     let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
     for boundary in boundaries {
         node_target(scene, &boundary.target)?;
-        amplitude(&boundary.amplitude)?;
+        amplitude(&boundary.applied.amplitude)?;
     }
     for step in &scene.steps {
         for load in &step.connector_loads {
             connectors(&load.target)?;
-            amplitude(&load.amplitude)?;
+            amplitude(&load.applied.amplitude)?;
         }
         for load in &step.concentrated_loads {
             node_target(scene, &load.target)?;
-            amplitude(&load.amplitude)?;
+            amplitude(&load.applied.amplitude)?;
         }
         for load in &step.distributed_loads {
-            amplitude(&load.amplitude)?;
-            if let Some(Spanned { value: Target::Set(name), span }) = &load.target {
-                element_set(scene, &Spanned::new(name.clone(), *span))?;
+            amplitude(&load.applied.amplitude)?;
+            match &load.target {
+                Some(Spanned { value: Target::Set(name), span }) => {
+                    element_set(scene, &Spanned::new(name.clone(), *span))?;
+                }
+                Some(Spanned { value: Target::Label(label), span }) => {
+                    let known = scene.connectors.contains_key(label)
+                        || scene.point_elements.contains_key(label)
+                        || deck.other_elements.contains(*label);
+                    if !known {
+                        return Err(unknown(Kind::Element, *label, *span));
+                    }
+                }
+                None => {}
             }
         }
         for request in &step.outputs {

@@ -9,6 +9,9 @@ use std::collections::HashSet;
 /// The largest number of members of a GENERATE range, and of all sets of a deck together.
 pub const MAX_MEMBERS: u64 = 10_000_000;
 
+/// The largest number of numbers that all sets of a deck may list, whether something has them or not.
+const MAX_LISTED: u64 = 200_000_000;
+
 /// Nodes or elements?
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -150,7 +153,7 @@ pub(super) fn resolve(
     warn: &mut dyn FnMut(Diagnostic),
 ) -> Result<IndexMap<String, Set>> {
     let mut done: Vec<Option<Set>> = vec![None; builders.len()];
-    let mut total = 0;
+    let (mut total, mut listed) = (0, 0);
     for place in order(kind, builders)? {
         let Some((name, builder)) = builders.get_index(place) else { continue };
         let mut set = Set { span: builder.span, ..Set::default() };
@@ -164,6 +167,18 @@ pub(super) fn resolve(
                     }
                 }
                 &Entry::Range { first, last, step, generated, span } => {
+                    listed += (last - first) / step + 1;
+                    if listed > MAX_LISTED {
+                        let message =
+                            format!("the {} sets list more than {MAX_LISTED} numbers together", kind.name());
+                        return Err(Diagnostic::error(
+                            Code::GenerateRange,
+                            span,
+                            message,
+                            format!("up to {name}"),
+                        )
+                        .help("remove sets that no connector needs"));
+                    }
                     expand(kind, (first, last, step, generated), span, &member, hint, &mut set, warn)?;
                 }
             }

@@ -1,0 +1,316 @@
+//! `pintle eval`.
+
+use super::{Eval, EvalFormat, Failure, Show, page_width};
+use pintle::connector::{Flag, Output, Request};
+use pintle::evaluate::{Branches, Item, Model, Plan, Selection, Sequence, request};
+use pintle::report::{self, Block, Format, Subject};
+use pintle::scene::{Diagnostic, Example, GALLERY, Scene, State, StateFile};
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::io::{self, BufReader, BufWriter, Cursor, IsTerminal, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// The version of the file of branches.
+const BRANCHES: &str = "pintle-branches/1";
+
+/// Where a scene comes from.
+#[derive(Clone, Copy, Debug)]
+enum Source<'a> {
+    Gallery(&'static Example),
+    File(&'a str),
+}
+
+/// A scene, read and resolved, with its states.
+struct Loaded {
+    scene: Scene,
+    states: Vec<State>,
+    model: Model,
+}
+
+/// What was seen that needs care, for one line on stderr.
+#[derive(Default)]
+struct Care {
+    count: u64,
+    first: Option<String>,
+}
+
+/// Evaluates scenes and writes the results.
+pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
+    let sources = sources(arguments)?;
+    let loaded =
+        sources.iter().map(|source| load(*source, arguments)).collect::<Result<Vec<Loaded>, Failure>>()?;
+    let request = wanted(arguments, &loaded)?;
+    if matches!(arguments.format, EvalFormat::Human) {
+        let mut out = BufWriter::new(anstream::stdout().lock());
+        let width = page_width(&io::stdout());
+        let style =
+            report::human::Style { width, digits: usize::from(arguments.digits), verbose: arguments.verbose };
+        walk(arguments, &loaded, &request, &mut report::human::Human::new(&mut out, style))
+    } else {
+        let mut out = BufWriter::new(io::stdout().lock());
+        match arguments.format {
+            EvalFormat::Csv => {
+                let outputs = request.outputs().collect();
+                let mut format = report::csv::Csv::new(&mut out, outputs, request.order);
+                walk(arguments, &loaded, &request, &mut format)?;
+                drop(format);
+                Ok(out.flush()?)
+            }
+            EvalFormat::Json | EvalFormat::Human => {
+                walk(arguments, &loaded, &request, &mut report::json::Json::new(&mut out))
+            }
+        }
+    }
+}
+
+/// The scenes that are asked for.
+fn sources(arguments: &Eval) -> Result<Vec<Source<'_>>, Failure> {
+    let Some(name) = &arguments.scene else { return Ok(GALLERY.iter().map(Source::Gallery).collect()) };
+    let Some(example) = name.strip_prefix("gallery:") else { return Ok(vec![Source::File(name)]) };
+    let found = GALLERY.iter().find(|known| known.name.eq_ignore_ascii_case(example));
+    found.map(|known| vec![Source::Gallery(known)]).ok_or_else(|| {
+        let names: Vec<&str> = GALLERY.iter().map(|known| known.name).collect();
+        let near = names
+            .iter()
+            .map(|known| (strsim::damerau_levenshtein(known, example), known))
+            .filter(|(distance, known)| *distance <= known.len() / 3)
+            .min_by_key(|(distance, _)| *distance);
+        let remedy = near.map(|(_, near)| format!("; did you mean {near}?")).unwrap_or_default();
+        Failure::Usage(format!("the gallery has no scene {example:?}{remedy} (it has {})", names.join(", ")))
+    })
+}
+
+/// Reads and resolves a scene, and says what deserves a look.
+fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
+    let scene = match source {
+        Source::Gallery(example) => example.scene()?,
+        Source::File(path) => Scene::read(path)?,
+    };
+    let states = match (&arguments.states, source) {
+        (Some(file), _) => StateFile::read(file, &scene)?.states,
+        (None, Source::Gallery(example)) => example.states(&scene)?.states,
+        (None, Source::File(_)) => vec![State::default()],
+    };
+    let with_source = |diagnostic: Diagnostic| match source {
+        Source::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
+        Source::File(path) => match File::open(path) {
+            Ok(file) => diagnostic.with_source(BufReader::new(file)),
+            Err(_) => diagnostic,
+        },
+    };
+    let mut model = Model::compile(&scene).map_err(with_source)?;
+    for warning in &scene.warnings {
+        show_diagnostic(warning);
+    }
+    for warning in std::mem::take(&mut model.warnings) {
+        show_diagnostic(&with_source(warning));
+    }
+    Ok(Loaded { scene, states, model })
+}
+
+/// The request: the outputs named, or what the scenes suggest.
+fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
+    let order = arguments.order;
+    if !arguments.outputs.is_empty() {
+        let names = arguments.outputs.iter().map(String::as_str);
+        return request(names, order).map_err(|error| Failure::Usage(error.to_string()));
+    }
+    let mut outputs = vec![Output::CP, Output::CU, Output::RES];
+    if loaded.iter().any(|loaded| loaded.states.iter().any(moves)) {
+        outputs.extend([Output::CV, Output::CA]);
+    }
+    let stops = |loaded: &Loaded| {
+        loaded.model.connectors.iter().any(|element| element.connector.stops().iter().any(Option::is_some))
+    };
+    if loaded.iter().any(stops) {
+        outputs.push(Output::CSLST);
+    }
+    Ok(Request::new(&outputs, [true; 6], order))
+}
+
+/// Whether a state has rates.
+fn moves(state: &State) -> bool {
+    let still = [0.0; 3];
+    state.nodes.values().any(|node| {
+        [node.velocity, node.angular_velocity, node.acceleration, node.angular_acceleration]
+            .iter()
+            .any(|rate| *rate != still)
+            || node.flow_velocity != 0.0
+            || node.flow_acceleration != 0.0
+    })
+}
+
+/// Walks through the states of every scene, writing as it goes.
+fn walk(
+    arguments: &Eval,
+    loaded: &[Loaded],
+    request: &Request,
+    format: &mut dyn Format,
+) -> Result<(), Failure> {
+    let selection = match arguments.connector.as_slice() {
+        [] => Selection::All,
+        names => Selection::Named(names.to_vec()),
+    };
+    let is_overview = arguments.scene.is_none() && matches!(arguments.format, EvalFormat::Human);
+    let default = if is_overview { Show::overview() } else { Show::all() };
+    let show = arguments.show.as_ref().unwrap_or(&default);
+    let mut care = Care::default();
+    let mut evaluated = 0;
+    // What cannot be is said before anything is written.
+    let mut walks = Vec::new();
+    for Loaded { scene, states, model } in loaded {
+        let plan = Plan::compile(model, &selection, request.clone())
+            .map_err(|error| Failure::Usage(error.to_string()))?;
+        if plan.connectors.is_empty() && plan.joints.is_empty() && arguments.scene.is_some() {
+            let message = format!("{} has no connector element and no revolute-joint MPC", scene.name);
+            return Err(Failure::Nothing(message));
+        }
+        let branches = match &arguments.resume {
+            Some(file) => resume(file, model, &plan)?,
+            None => Branches::default(),
+        };
+        let shown = show.numbers(branches.states, states.len() as u64).map_err(Failure::Usage)?;
+        walks.push((plan, branches, shown));
+    }
+    format.begin()?;
+    let mut progress = Progress::new();
+    for (Loaded { scene, states, model }, (plan, branches, shown)) in loaded.iter().zip(&walks) {
+        let mut sequence = Sequence::resume(model, plan, branches.clone());
+        let first = branches.states;
+        format.scene(&Subject { scene, model, plan, states: states.len(), first })?;
+        for state in states {
+            let index = sequence.branches().states;
+            progress.tick(&scene.name, index - first, states.len());
+            if shown.iter().any(|range| range.contains(&index)) {
+                format.state(index, state.time)?;
+                sequence.visit(state, |item| {
+                    let block = match &item {
+                        Item::Connector(result) => Block::of_connector(model, request, result),
+                        Item::Joint(result) => Block::of_joint(model, request, result),
+                    };
+                    evaluated += u64::from(!block.is_empty());
+                    care.see(index, &block.title(), &block.flags);
+                    format.block(&block)
+                })?;
+                format.end_state()?;
+            } else {
+                sequence.pass(state, |item| -> Result<(), Failure> {
+                    if let Item::Connector(result) = &item {
+                        care.see(index, &model.connectors[result.index].title(), &result.flags);
+                    }
+                    Ok(())
+                })?;
+            }
+        }
+        format.end_scene(sequence.tally())?;
+        if let Some(file) = &arguments.save_branches {
+            save(file, &scene.name, sequence.branches())?;
+        }
+    }
+    progress.clear();
+    format.end()?;
+    care.tell();
+    if evaluated == 0 {
+        return Err(Failure::Nothing("no connector has an output of those asked for".into()));
+    }
+    Ok(())
+}
+
+impl Care {
+    fn see(&mut self, index: u64, title: &str, flags: &[Flag]) {
+        self.count += flags.len() as u64;
+        if let (None, Some(flag)) = (&self.first, flags.first()) {
+            self.first = Some(format!("state {index}, {title}: {}", report::flag_in_words(flag)));
+        }
+    }
+
+    fn tell(&self) {
+        let Some(first) = &self.first else { return };
+        let text = match self.count {
+            1 => format!("one value needs care: {first}"),
+            count => format!("{count} values need care; the first: {first}"),
+        };
+        complain("note", &text);
+    }
+}
+
+/// Branches in a file.
+#[derive(Serialize, Deserialize)]
+struct BranchFile<B> {
+    schema: String,
+    version: String,
+    scene: String,
+    branches: B,
+}
+
+fn save(path: &Path, scene: &str, branches: &Branches) -> Result<(), Failure> {
+    let file = BranchFile {
+        schema: BRANCHES.to_string(),
+        version: pintle::VERSION.to_string(),
+        scene: scene.to_string(),
+        branches,
+    };
+    let text = serde_json::to_string(&file).map_err(|error| Failure::Input(error.to_string()))?;
+    fs::write(path, text + "\n")
+        .map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))
+}
+
+fn resume(path: &Path, model: &Model, plan: &Plan) -> Result<Branches, Failure> {
+    let name = path.display();
+    let text =
+        fs::read_to_string(path).map_err(|error| Failure::Input(format!("cannot read {name}: {error}")))?;
+    let file: BranchFile<Branches> = serde_json::from_str(&text).map_err(|error| {
+        Failure::Input(format!("{name} is no file of branches, as --save-branches writes it: {error}"))
+    })?;
+    if file.schema != BRANCHES {
+        return Err(Failure::Input(format!("{name} has schema {:?}, not {BRANCHES:?}", file.schema)));
+    }
+    file.branches.check(model, plan).map_err(|reason| {
+        Failure::Input(format!("{name}, saved for {}, cannot be continued: {reason}", file.scene))
+    })?;
+    Ok(file.branches)
+}
+
+/// A line on a terminal that says how far a long run is.
+struct Progress {
+    begun: Instant,
+    told: Option<Instant>,
+    visible: bool,
+}
+
+impl Progress {
+    fn new() -> Self {
+        Self {
+            begun: Instant::now(),
+            told: None,
+            visible: io::stderr().is_terminal() && !io::stdout().is_terminal(),
+        }
+    }
+
+    fn tick(&mut self, scene: &str, done: u64, states: usize) {
+        let last = self.told.unwrap_or(self.begun);
+        if self.visible && last.elapsed() > Duration::from_secs(1) {
+            self.told = Some(Instant::now());
+            _ = write!(io::stderr(), "\r{scene}: state {done} of {states} ");
+        }
+    }
+
+    fn clear(&self) {
+        if self.told.is_some() {
+            _ = write!(io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+/// Shows a diagnostic on stderr with its source line.
+pub(crate) fn show_diagnostic(diagnostic: &Diagnostic) {
+    let text = diagnostic.render(page_width(&io::stderr()), true);
+    _ = write!(anstream::stderr(), "{}\n", text.trim_end());
+}
+
+/// A line on stderr.
+pub(crate) fn complain(kind: &str, text: &str) {
+    let style = anstyle::Style::new().bold();
+    _ = writeln!(anstream::stderr(), "{style}{kind}:{style:#} {text}");
+}

@@ -1,0 +1,49 @@
+//! What ends a command early, and its exit code.
+
+use pintle::scene::Diagnostic;
+use std::io;
+use std::process::ExitCode;
+
+/// What ends a command early.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The command line asks for what there is not.
+    #[error("{0}")]
+    Usage(String),
+    /// Nothing was evaluated.
+    #[error("nothing was evaluated: {0}")]
+    Nothing(String),
+    /// A scene or file of states that cannot be read or evaluated.
+    #[error(transparent)]
+    Scene(#[from] Diagnostic),
+    /// Another file that cannot be read or written.
+    #[error("{0}")]
+    Input(String),
+    /// The results cannot be written.
+    #[error("cannot write the results: {0}")]
+    Output(#[from] io::Error),
+}
+
+impl Failure {
+    /// Whether the reader of the output has gone, as `head` does: no failure at all.
+    fn is_closed_pipe(&self) -> bool {
+        matches!(self, Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+
+    /// Says on stderr what is wrong, and gives the exit code.
+    pub(crate) fn report(&self) -> ExitCode {
+        if self.is_closed_pipe() {
+            return ExitCode::SUCCESS;
+        }
+        match self {
+            Self::Scene(diagnostic) => super::eval::show_diagnostic(diagnostic),
+            other => super::eval::complain("error", &other.to_string()),
+        }
+        ExitCode::from(match self {
+            Self::Usage(_) => 2,
+            Self::Nothing(_) => 4,
+            Self::Scene(_) | Self::Input(_) => 6,
+            Self::Output(_) => 70,
+        })
+    }
+}

@@ -1,0 +1,93 @@
+//! Which states are written.
+
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+/// A list of states: numbers, ranges, `first`, `middle`, `last`, `all`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Show(Vec<Item>);
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Item {
+    All,
+    First,
+    Middle,
+    Last,
+    Numbers(RangeInclusive<u64>),
+}
+
+impl Show {
+    /// Every state.
+    pub(crate) fn all() -> Self {
+        Self(vec![Item::All])
+    }
+
+    /// First, middle and last.
+    pub(crate) fn overview() -> Self {
+        Self(vec![Item::First, Item::Middle, Item::Last])
+    }
+
+    /// The numbers of the states, out of `count` states that begin with number `first`.
+    ///
+    /// # Errors
+    /// A number that is not one of them, in words.
+    pub(crate) fn numbers(&self, first: u64, count: u64) -> Result<Vec<RangeInclusive<u64>>, String> {
+        let last = first + count.saturating_sub(1);
+        self.0
+            .iter()
+            .map(|item| match item {
+                Item::All => Ok(first..=last),
+                Item::First => Ok(first..=first),
+                Item::Middle => Ok(first + (last - first) / 2..=first + (last - first) / 2),
+                Item::Last => Ok(last..=last),
+                Item::Numbers(range) if *range.start() >= first && *range.end() <= last => Ok(range.clone()),
+                Item::Numbers(range) => {
+                    let wrong = if *range.start() < first { range.start() } else { range.end() };
+                    Err(format!("there is no state {wrong}: they are {first} to {last}"))
+                }
+            })
+            .collect()
+    }
+}
+
+impl FromStr for Show {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |text: &str| text.trim().parse::<u64>().ok();
+        text.split(',')
+            .map(|item| match item.trim().to_ascii_lowercase().as_str() {
+                "all" => Ok(Item::All),
+                "first" => Ok(Item::First),
+                "middle" => Ok(Item::Middle),
+                "last" => Ok(Item::Last),
+                other => {
+                    let (from, to) = other.split_once('-').unwrap_or((other, other));
+                    match (number(from), number(to)) {
+                        (Some(from), Some(to)) if from <= to => Ok(Item::Numbers(from..=to)),
+                        _ => Err(format!(
+                            "{item:?} is no state: write numbers, ranges (3-5), first, middle, last or all"
+                        )),
+                    }
+                }
+            })
+            .collect::<Result<Vec<Item>, String>>()
+            .map(Self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_of_states() {
+        let show: Show = "0, 3-5,middle,LAST".parse().unwrap();
+        assert_eq!(show.numbers(0, 9).unwrap(), [0..=0, 3..=5, 4..=4, 8..=8]);
+        assert_eq!(show.numbers(2, 9).unwrap_err(), "there is no state 0: they are 2 to 10");
+        assert_eq!(show.numbers(0, 5).unwrap_err(), "there is no state 5: they are 0 to 4");
+        for wrong in ["", "1,", "5-3", "x", "-1"] {
+            assert!(wrong.parse::<Show>().is_err(), "{wrong}");
+        }
+    }
+}

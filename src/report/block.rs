@@ -1,0 +1,333 @@
+//! One connector or MPC at one state, as every format writes it.
+
+use super::words;
+use crate::catalog::COMPONENT;
+use crate::connector::{Branch, Flag, Output, Request, StopStatus, Turns};
+use crate::evaluate::{ConnectorResult, JointResult, Model};
+use crate::measure::{Margin, Unit};
+use crate::mpc;
+use crate::node::{DOF, DOF_NUMBER, DOFS, End};
+use crate::scalar::Real;
+
+/// What a block is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A connector element.
+    Connector,
+    /// A multi-point constraint.
+    Mpc,
+}
+
+/// One connector or MPC at one state: components with the outputs asked for, derivatives, what needs care.
+#[derive(Clone, Debug)]
+pub struct Block<'a> {
+    /// What it is about.
+    pub kind: Kind,
+    /// The element number, or the nodes of an MPC.
+    pub label: String,
+    /// The connection type, or the type of the MPC.
+    pub type_name: &'a str,
+    /// The nodes by role: a and b, or S, M and J; `None` is the ground.
+    pub nodes: Vec<(&'static str, Option<u64>)>,
+    /// The components that have something to show.
+    pub rows: Vec<Row>,
+    /// The nodal degrees of freedom that derivatives are taken by.
+    pub columns: Vec<Column>,
+    /// Rows of derivatives.
+    pub derivatives: Vec<Derivative>,
+    /// The branch, where turns are asked for.
+    pub branch: Option<Branch<f64>>,
+    /// What an MPC tells besides.
+    pub joint: Option<JointFacts>,
+    /// What needs care.
+    pub flags: Vec<Flag>,
+}
+
+/// A component.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// u1 … ur3; φJ, ρ1 … ρ3 of an MPC.
+    pub name: &'static str,
+    /// Available, constrained, measured.
+    pub role: &'static str,
+    /// The unit of the position.
+    pub unit: Unit,
+    /// The outputs, in the order of [`Output::ALL`].
+    pub values: [Option<Value>; Output::ALL.len()],
+}
+
+/// The value of an output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// CSLST.
+    Stop(StopStatus),
+    /// TURNS.
+    Turns(Turns<f64>),
+    /// MARGIN.
+    Margin(Margin),
+}
+
+impl Value {
+    /// The value as one number.
+    pub const fn number(self) -> f64 {
+        match self {
+            Self::Number(number) => number,
+            Self::Stop(StopStatus::Free) => 0.0,
+            Self::Stop(_) => 1.0,
+            Self::Turns(turns) => turns.turns,
+            Self::Margin(margin) => margin.distance,
+        }
+    }
+}
+
+/// A nodal degree of freedom.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Column {
+    /// xa1, θb3, Ψb …
+    pub name: &'static str,
+    /// The node.
+    pub node: u64,
+    /// The node's role.
+    pub role: &'static str,
+    /// The number of the degree of freedom, 1 to 6 or 10.
+    pub dof: u8,
+}
+
+/// A row of derivatives by the columns of its block.
+#[derive(Clone, Debug)]
+pub struct Derivative {
+    /// The component.
+    pub component: &'static str,
+    /// The printed constraint that is differentiated, where it is not the position.
+    pub printed: Option<&'static str>,
+    /// First derivatives.
+    pub gradient: Vec<f64>,
+    /// Second derivatives.
+    pub hessian: Option<Vec<Vec<f64>>>,
+}
+
+/// What a revolute-joint MPC tells besides its rows.
+#[derive(Clone, Copy, Debug)]
+pub struct JointFacts {
+    /// φJ as the state gives it, degree of freedom 6 of node J [rad].
+    pub given: Option<f64>,
+    /// The angle by which the axes carried by S and M differ [rad].
+    pub misalignment: f64,
+    /// The axis carried by M, global components.
+    pub axis: [f64; 3],
+}
+
+const NO_VALUES: [Option<Value>; Output::ALL.len()] = [None; Output::ALL.len()];
+
+impl<'a> Block<'a> {
+    /// A connector.
+    pub fn of_connector(model: &'a Model, request: &Request, result: &ConnectorResult) -> Self {
+        let element = &model.connectors[result.index];
+        let connector = &element.connector;
+        let connection = connector.connection();
+        let evaluation = &result.evaluation;
+        let kept: Vec<usize> = (0..DOFS).filter(|j| connector.active()[*j]).collect();
+        let mut rows = Vec::new();
+        let mut derivatives = Vec::new();
+        for k in 0..6 {
+            let slot = connection.slots[k];
+            let Some(position) = slot.position() else { continue };
+            let number = |value: Option<f64>| value.map(Value::Number);
+            let values = Output::ALL.map(|output| {
+                let value = match output {
+                    Output::CP => number(evaluation.position[k]),
+                    Output::CU => number(evaluation.displacement[k]),
+                    Output::CCU => number(evaluation.constitutive[k]),
+                    Output::CV => number(evaluation.velocity[k]),
+                    Output::CA => number(evaluation.acceleration[k]),
+                    Output::RES => number(evaluation.residual[k]),
+                    Output::RESV => number(evaluation.residual_rate[k]),
+                    Output::RESB => number(evaluation.residual_bias[k]),
+                    Output::RESA => number(evaluation.residual_acceleration[k]),
+                    Output::CSLST => result.stops[k].map(Value::Stop),
+                    Output::TURNS => evaluation.turns[k].map(Value::Turns),
+                    Output::MARGIN => result.margins[k].map(Value::Margin),
+                };
+                value.filter(|_| request.wants(output, k))
+            });
+            if values != NO_VALUES {
+                rows.push(Row { name: COMPONENT[k], role: words::role(slot), unit: position.unit(), values });
+            }
+            if let Some(row) = &evaluation.jacobian[k] {
+                let printed = connector.differentiated(k).filter(|_| connector.is_printed_constraint(k));
+                let hessian = evaluation.hessian[k].as_ref();
+                derivatives.push(Derivative {
+                    component: COMPONENT[k],
+                    printed: printed.map(|measure| measure.formula()),
+                    gradient: kept.iter().map(|j| row[*j]).collect(),
+                    hessian: hessian.map(|hessian| {
+                        kept.iter().map(|i| kept.iter().map(|j| hessian[*i][*j]).collect()).collect()
+                    }),
+                });
+            }
+        }
+        let columns = kept.into_iter().filter_map(|j| {
+            let end = usize::from(j >= DOFS / 2);
+            let node = element.nodes[end]?;
+            Some(Column { name: DOF[j], node, role: ["a", "b"][end], dof: DOF_NUMBER[j] })
+        });
+        let wants_turns = request.outputs().any(|output| output == Output::TURNS);
+        Self {
+            kind: Kind::Connector,
+            label: element.label.to_string(),
+            type_name: &connection.name,
+            nodes: vec![("a", element.nodes[0]), ("b", element.nodes[1])],
+            rows,
+            columns: columns.collect(),
+            derivatives,
+            branch: wants_turns.then_some(evaluation.branch),
+            joint: None,
+            flags: result.flags.clone(),
+        }
+        .with_what_is_not_finite()
+    }
+
+    /// A revolute-joint MPC: φJ, the angle about the axis that the rotations imply, and the three constraints ρ.
+    pub fn of_joint(model: &Model, request: &Request, result: &JointResult) -> Self {
+        let [slave, master, joint] = model.joints[result.index].nodes;
+        let evaluation = &result.evaluation;
+        let wanted = |output: Output| request.outputs().any(|wanted| wanted == output);
+        let angle = f64::with_turns(evaluation.angle.principal, evaluation.angle.turns);
+        let values = |of: &dyn Fn(Output) -> Option<Value>| {
+            Output::ALL.map(|output| of(output).filter(|_| wanted(output)))
+        };
+        let mut rows = vec![Row {
+            name: mpc::DOF[mpc::DOFS - 1],
+            role: "available",
+            unit: Unit::Angle,
+            values: values(&|output| match output {
+                Output::CP | Output::CU => Some(Value::Number(angle)),
+                Output::CV => evaluation.angle_rates.map(|[rate, _]| Value::Number(rate)),
+                Output::CA => evaluation.angle_rates.map(|[_, second]| Value::Number(second)),
+                Output::TURNS => Some(Value::Turns(evaluation.angle)),
+                _ => None,
+            }),
+        }];
+        for i in 0..3 {
+            rows.push(Row {
+                name: mpc::CONSTRAINT[i],
+                role: "constrained",
+                unit: Unit::Angle,
+                values: values(&|output| match output {
+                    Output::RES => Some(Value::Number(evaluation.residual[i])),
+                    Output::RESV => evaluation.residual_rate.map(|of| Value::Number(of[i])),
+                    Output::RESB => evaluation.residual_bias.map(|of| Value::Number(of[i])),
+                    Output::RESA => evaluation.residual_acceleration.map(|of| Value::Number(of[i])),
+                    _ => None,
+                }),
+            });
+        }
+        rows.retain(|row| row.values != NO_VALUES);
+        let column = |j: usize| {
+            let (node, role, dof) = match j {
+                0..3 => (slave, "S", j + 4),
+                3..6 => (master, "M", j + 1),
+                _ => (joint, "J", 6),
+            };
+            Column { name: mpc::DOF[j], node, role, dof: [1, 2, 3, 4, 5, 6][dof - 1] }
+        };
+        let derivatives = evaluation.jacobian.iter().flatten().enumerate().map(|(i, row)| Derivative {
+            component: mpc::CONSTRAINT[i],
+            printed: None,
+            gradient: row.to_vec(),
+            hessian: evaluation.hessian.as_ref().map(|h| h[i].iter().map(|line| line.to_vec()).collect()),
+        });
+        Self {
+            kind: Kind::Mpc,
+            label: format!("{slave}-{master}-{joint}"),
+            type_name: "REVOLUTE",
+            nodes: vec![("S", Some(slave)), ("M", Some(master)), ("J", Some(joint))],
+            rows,
+            columns: (0..mpc::DOFS).map(column).collect(),
+            derivatives: derivatives.collect(),
+            branch: None,
+            joint: Some(JointFacts {
+                given: result.given,
+                misalignment: result.misalignment,
+                axis: evaluation.axis,
+            }),
+            flags: Vec::new(),
+        }
+        .with_what_is_not_finite()
+    }
+
+    fn with_what_is_not_finite(mut self) -> Self {
+        for row in &self.rows {
+            for (output, value) in Output::ALL.into_iter().zip(&row.values) {
+                if value.is_some_and(|value| !value.number().is_finite()) {
+                    self.flags.push(Flag::NotFinite { component: row.name, quantity: output.name() });
+                }
+            }
+        }
+        for derivative in &self.derivatives {
+            let second = derivative.hessian.iter().flatten().flatten();
+            if derivative.gradient.iter().chain(second).any(|entry| !entry.is_finite()) {
+                self.flags.push(Flag::NotFinite { component: derivative.component, quantity: "derivative" });
+            }
+        }
+        self
+    }
+
+    /// Whether there is nothing to show.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty() && self.derivatives.is_empty()
+    }
+
+    /// `HINGE 101`, `MPC REVOLUTE`.
+    pub fn title(&self) -> String {
+        match self.kind {
+            Kind::Connector => format!("{} {}", self.type_name, self.label),
+            Kind::Mpc => format!("MPC {}", self.type_name),
+        }
+    }
+
+    /// The outputs that at least one row has, in the order of [`Output::ALL`].
+    pub fn outputs(&self) -> Vec<Output> {
+        let has = |output: &Output| self.rows.iter().any(|row| row.values[*output as usize].is_some());
+        Output::ALL.into_iter().filter(has).collect()
+    }
+}
+
+/// A node in words.
+pub(crate) fn node_name(node: Option<u64>) -> String {
+    node.map_or_else(|| "ground".to_string(), |label| label.to_string())
+}
+
+/// What a flag says.
+pub fn flag_in_words(flag: &Flag) -> String {
+    match flag {
+        Flag::Singular { component, at } => format!(
+            "{component} is singular, at {at}: derivatives that do not exist are reported as zero, or along the direction kept"
+        ),
+        Flag::IllConditioned { component, at, distance } => format!(
+            "{component} is ill-conditioned, {distance:.3e} from {at}: derivatives lose digits in proportion to 1/distance"
+        ),
+        Flag::NotFinite { component, quantity } => {
+            format!(
+                "{quantity} of {component} is not finite: the state lies beyond what its formula can be evaluated at"
+            )
+        }
+        Flag::LargeIncrement { component, change } => format!(
+            "{component} moved by {change:.6} rad since the previous state, more than 0.9 π: its turns are not certain"
+        ),
+    }
+}
+
+impl crate::evaluate::ConnectorElement {
+    /// Its type and number: `HINGE 101`.
+    pub fn title(&self) -> String {
+        format!("{} {}", self.connector.connection().name, self.label)
+    }
+
+    /// Its nodes: `1 → 2`, `ground → 2`.
+    pub fn span(&self) -> String {
+        format!("{} → {}", self.node_name(End::A), self.node_name(End::B))
+    }
+}

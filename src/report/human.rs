@@ -1,0 +1,333 @@
+//! Evaluations as tables for reading.
+
+use super::block::{Block, Derivative, Value, flag_in_words, node_name};
+use super::evaluation::{Format, Subject, Unevaluated, unevaluated};
+use super::layout::{self, BOLD, CARE, DIM, styled};
+use super::number::{Aligned, number};
+use super::words;
+use crate::connector::{Output, Tally};
+use crate::measure::Unit;
+use std::io::{self, Write};
+
+/// How tables look.
+#[derive(Clone, Copy, Debug)]
+pub struct Style {
+    /// The width of the page, in cells.
+    pub width: usize,
+    /// The number of significant digits.
+    pub digits: usize,
+    /// Whether details are told.
+    pub verbose: bool,
+}
+
+/// Tables for reading.
+pub struct Human<'w> {
+    out: &'w mut dyn Write,
+    style: Style,
+    last: u64,
+    scenes: u64,
+}
+
+/// Blanks between columns.
+const GAP: usize = 2;
+/// Blanks before rows.
+const INDENT: usize = 2;
+/// The columns that name a component: name, role, unit.
+const NAMES: usize = 32;
+
+impl<'w> Human<'w> {
+    /// Tables on a stream.
+    pub fn new(out: &'w mut dyn Write, style: Style) -> Self {
+        Self { out, style, last: 0, scenes: 0 }
+    }
+
+    fn number(&self, value: f64) -> String {
+        number(value, self.style.digits)
+    }
+
+    fn value(&self, value: Value) -> String {
+        match value {
+            Value::Stop(status) => status.flag().to_string(),
+            other => self.number(other.number()),
+        }
+    }
+
+    /// Columns side by side behind a label, as many as fit, the rest below in the same way.
+    fn columns(
+        &mut self,
+        title: &str,
+        labels: &[String],
+        columns: &[(String, Vec<String>)],
+    ) -> io::Result<()> {
+        let names = labels.iter().map(|label| layout::width(label)).max().unwrap_or(0) + INDENT;
+        let names = names.max(layout::width(title));
+        let layouts: Vec<Aligned> =
+            columns.iter().map(|(heading, texts)| Aligned::new(heading, texts)).collect();
+        let mut first = 0;
+        while first < columns.len() {
+            let mut used = names;
+            let mut end = first;
+            while end < columns.len() && (end == first || used + GAP + layouts[end].cells <= self.style.width)
+            {
+                used += GAP + layouts[end].cells;
+                end += 1;
+            }
+            let mut heading = String::new();
+            for (column, layout) in columns[first..end].iter().zip(&layouts[first..end]) {
+                heading.push_str(&" ".repeat(GAP));
+                heading.push_str(&layout.heading(&column.0));
+            }
+            let title = if first == 0 { title } else { "" };
+            let blanks = " ".repeat(names - layout::width(title));
+            writeln!(self.out, "{}{blanks}{}", styled(BOLD, title), styled(DIM, heading.trim_end()))?;
+            for (i, label) in labels.iter().enumerate() {
+                let mut line = layout::left(&format!("{}{label}", " ".repeat(INDENT)), names);
+                for (column, layout) in columns[first..end].iter().zip(&layouts[first..end]) {
+                    line.push_str(&" ".repeat(GAP));
+                    line.push_str(&layout.cell(&column.1[i]));
+                }
+                writeln!(self.out, "{}", line.trim_end())?;
+            }
+            first = end;
+        }
+        Ok(())
+    }
+
+    fn values(&mut self, block: &Block<'_>) -> io::Result<()> {
+        let nodes: Vec<String> = block.nodes.iter().map(|(_, node)| node_name(*node)).collect();
+        let title = match block.kind {
+            super::block::Kind::Connector => format!("{}  {}", block.title(), nodes.join(" → ")),
+            super::block::Kind::Mpc => {
+                let nodes: Vec<String> =
+                    block.nodes.iter().map(|(role, node)| format!("{role} {}", node_name(*node))).collect();
+                format!("{}  {}", block.title(), nodes.join(", "))
+            }
+        };
+        if block.rows.is_empty() {
+            return writeln!(self.out, "{}", styled(BOLD, title));
+        }
+        let labels: Vec<String> = block
+            .rows
+            .iter()
+            .map(|row| {
+                let unit = words::unit(row.unit);
+                format!("{}{}{unit}", layout::left(row.name, 5), layout::left(row.role, 13))
+            })
+            .map(|label| layout::left(&label, NAMES - INDENT))
+            .collect();
+        let columns: Vec<(String, Vec<String>)> = block
+            .outputs()
+            .into_iter()
+            .map(|output| {
+                let cell = |value: Option<Value>| value.map(|value| self.value(value)).unwrap_or_default();
+                let texts = block.rows.iter().map(|row| cell(row.values[output as usize])).collect();
+                (heading(output).to_string(), texts)
+            })
+            .collect();
+        self.columns(&title, &labels, &columns)
+    }
+
+    fn jacobian(&mut self, block: &Block<'_>) -> io::Result<()> {
+        if block.derivatives.is_empty() {
+            return Ok(());
+        }
+        let shown: Vec<usize> = (0..block.columns.len())
+            .filter(|j| block.derivatives.iter().any(|row| row.gradient[*j] != 0.0))
+            .collect();
+        let labels: Vec<String> =
+            block.derivatives.iter().map(|row| format!("∂{}/", row.component)).collect();
+        if shown.is_empty() {
+            return writeln!(self.out, "  Jacobian: every entry is 0");
+        }
+        for group in shown.chunk_by(|i, j| block.columns[*i].role == block.columns[*j].role) {
+            let Some(first) = group.first().map(|j| &block.columns[*j]) else { continue };
+            let title = format!("  node {} ({})", first.node, first.role);
+            let columns: Vec<(String, Vec<String>)> = group
+                .iter()
+                .map(|j| {
+                    let entry = |row: &Derivative| match row.gradient[*j] {
+                        0.0 => "·".to_string(),
+                        entry => self.number(entry),
+                    };
+                    (format!("∂{}", block.columns[*j].name), block.derivatives.iter().map(entry).collect())
+                })
+                .collect();
+            self.columns(&title, &labels, &columns)?;
+        }
+        let printed: Vec<String> = block
+            .derivatives
+            .iter()
+            .filter_map(|row| row.printed.map(|formula| format!("{}: {formula}", row.component)))
+            .collect();
+        if !printed.is_empty() {
+            let text = format!("rows of the constraint function, {}", printed.join("; "));
+            for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+                writeln!(self.out, "  {}", styled(DIM, line))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn hessian(&mut self, block: &Block<'_>) -> io::Result<()> {
+        let mut entries = Vec::new();
+        for row in &block.derivatives {
+            let Some(hessian) = &row.hessian else { continue };
+            for (i, line) in hessian.iter().enumerate() {
+                for (j, entry) in line.iter().enumerate() {
+                    let mirrored = j < i && hessian[j][i].to_bits() == entry.to_bits();
+                    if *entry != 0.0 && !mirrored {
+                        let (first, second) = (block.columns[i].name, block.columns[j].name);
+                        let name = format!("∂²{}/∂{first}∂{second}", row.component);
+                        entries.push((name, self.number(*entry)));
+                    }
+                }
+            }
+        }
+        if block.derivatives.iter().all(|row| row.hessian.is_none()) {
+            return Ok(());
+        }
+        if entries.is_empty() {
+            return writeln!(self.out, "  second derivatives: every entry is 0");
+        }
+        writeln!(self.out, "  {}", styled(DIM, "second derivatives that are not 0; mirrored ones once"))?;
+        let names = entries.iter().map(|(name, _)| layout::width(name)).max().unwrap_or(0);
+        let texts: Vec<String> = entries.iter().map(|(_, text)| text.clone()).collect();
+        let aligned = Aligned::new("", &texts);
+        let each = names + 1 + aligned.cells + GAP;
+        let per_line = ((self.style.width.saturating_sub(INDENT)) / each).max(1);
+        for chunk in entries.chunks(per_line) {
+            let cells: Vec<String> = chunk
+                .iter()
+                .map(|(name, text)| format!("{} {}", layout::left(name, names), aligned.cell(text)))
+                .collect();
+            writeln!(self.out, "  {}", cells.join("  ").trim_end())?;
+        }
+        Ok(())
+    }
+
+    fn notes(&mut self, notes: &[Unevaluated]) -> io::Result<()> {
+        if notes.is_empty() {
+            return Ok(());
+        }
+        let list: Vec<String> = notes.iter().map(|note| format!("{} × {}", note.count, note.what)).collect();
+        let text = format!("read, not evaluated: {}", list.join(", "));
+        for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+            writeln!(self.out, "  {}", styled(DIM, line))?;
+        }
+        if self.style.verbose {
+            for note in notes.iter().filter(|note| !note.details.is_empty()) {
+                let text = format!("{}: {}", note.what, note.details.join("; "));
+                for line in layout::wrap(&text, self.style.width.saturating_sub(2 * INDENT)) {
+                    writeln!(self.out, "    {}", styled(DIM, line))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The heading of an output's column.
+const fn heading(output: Output) -> &'static str {
+    match output {
+        Output::CV => "CV [/time]",
+        Output::CA => "CA [/time²]",
+        Output::RESV => "RESV [/time]",
+        Output::RESB => "RESB [/time²]",
+        Output::RESA => "RESA [/time²]",
+        other => other.name(),
+    }
+}
+
+fn plural(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+impl Format for Human<'_> {
+    fn begin(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()> {
+        if self.scenes > 0 {
+            writeln!(self.out)?;
+        }
+        self.scenes += 1;
+        self.last = subject.first + subject.states as u64 - 1;
+        let scene = subject.scene;
+        writeln!(self.out, "{}", styled(BOLD, &scene.name))?;
+        for line in scene.heading.lines().map(str::trim).filter(|line| !line.is_empty()) {
+            for line in layout::wrap(line, self.style.width.saturating_sub(INDENT)) {
+                writeln!(self.out, "  {line}")?;
+            }
+        }
+        let plan = subject.plan;
+        let mut counts = vec![plural(plan.connectors.len(), "connector")];
+        if !plan.joints.is_empty() {
+            counts.push(plural(plan.joints.len(), "revolute-joint MPC"));
+        }
+        counts.push(plural(subject.states, "state"));
+        writeln!(self.out, "  {}; lengths in the unit of the deck, angles in rad", counts.join(", "))?;
+        self.notes(&unevaluated(scene, subject.model))
+    }
+
+    fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
+        let time = time.map(|time| format!(", t = {}", self.number(time))).unwrap_or_default();
+        let last = self.last;
+        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of 0 … {last}{time} ──")))
+    }
+
+    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
+        if block.is_empty() {
+            return Ok(());
+        }
+        self.values(block)?;
+        if let Some(joint) = block.joint {
+            let given =
+                joint.given.map(|given| format!("φJ given as {}; ", self.number(given))).unwrap_or_default();
+            let axis = joint.axis.map(|entry| self.number(entry)).join(", ");
+            let misalignment = self.number(joint.misalignment);
+            let text = format!("{given}axis ({axis}); axes of S and M differ by {misalignment} rad");
+            for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+                writeln!(self.out, "  {}", styled(DIM, line))?;
+            }
+        }
+        let margins = block.rows.iter().filter_map(|row| match row.values[Output::MARGIN as usize] {
+            Some(Value::Margin(margin)) => Some((row.name, margin)),
+            _ => None,
+        });
+        for (name, margin) in margins {
+            let unit = if margin.set.unit == Unit::None { "" } else { words::unit(margin.set.unit) };
+            let text =
+                format!("margin of {name}: {} {unit} to {}", self.number(margin.distance), margin.set.at);
+            writeln!(self.out, "  {}", styled(DIM, text))?;
+        }
+        self.jacobian(block)?;
+        self.hessian(block)?;
+        for flag in &block.flags {
+            let text = format!("! {}", flag_in_words(flag));
+            for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+                writeln!(self.out, "  {}", styled(CARE, line))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn end_state(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn end_scene(&mut self, work: Tally) -> io::Result<()> {
+        if self.style.verbose {
+            let Tally { values, gradients, hessians, rates } = work;
+            let text = format!(
+                "\n  computed: {values} values, {gradients} gradients, {hessians} Hessians, {rates} pairs of rates"
+            );
+            writeln!(self.out, "{}", styled(DIM, text))?;
+        }
+        Ok(())
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}

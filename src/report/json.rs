@@ -1,0 +1,188 @@
+//! Evaluations as one JSON document, written as they come.
+//!
+//! Every number is the shortest decimal that reads back to the same double. One that is not finite is `null`, and a flag
+//! says so.
+
+use super::block::{Block, Column, Derivative, Kind, Row, Value};
+use super::evaluation::{Format, Subject, unevaluated};
+use super::words::{ROWS, SIGNS};
+use crate::connector::{Output, StopStatus, Tally};
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+use serde_json::json;
+use std::io::{self, Write};
+
+/// The version of the form.
+pub const SCHEMA: &str = "pintle-eval/1";
+
+/// One JSON document.
+pub struct Json<'w> {
+    out: &'w mut dyn Write,
+    scenes: u64,
+    states: u64,
+    blocks: u64,
+    kind: Kind,
+}
+
+impl<'w> Json<'w> {
+    /// A document on a stream.
+    pub fn new(out: &'w mut dyn Write) -> Self {
+        Self { out, scenes: 0, states: 0, blocks: 0, kind: Kind::Connector }
+    }
+
+    fn value(&mut self, value: &impl Serialize) -> io::Result<()> {
+        serde_json::to_writer(&mut *self.out, value).map_err(io::Error::from)
+    }
+}
+
+impl Format for Json<'_> {
+    fn begin(&mut self) -> io::Result<()> {
+        write!(self.out, "{{\"schema\":")?;
+        self.value(&SCHEMA)?;
+        write!(self.out, ",\n\"version\":")?;
+        self.value(&crate::VERSION)?;
+        write!(self.out, ",\n\"signs\":")?;
+        self.value(&SIGNS)?;
+        write!(self.out, ",\n\"rows\":")?;
+        self.value(&ROWS)?;
+        write!(self.out, ",\n\"units\":")?;
+        self.value(&json!({"length": "of the deck", "angle": "rad", "none": "1", "time": "of the deck"}))?;
+        write!(self.out, ",\n\"scenes\":[")
+    }
+
+    fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()> {
+        write!(self.out, "{}\n{{\"scene\":", if self.scenes > 0 { "," } else { "" })?;
+        self.scenes += 1;
+        self.states = 0;
+        self.value(&subject.scene.name)?;
+        write!(self.out, ",\"heading\":")?;
+        self.value(&subject.scene.heading.trim())?;
+        write!(self.out, ",\"not_evaluated\":")?;
+        self.value(&unevaluated(subject.scene, subject.model))?;
+        write!(self.out, ",\n\"states\":[")
+    }
+
+    fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
+        write!(self.out, "{}\n{{\"index\":{index},\"time\":", if self.states > 0 { "," } else { "" })?;
+        self.states += 1;
+        self.value(&time)?;
+        (self.blocks, self.kind) = (0, Kind::Connector);
+        write!(self.out, ",\"connectors\":[")
+    }
+
+    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
+        if block.kind != self.kind {
+            (self.blocks, self.kind) = (0, block.kind);
+            write!(self.out, "],\"mpcs\":[")?;
+        }
+        write!(self.out, "{}\n", if self.blocks > 0 { "," } else { "" })?;
+        self.blocks += 1;
+        self.value(block)
+    }
+
+    fn end_state(&mut self) -> io::Result<()> {
+        match self.kind {
+            Kind::Connector => write!(self.out, "],\"mpcs\":[]}}"),
+            Kind::Mpc => write!(self.out, "]}}"),
+        }
+    }
+
+    fn end_scene(&mut self, work: Tally) -> io::Result<()> {
+        write!(self.out, "],\n\"work\":")?;
+        self.value(&work)?;
+        write!(self.out, "}}")
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        writeln!(self.out, "]}}")?;
+        self.out.flush()
+    }
+}
+
+impl Serialize for Block<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        if self.kind == Kind::Connector {
+            map.serialize_entry("element", &self.label.parse::<u64>().ok())?;
+        }
+        map.serialize_entry("type", self.type_name)?;
+        map.serialize_entry("nodes", &named(&self.nodes, |(role, node)| (*role, *node)))?;
+        map.serialize_entry("components", &named(&self.rows, |row| (row.name, row)))?;
+        if !self.derivatives.is_empty() {
+            map.serialize_entry("jacobian", &Jacobian { dofs: &self.columns, of: &self.derivatives })?;
+        }
+        if self.derivatives.iter().any(|row| row.hessian.is_some()) {
+            map.serialize_entry("hessian", &named(&self.derivatives, |row| (row.component, &row.hessian)))?;
+        }
+        if let Some(branch) = &self.branch {
+            map.serialize_entry("branch", branch)?;
+        }
+        if let Some(joint) = &self.joint {
+            map.serialize_entry("given", &joint.given)?;
+            map.serialize_entry("misalignment", &joint.misalignment)?;
+            map.serialize_entry("axis", &joint.axis)?;
+        }
+        map.serialize_entry("flags", &self.flags)?;
+        map.end()
+    }
+}
+
+/// Items as a map from names.
+struct Named<'a, T, F>(&'a [T], F);
+
+fn named<'a, T, V: Serialize, F: Fn(&'a T) -> (&'static str, V)>(
+    items: &'a [T],
+    entry: F,
+) -> Named<'a, T, F> {
+    Named(items, entry)
+}
+
+impl<'a, T, V: Serialize, F: Fn(&'a T) -> (&'static str, V)> Serialize for Named<'a, T, F> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(&self.1))
+    }
+}
+
+struct Jacobian<'a> {
+    dofs: &'a [Column],
+    of: &'a [Derivative],
+}
+
+impl Serialize for Jacobian<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3))?;
+        map.serialize_entry("dofs", self.dofs)?;
+        map.serialize_entry("rows", &named(self.of, |row| (row.component, &row.gradient)))?;
+        let printed: Vec<&Derivative> = self.of.iter().filter(|row| row.printed.is_some()).collect();
+        map.serialize_entry("of_constraint_function", &named(&printed, |row| (row.component, row.printed)))?;
+        map.end()
+    }
+}
+
+impl Serialize for Row {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("role", self.role)?;
+        map.serialize_entry("unit", &self.unit)?;
+        for (output, value) in Output::ALL.into_iter().zip(&self.values) {
+            if let Some(value) = value {
+                map.serialize_entry(output.name(), value)?;
+            }
+            if let Some(Value::Stop(status)) = value {
+                map.serialize_entry("stop", status as &StopStatus)?;
+            }
+        }
+        map.end()
+    }
+}
+
+impl Serialize for Value {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Number(number) => number.serialize(serializer),
+            Self::Stop(status) => status.flag().serialize(serializer),
+            Self::Turns(turns) => turns.serialize(serializer),
+            Self::Margin(margin) => margin.serialize(serializer),
+        }
+    }
+}
