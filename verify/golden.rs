@@ -105,10 +105,11 @@ impl Agreement {
         self.count += 1;
         let gap = (got - want).abs();
         let units = if gap == 0.0 { 0.0 } else { gap / error };
+        let units = if units.is_nan() { f64::INFINITY } else { units };
         if units > self.worst.0 {
             self.worst = (units, place.to_string());
         }
-        if !(units <= GOLDEN) {
+        if units > GOLDEN {
             self.failures.push(format!("{place}: {got:e}, JAX {want:e}, {units:.2} of its error {error:e}"));
         }
     }

@@ -222,7 +222,7 @@ fn declared_dependence_is_true() {
                 for (j, entry) in by.iter_mut().enumerate() {
                     let kind = [0, 0, 0, 1, 1, 1, 2][j % 7];
                     // (|d| is formed in the frame of a, and turning that rounds it.)
-                    if !declared[kind] && !(dependence.translation && (3..6).contains(&j)) {
+                    if !(declared[kind] || dependence.translation && (3..6).contains(&j)) {
                         *entry = draw.between(-0.1, 0.1) * case.length;
                     }
                 }
