@@ -758,23 +758,20 @@ impl<R: Differentiable> Connector<R> {
         };
         let second = request.order > 1;
         let mut take = |k: usize, gradient: RelativeGradient<R>, relative: [[R; 8]; 8]| {
+            // A measure that no direction of a enters does not feel a turn.
+            let mut active = self.active;
+            if !self.differentiated(k).is_some_and(Measure::turns_with_a) {
+                active[node::THETA_A..node::PSI_A].fill(false);
+            }
             let mut row = state.pair.nodal_row(&gradient);
-            for (entry, active) in row.iter_mut().zip(&self.active) {
+            for (entry, active) in row.iter_mut().zip(&active) {
                 if !active {
                     *entry = R::integer(0);
                 }
             }
             evaluation.jacobian[k] = Some(row);
             if second {
-                let of = |active| state.pair.nodal_hessian(&gradient, &relative, active);
-                let carried = || of(&self.active);
-                let hessian = if self.differentiated(k) == Some(Measure::Distance) {
-                    let mut fixed = self.active;
-                    fixed[node::THETA_A..node::PSI_A].fill(false);
-                    R::choose(are_apart(&state.pair), carried, || of(&fixed))
-                } else {
-                    carried()
-                };
+                let hessian = state.pair.nodal_hessian(&gradient, &relative, &active);
                 evaluation.hessian[k] = Some(Box::new(hessian));
             }
         };
@@ -939,14 +936,9 @@ impl<'a, R: Differentiable> Along<'a, R> {
             .filter(|m| !m.is_one_form() && !m.has_nodal_rates())
             .fold(Dependence::default(), |sum, m| sum.or(m.dependence()));
         let mut rates = state.pair.relative_rates(&state.velocity, acceleration);
-        if measures.contains(&Measure::Distance) {
+        if measures.iter().all(|m| m.dependence().rotation || !m.turns_with_a()) {
             let linear = |rates: &NodalRates<R>| [0, 1, 2].map(|i| rates[node::XB + i] - rates[node::XA + i]);
-            let carried = rates.translation;
-            rates.translation = R::choose(
-                are_apart(&state.pair),
-                || carried,
-                || [linear(&state.velocity), linear(acceleration)],
-            );
+            rates.translation = [linear(&state.velocity), linear(acceleration)];
         }
         let relative = moving(&state.pair, &rates, needed);
         Along { connector, state, acceleration, history, relative, cache: Vec::new(), measures }
@@ -975,13 +967,6 @@ impl<'a, R: Differentiable> Along<'a, R> {
         let found = self.cache.iter().find(|(known, _)| *known == measure);
         found.map_or([R::integer(0); 2], |(_, rates)| *rates)
     }
-}
-
-/// Whether the nodes are apart. Where they coincide, the direction of an AXIAL is one fixed in space, which a rotation of a
-/// does not turn.
-fn are_apart<R: Real>(pair: &Pair<R>) -> R::Mask {
-    let (_, length) = R::direction_and_norm(pair.separation());
-    R::integer(0).less(length)
 }
 
 /// The relative pair along time.

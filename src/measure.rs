@@ -225,6 +225,12 @@ impl Measure {
         Dependence { translation, rotation, flow }
     }
 
+    /// Whether a turn of a alone changes the value: not that of a length, nor of a position along the direction fixed in space of
+    /// an AXIAL whose nodes coincide. Derivatives along such a turn are exactly zero.
+    pub const fn turns_with_a(self) -> bool {
+        !matches!(self, Self::Distance | Self::Strain | Self::Flow(_))
+    }
+
     /// The period by which the principal value jumps and the continued value does not: 2π for an angle that winds.
     pub const fn winds(self) -> bool {
         matches!(self, Self::Cardan(1 | 3) | Self::Euler(_))
