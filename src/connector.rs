@@ -6,7 +6,7 @@
 //! [`Connector::advance`] never changes the one it starts from.
 
 use crate::catalog::{Condition, ConnectionType, Slot};
-use crate::measure::{History, Margin, Measure, Section, Shared, Unit};
+use crate::measure::{History, Margin, Measure, Section, Shared, SingularClass, Unit};
 use crate::node::{
     self, DOF_NUMBER, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates,
 };
@@ -764,23 +764,20 @@ impl<R: Differentiable> Connector<R> {
         };
         let second = request.order > 1;
         let mut take = |k: usize, gradient: RelativeGradient<R>, relative: [[R; 8]; 8]| {
+            // A measure that no direction of a enters does not feel a turn.
+            let mut active = self.active;
+            if !self.differentiated(k).is_some_and(Measure::turns_with_a) {
+                active[node::THETA_A..node::PSI_A].fill(false);
+            }
             let mut row = state.pair.nodal_row(&gradient);
-            for (entry, active) in row.iter_mut().zip(&self.active) {
+            for (entry, active) in row.iter_mut().zip(&active) {
                 if !active {
                     *entry = R::integer(0);
                 }
             }
             evaluation.jacobian[k] = Some(row);
             if second {
-                let of = |active| state.pair.nodal_hessian(&gradient, &relative, active);
-                let carried = || of(&self.active);
-                let hessian = if self.differentiated(k) == Some(Measure::Distance) {
-                    let mut fixed = self.active;
-                    fixed[node::THETA_A..node::PSI_A].fill(false);
-                    R::choose(are_apart(&state.pair), carried, || of(&fixed))
-                } else {
-                    carried()
-                };
+                let hessian = state.pair.nodal_hessian(&gradient, &relative, &active);
                 evaluation.hessian[k] = Some(Box::new(hessian));
             }
         };
@@ -972,14 +969,9 @@ impl<'a, R: Differentiable> Along<'a, R> {
             .filter(|m| !m.is_one_form() && !m.has_nodal_rates())
             .fold(Dependence::default(), |sum, m| sum.or(m.dependence()));
         let mut rates = state.pair.relative_rates(&state.velocity, acceleration);
-        if measures.contains(&Measure::Distance) {
+        if measures.iter().all(|m| m.dependence().rotation || !m.turns_with_a()) {
             let linear = |rates: &NodalRates<R>| [0, 1, 2].map(|i| rates[node::XB + i] - rates[node::XA + i]);
-            let carried = rates.translation;
-            rates.translation = R::choose(
-                are_apart(&state.pair),
-                || carried,
-                || [linear(&state.velocity), linear(acceleration)],
-            );
+            rates.translation = [linear(&state.velocity), linear(acceleration)];
         }
         let relative = moving(&state.pair, &rates, needed);
         Along { connector, state, acceleration, history, relative, cache: Vec::new(), measures }
@@ -1008,13 +1000,6 @@ impl<'a, R: Differentiable> Along<'a, R> {
         let found = self.cache.iter().find(|(known, _)| *known == measure);
         found.map_or([R::integer(0); 2], |(_, rates)| *rates)
     }
-}
-
-/// Whether the nodes are apart. Where they coincide, the direction of an AXIAL is one fixed in space, which a rotation of a
-/// does not turn.
-fn are_apart<R: Real>(pair: &Pair<R>) -> R::Mask {
-    let (_, length) = R::direction_and_norm(pair.separation());
-    R::integer(0).less(length)
 }
 
 /// The relative pair along time.
@@ -1073,20 +1058,24 @@ impl<R> Evaluation<R> {
 #[serde(tag = "flag", rename_all = "kebab-case")]
 pub enum Flag {
     /// The state lies on a singular set: derivatives named there do not exist, and are reported as zero or along the
-    /// direction kept.
+    /// direction kept; at a true singularity the value is not determined either.
     Singular {
         /// The component.
         component: &'static str,
         /// The set.
         at: &'static str,
+        /// What happens there.
+        class: SingularClass,
     },
-    /// The state is so close to a singular set that derivatives, and close to a lock the angles themselves, lose digits: the
+    /// The state is so close to a singular set that derivatives, and at a true singularity the value too, lose digits: the
     /// relative error grows like u divided by the distance, a length in units of the largest length it is formed from.
     IllConditioned {
         /// The component.
         component: &'static str,
         /// The set.
         at: &'static str,
+        /// What happens there.
+        class: SingularClass,
         /// The distance to it.
         distance: f64,
     },
@@ -1164,17 +1153,13 @@ impl Connector<f64> {
         // The components of one kind of measure share their singular set.
         let mut known: Vec<(Discriminant<Measure>, f64)> = Vec::new();
         let mut of = |measure: Measure| {
-            let set = measure.singular_set()?;
             let kind = mem::discriminant(&measure);
-            let distance = match known.iter().find(|(seen, _)| *seen == kind) {
-                Some((_, distance)) => *distance,
-                None => {
-                    let distance = measure.margin(&relative, &self.section, &history)?.distance;
-                    known.push((kind, distance));
-                    distance
-                }
-            };
-            Some(Margin { distance, set })
+            if let Some((_, distance)) = known.iter().find(|(seen, _)| *seen == kind) {
+                return Some(Margin { distance: *distance, set: measure.singular_set()? });
+            }
+            let margin = measure.margin(&relative, &self.section, &history)?;
+            known.push((kind, margin.distance));
+            Some(margin)
         };
         [0, 1, 2, 3, 4, 5].map(|k| {
             let row = self.rows[k].filter(|_| wanted[k])?;
@@ -1200,9 +1185,9 @@ impl Connector<f64> {
             let component = crate::catalog::COMPONENT[k];
             let Some(Margin { distance, set }) = *margin else { continue };
             if distance == 0.0 {
-                flags.push(Flag::Singular { component, at: set.at });
+                flags.push(Flag::Singular { component, at: set.at, class: set.class });
             } else if distance < ILL_CONDITIONED * scale_of(set.unit) {
-                flags.push(Flag::IllConditioned { component, at: set.at, distance });
+                flags.push(Flag::IllConditioned { component, at: set.at, class: set.class, distance });
             }
         }
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);

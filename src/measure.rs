@@ -282,6 +282,12 @@ impl Measure {
         Dependence { translation, rotation, flow }
     }
 
+    /// Whether a turn of a alone changes the value: not that of a length, nor of a position along the direction fixed in space of
+    /// an AXIAL whose nodes coincide. Derivatives along such a turn are exactly zero.
+    pub const fn turns_with_a(self) -> bool {
+        !matches!(self, Self::Distance | Self::Strain | Self::Flow(_))
+    }
+
     /// The period by which the principal value jumps and the continued value does not: 2π for an angle that winds.
     pub const fn winds(self) -> bool {
         matches!(self, Self::Cardan(1 | 3) | Self::Euler(_) | Self::Torsion | Self::Sweep)
@@ -306,9 +312,12 @@ impl Measure {
     pub const fn singular_set(self) -> Option<SingularSet> {
         let (at, class, distance, unit) = match self {
             Self::Distance => ("coincident nodes, d = 0", SingularClass::Kink, "|d|", Unit::Length),
-            Self::Strain => {
-                ("d = 0, or no material left", SingularClass::Kink, "min(|d|, l0 + Ψa − Ψb)", Unit::Length)
-            }
+            Self::Strain => (
+                "no material left, l0 + Ψa − Ψb ≤ 0 (kink at d = 0)",
+                SingularClass::TrueSingularity,
+                "min(|d|, l0 + Ψa − Ψb)",
+                Unit::Length,
+            ),
             Self::Cardan(1 | 3) => {
                 ("β = ±π/2 (lock)", SingularClass::TrueSingularity, "π/2 − |β|", Unit::Angle)
             }
@@ -357,12 +366,19 @@ impl Measure {
         section: &Section<f64>,
         history: &History<f64>,
     ) -> Option<Margin> {
-        let set = self.singular_set()?;
+        let mut set = self.singular_set()?;
         let q = &relative.q;
         let distance = match self {
             Self::Distance => norm(relative.d),
             Self::Strain => {
-                norm(relative.d).min(section.initial_length + relative.flow[0] - relative.flow[1]).max(0.0)
+                let (length, material) = (
+                    norm(relative.d),
+                    (section.initial_length + relative.flow[0] - relative.flow[1]).max(0.0),
+                );
+                if length < material {
+                    (set.at, set.class) = ("coincident nodes, d = 0", SingularClass::Kink);
+                }
+                length.min(material)
             }
             Self::Cardan(_) => norm([q[1][2], q[2][2]]).atan2(q[0][2].abs()),
             Self::Euler(_) => norm([q[0][2], q[1][2]]).atan2(q[2][2].abs()),

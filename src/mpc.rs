@@ -164,7 +164,9 @@ impl<R: Differentiable> Revolute<R> {
         };
         let turn = R::pi() + R::pi();
         let hint = dot(axis, whole_turns);
-        let counted = ((principal - previous.principal - hint) / turn).nearest_integer();
+        // Halves go towards zero: an increment of exactly half a turn leads to the principal angle.
+        let turns = (principal - previous.principal - hint) / turn;
+        let counted = (turns - turns * R::ratio(1, i32::MAX)).nearest_integer();
         let joint = state.joint.unwrap_or(principal);
 
         let mut evaluation = Evaluation {

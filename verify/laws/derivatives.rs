@@ -8,7 +8,7 @@ use pintle::connector::{
 };
 use pintle::node::DOFS;
 use pintle::scalar::{Real, Scalar, Wide};
-use pintle::vector::{Vector, cross};
+use pintle::vector::{Vector, cross, dot};
 
 /// The step, in units of the degree of freedom: the error of a central difference is about 1e-50, its rounding 1e-45.
 const STEP: f64 = 1e-25;
@@ -153,7 +153,7 @@ fn judge(case: &Case, value: &mut Check, first: &mut Check, second: &mut Check) 
                     axes[1][k % 7 - 3] = Wide::integer(1);
                     let bracket = cross(axes[0], axes[1]);
                     let gradient = rotational(&at_rest[c].expect("a row"), node);
-                    want = want - pintle::vector::dot(bracket, gradient) / Wide::integer(2);
+                    want -= dot(bracket, gradient) / Wide::integer(2);
                 }
                 if !(connector.active()[j] && connector.active()[k]) {
                     want = Wide::zero();

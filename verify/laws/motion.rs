@@ -5,12 +5,13 @@ use super::{Check, Scales, U, assert_bits, functions, times};
 use crate::states::{Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, types};
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{
-    Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
+    Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally, Turns,
 };
 use pintle::measure::{Measure, Unit};
+use pintle::mpc::{self, Revolute};
 use pintle::node::{DOFS, Pair};
 use pintle::scalar::{Scalar, Wide};
-use pintle::vector::{Matrix, Vector, add, apply, column, cross, dot, product, scale, sub};
+use pintle::vector::{self, Matrix, Vector, add, apply, column, cross, dot, product, scale, sub};
 
 fn everywhere(mut judge: impl FnMut(&Case)) {
     for connection in types() {
@@ -405,10 +406,8 @@ fn rates_are_differences_in_time() {
             (truth.evaluate(&by, &request), truth.accumulated(&by))
         };
         let [minus, still, plus] = [-h, Wide::zero(), h].map(at);
-        let differences = |f: &dyn Fn(&(Evaluation<Wide>, Wide)) -> Wide| {
-            let [x, y, z] = [f(&minus), f(&still), f(&plus)];
-            [(z - x) / (h + h), (z - y - y + x) / (h * h)]
-        };
+        let differences = |[x, y, z]: [Wide; 3]| [(z - x) / (h + h), (z - y - y + x) / (h * h)];
+        let times = [&minus, &still, &plus];
         for c in 0..6 {
             let Some(measure) = connector.differentiated(c) else { continue };
             if measure.has_nodal_rates() {
@@ -417,16 +416,16 @@ fn rates_are_differences_in_time() {
             let size = rate_scale(case, &case.end().state, &got, c);
             let place = |what: &'static str| move || format!("{}, component {}, {what}", case.name, c + 1);
             if measure.is_one_form() {
-                let [rate, acceleration] = differences(&|x| x.1);
+                let [rate, acceleration] = differences(times.map(|x| x.1));
                 check.compare(place("CV"), got.velocity[c].unwrap(), rate, size);
                 check.compare(place("CA"), got.acceleration[c].unwrap(), acceleration, size);
                 continue;
             }
-            let [rate, acceleration] = differences(&|x| x.0.position[c].unwrap());
+            let [rate, acceleration] = differences(times.map(|x| x.0.position[c].unwrap()));
             check.compare(place("CV"), got.velocity[c].unwrap(), rate, size);
             check.compare(place("CA"), got.acceleration[c].unwrap(), acceleration, size);
             if got.residual[c].is_some() {
-                let [rate, acceleration] = differences(&|x| x.0.residual[c].unwrap());
+                let [rate, acceleration] = differences(times.map(|x| x.0.residual[c].unwrap()));
                 check.compare(place("RESV"), got.residual_rate[c].unwrap(), rate, size);
                 check.compare(place("RESA"), got.residual_acceleration[c].unwrap(), acceleration, size);
             }
@@ -503,12 +502,11 @@ fn exchanging_the_nodes() {
     let mut value = Check::of("exchanged nodes, values");
     let mut row = Check::of("exchanged nodes, rows");
     let request = Request::everything(2);
-    let simple: [(&str, &[(usize, usize, f64)]); 4] = [
-        ("AXIAL", &[(0, 0, 1.0)]),
-        ("LINK", &[(0, 0, 1.0)]),
-        ("ROTATION", &[(3, 3, -1.0), (4, 4, -1.0), (5, 5, -1.0)]),
-        ("EULER", &[(3, 5, -1.0), (4, 4, 1.0), (5, 3, -1.0)]),
-    ];
+    // The new component, the old one that it was, and their signs.
+    const SAME: &[(usize, usize, f64)] = &[(0, 0, 1.0)];
+    const OPPOSITE: &[(usize, usize, f64)] = &[(3, 3, -1.0), (4, 4, -1.0), (5, 5, -1.0)];
+    const REVERSED: &[(usize, usize, f64)] = &[(3, 5, -1.0), (4, 4, 1.0), (5, 3, -1.0)];
+    let simple = [("AXIAL", SAME), ("LINK", SAME), ("ROTATION", OPPOSITE), ("EULER", REVERSED)];
     for (name, map) in simple {
         for case in cases(entry(name), Extent::Full) {
             if case.name.contains("cube") {
@@ -686,6 +684,24 @@ fn constraint_rows_are_independent() {
     assert!(count > 200, "only {count} states are near their constraints");
 }
 
+/// A revolute MPC turned by exactly half a turn from nothing is at +π.
+#[test]
+fn a_joint_turned_by_half_is_principal() {
+    let joint = Revolute::<f64>::between([0.0; 3], [0.0, 0.0, 1.0]);
+    let identity: Matrix<f64> = vector::identity();
+    let state = mpc::State {
+        slave: [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]],
+        master: identity,
+        joint: None,
+        velocity: [0.0; mpc::DOFS],
+        acceleration: [0.0; mpc::DOFS],
+    };
+    let start = Turns { turns: 0.0, principal: 0.0 };
+    let request = Request::everything(0);
+    let got = joint.evaluate(&state, &start, [0.0; 3], &request, &mut Tally::default());
+    assert_eq!((got.angle.turns, got.angle.principal), (0.0, std::f64::consts::PI));
+}
+
 /// Two half turns that are the same pose are told apart by the increment that leads there, and without one the principal
 /// angle is taken.
 #[test]
@@ -694,7 +710,7 @@ fn half_turns_in_one_increment() {
     for name in ["REVOLUTE", "CARDAN", "UNIVERSAL", "ROTATION", "EULER"] {
         let connection = entry(name);
         let q0 = if name == "EULER" { crate::states::about_1(1.0) } else { crate::states::about_1(0.0) };
-        let a0: Matrix<f64> = pintle::vector::identity();
+        let a0: Matrix<f64> = vector::identity();
         let definition = crate::states::definition(connection, pair([1.0, 0.0, 0.0], a0, &q0), 1.0);
         let connector = Connector::<f64>::new(&definition);
         let axis = if name == "EULER" { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };

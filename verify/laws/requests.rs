@@ -207,7 +207,7 @@ fn declared_dependence_is_true() {
                     let kind = [0, 0, 0, 1, 1, 1, 2][j % 7];
                     seen[c][kind] |= row[j] != 0.0;
                     // The directions of a turn what is measured in them.
-                    let carried = dependence.translation && (3..6).contains(&j);
+                    let carried = measure.turns_with_a() && (3..6).contains(&j);
                     let matters = (declared[kind] || carried) && connector.active()[j];
                     assert!(matters || row[j] == 0.0, "{place}: ∂{j} = {}, though undeclared", row[j]);
                     for k in 0..DOFS {
@@ -221,7 +221,8 @@ fn declared_dependence_is_true() {
                 let mut by = [0.0; DOFS];
                 for (j, entry) in by.iter_mut().enumerate() {
                     let kind = [0, 0, 0, 1, 1, 1, 2][j % 7];
-                    if !declared[kind] && !(dependence.translation && (3..6).contains(&j)) {
+                    // (|d| is formed in the frame of a, and turning that rounds it.)
+                    if !(declared[kind] || dependence.translation && (3..6).contains(&j)) {
                         *entry = draw.between(-0.1, 0.1) * case.length;
                     }
                 }
