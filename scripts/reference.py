@@ -9,6 +9,7 @@ its formulas are chosen to differ from the usual ones:
   rotation matrices   Rodrigues, with sin(t)/t and (1 - cos t)/t^2 as series or closed form in t^2
   relative rotation   product of the nodal quaternions, never of the triads
   rotation vector     16 atan of the twice-halved modified Rodrigues parameters, one series for all angles
+  flexion, torsion    chords between the third directions; the first directions carried to the one halfway between these
   Cardan, Euler       components of the line of nodes, e3b x e1a or e3a x e3b, in the two triads
 JAX differentiates them with respect to the 14 nodal variations
 (x_a, theta_a, Psi_a, x_b, theta_b, Psi_b), rotations varying as C -> exp(dtheta^) C.
@@ -27,7 +28,8 @@ Fields of a case, besides the state. Per component u1 u2 u3 ur1 ur2 ur3, null wh
   velocity, acceleration, jacobian, hessian
                  of the residual of a constrained component, else of the displacement. FLOW-CONVERTER:
                  hessian[j][k] = d row_j / d q_k, not symmetric; ROTATION-ACCELEROMETER: rates are
-                 (omega_b - omega_a).e_i^b and (alpha_b - alpha_a).e_i^b
+                 (omega_b - omega_a).e_i^b and (alpha_b - alpha_a).e_i^b; ACCELEROMETER: (v_b - v_a).e_i^b
+                 and (a_b - a_a).e_i^b
   error          estimated absolute error of each of these fields
 The mpc list holds the revolute-joint constraint, with derivatives in the order (theta_S, theta_M, phi_J):
 residual = rotation vector of C_S [C(phi_J a) C_M]^T, a = C_M axis, in global components, and angle = the

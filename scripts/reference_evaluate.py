@@ -4,7 +4,8 @@ import math
 from concurrent.futures import ThreadPoolExecutor
 
 from reference_formulas import (
-    TABLE, Motion, after, derivatives, drum_increment, jax, jnp, joint_derivatives, joint_measures, np, positions, quaternion_of, roles_of,
+    TABLE, WINDING, Motion, after, derivatives, drum_increment, has_torsion, jax, jnp, joint_derivatives, joint_measures, np, positions,
+    quaternion_of, roles_of, torsion,
 )
 
 ALIGNED = 1e-12
@@ -46,11 +47,13 @@ def at_fraction(state, fraction):
 
 
 def sampled_history(type_name, state, fractions):
-    """Principal positions along the path."""
+    """Principal positions along the path, and the torsion where the type has one."""
 
     def position(fraction):
-        here = at_fraction(state, fraction) | {"sheet": 0.0, "side": 1.0}
-        return positions(type_name, here, Motion(here, jnp.zeros(14)))
+        here = at_fraction(state, fraction) | {"sheet": 0.0, "side": 1.0, "twist": 0.0}
+        motion = Motion(here, jnp.zeros(14))
+        found = positions(type_name, here, motion)
+        return jnp.append(found, torsion(motion)) if has_torsion(type_name) else found
 
     return jax.vmap(position)(fractions)
 
@@ -62,7 +65,17 @@ def nearest_angles(angles, previous):
 def follow(type_name, path):
     """Turns, sheet of the rotation vector and side of the Euler angles at the end of a sampled path."""
     kind = TABLE[type_name][2]
-    branch = {"turns": np.zeros(6), "sheet": 0.0, "side": 1.0, "largest_jump": 0.0}
+    branch = {"turns": np.zeros(6), "sheet": 0.0, "side": 1.0, "twist": 0.0, "largest_jump": 0.0}
+    if has_torsion(type_name):
+        angles = path[:, [3 + i for i in WINDING.get(kind, ())] + [6]]
+        continued = np.unwrap(angles, axis=0)
+        turns = np.round((continued[-1] - angles[-1]) / (2 * np.pi))
+        for i, count in zip(WINDING.get(kind, ()), turns):
+            branch["turns"][3 + i] = count
+        branch["twist"] = turns[-1]
+        branch["largest_jump"] = float(np.max(np.abs(np.diff(continued, axis=0))))
+        branch["final"] = continued[-1]
+        return branch
     if kind not in ("cardan", "euler", "vector"):
         return branch
     previous = path[0, 3:]
@@ -119,7 +132,7 @@ def branches(type_name, cases, arrays):
                 raise RuntimeError(f"{type_name} {case['name']}: the branch depends on the number of steps")
         if branch["largest_jump"] > 2.0:
             raise RuntimeError(f"{type_name} {case['name']}: increment {branch['largest_jump']} too large")
-        branch["initial"] = fine[0]
+        branch["initial"] = fine[0][:6]
         if TABLE[type_name][2] in ("cardan", "euler"):
             principal = principal_on_side(fine[-1, 3:], branch["side"])
             branch["turns"][3:] = np.round((branch["final"] - principal) / (2 * np.pi))
@@ -155,7 +168,7 @@ def evaluate(type_name, cases):
     """Results of every case of one type, all Hessians included."""
     arrays = stacked(cases)
     found = branches(type_name, cases, arrays)
-    for key in ("initial", "turns", "sheet", "side"):
+    for key in ("initial", "turns", "sheet", "side") + (("twist",) if has_torsion(type_name) else ()):
         arrays[key] = np.array([branch[key] for branch in found], dtype=float)
     identity = np.array([1.0, 0.0, 0.0, 0.0])
     conjugate = arrays["quaternion_A0"] * np.array([1.0, -1.0, -1.0, -1.0])
@@ -177,10 +190,10 @@ def check_chain_rule(type_name, computed, arrays):
     second = np.einsum("nij,nj->ni", computed["jacobian"], acceleration) + curvature
     size = np.einsum("nij,nj->ni", np.abs(computed["jacobian"]), np.abs(rate) + np.abs(acceleration))
     size += np.einsum("nijk,nj,nk->ni", np.abs(computed["hessian"]), np.abs(rate), np.abs(rate))
-    rotations = slice(0, 3) if type_name == "ROTATION-ACCELEROMETER" else slice(0, 6)
+    differentiated = {"ROTATION-ACCELEROMETER": slice(0, 3), "ACCELEROMETER": slice(3, 6)}.get(type_name, slice(0, 6))
     for name, expected in [("velocity", velocity), ("acceleration", second)]:
-        gap = np.abs(computed[name] - expected)[:, rotations]
-        if np.any(gap > 1e-12 * (1e-300 + size[:, rotations])):
+        gap = np.abs(computed[name] - expected)[:, differentiated]
+        if np.any(gap > 1e-12 * (1e-300 + size[:, differentiated])):
             raise RuntimeError(f"{type_name}: {name} contradicts the derivatives")
 
 
@@ -232,7 +245,7 @@ def evaluate_joints(cases):
     found = []
     for i, case in enumerate(cases):
         rho = computed["measure"][i, :3]
-        # |C_S - C'| of two rotations at the angle rho is sqrt(8) |sin(rho/2)|.
+        # |C_S - C'| of two differentiated at the angle rho is sqrt(8) |sin(rho/2)|.
         if abs(math.sqrt(8) * math.sin(np.linalg.norm(rho) / 2) - computed["defect"][i]) > 3e-14:
             raise RuntimeError(f"MPC {case['name']}: contradicts C_S = C_M C(phi_J a0)")
         if case["name"].startswith("satisfied") and np.linalg.norm(rho) > 1e-14:

@@ -40,6 +40,14 @@ TABLE = {
     "RETRACTOR": ("CCC ..C", "frame", "drum", None),
     "UJOINT": ("CCC ACA", "frame", "cardan", "cross"),
     "SLIPRING": ("AAM ...", "belt", None, None),
+    "ACCELEROMETER": ("MMM ...", "frame", None, None),
+    "PROJECTION CARTESIAN": ("AAA ...", "middle", None, None),
+    "RADIAL-THRUST": ("A.A ...", "radial", None, None),
+    "CONSTANT VELOCITY": ("... .C.", None, "shafts", None),
+    "FLEXION-TORSION": ("... AAA", None, "coupling", None),
+    "PROJECTION FLEXION-TORSION": ("... AAA", None, "projection", None),
+    "BUSHING": ("AAA AAA", "middle", "projection", None),
+    "CVJOINT": ("CCC .C.", "frame", "shafts", None),
 }
 ROLES = {"C": "constrained", "A": "available", "M": "measured", ".": None}
 
@@ -210,6 +218,70 @@ def euler(state, motion):
     )
 
 
+def radial(state, motion):
+    """The part of d across e3a, as a vector: its length is the distance from the axis."""
+    axis = motion.a[:, 2]
+    along = axis @ motion.d
+    outward = motion.d - along * axis
+    return jnp.stack([jnp.sqrt(outward @ outward), 0.0 * along, along])
+
+
+def carried_first(triad, middle):
+    """e1 after the smallest rotation that takes e3 to the direction `middle`."""
+    first, third = triad[:, 0], triad[:, 2]
+    return first - (first @ middle) / (1.0 + third @ middle) * (third + middle)
+
+
+def halfway(motion):
+    """The third direction halfway between e3a and e3b, and the first directions of both triads carried to it."""
+    both = motion.a[:, 2] + motion.b[:, 2]
+    third = both / jnp.sqrt(both @ both)
+    return third, carried_first(motion.a, third), carried_first(motion.b, third)
+
+
+def torsion(motion):
+    """The angle about the halfway direction between the two carried first directions."""
+    third, from_a, from_b = halfway(motion)
+    return jnp.arctan2(third @ jnp.cross(from_a, from_b), from_a @ from_b)
+
+
+def middle_triad(state, motion):
+    """Columns e1, e2, e3: e1 at half the torsion, its turns included, from a's carried first direction to b's."""
+    third, from_a, _ = halfway(motion)
+    half = 0.5 * torsion(motion) + jnp.pi * state["twist"]
+    first = jnp.cos(half) * from_a + jnp.sin(half) * jnp.cross(third, from_a)
+    return jnp.stack([first, jnp.cross(third, first), third], axis=1)
+
+
+def middle(state, motion):
+    return motion.d @ middle_triad(state, motion)
+
+
+def shafts(state, motion):
+    beta = torsion(motion)
+    return jnp.stack([0.0 * beta, beta, 0.0 * beta])
+
+
+def coupling(state, motion):
+    """Chords for the flexion; the sweep is the direction of e3a x e3b seen from a."""
+    chord, both = motion.a[:, 2] - motion.b[:, 2], motion.a[:, 2] + motion.b[:, 2]
+    axis = jnp.cross(motion.a[:, 2], motion.b[:, 2])
+    return jnp.stack(
+        [
+            2.0 * jnp.arctan2(jnp.sqrt(chord @ chord), jnp.sqrt(both @ both)),
+            torsion(motion),
+            jnp.arctan2(axis @ motion.a[:, 1], axis @ motion.a[:, 0]),
+        ]
+    )
+
+
+def projection(state, motion):
+    """The rotation vector of the smallest rotation from e3a to e3b, in the halfway directions."""
+    shaft_a, shaft_b = motion.a[:, 2], motion.b[:, 2]
+    swing = principal_vector(jnp.concatenate([(1.0 + shaft_a @ shaft_b)[None], jnp.cross(shaft_a, shaft_b)]))
+    return jnp.concatenate([(swing @ middle_triad(state, motion))[:2], torsion(motion)[None]])
+
+
 def vector(state, motion):
     return vector_on_sheet(motion.relative, state["sheet"])
 
@@ -219,7 +291,17 @@ def drum(state, motion):
     return jnp.zeros(3)
 
 
-MEASURES = {None: drum, "frame": frame, "length": length, "belt": belt, "cardan": cardan, "euler": euler, "vector": vector, "drum": drum}
+MEASURES = {
+    None: drum, "frame": frame, "length": length, "belt": belt, "cardan": cardan, "euler": euler, "vector": vector, "drum": drum,
+    "radial": radial, "middle": middle, "shafts": shafts, "coupling": coupling, "projection": projection,
+}
+WINDING = {"shafts": (1,), "coupling": (1, 2), "projection": (2,)}
+"""Which of the three rotations wind, where torsion is measured."""
+
+
+def has_torsion(type_name):
+    _, translation, rotation, _ = TABLE[type_name]
+    return translation == "middle" or rotation in WINDING
 
 
 def positions(type_name, state, motion):
@@ -336,6 +418,11 @@ def derivatives(type_name, state):
         spin_acceleration = (state["accelerations"][10:13] - state["accelerations"][3:6]) @ directions
         values["velocity"] = values["velocity"].at[3:].set(spin_rate)
         values["acceleration"] = values["acceleration"].at[3:].set(spin_acceleration)
+    if type_name == "ACCELEROMETER":
+        directions = Motion(state, rest).b
+        values["velocity"] = values["velocity"].at[:3].set((state["rates"][7:10] - state["rates"][0:3]) @ directions)
+        acceleration = (state["accelerations"][7:10] - state["accelerations"][0:3]) @ directions
+        values["acceleration"] = values["acceleration"].at[:3].set(acceleration)
     return values
 
 

@@ -27,8 +27,11 @@ CARDAN_LIKE = REVOLUTE_LIKE | UNIVERSAL_LIKE | ALIGN_LIKE | {"CARDAN"}
 VECTOR_LIKE = {"ROTATION", "ROTATION-ACCELEROMETER"}
 DRUM_LIKE = {"FLOW-CONVERTER", "RETRACTOR"}
 MISALIGNABLE = REVOLUTE_LIKE | UNIVERSAL_LIKE | ALIGN_LIKE
+TORSION_LIKE = {"CONSTANT VELOCITY", "CVJOINT", "FLEXION-TORSION", "PROJECTION FLEXION-TORSION", "BUSHING", "PROJECTION CARTESIAN"}
 FLOW_TYPES = DRUM_LIKE | {"SLIPRING"}
-HAS_FRAME = {"JOIN", "SLOT", "SLIDE-PLANE", "CARTESIAN", "RETRACTOR"} | (
+HAS_FRAME = {
+    "JOIN", "SLOT", "SLIDE-PLANE", "CARTESIAN", "RETRACTOR", "ACCELEROMETER", "PROJECTION CARTESIAN", "BUSHING", "CVJOINT",
+} | (
     (REVOLUTE_LIKE | UNIVERSAL_LIKE | ALIGN_LIKE) - {"REVOLUTE", "UNIVERSAL", "ALIGN"}
 )
 LENGTH_LIKE = {"AXIAL", "LINK", "SLIPRING"}
@@ -159,6 +162,12 @@ def steps_for(*rotations):
 # Orientation of b relative to a at the start
 
 
+def bent(draw, twist):
+    """Shafts at an angle, twisted about them by the angle of this half tangent."""
+    swing = turned((3, draw.between(-0.8, 0.8)))
+    return product(product(swing, turned((1, draw.between(0.3, 0.6)))), product(transposed(swing), turned((3, twist))))
+
+
 def start(type_name, draw, misaligned=False):
     """A_0^T B_0: exactly admissible for the type, or, if asked for, misaligned by about half a radian."""
     if misaligned:
@@ -171,6 +180,8 @@ def start(type_name, draw, misaligned=False):
         return IDENTITY
     if type_name == "CARDAN":
         return turned((1, draw.between(-0.5, 0.5)), (2, draw.between(-0.2, 0.2)), (3, draw.between(-0.5, 0.5)))
+    if type_name in TORSION_LIKE:
+        return bent(draw, draw.between(-0.4, 0.4))
     if type_name == "EULER":
         return turned((3, draw.between(-0.8, 0.8)), (1, draw.between(0.6, 1.0)), (3, draw.between(-0.8, 0.8)))
     return draw.orientation()
@@ -184,12 +195,25 @@ def regular_along_path(type_name, state, samples_per_step=8):
         short = norm(d) < 0.2 * norm(d0)
         slack = norm(d0) + state["flow_a"] - state["flow_b"] < 0.3 * norm(d0)
         return not (short or slack)
-    if not (type_name in CARDAN_LIKE or type_name == "EULER"):
+    if type_name == "RADIAL-THRUST":
+        d = added(state["X_b"], scaled(-1.0, state["X_a"]))
+        far = True
+        for u_a, u_b, theta_a in [([0.0] * 3, [0.0] * 3, [0.0] * 3), (state["U_a"], state["U_b"], state["theta_a"])]:
+            axis = column(product(matrix_exp(theta_a), state["A0"]), 2)
+            far = far and norm(cross(axis, added(d, u_b, scaled(-1.0, u_a)))) > 0.25 * norm(d)
+        return far
+    if not (type_name in CARDAN_LIKE or type_name in TORSION_LIKE or type_name == "EULER"):
         return True
     count = state["steps"] * samples_per_step
     for k in range(count + 1):
         a = product(matrix_exp(scaled(k / count, state["theta_a"])), state["A0"])
         b = product(matrix_exp(scaled(k / count, state["theta_b"])), state["B0"])
+        if type_name in TORSION_LIKE:
+            if norm(added(column(a, 2), column(b, 2))) < 0.9:
+                return False
+            if type_name == "FLEXION-TORSION" and norm(cross(column(a, 2), column(b, 2))) < 0.5:
+                return False
+            continue
         first = column(a, 2) if type_name == "EULER" else column(a, 0)
         if norm(cross(first, column(b, 2))) < 0.2:
             return False
@@ -275,7 +299,7 @@ def free_axes(type_name, a0, b0):
         return column(a0, 0), column(a0, 0)
     if type_name in UNIVERSAL_LIKE or type_name == "CARDAN":
         return column(a0, 0), column(b0, 2)
-    if type_name == "EULER":
+    if type_name == "EULER" or type_name in TORSION_LIKE:
         return column(a0, 2), column(b0, 2)
     raise ValueError(type_name)
 
@@ -293,13 +317,13 @@ def near_pi(type_name, draw):
 
         def make():
             a0 = draw.orientation()
-            relative = start(type_name, draw)
+            relative = bent(draw, 0.0) if type_name in TORSION_LIKE else start(type_name, draw)
             b0 = product(a0, relative)
             if type_name in ALIGN_LIKE or type_name in VECTOR_LIKE:
                 axis = tilted(draw, column(a0, 0), 0.5 if type_name in ALIGN_LIKE else 3.0)
                 lead = draw.between(-0.8, 0.8)
                 turns = scaled(lead, axis), scaled(lead + PI - gap, axis)
-            elif type_name in CARDAN_LIKE or type_name == "EULER":
+            elif type_name in CARDAN_LIKE or type_name in TORSION_LIKE or type_name == "EULER":
                 _, axis = free_axes(type_name, a0, b0)
                 axis = axis if number == 2 else tilted(draw, axis, 0.05)
                 lead = draw.between(-0.5, 0.5) if type_name in REVOLUTE_LIKE else 0.0
@@ -341,13 +365,19 @@ def past_two_pi(type_name, draw):
                 relative = turned((3, 0.2), (1, 0.5))
                 turns = [0.0, 0.0, 0.0], scaled(7.4, column(product(a0, relative), 0))
                 known = {4: 0.0, 5: 7.4, 6: 0.0}
-            elif type_name in CARDAN_LIKE or type_name == "EULER":
+            elif type_name in CARDAN_LIKE or type_name in TORSION_LIKE or type_name == "EULER":
                 b0 = product(a0, relative)
                 axis_a, axis_b = free_axes(type_name, a0, b0)
                 tilt = 0.04 if number == 3 else 0.0
                 back = [0.0, 8.0, 8.6][number - 1]
                 turns = scaled(-back, tilted(draw, axis_a, tilt)), scaled(size, tilted(draw, axis_b, tilt))
-                known = {} if tilt else {4: back, 6: size}
+                known = {4: back, 6: size}
+                if type_name in TORSION_LIKE:
+                    whole = back + size
+                    known = {"FLEXION-TORSION": {4: 0.0, 5: whole, 6: back}, "PROJECTION CARTESIAN": {}}.get(
+                        type_name, {5: whole} if type_name in ("CONSTANT VELOCITY", "CVJOINT") else {6: whole}
+                    )
+                known = {} if tilt else known
             elif type_name in DRUM_LIKE:
                 axis = column(a0, 2)
                 if number == 3:
@@ -374,7 +404,7 @@ def past_two_pi(type_name, draw):
 
 def right_angles(type_name, draw):
     quarter = PI / 2
-    if type_name == "EULER":
+    if type_name in ("EULER", "FLEXION-TORSION"):
         relative = turned((1, 1.0))
         choices = [(relative, None, [0, 0, quarter]), (relative, None, [0, 0, PI])]
         about_b = True
@@ -387,7 +417,7 @@ def right_angles(type_name, draw):
     elif type_name in UNIVERSAL_LIKE:
         choices = [(IDENTITY, None, [quarter, 0, 0]), (IDENTITY, [-quarter, 0, 0], [0, 0, -quarter])]
         about_b = False
-    elif type_name in VECTOR_LIKE:
+    elif type_name in VECTOR_LIKE or type_name in TORSION_LIKE:
         choices = [(IDENTITY, None, [0, quarter, 0]), (IDENTITY, None, [0, 0, PI])]
         about_b = False
     else:
@@ -419,7 +449,8 @@ def states_of(type_name, roles):
     for number in range(1, 7):
         states.append(general(type_name, draw, f"random-{number}", draw.between(0.3, 1.0)))
     for number, angle in enumerate([1e-7, 1e-5, 1e-3], start=1):
-        states.append(general(type_name, draw, f"tiny-{number}", angle))
+        straight = {"relative": IDENTITY} if type_name in TORSION_LIKE - {"FLEXION-TORSION"} else {}
+        states.append(general(type_name, draw, f"tiny-{number}", angle, **straight))
     states += near_pi(type_name, draw)
     states += past_two_pi(type_name, draw)
     states += right_angles(type_name, draw)

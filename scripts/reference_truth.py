@@ -114,6 +114,19 @@ def euler(r, reported):
     return best[1]
 
 
+def flexion_and_torsion(r):
+    """(phi, alpha, beta) of R = Rz(phi) Ry(alpha) Rz(beta - phi), the angles about z principal; phi = 0 without flexion."""
+    alpha = atan2(sqrt(r[0][2] ** 2 + r[1][2] ** 2), r[2][2])
+    phi = atan2(r[1][2], r[0][2]) if r[0][2] != 0 or r[1][2] != 0 else mpf(0)
+    return phi, alpha, atan2(r[1][0] - r[0][1], r[0][0] + r[1][1])
+
+
+def middle(a, phi, alpha, beta):
+    """A Rz(phi) Ry(alpha/2) Rz((beta - 2 phi)/2)."""
+    about_z = [exponential([mpf(0), mpf(0), angle]) for angle in (phi, (beta - 2 * phi) / 2)]
+    return product(a, product(product(about_z[0], exponential([mpf(0), alpha / 2, mpf(0)])), about_z[1]))
+
+
 class Connector:
     def __init__(self, case, role, reported, row):
         self.case, self.role, self.reported = case, role, [0.0 if x is None else x for x in reported]
@@ -128,6 +141,28 @@ class Connector:
         self.aligned = abs(self.r0[0][2]) <= ALIGNED and (abs(self.r0[0][1]) <= ALIGNED or self.held == "cross")
         self.initial = self.positions(self.a0, self.b0, self.d0, mpf(0), mpf(0), [0, 0, 0])
 
+    def with_torsion(self, a, b, d, reported, result):
+        """The types whose directions lie halfway between a's and b's, or that measure torsion."""
+        phi, alpha, beta = flexion_and_torsion(product(transposed(a), b))
+        if self.rotation is not None:
+            beta = nearest(beta, reported[2] if self.rotation == "projection" else reported[1])
+        if self.translation == "middle":
+            choices = [beta]
+            if self.rotation is None and d is not self.d0:
+                choices.append(beta + 2 * pi)
+            found = []
+            for choice in choices:
+                directions = middle(a, phi, alpha, choice)
+                x = [dot(column(directions, i), d) for i in range(3)]
+                found.append((sum(abs(p - near) for p, near in zip(x, self.reported)), x))
+            result[:3] = min(found)[1]
+        if self.rotation == "shafts":
+            result[4] = beta
+        elif self.rotation == "coupling":
+            result[3:] = [alpha, beta, nearest(phi + pi / 2, reported[2])]
+        elif self.rotation == "projection":
+            result[3:] = [-alpha * sin(phi - beta / 2), alpha * cos(phi - beta / 2), beta]
+
     def positions(self, a, b, d, flow_a, flow_b, reported):
         """Six components; zero where the type has none."""
         result = [mpf(0)] * 6
@@ -138,6 +173,11 @@ class Connector:
             result[0] = length
         elif self.translation == "belt":
             result[:3] = [length / (sqrt(dot(self.d0, self.d0)) + flow_a - flow_b) - 1, flow_b, flow_a]
+        elif self.translation == "radial":
+            x, y, z = [dot(column(a, i), d) for i in range(3)]
+            result[:3] = [sqrt(x * x + y * y), mpf(0), z]
+        if self.translation == "middle" or self.rotation in ("shafts", "coupling", "projection"):
+            self.with_torsion(a, b, d, reported, result)
         if self.rotation in ("cardan", "euler", "vector"):
             r = product(transposed(a), b)
             if self.rotation == "cardan":
@@ -255,6 +295,11 @@ def truth(task):
         velocity[5] = sum(x * v for x, v in zip(jacobian[5], rates))
         later = connector.form([v * STEP for v in rates])
         acceleration[5] = (sum(x * (v + a * STEP) for x, v, a in zip(later, rates, seconds)) - velocity[5]) / STEP
+    if connector.translation == "frame" and "measured" in role[:3]:
+        for i in range(3):
+            direction = column(connector.b, i)
+            velocity[i] = dot(direction, plus(rates[7:10], rates[0:3], -1))
+            acceleration[i] = dot(direction, plus(seconds[7:10], seconds[0:3], -1))
     if "measured" in role[3:]:
         for i in range(3):
             direction = column(connector.b, i)

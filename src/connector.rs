@@ -1128,6 +1128,13 @@ const CERTAIN_INCREMENT: f64 = 0.9;
 /// certainty.
 const CERTAIN_TURNS: f64 = 0.1;
 
+/// Whether the turns of an angle that changed by `change`, of which whole turns of the nodes explain `hint`, are uncertain.
+fn is_uncertain(change: f64, hint: f64) -> bool {
+    let told = hint / std::f64::consts::TAU;
+    (change - hint).abs() > CERTAIN_INCREMENT * std::f64::consts::PI
+        || (told - told.round()).abs() > CERTAIN_TURNS
+}
+
 impl Connector<f64> {
     /// Whether stops are reached at the given positions.
     pub fn stop_status(&self, position: &Components<f64>) -> Components<StopStatus> {
@@ -1196,10 +1203,18 @@ impl Connector<f64> {
             let hint = row.position.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, whole));
             let turns = after.turns[k].turns - before.turns[k].turns;
             let change = f64::with_turns(after.turns[k].principal - before.turns[k].principal, turns);
-            let told = hint / std::f64::consts::TAU;
-            if (change - hint).abs() > CERTAIN_INCREMENT * std::f64::consts::PI
-                || (told - told.round()).abs() > CERTAIN_TURNS
-            {
+            if is_uncertain(change, hint) {
+                flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
+            }
+        }
+        let follows_torsion = |row: &Row<f64>| row.position.counts_torsion();
+        let turns = after.torsion.turns - before.torsion.turns;
+        let change = f64::with_turns(after.torsion.principal - before.torsion.principal, turns);
+        let hint = Measure::Torsion.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, whole));
+        for (k, _) in
+            self.rows.iter().enumerate().filter(|(_, row)| row.as_ref().is_some_and(follows_torsion))
+        {
+            if is_uncertain(change, hint) {
                 flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
             }
         }

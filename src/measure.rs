@@ -381,7 +381,7 @@ impl Measure {
                 length.min(material)
             }
             Self::Cardan(_) => norm([q[1][2], q[2][2]]).atan2(q[0][2].abs()),
-            Self::Euler(_) => norm([q[0][2], q[1][2]]).atan2(q[2][2].abs()),
+            Self::Euler(_) | Self::Flexion | Self::Sweep => norm([q[0][2], q[1][2]]).atan2(q[2][2].abs()),
             Self::RotationVector(_) | Self::RotationVectorAtB(_) => {
                 let angle = norm(so3::continuous_log(q, history.rotation_vector).phi);
                 let turn = std::f64::consts::TAU;
@@ -393,12 +393,8 @@ impl Measure {
                 (std::f64::consts::PI - norm(so3::log(&frozen))).max(0.0)
             }
             Self::RadialDistance => norm([relative.d[0], relative.d[1]]),
-            Self::Flexion | Self::Sweep => {
-                let flexion = so3::flexion(q);
-                flexion.min(std::f64::consts::PI - flexion)
-            }
             Self::Torsion | Self::ComponentFlexion(_) | Self::ProjectedPosition(_) => {
-                std::f64::consts::PI - so3::flexion(q)
+                norm([q[0][2], q[1][2]]).atan2(-q[2][2])
             }
             Self::Position(_)
             | Self::PositionAtB(_)
@@ -478,13 +474,15 @@ impl Measure {
     ///
     /// The angle is counted about the direction u while b turns about u, and does not move while b turns about w, the axis of
     /// the other angle that winds: (u − (u·w) w)/(1 − (u·w)²). Close to the lock u ∥ w only the sum or the difference of the
-    /// two is known; the first takes all.
+    /// two is known; the first takes all. The sweep θ is the first of the angles of Rz(φ) Ry(α) Rz(ψ) but for a constant, with
+    /// w = e3b; torsion is the sum of first and third, (e3a + e3b)/(1 + e3a·e3b).
     pub(crate) fn winding_axis<R: Real>(self, pair: &Pair<R>) -> Option<Vector<R>> {
         const LOCK: (i32, i32) = (1, 1000);
         let lock = R::ratio(LOCK.0, LOCK.1);
         let (first_axis, third_axis, is_first) = match self {
             Self::Cardan(i @ (1 | 3)) => (column(&pair.a.triad, 0), column(&pair.b.triad, 2), i == 1),
             Self::Euler(i @ (1 | 3)) => (column(&pair.a.triad, 2), column(&pair.b.triad, 2), i == 1),
+            Self::Sweep => (column(&pair.a.triad, 2), column(&pair.b.triad, 2), true),
             Self::Torsion => {
                 let (shaft_a, shaft_b) = (column(&pair.a.triad, 2), column(&pair.b.triad, 2));
                 let rest = R::integer(1) + dot(shaft_a, shaft_b);

@@ -412,24 +412,35 @@ pub fn sweep<S: Scalar>(r: &Matrix<S>) -> S {
     atan2(r[0][2], S::zero() - r[1][2])
 }
 
-/// β in [−π, π], the torsion about the third directions: with R = Rz(φ) Ry(α) Rz(ψ), β = φ + ψ.
+/// β in (−π, π], the torsion about the third directions: with R = Rz(φ) Ry(α) Rz(ψ), β = φ + ψ.
 ///
 /// 2 atan(z/w) of the quaternion, which is −tan⁻¹((R₁₂ − R₂₁)/(R₁₁ + R₂₂)) of connection type FLEXION-TORSION, and is regular up
 /// to α = π.
 #[inline(always)]
 pub fn torsion<S: Scalar>(r: &Matrix<S>) -> S {
-    let [w, _, _, z] = quaternion(r);
+    let [w, _, _, z] = half_torsion(r);
     atan2(z, w).scale(S::Real::integer(2))
 }
 
-/// The quaternion (cos α/2 cos β/2, −sin α/2 sin χ, sin α/2 cos χ, cos α/2 sin β/2), χ = (φ − ψ)/2, of R = Rz(φ) Ry(α) Rz(ψ) on the
-/// sheet where β has made `turns` whole turns: each turns the sign, since the directions midway follow β/2.
+/// The quaternion (cos α/2 cos β/2, −sin α/2 sin χ, sin α/2 cos χ, cos α/2 sin β/2), χ = (φ − ψ)/2, of R = Rz(φ) Ry(α) Rz(ψ) of the
+/// sign that has β/2 in (−π/2, π/2].
 #[inline(always)]
-fn quaternion_on_sheet<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> Quaternion<S> {
-    let half = turns * S::Real::ratio(1, 2);
-    let odd = (half - half.nearest_integer()).magnitude(); // ½ for an odd number of turns, else 0
-    let sign = S::Real::integer(1) - S::Real::integer(4) * odd;
-    quaternion(r).map(|part| part.scale(sign))
+fn half_torsion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
+    let q = quaternion(r);
+    let zero = S::Real::integer(0);
+    S::Real::choose(
+        zero.less(q[0].real()),
+        || q,
+        || S::Real::choose(q[3].real().less(zero), || q.map(|part| S::zero() - part), || q),
+    )
+}
+
+/// The sign that e1, e2 midway between a and b take after whole `turns` of β, whose half they follow: −1 after an odd number.
+#[inline(always)]
+fn sign_after<R: Real>(turns: R) -> R {
+    let half = turns * R::ratio(1, 2);
+    let odd = (half - half.nearest_integer()).magnitude(); // ½ for an odd number, else 0
+    R::integer(1) - R::integer(4) * odd
 }
 
 /// α_1 and α_2, the flexion α about q resolved in the directions e1, e2 midway between a and b; β has made `turns` turns.
@@ -438,9 +449,9 @@ fn quaternion_on_sheet<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> Quaternion<S
 /// flexion, singular at α = π.
 #[inline(always)]
 pub fn component_flexions<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> [S; 2] {
-    let [w, x, y, z] = quaternion_on_sheet(r, turns);
+    let [w, x, y, z] = half_torsion(r);
     let cosine = norm([w, z]);
-    let k = cosine.lift(&S::Real::log_series(cosine.real(), S::ORDER));
+    let k = cosine.lift(&S::Real::log_series(cosine.real(), S::ORDER)).scale(sign_after(turns));
     [x * k, y * k]
 }
 
@@ -450,20 +461,17 @@ pub fn component_flexions<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> [S; 2] {
 /// α = π (connection type PROJECTION FLEXION-TORSION; decision D-17).
 #[inline(always)]
 pub fn mid_frame<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> Matrix<S> {
-    let [w, x, y, z] = quaternion_on_sheet(r, turns);
-    // From here β/2 is the angle of (w, z) on this sheet, plus whole turns that β/4 counts as halves.
-    let [principal_w, _, _, principal_z] = quaternion(r);
-    let principal = atan2(principal_z, principal_w);
-    let quarter =
-        principal.scale(S::Real::ratio(1, 2)) + S::from_real(turns * S::Real::pi() * S::Real::ratio(1, 2));
-    let (sine, cosine) = sin_cos(quarter);
+    let [w, x, y, z] = half_torsion(r);
     let half = S::Real::ratio(1, 2);
+    let (sine, cosine) = sin_cos(atan2(z, w).scale(half)); // of β/4
     let cos_quarter_flexion = sqrt((S::one() + norm([w, z])).scale(half));
     let shrink = recip(cos_quarter_flexion).scale(half); // sin(α/4)/sin(α/2)
+    let sign = sign_after(turns);
     matrix([
         cos_quarter_flexion * cosine,
         (x * cosine - y * sine) * shrink,
         (y * cosine + x * sine) * shrink,
         cos_quarter_flexion * sine,
     ])
+    .map(|[e1, e2, e3]| [e1.scale(sign), e2.scale(sign), e3])
 }

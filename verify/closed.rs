@@ -9,7 +9,7 @@
 use crate::laws::{Check, Scales, functions};
 use crate::states::{Case, Extent, cases};
 use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{Components, NodalRow, Request};
+use pintle::connector::{Components, NodalRow, Request, Turns};
 use pintle::node::DOFS;
 use pintle::so3;
 use pintle::vector::{Matrix, Vector, add, apply, column, cross, dot, product, scale, sub, transpose};
@@ -97,6 +97,30 @@ impl Pose {
         ]
     }
 
+    /// The frame midway between a and b for a torsion β: with c = e3a·e3b, e3 = (e3a + e3b)/|e3a + e3b|,
+    /// a1 = e1a − (e1a·e3)/(1 + e3a·e3)(e3a + e3) and e1 = cos(β/2) a1 + sin(β/2) e3 × a1.
+    fn middle(&self, torsion: Turns<f64>) -> Middle {
+        let unit = |v: Vector<f64>| scale(v, 1.0 / dot(v, v).sqrt());
+        let (first, shaft_a, shaft_b) = (self.a[0], self.a[2], self.b[2]);
+        let (sum, difference) = (add(shaft_a, shaft_b), sub(shaft_a, shaft_b));
+        let e3 = unit(sum);
+        let a1 = sub(first, scale(add(shaft_a, e3), dot(first, e3) / (1.0 + dot(shaft_a, e3))));
+        let (sin, cos) = (0.5 * torsion.principal).sin_cos();
+        let e1 = scale(
+            add(scale(a1, cos), scale(cross(e3, a1), sin)),
+            if torsion.turns % 2.0 == 0.0 { 1.0 } else { -1.0 },
+        );
+        let half = dot(difference, difference).sqrt().atan2(dot(sum, sum).sqrt()); // α/2
+        let p = if half == 0.0 { [0.0; 3] } else { unit(difference) };
+        Middle { e: [e1, cross(e3, e1), e3], p, half }
+    }
+
+    /// β: (e3a + e3b)/(1 + c).
+    fn torsion(&self) -> NodalRow<f64> {
+        let sum = add(self.a[2], self.b[2]);
+        angle(scale(sum, 2.0 / dot(sum, sum)))
+    }
+
     /// δφ = H⁻¹(φ) Aᵀw for a rotation vector φ along e_i^a, with R = exp(φ^) → exp((Aᵀw)^) R and, t = |φ|,
     /// H⁻¹ = I − ½ φ^ + c φ^², c = 1/t² − (1 + cos t)/(2 t sin t) (c → 1/12 + t²/720).
     fn rotation_vector(&self, phi: Vector<f64>) -> [NodalRow<f64>; 3] {
@@ -129,6 +153,48 @@ fn row(xa: Vector<f64>, theta_a: Vector<f64>, xb: Vector<f64>, theta_b: Vector<f
 /// [0, −g, 0 | 0, g, 0].
 fn angle(g: Vector<f64>) -> NodalRow<f64> {
     row([0.0; 3], scale(g, -1.0), [0.0; 3], g)
+}
+
+/// The directions midway between a and b, p = (e3a − e3b)/|e3a − e3b|, and α/2.
+struct Middle {
+    e: [Vector<f64>; 3],
+    p: Vector<f64>,
+    half: f64,
+}
+
+impl Middle {
+    /// δ(e_i·d) = e_i·(δx_b − δx_a) + δθ_mid·(e_i × d), δθ_mid = δθ_a + T w, so that with N = e_i × d the moments are TᵀN on b and
+    /// N − TᵀN on a: T = I/2 + ½ tan(α/2) p e3ᵀ − ½ tan(α/4) e3 pᵀ.
+    fn coordinate(&self, i: usize, d: Vector<f64>) -> NodalRow<f64> {
+        let (e, e3) = (self.e[i - 1], self.e[2]);
+        let n = cross(e, d);
+        let bend = scale(e3, 0.5 * self.half.tan() * dot(self.p, n));
+        let twist = scale(self.p, 0.5 * (0.5 * self.half).tan() * dot(e3, n));
+        let on_b = sub(add(scale(n, 0.5), bend), twist);
+        row(scale(e, -1.0), sub(n, on_b), e, on_b)
+    }
+
+    /// α_1: −sin χ q − κ cos χ p and α_2: cos χ q − κ sin χ p, with p = −(cos χ e1 + sin χ e2), q = −sin χ e1 + cos χ e2 and
+    /// κ = (α/2)/sin(α/2); without flexion e1 and e2.
+    fn flexions(&self) -> [NodalRow<f64>; 2] {
+        if self.half == 0.0 {
+            return [angle(self.e[0]), angle(self.e[1])];
+        }
+        let (cos, sin) = (-dot(self.p, self.e[0]), -dot(self.p, self.e[1]));
+        let q = sub(scale(self.e[1], cos), scale(self.e[0], sin));
+        let kappa = self.half / self.half.sin();
+        [
+            angle(sub(scale(q, -sin), scale(self.p, kappa * cos))),
+            angle(sub(scale(q, cos), scale(self.p, kappa * sin))),
+        ]
+    }
+}
+
+/// The torsion with its turns, as the branch has it.
+fn torsion_of(case: &Case) -> Turns<f64> {
+    let connector = case.connector();
+    let end = case.end();
+    connector.advance(&end.state, &end.increment, &case.branch_before(&connector)).torsion
 }
 
 /// Compares every row of a type, at every state, with the rows given; `None` where no component is.
@@ -262,5 +328,67 @@ fn link() {
     judge("LINK", |_, pose| {
         let q = scale(pose.d, 1.0 / dot(pose.d, pose.d).sqrt());
         [Some(row(scale(q, -1.0), [0.0; 3], q, [0.0; 3])), None, None, None, None, None]
+    });
+}
+
+/// r: [−e_r, e_r × d, 0 | e_r, 0, 0], e_r = ((e1a·d) e1a + (e2a·d) e2a)/r; then e3a·d.
+#[test]
+fn radial_thrust() {
+    judge("RADIAL-THRUST", |_, pose| {
+        let (x, y) = (dot(pose.a[0], pose.d), dot(pose.a[1], pose.d));
+        let outward = scale(add(scale(pose.a[0], x), scale(pose.a[1], y)), 1.0 / (x * x + y * y).sqrt());
+        let radial = row(scale(outward, -1.0), cross(outward, pose.d), outward, [0.0; 3]);
+        [Some(radial), None, Some(pose.coordinate(3)), None, None, None]
+    });
+}
+
+/// e_i^a·d, as CARTESIAN.
+#[test]
+fn accelerometer() {
+    judge("ACCELEROMETER", |_, pose| {
+        let [x, y, z] = [1, 2, 3].map(|i| Some(pose.coordinate(i)));
+        [x, y, z, None, None, None]
+    });
+}
+
+/// e_i^a·d held; β held.
+#[test]
+fn constant_velocity_joint() {
+    judge("CVJOINT", |_, pose| {
+        let [x, y, z] = [1, 2, 3].map(|i| Some(pose.coordinate(i)));
+        [x, y, z, None, Some(pose.torsion()), None]
+    });
+}
+
+/// α: q = e3a × e3b/|e3a × e3b|; β: (e3a + e3b)/(1 + c); θ: (e3a − c e3b)/sin²α.
+#[test]
+fn flexion_torsion() {
+    judge("FLEXION-TORSION", |_, pose| {
+        let (shaft_a, shaft_b) = (pose.a[2], pose.b[2]);
+        let across = cross(shaft_a, shaft_b);
+        let square = dot(across, across);
+        let q = scale(across, 1.0 / square.sqrt());
+        let sweep = scale(sub(shaft_a, scale(shaft_b, dot(shaft_a, shaft_b))), 1.0 / square);
+        [None, None, None, Some(angle(q)), Some(pose.torsion()), Some(angle(sweep))]
+    });
+}
+
+/// α_1, α_2 and β, through several turns of β.
+#[test]
+fn projection_flexion_torsion() {
+    judge("PROJECTION FLEXION-TORSION", |case, pose| {
+        let [first, second] = pose.middle(torsion_of(case)).flexions();
+        [None, None, None, Some(first), Some(second), Some(pose.torsion())]
+    });
+}
+
+/// The coordinates of b in the frame midway, which loads the rotations of both nodes; then α_1, α_2, β.
+#[test]
+fn bushing() {
+    judge("BUSHING", |case, pose| {
+        let middle = pose.middle(torsion_of(case));
+        let [x, y, z] = [1, 2, 3].map(|i| Some(middle.coordinate(i, pose.d)));
+        let [first, second] = middle.flexions();
+        [x, y, z, Some(first), Some(second), Some(pose.torsion())]
     });
 }

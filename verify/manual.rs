@@ -51,6 +51,13 @@ const ASSEMBLED: Row = Row { class: "assembled", ..BASIC };
 
 const MANUAL: &[Row] = &[
     Row {
+        name: "ACCELEROMETER",
+        orientation: ["optional?", "optional?"],
+        solvers: "Explicit only",
+        page: "connectiontypedesc-accelerometer, guide; connectiontypecomponents",
+        ..BASIC
+    },
+    Row {
         name: "ALIGN",
         constraints: "ur1 = 0, ur2 = 0, ur3 = 0",
         constraint_forces: "m1, m2, m3",
@@ -80,6 +87,17 @@ const MANUAL: &[Row] = &[
         ..ASSEMBLED
     },
     Row {
+        name: "BUSHING",
+        constraints: "PROJECTION CARTESIAN + PROJECTION FLEXION-TORSION",
+        available: "u1, u2, u3, ur1, ur2, ur3",
+        kinetic_forces: "f1, f2, f3, m1, m2, m3",
+        stops: "l1min ≤ x ≤ l1max, l2min ≤ y ≤ l2max, l3min ≤ z ≤ l3max, θ1min ≤ α1 ≤ θ1max, θ2min ≤ α2 ≤ θ2max, \
+                θ3min ≤ β ≤ θ3max",
+        references: "l1ref, l2ref, l3ref, θ1ref, θ2ref, θ3ref",
+        page: "connectiontypedesc-bushing, summary",
+        ..ASSEMBLED
+    },
+    Row {
         name: "CARDAN",
         available: "ur1, ur2, ur3",
         kinetic_forces: "m1, m2, m3",
@@ -99,6 +117,20 @@ const MANUAL: &[Row] = &[
         planar: "yes",
         page: "connectiontypedesc-cartesian, summary",
         ..BASIC
+    },
+    Row {
+        name: "CONSTANT VELOCITY",
+        constraints: "β = β0",
+        constraint_forces: "m2",
+        page: "connectiontypedesc-constantvelocity, guide",
+        ..ROTATIONAL
+    },
+    Row {
+        name: "CVJOINT",
+        constraints: "JOIN + CONSTANT VELOCITY",
+        constraint_forces: "f1, f2, f3, m2",
+        page: "connectiontypedesc-cvjoint, summary",
+        ..ASSEMBLED
     },
     Row {
         name: "CYLINDRICAL",
@@ -121,6 +153,16 @@ const MANUAL: &[Row] = &[
         stops: "θ1min ≤ α ≤ θ1max, θ2min ≤ β ≤ θ2max, θ3min ≤ γ ≤ θ3max",
         references: "θ1ref, θ2ref, θ3ref",
         page: "connectiontypedesc-euler, guide",
+        ..ROTATIONAL
+    },
+    Row {
+        name: "FLEXION-TORSION",
+        available: "ur1, ur2, ur3",
+        kinetic_forces: "m1, m2, m3",
+        orientation: ["required?", "optional?"],
+        stops: "θ1min ≤ α ≤ θ1max, θ2min ≤ β ≤ θ2max, θ3min ≤ θ ≤ θ3max",
+        references: "θ1ref, θ2ref, θ3ref",
+        page: "connectiontypedesc-flexiontorsion, guide; the summary unread",
         ..ROTATIONAL
     },
     Row {
@@ -179,6 +221,36 @@ const MANUAL: &[Row] = &[
         ],
         page: "connectiontypedesc-planar, guide; the second contact moment unread",
         ..ASSEMBLED
+    },
+    Row {
+        name: "PROJECTION CARTESIAN",
+        available: "u1, u2, u3",
+        kinetic_forces: "f1, f2, f3",
+        orientation: ["required?", "optional?"],
+        stops: "l1min ≤ x ≤ l1max, l2min ≤ y ≤ l2max, l3min ≤ z ≤ l3max",
+        references: "l1ref, l2ref, l3ref",
+        planar: "yes",
+        page: "connectiontypedesc-projectioncartesian, guide",
+        ..BASIC
+    },
+    Row {
+        name: "PROJECTION FLEXION-TORSION",
+        available: "ur1, ur2, ur3",
+        kinetic_forces: "m1, m2, m3",
+        stops: "θ1min ≤ α1 ≤ θ1max, θ2min ≤ α2 ≤ θ2max, θ3min ≤ β ≤ θ3max",
+        references: "θ1ref, θ2ref, θ3ref",
+        page: "connectiontypedesc-projectionflexiontorsion, guide; the summary unread",
+        ..ROTATIONAL
+    },
+    Row {
+        name: "RADIAL-THRUST",
+        available: "u1, u3",
+        kinetic_forces: "f1, f3",
+        orientation: ["required", "ignored?"],
+        stops: "l1min ≤ r ≤ l1max, l3min ≤ l ≤ l3max",
+        references: "l1ref, l3ref",
+        page: "connectiontypedesc-radialthrust, summary",
+        ..BASIC
     },
     Row {
         name: "RETRACTOR",

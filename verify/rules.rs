@@ -41,6 +41,13 @@ fn broken() -> Vec<(Code, Severity, String, &'static str, &'static str)> {
             "*DYNAMIC, EXPLICIT",
         ),
         (
+            Code::ConvertedInStandard,
+            Warning,
+            deck("", &format!("ACCELEROMETER\n{standard}")),
+            "ACCELEROMETER is CARTESIAN",
+            "*DYNAMIC, EXPLICIT",
+        ),
+        (
             Code::StopNotAvailable,
             Error,
             behavior("*CONNECTOR STOP, COMPONENT=5\n-1., 1.", "REVOLUTE"),
@@ -102,6 +109,21 @@ fn each_broken_rule_names_element_rule_and_source() {
             assert!(diagnostic.message().contains("element 7"), "{diagnostic}");
             assert!(diagnostic.label().starts_with("by "), "{diagnostic} names no source");
         }
+    }
+}
+
+/// An ACCELEROMETER is evaluated as CARTESIAN in a Standard analysis and as itself in an Explicit one; so is half of a pair.
+#[test]
+fn an_accelerometer_depends_on_the_procedure() {
+    for (types, procedure, evaluated) in [
+        ("ACCELEROMETER\n", "*STATIC\n0.1, 1.", "CARTESIAN"),
+        ("ACCELEROMETER, CARDAN\nO,\n", "*STATIC\n0.1, 1.", "CARTESIAN + CARDAN"),
+        ("ACCELEROMETER\n", "*DYNAMIC, EXPLICIT\n, 1.", "ACCELEROMETER"),
+    ] {
+        let text = deck("", &format!("{types}*STEP\n{procedure}\n*END STEP\n"));
+        let model = Model::compile(&Scene::parse("deck.inp", &text).unwrap()).unwrap();
+        assert_eq!(model.connectors[0].connector.connection().name, evaluated, "{text}");
+        assert_eq!(model.warnings.is_empty(), types.starts_with(evaluated), "{text}");
     }
 }
 

@@ -127,6 +127,8 @@ pub(crate) enum Turning {
     Align,
     Euler,
     RotationVector,
+    /// Angles of Rz Ry Rz: flexion, torsion and sweep, or the directions midway between a and b.
+    Torsion,
     Flow,
     None,
 }
@@ -152,6 +154,8 @@ pub(crate) fn turning(connection: &ConnectionType) -> Turning {
         Turning::Euler
     } else if position(|m| matches!(m, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))) {
         Turning::RotationVector
+    } else if position(|m| m == Measure::Torsion || m.counts_torsion()) {
+        Turning::Torsion
     } else if position(Measure::is_one_form) {
         Turning::Flow
     } else {
@@ -159,10 +163,16 @@ pub(crate) fn turning(connection: &ConnectionType) -> Turning {
     }
 }
 
-/// Whether the type measures a length, and so needs nodes apart.
+/// Whether the type measures a length that has no derivative where the nodes coincide, and so needs nodes apart.
 pub(crate) fn needs_length(connection: &ConnectionType) -> bool {
-    let positions = connection.slots.iter().filter_map(|slot| slot.position());
-    positions.into_iter().any(|m| matches!(m, Measure::Distance | Measure::Strain))
+    let mut positions = connection.slots.iter().filter_map(|slot| slot.position());
+    positions.any(|m| m.singular_set().is_some_and(|set| set.unit == Unit::Length))
+}
+
+/// Whether the type measures an angle that does not exist, or has no derivative, where e3a and e3b are parallel.
+fn needs_tilt(connection: &ConnectionType) -> bool {
+    let mut positions = connection.slots.iter().filter_map(|slot| slot.position());
+    positions.any(|m| matches!(m, Measure::Euler(_) | Measure::Flexion | Measure::Sweep))
 }
 
 pub(crate) fn about_1(angle: f64) -> Matrix<f64> {
@@ -180,7 +190,7 @@ fn aligned(connection: &ConnectionType, draw: &mut Draw) -> Matrix<f64> {
         Turning::Align => vector::identity(),
         Turning::Revolute => about_1(x),
         Turning::Universal => product(&about_1(x), &about_3(y)),
-        Turning::Euler => {
+        Turning::Euler | Turning::Torsion if needs_tilt(connection) => {
             let tilt = about_1(draw.between(0.7, 1.4));
             product(&product(&about_3(x), &tilt), &about_3(y))
         }
@@ -192,7 +202,7 @@ fn aligned(connection: &ConnectionType, draw: &mut Draw) -> Matrix<f64> {
 pub(crate) fn spin_axis(connection: &ConnectionType, a0: &Matrix<f64>, draw: &mut Draw) -> Vector<f64> {
     match turning(connection) {
         Turning::Cardan | Turning::Universal | Turning::Revolute => column(a0, 0),
-        Turning::Euler | Turning::Flow => column(a0, 2),
+        Turning::Euler | Turning::Torsion | Turning::Flow => column(a0, 2),
         Turning::Align | Turning::RotationVector | Turning::None => draw.direction(),
     }
 }
@@ -363,6 +373,7 @@ fn angle_at_start(connection: &ConnectionType, q0: &Matrix<f64>) -> f64 {
     match turning(connection) {
         Turning::Cardan | Turning::Universal | Turning::Revolute => so3::cardan_first(q0),
         Turning::Euler => so3::euler_angle(q0, 1.0, 1),
+        Turning::Torsion => so3::torsion(q0),
         _ => 0.0,
     }
 }
@@ -403,7 +414,10 @@ pub(crate) fn cases(connection: &ConnectionType, extent: Extent) -> Vec<Case> {
     }
     found.push(sample("random wide", 1.0, None, 1.4, draw));
     for tiny in [0.0, 1e-12, 1e-8, 1e-5, 1e-3] {
-        found.push(sample(&format!("turned by {tiny}"), 1.0, None, tiny, draw));
+        // Shafts all but parallel, where directions midway must be regular.
+        let straight = turning(connection) == Turning::Torsion && !needs_tilt(connection);
+        let q0 = straight.then(vector::identity);
+        found.push(sample(&format!("turned by {tiny}"), 1.0, q0, tiny, draw));
     }
     found.push(sample("millimetres", 1e-3, None, 0.7, draw));
     found.push(sample("kilometres", 1e3, None, 0.7, draw));
@@ -508,7 +522,7 @@ fn cubes(connection: &ConnectionType, draw: &mut Draw) -> Vec<Case> {
         let a0 = all[(7 * i + 3) % 24];
         // The initial orientation itself is a right angle in every second case; always where a half turn in one increment
         // would leave two sheets equally near.
-        let still = i % 2 == 1 || turning(connection) == Turning::Euler;
+        let still = i % 2 == 1 || matches!(turning(connection), Turning::Euler | Turning::Torsion);
         let q0 = if still { *q } else { vector::identity() };
         let definition = definition(connection, pair([2.0, -1.0, 0.5], a0, &q0), 2.0);
         let mut after = pair([2.0, -1.0, 0.5], a0, q);

@@ -414,10 +414,12 @@ impl ConnectionType {
         list(self.limits().chain(strains).map(|(k, measure)| format!("{}ref", limit_symbol(k, measure))))
     }
 
-    /// The manual's symbol of the position of component k (0-based): that of its measure, but l along a slot.
+    /// The manual's symbol of the position of component k (0-based): that of its measure, but l along a slot and along the
+    /// axis from which a radius is measured.
     fn symbol(&self, k: usize, position: Measure) -> &'static str {
         let slot = k == 0 && self.slots[0].is_available() && self.slots[1].is_constrained();
-        if slot { Measure::Distance.symbol() } else { position.symbol() }
+        let axis = k == 2 && self.slots[0].position() == Some(Measure::RadialDistance);
+        if slot || axis { Measure::Distance.symbol() } else { position.symbol() }
     }
 
     fn limits(&self) -> impl Iterator<Item = (usize, Measure)> + '_ {
@@ -456,8 +458,12 @@ fn nearest(name: &str) -> Option<&'static str> {
         })
 }
 
+/// The stricter of two rules; of two equally strict ones the first, unless only the second has been read.
 const fn stricter(x: OrientationRule, y: OrientationRule) -> OrientationRule {
-    if x.orientation as u8 >= y.orientation as u8 { x } else { y }
+    let (of_x, of_y) = (x.orientation as u8, y.orientation as u8);
+    let only_y_is_read =
+        matches!(x.evidence, Evidence::P | Evidence::R) && matches!(y.evidence, Evidence::S | Evidence::D);
+    if of_x > of_y || (of_x == of_y && !only_y_is_read) { x } else { y }
 }
 
 const fn both(x: Availability, y: Availability) -> Availability {

@@ -67,17 +67,14 @@ impl Model {
                 None => {
                     let mut resolved = resolve(section).map_err(|error| error.in_file(&scene.name))?;
                     if let (Some(Solver::Standard), Some(other)) = (scene.solver, resolved.in_standard()) {
-                        let message = format!("{} is {} in a Standard analysis", resolved.name, other.name);
+                        let (name, becomes) = (&resolved.name, &other.name);
+                        let message = format!("element {label}: {name} is {becomes} in a Standard analysis");
+                        let here = format!("by {} [{:?}]", resolved.source[0], Evidence::D);
                         let place = section.type_names.first().map_or(section.span, |name| name.span);
                         model.warnings.push(
-                            Diagnostic::warning(
-                                Code::ConvertedInStandard,
-                                place,
-                                message,
-                                "evaluated as such",
-                            )
-                            .help(format!("write {}, or use a *DYNAMIC, EXPLICIT step", other.name))
-                            .in_file(&scene.name),
+                            Diagnostic::warning(Code::ConvertedInStandard, place, message, here)
+                                .help(format!("write {becomes}, or use a *DYNAMIC, EXPLICIT step"))
+                                .in_file(&scene.name),
                         );
                         resolved = other;
                     }

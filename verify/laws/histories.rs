@@ -6,10 +6,11 @@ use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{
     Branch, Connector, Definition, Evaluation, Increment, Output, Request, State, Tally,
 };
+use pintle::measure::Measure;
 use pintle::node::{DOFS, Pair};
 use pintle::scalar::{Real, Scalar, Wide};
 use pintle::so3;
-use pintle::vector::{Vector, column, identity, product, scale, transpose};
+use pintle::vector::{Vector, apply, apply_transposed, column, identity, product, scale, transpose};
 use std::f64::consts::{PI, TAU};
 
 fn entry(name: &str) -> &'static ConnectionType {
@@ -97,6 +98,10 @@ fn whole_turns_of_the_nodes_are_counted() {
         ("CARDAN", 0, about_1(0.3), 3),
         ("EULER", 2, product(&about_3(0.3), &about_1(1.0)), 3),
         ("ROTATION", 1, identity(), 4),
+        ("FLEXION-TORSION", 2, product(&about_3(0.3), &about_1(0.7)), 4),
+        ("FLEXION-TORSION", 2, product(&about_3(0.3), &about_1(0.7)), 5),
+        ("PROJECTION FLEXION-TORSION", 2, product(&about_3(0.3), &about_1(0.7)), 5),
+        ("CONSTANT VELOCITY", 2, product(&about_3(0.3), &about_1(0.7)), 4),
     ] {
         for carrier in [0, 1] {
             let a0 = Draw::new(name).triad();
@@ -178,6 +183,63 @@ fn euler_angles_continue_through_the_lock() {
         }
     }
     assert!(flips > 200, "β changed sheets only {flips} times");
+    check.finish();
+}
+
+/// Q = Rz(φ) Ry(α) Rz(ψ): the torsion β = φ + ψ winds thousands of radians either way while the flexion α swings and the sweep
+/// φ + π/2 winds. The component flexions are α (−sin χ, cos χ), χ = (φ − ψ)/2, and the directions midway are those of
+/// Rz(φ) Ry(α/2) Rz((ψ − φ)/2) throughout: nothing jumps at |β| = π, 2π …, though the poses return after one turn, they after two.
+#[test]
+fn torsion_winds() {
+    let mut check = Check::of("angles along paths");
+    let ry = |angle: f64| turn([0.0, angle, 0.0]);
+    let posed_by =
+        |phi: f64, alpha: f64, psi: f64| product(&product(&about_3(phi), &ry(alpha)), &about_3(psi));
+    let path = |i: i32| {
+        let t = f64::from(i);
+        let forward = if i <= 1800 { t } else { 3600.0 - t };
+        (0.8 * forward, 1.5 + 1.2 * (0.11 * t).cos(), 1.1 * forward - 0.3 * (0.2 * t).sin())
+    };
+    let (phi_0, alpha_0, psi_0) = path(0);
+    let reference = [0.7, -0.4, 1.1];
+    let flexions = |phi: f64, alpha: f64, psi: f64| {
+        let (sin, cos) = (0.5 * (phi - psi)).sin_cos();
+        [-alpha * sin, alpha * cos]
+    };
+    for name in
+        ["FLEXION-TORSION", "PROJECTION FLEXION-TORSION", "BUSHING", "PROJECTION CARTESIAN", "CVJOINT"]
+    {
+        let a0 = Draw::new(name).triad();
+        let start = pair(apply(&a0, reference), a0, &posed_by(phi_0, alpha_0, psi_0));
+        let definition = definition(entry(name), start, 1.0);
+        let connection = entry(name);
+        let mut walk = Walk::new(&definition);
+        for i in 1..=3900 {
+            let (phi, alpha, psi) = path(i);
+            let got = walk.told_nothing(posed(&definition.initial, &posed_by(phi, alpha, psi)));
+            let [now, then] = [flexions(phi, alpha, psi), flexions(phi_0, alpha_0, psi_0)];
+            // How the angles move with the third directions; their arguments are rounded besides.
+            let scale = 4.0 * (1.0 + phi.abs() + psi.abs()) / (alpha.sin().abs() * (0.5 * alpha).cos());
+            let middle = [(phi, alpha, psi), (phi_0, alpha_0, psi_0)]
+                .map(|(phi, alpha, psi)| posed_by(phi, 0.5 * alpha, 0.5 * (psi - phi)))
+                .map(|frame| apply_transposed(&frame, reference));
+            for c in 0..6 {
+                let Some(measure) = connection.slots[c].position() else { continue };
+                let want = match measure {
+                    Measure::Flexion => alpha - alpha_0,
+                    Measure::Torsion => phi + psi - phi_0 - psi_0,
+                    Measure::Sweep => phi - phi_0,
+                    Measure::ComponentFlexion(k) => now[k - 1] - then[k - 1],
+                    Measure::ProjectedPosition(k) => middle[0][k - 1] - middle[1][k - 1],
+                    _ => continue,
+                };
+                let place = || format!("{name} at step {i}, component {}", c + 1);
+                check.against(place, functions(&got)[c].unwrap(), want, scale);
+            }
+        }
+        let turns = walk.branch.torsion.turns;
+        assert!(matches!(name, "FLEXION-TORSION" | "CVJOINT") || turns < -50.0, "{name}: {turns} turns");
+    }
     check.finish();
 }
 
@@ -314,6 +376,7 @@ fn saved_on_the_way(case: &Case) {
 fn bits(branch: &Branch<f64>) -> Vec<u64> {
     let mut numbers: Vec<f64> = branch.turns.iter().flat_map(|t| [t.turns, t.principal]).collect();
     numbers.extend(branch.rotation_vector);
+    numbers.extend([branch.torsion.turns, branch.torsion.principal]);
     numbers.extend([branch.euler_sign, branch.accumulated, branch.accumulated_rest]);
     numbers.into_iter().map(f64::to_bits).collect()
 }

@@ -105,8 +105,9 @@ fn rigid_modes_are_in_the_kernel() {
 
 /// A finite rigid motion with any velocity and acceleration changes no output.
 ///
-/// The exception is documented: the accelerations of ROTATION-ACCELEROMETER are nodal ones resolved in b, so that a common
-/// spin Ω adds (Ω × (ω_b − ω_a))·e_i^b.
+/// The exceptions are documented: rates of ROTATION-ACCELEROMETER and ACCELEROMETER are nodal ones resolved in b. A common spin
+/// Ω adds (Ω × (ω_b − ω_a))·e_i^b to the accelerations of the first; to the second it adds Ω × d, and to the accelerations
+/// 2 Ω × (v_b − v_a) + Ω × (Ω × d) + Ω̇ × d.
 #[test]
 fn rigid_motion_changes_nothing() {
     let mut value = Check::of("rigid motion, values");
@@ -157,10 +158,21 @@ fn rigid_motion_changes_nothing() {
                 ("RESA", &before.residual_acceleration, &moved.residual_acceleration),
             ] {
                 let (Some(mut was), Some(is)) = (was[c], is[c]) else { continue };
-                if nodal && name == "CA" {
-                    let relative = sub(part(&original.velocity, 10), part(&original.velocity, 3));
-                    let axis = column(&state.pair.b.triad, c - 3);
-                    was += dot(cross(spin, apply(&rotation, relative)), axis);
+                if nodal {
+                    let axis = column(&state.pair.b.triad, c % 3);
+                    let between = |b: usize, a: usize| {
+                        apply(&rotation, sub(part(&original.velocity, b), part(&original.velocity, a)))
+                    };
+                    let added = match (c < 3, name) {
+                        (true, "CV") => cross(spin, arm),
+                        (true, _) => {
+                            let carried = add(cross(spin, cross(spin, arm)), cross(spin_rate, arm));
+                            add(cross(vector::scale(spin, 2.0), between(7, 0)), carried)
+                        }
+                        (false, "CV") => [0.0; 3],
+                        (false, _) => cross(spin, between(10, 3)),
+                    };
+                    was += dot(added, axis);
                 }
                 let place = || format!("{}, component {}, {name}", case.name, c + 1);
                 rate.against(place, is, was, size);
@@ -181,6 +193,7 @@ fn rate_scale(case: &Case, state: &State<f64>, evaluation: &Evaluation<f64>, c: 
     let (v, a) = (state.velocity.map(f64::abs), state.acceleration.map(f64::abs));
     let mut sum = 0.0;
     let (mut spin, mut spin_rate) = (0.0, 0.0);
+    let (mut moving, mut pushed) = (0.0, 0.0);
     for j in 0..DOFS {
         sum += row[j].abs() * (v[j] + a[j]);
         for k in 0..DOFS {
@@ -189,6 +202,9 @@ fn rate_scale(case: &Case, state: &State<f64>, evaluation: &Evaluation<f64>, c: 
         if matches!(j % 7, 3..=5) {
             spin += v[j];
             spin_rate += a[j];
+        } else if j % 7 < 3 {
+            moving += v[j];
+            pushed += a[j];
         }
     }
     let connector = case.connector();
@@ -198,7 +214,7 @@ fn rate_scale(case: &Case, state: &State<f64>, evaluation: &Evaluation<f64>, c: 
         sum += (spin + spin_rate) / lock + spin * spin * 4.0 / (lock * lock);
     }
     if connector.differentiated(c).is_some_and(Measure::has_nodal_rates) {
-        sum += spin + spin_rate;
+        sum += if c < 3 { moving + pushed } else { spin + spin_rate };
     }
     sum * (1.0 + spin)
 }
@@ -350,7 +366,7 @@ fn units_do_not_matter() {
 /// f·u̇ = F·q̇: the rates of what is differentiated are J q̇, its accelerations J q̈ + q̇ᵀ H q̇, so that nodal forces from the
 /// transposed Jacobian do the work of the component forces.
 ///
-/// The exception is documented: rates of ROTATION-ACCELEROMETER are nodal ones resolved in b.
+/// The exceptions are documented: rates of ROTATION-ACCELEROMETER and ACCELEROMETER are nodal ones resolved in b.
 #[test]
 fn rates_follow_from_rows() {
     let mut check = Check::of("rates from rows");
@@ -371,8 +387,9 @@ fn rates_follow_from_rows() {
             let (rate, bias) = (times(&row, &v), times(&bent, &v));
             let pushed = times(&row, &a);
             if connector.differentiated(c).is_some_and(Measure::has_nodal_rates) {
-                let axis = column(&pair.b.triad, c - 3);
-                let resolved = |x: &NodalRow<f64>| dot(sub(part(x, 10), part(x, 3)), axis);
+                let axis = column(&pair.b.triad, c % 3);
+                let [of_b, of_a] = if c < 3 { [7, 0] } else { [10, 3] };
+                let resolved = |x: &NodalRow<f64>| dot(sub(part(x, of_b), part(x, of_a)), axis);
                 check.against(place("CV"), got.velocity[c].unwrap(), resolved(&v), size);
                 check.against(place("CA"), got.acceleration[c].unwrap(), resolved(&a), size);
             } else if let Some(residual_rate) = got.residual_rate[c] {
