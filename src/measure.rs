@@ -359,6 +359,34 @@ impl Measure {
         Some([resolved(velocity), resolved(acceleration)])
     }
 
+    /// The principal value of an angle that winds: as evaluated, or, so close to a lock that rounding decides it, the one that
+    /// keeps the first angle (`first`, where the state before left it) and gives the third what is known of the two, their sum
+    /// or difference. Together they still compose to Q.
+    ///
+    /// Cardan, β = ±π/2: γ ± α = atan2(Q₂₁, Q₂₂); Euler, β = 0 and π: α ± γ = atan2(Q₂₁, Q₁₁).
+    pub(crate) fn unlocked<R: Real>(self, q: &Matrix<R>, evaluated: R, first: R) -> R {
+        // A few roundings of the entries of Q: nothing of the direction across the axes is left.
+        const LOCK: f64 = 2e-15;
+        let zero = R::integer(0);
+        let (across, beyond, sum, which) = match self {
+            Self::Cardan(i @ (1 | 3)) => (norm([q[1][2], q[2][2]]), q[0][2], [q[1][0], q[1][1]], i),
+            Self::Euler(i @ (1 | 3)) => (norm([q[0][2], q[1][2]]), q[2][2], [q[1][0], q[0][0]], i),
+            _ => return evaluated,
+        };
+        let third = || {
+            let known = sum[0].arctangent(sum[1]);
+            // Where the lock is the other one, Cardan knows γ − α and Euler α − γ.
+            let angle = R::choose(
+                beyond.less(zero),
+                || if matches!(self, Self::Cardan(_)) { known + first } else { first - known },
+                || known - first,
+            );
+            let (sine, cosine) = angle.sine_cosine();
+            sine.arctangent(cosine)
+        };
+        R::choose(across.less(R::from_f64(LOCK)), || if which == 1 { first } else { third() }, || evaluated)
+    }
+
     /// The gradient of this angle with respect to the relative rotation of the nodes, global components: its product with
     /// whole turns of the nodes is how far they advance the angle. `None` for measures that do not wind.
     ///
