@@ -1243,7 +1243,8 @@ mod tests {
         let cardan = |[a, b, c]: [f64; 3]| product([a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]);
         let euler = |[a, b, c]: [f64; 3]| product([0.0, 0.0, a], [b, 0.0, 0.0], [0.0, 0.0, c]);
         let right = std::f64::consts::FRAC_PI_2;
-        let paths: [(&str, &dyn Fn([f64; 3]) -> vector::Matrix<f64>, [[f64; 3]; 4]); 4] = [
+        type Rotation<'a> = &'a dyn Fn([f64; 3]) -> vector::Matrix<f64>;
+        let paths: [(&str, Rotation<'_>, [[f64; 3]; 4]); 4] = [
             ("EULER", &euler, [[3.0, 0.4, 0.4], [3.1, 0.2, 0.5], [3.1, 0.0, 0.6], [3.3, -0.2, 0.7]]),
             ("EULER", &euler, [[0.7, 2.7, 3.0], [0.7, 3.0, 3.0], [0.7, 2.0 * right, 3.1], [0.8, 3.3, 3.2]]),
             ("CARDAN", &cardan, [[3.0, 1.2, 0.2], [3.1, 1.4, 0.2], [3.1, right, 0.3], [3.3, 1.4, 0.4]]),

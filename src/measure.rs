@@ -394,7 +394,8 @@ impl Measure {
     /// the other angle that winds: (u − (u·w) w)/(1 − (u·w)²). Close to the lock u ∥ w only the sum or the difference of the
     /// two is known; the first takes all.
     pub(crate) fn winding_axis<R: Real>(self, pair: &Pair<R>) -> Option<Vector<R>> {
-        const LOCK: (i32, i32) = (1, 1000);
+        // The square of the sine of the angle between the axes.
+        const LOCK: (i32, i32) = (1, 1_000_000);
         let (first_axis, third_axis, is_first) = match self {
             Self::Cardan(i @ (1 | 3)) => (column(&pair.a.triad, 0), column(&pair.b.triad, 2), i == 1),
             Self::Euler(i @ (1 | 3)) => (column(&pair.a.triad, 2), column(&pair.b.triad, 2), i == 1),
@@ -402,7 +403,9 @@ impl Measure {
         };
         let (own, other) = if is_first { (first_axis, third_axis) } else { (third_axis, first_axis) };
         let across = sub(own, scale(other, dot(own, other)));
+        let square = dot(across, across);
         let locked = if is_first { own } else { [R::integer(0); 3] };
-        Some(R::choose(R::ratio(LOCK.0, LOCK.1).less(norm(across)), || R::inverted(across), || locked))
+        let one = R::integer(1);
+        Some(R::choose(R::ratio(LOCK.0, LOCK.1).less(square), || scale(across, one / square), || locked))
     }
 }
