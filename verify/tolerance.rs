@@ -39,10 +39,12 @@ pub(crate) const NUMERICS: &[Gate] = &[
     gate("euler, each angle", 1.0, 3.0, 3.0),
     // Absolute, in u over 1, |r₁|, |r₂| + |r₁|²: two exps, two products and a log.
     gate("chain of quaternions", 16.0, 12.0, 12.0),
-    gate("chain of matrices", 16.0, 12.0, 12.0),
+    gate("ROTATION connector", 16.0, 12.0, 12.0),
+    // Two rounded matrices and their product, with derivatives, besides.
+    gate("chain of matrices", 16.0, 16.0, 16.0),
     // The columns are the third, the fourth and the second derivative.
     gate("jerk, quaternions", 60.0, 150.0, 12.0),
-    gate("jerk, matrices", 60.0, 150.0, 12.0),
+    gate("jerk, matrices", 60.0, 150.0, 16.0),
 ];
 
 /// What a law allows.

@@ -49,7 +49,13 @@ impl Real for f64 {
     }
 
     fn with_turns(principal: Self, n: Self) -> Self {
-        n.mul_add(TAU, n.mul_add(TAU_REST, principal))
+        // 2πn as a sum of two doubles, then the sum with its rounding error (Knuth).
+        let whole = n * TAU;
+        let rest = n.mul_add(TAU, -whole) + n * TAU_REST;
+        let sum = whole + principal;
+        let shifted = sum - whole;
+        let lost = (whole - (sum - shifted)) + (principal - shifted);
+        sum + (lost + rest)
     }
 
     #[inline(always)]

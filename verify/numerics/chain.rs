@@ -7,7 +7,10 @@
 use super::grid::Stream;
 use super::{U, Worst, assert_gates};
 use num_dual::{Dual2, Dual3};
-use pintle::scalar::Scalar;
+use pintle::catalog::ConnectionType;
+use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
+use pintle::node::{DOFS, Node, Pair};
+use pintle::scalar::{Real, Scalar, Wide};
 use pintle::so3;
 use pintle::vector::{self, Vector};
 use std::f64::consts::PI;
@@ -20,7 +23,7 @@ type Taylor<const N: usize> = [Vector<f64>; N];
 enum Route {
     /// log(q_a* q_b).
     Quaternion,
-    /// log(AᵀB), as the catalogue does it.
+    /// log(AᵀB).
     Matrix,
 }
 
@@ -83,6 +86,69 @@ fn note(worst: &mut Worst, order: usize, computed: Vector<f64>, exact: Vector<f6
     for i in 0..3 {
         worst.note(order, (computed[i] - exact[i]).abs() / (U * scale), || format!("angle {angle:e}"));
     }
+}
+
+/// The axial vector of m.
+fn axial(m: &vector::Matrix<Wide>) -> Vector<Wide> {
+    let half = Wide::ratio(1, 2);
+    [(m[2][1] - m[1][2]) * half, (m[0][2] - m[2][0]) * half, (m[1][0] - m[0][1]) * half]
+}
+
+/// Triad, angular velocity and angular acceleration of a node with the orientation q(t), each rounded.
+fn node_state(q: so3::Quaternion<Dual2<Wide>>) -> (vector::Matrix<f64>, Vector<f64>, Vector<f64>) {
+    let r = so3::matrix(q);
+    let triad = r.map(|row| row.map(|x| x.re));
+    let back = vector::transpose(&triad);
+    let spin = |part: fn(&Dual2<Wide>) -> Wide| {
+        axial(&vector::product(&r.map(|row| row.map(|x| part(&x))), &back)).map(Wide::to_f64)
+    };
+    (triad.map(|row| row.map(Wide::to_f64)), spin(|x| x.v1), spin(|x| x.v2))
+}
+
+/// CP, CV and CA of a ROTATION connector between the two nodes.
+fn connector_rates(of_a: Taylor<3>, rho: Taylor<3>) -> [Vector<f64>; 3] {
+    let moving = |x: Taylor<3>| -> Vector<Dual2<Wide>> {
+        std::array::from_fn(|i| Dual2::new(x[0][i].into(), x[1][i].into(), x[2][i].into()))
+    };
+    let qa = so3::exp(moving(of_a));
+    let nodes = [node_state(qa), node_state(so3::compose(qa, so3::exp(moving(rho))))];
+    let at = |triad: vector::Matrix<f64>| Node { displacement: [0.0; 3], triad, flow: 0.0 };
+    let pair = |a, b| Pair { reference: [0.0; 3], a: at(a), b: at(b) };
+    // Nodal rates are in the order x (3), θ (3), Ψ of a, then of b.
+    let (mut velocity, mut acceleration) = ([0.0; DOFS], [0.0; DOFS]);
+    for (start, (_, omega, alpha)) in [3, 10].into_iter().zip(nodes) {
+        velocity[start..start + 3].copy_from_slice(&omega);
+        acceleration[start..start + 3].copy_from_slice(&alpha);
+    }
+    let aligned = vector::identity();
+    let definition =
+        Definition::new(ConnectionType::named("ROTATION", None).unwrap(), pair(aligned, aligned));
+    let connector = Connector::<f64>::new(&definition);
+    let mut branch = connector.initial_branch();
+    branch.rotation_vector = rho[0];
+    let evaluation = connector.evaluate(
+        &State { pair: pair(nodes[0].0, nodes[1].0), velocity, acceleration },
+        &Increment::none(),
+        &branch,
+        &Request::new(&[Output::CP, Output::CV, Output::CA], [false, false, false, true, true, true], 0),
+        &mut Tally::default(),
+    );
+    [evaluation.position, evaluation.velocity, evaluation.acceleration]
+        .map(|c| [3, 4, 5].map(|k| c[k].unwrap()))
+}
+
+/// As the product does it: from rounded triads and angular rates to the rotation vector and its rates.
+#[test]
+fn rotation_connector() {
+    let mut worst = Worst::new("ROTATION connector");
+    for (of_a, rho) in motions::<3>(13, 30) {
+        let computed = connector_rates(of_a, rho);
+        let (r1, r2) = (size(rho[1]), size(rho[2]));
+        for (order, scale) in [1.0, r1, r2 + r1 * r1].into_iter().enumerate() {
+            note(&mut worst, order, computed[order], rho[order], scale, size(rho[0]));
+        }
+    }
+    assert_gates("ROTATION connector", &[worst]);
 }
 
 #[test]

@@ -28,7 +28,7 @@ pub(super) struct Case {
 /// The golden cases of a function.
 pub(super) fn cases(function: Function) -> Vec<Case> {
     let header: Header = serde_json::from_str(include_str!("../golden/numerics.json")).unwrap();
-    let section = header.sections.iter().find(|s| s.function == function.name()).expect(function.name());
+    let section = header.sections.iter().find(|s| s.function == function.name()).unwrap();
     let mut rest: &[u8] = &include_bytes!("../golden/numerics.bin")[section.offset..];
     let mut double = |size: usize| {
         let (field, after) = rest.split_at(size);
