@@ -970,7 +970,7 @@ impl<'a, R: Differentiable> Along<'a, R> {
             .filter(|m| !m.is_one_form() && !m.has_nodal_rates())
             .fold(Dependence::default(), |sum, m| sum.or(m.dependence()));
         let mut rates = state.pair.relative_rates(&state.velocity, acceleration);
-        if measures.iter().all(|m| m.dependence().rotation || !m.turns_with_a()) {
+        if !measures.iter().any(|m| m.dependence().translation && m.turns_with_a()) {
             let linear = |rates: &NodalRates<R>| [0, 1, 2].map(|i| rates[node::XB + i] - rates[node::XA + i]);
             rates.translation = [linear(&state.velocity), linear(acceleration)];
         }

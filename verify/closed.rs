@@ -175,18 +175,10 @@ impl Middle {
     }
 
     /// α_1: −sin χ q − κ cos χ p and α_2: cos χ q − κ sin χ p, with p = −(cos χ e1 + sin χ e2), q = −sin χ e1 + cos χ e2 and
-    /// κ = (α/2)/sin(α/2); without flexion e1 and e2.
+    /// κ = (α/2)/sin(α/2); that is, e_i + (κ − 1)(p·e_i) p, which does not need p without flexion.
     fn flexions(&self) -> [NodalRow<f64>; 2] {
-        if self.half == 0.0 {
-            return [angle(self.e[0]), angle(self.e[1])];
-        }
-        let (cos, sin) = (-dot(self.p, self.e[0]), -dot(self.p, self.e[1]));
-        let q = sub(scale(self.e[1], cos), scale(self.e[0], sin));
-        let kappa = self.half / self.half.sin();
-        [
-            angle(sub(scale(q, -sin), scale(self.p, kappa * cos))),
-            angle(sub(scale(q, cos), scale(self.p, kappa * sin))),
-        ]
+        let excess = if self.half == 0.0 { 0.0 } else { self.half / self.half.sin() - 1.0 };
+        [0, 1].map(|i| angle(add(self.e[i], scale(self.p, excess * dot(self.p, self.e[i])))))
     }
 }
 

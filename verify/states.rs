@@ -169,6 +169,14 @@ pub(crate) fn needs_length(connection: &ConnectionType) -> bool {
     positions.any(|m| m.singular_set().is_some_and(|set| set.unit == Unit::Length))
 }
 
+/// Whether turning b far against a, in the way that the type's rotations ask for, leads through e3b = −e3a, where its directions
+/// midway between a and b do not exist: PROJECTION CARTESIAN beside a joint that does not turn about e3.
+fn turns_shafts_over(connection: &ConnectionType) -> bool {
+    let mut positions = connection.slots.iter().filter_map(|slot| slot.position());
+    positions.any(Measure::counts_torsion)
+        && !matches!(turning(connection), Turning::Torsion | Turning::Euler | Turning::Flow)
+}
+
 /// Whether the type measures an angle that does not exist, or has no derivative, where e3a and e3b are parallel.
 fn needs_tilt(connection: &ConnectionType) -> bool {
     let mut positions = connection.slots.iter().filter_map(|slot| slot.position());
@@ -421,11 +429,13 @@ pub(crate) fn cases(connection: &ConnectionType, extent: Extent) -> Vec<Case> {
     }
     found.push(sample("millimetres", 1e-3, None, 0.7, draw));
     found.push(sample("kilometres", 1e3, None, 0.7, draw));
-    for gap in [1e-3, 1e-6, -1e-6, -1e-2] {
-        found.push(half_turn(connection, gap, draw));
-    }
-    for size in [7.0, 20.0] {
-        found.push(many_turns(connection, size, draw));
+    if !turns_shafts_over(connection) {
+        for gap in [1e-3, 1e-6, -1e-6, -1e-2] {
+            found.push(half_turn(connection, gap, draw));
+        }
+        for size in [7.0, 20.0] {
+            found.push(many_turns(connection, size, draw));
+        }
     }
     found.push(far(connection, draw));
     if !needs_length(connection) {
