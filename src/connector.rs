@@ -359,6 +359,7 @@ pub struct Connector<R: Differentiable> {
     references: Components<R>,
     stops: Components<Stop>,
     active: [bool; DOFS],
+    is_planar: bool,
     initial: Branch<R>,
 }
 
@@ -474,6 +475,7 @@ impl<R: Differentiable> Connector<R> {
             references,
             stops: definition.stops,
             active,
+            is_planar: definition.planar,
             initial: branch,
         }
     }
@@ -1062,6 +1064,20 @@ pub enum Flag {
         /// The change of the angle [rad].
         change: f64,
     },
+    /// A one-form was accumulated over an increment in which its direction turned: what lies between the two states
+    /// decides, and they do not say.
+    PathDependent {
+        /// The component.
+        component: &'static str,
+        /// How far the midpoint rule, which is reported, is from nodes that turn at constant rates [rad].
+        difference: f64,
+    },
+    /// A two-dimensional connector whose nodes were moved or turned out of the global 1-2 plane: what is reported is not that
+    /// of a plane motion.
+    OutOfPlane {
+        /// `u3`, `ur1` or `ur2`, by what moved.
+        component: &'static str,
+    },
 }
 
 impl Flag {
@@ -1072,6 +1088,8 @@ impl Flag {
             Self::IllConditioned { .. } => "ill-conditioned",
             Self::NotFinite { .. } => "not-finite",
             Self::LargeIncrement { .. } => "large-increment",
+            Self::PathDependent { .. } => "path-dependent",
+            Self::OutOfPlane { .. } => "out-of-plane",
         }
     }
 
@@ -1081,7 +1099,9 @@ impl Flag {
             Self::Singular { component, .. }
             | Self::IllConditioned { component, .. }
             | Self::NotFinite { component, .. }
-            | Self::LargeIncrement { component, .. } => component,
+            | Self::LargeIncrement { component, .. }
+            | Self::PathDependent { component, .. }
+            | Self::OutOfPlane { component } => component,
         }
     }
 }
@@ -1091,6 +1111,14 @@ const ILL_CONDITIONED: f64 = 1e-8;
 
 /// The change of an angle, as a fraction of π, beyond which its turns are flagged.
 const CERTAIN_INCREMENT: f64 = 0.9;
+
+/// How far, as a fraction of π, the change of an angle may be from what the nodes' own increments tell, to be certain although it
+/// exceeds [`CERTAIN_INCREMENT`].
+const CERTAIN_TOLD: f64 = 0.1;
+
+/// The difference of two rules of integration [rad] beyond which a one-form is flagged: that of 10 000 such increments is still
+/// below 1e-5 rad.
+const CERTAIN_PATH: f64 = 1e-9;
 
 /// How far the advance of an angle by whole turns of the nodes may be from whole turns of its own, in turns, to be counted with
 /// certainty.
@@ -1159,18 +1187,38 @@ impl Connector<f64> {
             }
         }
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
+        let all = sub(increment.rotation[1], increment.rotation[0]);
+        let turns_are_told = increment.whole_turns.as_flattened().iter().any(|turns| *turns != 0.0);
         for (k, row) in self.rows.iter().enumerate() {
             let Some(row) = row.filter(|row| row.position.winds()) else { continue };
-            let hint = row.position.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, whole));
+            let along = |v| row.position.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, v));
             let turns = after.turns[k].turns - before.turns[k].turns;
             let change = f64::with_turns(after.turns[k].principal - before.turns[k].principal, turns);
-            let told = hint / std::f64::consts::TAU;
-            if (change - hint).abs() > CERTAIN_INCREMENT * std::f64::consts::PI
-                || (told - told.round()).abs() > CERTAIN_TURNS
-            {
+            let told = along(whole) / std::f64::consts::TAU;
+            let is_large = (change - along(whole)).abs() > CERTAIN_INCREMENT * std::f64::consts::PI;
+            let is_told = turns_are_told && (change - along(all)).abs() < CERTAIN_TOLD * std::f64::consts::PI;
+            if (is_large && !is_told) || (told - told.round()).abs() > CERTAIN_TURNS {
                 flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
             }
         }
+        for (k, _) in
+            self.rows.iter().enumerate().filter(|(_, r)| r.is_some_and(|r| r.position.is_one_form()))
+        {
+            let component = crate::catalog::COMPONENT[k];
+            let difference = (self.accumulation(&state.pair, increment)
+                - self.steady_accumulation(&state.pair, increment))
+            .abs();
+            if difference > CERTAIN_PATH {
+                flags.push(Flag::PathDependent { component, difference });
+            }
+            let [of_a, of_b] =
+                [0, 1].map(|end| norm(sub(increment.rotation[end], increment.whole_turns[end])));
+            if of_a.max(of_b) > CERTAIN_INCREMENT * std::f64::consts::PI && !turns_are_told {
+                flags
+                    .push(Flag::LargeIncrement { component, change: after.accumulated - before.accumulated });
+            }
+        }
+        flags.extend(self.out_of_plane(state));
         let is_vector =
             |measure| matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
         let turned = LazyCell::new(|| {
@@ -1185,6 +1233,51 @@ impl Connector<f64> {
             }
         }
         flags
+    }
+}
+
+impl Connector<f64> {
+    /// The one-form over the increment, for nodes that turn at constant rates between the two states: with the mean direction
+    /// ∫₀¹ exp(−s Δθ_a^) e3a ds = e3a − ½ Δθ_a × e3a + … in place of the midpoint's.
+    fn steady_accumulation(&self, pair: &Pair<f64>, increment: &Increment<f64>) -> f64 {
+        let [of_a, of_b] = increment.rotation;
+        // Five Gauss points: an increment of one turn is integrated to 1e-4, and one of a tenth of a turn to rounding.
+        const POINTS: [(f64, f64); 5] = [
+            (0.046_910_077_030_668, 0.118_463_442_528_094_54),
+            (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+            (0.5, 0.284_444_444_444_444_4),
+            (0.769_234_655_052_841_5, 0.239_314_335_249_683_24),
+            (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+        ];
+        let mut sum = -self.section.flow_scale * increment.flow[1];
+        for (s, weight) in POINTS {
+            let back = so3::matrix(so3::exp(scale(of_a, -s)));
+            let direction = column(&vector::product(&back, &pair.a.triad), 2);
+            sum += weight * dot(direction, sub(of_a, of_b));
+        }
+        sum
+    }
+
+    /// What a two-dimensional connector's nodes do out of its plane.
+    fn out_of_plane(&self, state: &State<f64>) -> Vec<Flag> {
+        if !self.is_planar {
+            return Vec::new();
+        }
+        /// Direction cosines of exact rotations about the global 3-axis carry a few roundings.
+        const ROUNDING: f64 = 1e-12;
+        let Pair { a, b, .. } = &state.pair;
+        let rates = |i: usize| {
+            [&state.velocity, &state.acceleration]
+                .iter()
+                .any(|rate| rate[i] != 0.0 || rate[DOFS / 2 + i] != 0.0)
+        };
+        let tilted = |i: usize| [a, b].iter().any(|node| node.triad[i][2].abs() > ROUNDING);
+        let moved = [
+            (a.displacement[2] != 0.0 || b.displacement[2] != 0.0 || rates(2), "u3"),
+            (tilted(1) || rates(3), "ur1"),
+            (tilted(0) || rates(4), "ur2"),
+        ];
+        moved.into_iter().filter(|(is, _)| *is).map(|(_, component)| Flag::OutOfPlane { component }).collect()
     }
 }
 
@@ -1306,6 +1399,66 @@ mod tests {
         assert!(!large(turned("REVOLUTE", [0.0; 3], [1.0, 0.0, 0.0], tau + 0.1).1));
         assert!(large(turned("ROTATION", [0.0; 3], [0.8, 0.6, 0.0], 3.0).1));
         assert!(!large(turned("ROTATION", [0.0; 3], [0.8, 0.6, 0.0], 2.0).1));
+    }
+
+    /// A half turn told by rotation vectors beyond π is certain; the same change of quaternions is not.
+    #[test]
+    fn told_increments_are_certain() {
+        let large = |flags: Vec<Flag>| flags.iter().any(|flag| matches!(flag, Flag::LargeIncrement { .. }));
+        assert!(!large(turned("REVOLUTE", [0.0; 3], [1.0, 0.0, 0.0], 3.2).1));
+        assert!(large(turned("REVOLUTE", [0.0; 3], [1.0, 0.0, 0.0], 3.1).1));
+    }
+
+    /// The state of a FLOW-CONVERTER whose drum a turns by `of_a` while b turns by `of_b`, and its flags.
+    fn drum(of_a: Vector<f64>, of_b: Vector<f64>) -> (f64, Vec<Flag>) {
+        let still = |triad| node::Node { displacement: [0.0; 3], triad, flow: 0.0 };
+        let initial =
+            Pair { reference: [0.0; 3], a: still(vector::identity()), b: still(vector::identity()) };
+        let connection = ConnectionType::named("FLOW-CONVERTER", None).unwrap();
+        let connector = Connector::<f64>::new(&Definition::new(connection, initial));
+        let turn = |by| still(so3::matrix(so3::exp(by)));
+        let pair = Pair { a: turn(of_a), b: turn(of_b), ..initial };
+        let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let increment = Increment { rotation: [of_a, of_b], ..Increment::none() };
+        let before = connector.initial_branch();
+        let after = connector.advance(&state, &increment, &before);
+        (after.accumulated, connector.flags(&[None; 6], &increment, &state, &before, &after))
+    }
+
+    /// A drum that spins about its own axis accumulates its angle; one that tips while b turns depends on the path, and the
+    /// flag tells by how much: mean direction (sin 1.5)/1.5 against the midpoint's cos 0.75.
+    #[test]
+    fn a_tipping_drum_is_path_dependent() {
+        let (spun, flags) = drum([0.0, 0.0, 1.5], [0.0; 3]);
+        assert!((spun - 1.5).abs() < 1e-15 && flags.is_empty(), "{spun} {flags:?}");
+        let (tipped, flags) = drum([1.5, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        assert!((tipped + 0.75f64.cos()).abs() < 1e-15, "{tipped}");
+        let [Flag::PathDependent { component: "ur3", difference }] = flags[..] else { panic!("{flags:?}") };
+        assert!((difference - (0.75f64.cos() - 1.5f64.sin() / 1.5)).abs() < 1e-9, "{difference}");
+    }
+
+    /// A two-dimensional connector tells when its nodes leave the plane.
+    #[test]
+    fn leaving_the_plane_is_told() {
+        let still =
+            |displacement, by| node::Node { displacement, triad: so3::matrix(so3::exp(by)), flow: 0.0 };
+        let initial =
+            Pair { reference: [1.0, 0.0, 0.0], a: still([0.0; 3], [0.0; 3]), b: still([0.0; 3], [0.0; 3]) };
+        let connection = ConnectionType::named("SLOT", None).unwrap();
+        let definition = Definition { planar: true, ..Definition::new(connection, initial) };
+        let connector = Connector::<f64>::new(&definition);
+        let flags = |b, spin: f64| {
+            let mut state = State { pair: initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+            state.pair.b = b;
+            state.velocity[node::THETA_A] = spin;
+            let branch = connector.initial_branch();
+            let found = connector.flags(&[None; 6], &Increment::none(), &state, &branch, &branch);
+            found.iter().map(Flag::component).collect::<Vec<_>>()
+        };
+        assert!(flags(still([0.2, 0.3, 0.0], [0.0, 0.0, 2.5]), 0.0).is_empty());
+        assert_eq!(flags(still([0.0, 0.0, 0.5], [0.0; 3]), 0.0), ["u3"]);
+        assert_eq!(flags(still([0.0; 3], [0.0, 0.3, 0.0]), 0.0), ["ur2"]);
+        assert_eq!(flags(still([0.0; 3], [0.0; 3]), 0.7), ["ur1"]);
     }
 
     /// What is flagged does not change with the unit of length.

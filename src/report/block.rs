@@ -328,6 +328,14 @@ pub fn flag_in_words(flag: &Flag) -> String {
                 "{quantity} of {component} is not finite: the state lies beyond what its formula can be evaluated at"
             )
         }
+        Flag::PathDependent { component, difference } => format!(
+            "{component} depends on what lies between this state and the last: {difference:.3e} rad from nodes that turn at constant rates"
+        ),
+        Flag::OutOfPlane { component } => {
+            format!(
+                "a node moves out of the plane of this two-dimensional connector, as {component}: that part is not its own"
+            )
+        }
         Flag::LargeIncrement { component, change } => format!(
             "{component} moved by {change:.6} rad since the previous state, more than 0.9 π: its turns are not certain"
         ),
