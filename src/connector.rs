@@ -6,10 +6,11 @@
 //! [`Connector::advance`] never changes the one it starts from.
 
 use crate::catalog::{Condition, ConnectionType, Slot};
-use crate::measure::{History, Margin, Measure, Section, Shared, Unit};
+use crate::measure::{History, Margin, Measure, Section, Shared, SingularClass, Unit};
 use crate::node::{
     self, DOF_NUMBER, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates,
 };
+use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::so3;
 use crate::vector::{self, Vector, add, column, dot, scale, sub};
@@ -1024,20 +1025,24 @@ impl<R> Evaluation<R> {
 #[serde(tag = "flag", rename_all = "kebab-case")]
 pub enum Flag {
     /// The state lies on a singular set: derivatives named there do not exist, and are reported as zero or along the
-    /// direction kept.
+    /// direction kept; at a true singularity the value is not determined either.
     Singular {
         /// The component.
         component: &'static str,
         /// The set.
         at: &'static str,
+        /// What happens there.
+        class: SingularClass,
     },
-    /// The state is so close to a singular set that derivatives lose digits: the relative error grows like u divided by the
-    /// distance.
+    /// The state is so close to a singular set that derivatives, and at a true singularity the value too, lose digits: the
+    /// relative error grows like u divided by the distance, a length in units of the largest length it is formed from.
     IllConditioned {
         /// The component.
         component: &'static str,
         /// The set.
         at: &'static str,
+        /// What happens there.
+        class: SingularClass,
         /// The distance to it.
         distance: f64,
     },
@@ -1048,7 +1053,8 @@ pub enum Flag {
         /// The output, or `derivative`.
         quantity: &'static str,
     },
-    /// An angle moved by more than 0.9 π since the previous state: its turns cannot be counted with certainty.
+    /// An angle moved by more than 0.9 π since the previous state besides the whole turns of the nodes, or these were not about
+    /// its axis: its turns cannot be counted with certainty.
     LargeIncrement {
         /// The component.
         component: &'static str,
@@ -1085,6 +1091,10 @@ const ILL_CONDITIONED: f64 = 1e-8;
 /// The change of an angle, as a fraction of π, beyond which its turns are flagged.
 const CERTAIN_INCREMENT: f64 = 0.9;
 
+/// How far the advance of an angle by whole turns of the nodes may be from whole turns of its own, in turns, to be counted with
+/// certainty.
+const CERTAIN_TURNS: f64 = 0.1;
+
 impl Connector<f64> {
     /// Whether stops are reached at the given positions.
     pub fn stop_status(&self, position: &Components<f64>) -> Components<StopStatus> {
@@ -1110,17 +1120,13 @@ impl Connector<f64> {
         // The components of one kind of measure share their singular set.
         let mut known: Vec<(Discriminant<Measure>, f64)> = Vec::new();
         let mut of = |measure: Measure| {
-            let set = measure.singular_set()?;
             let kind = mem::discriminant(&measure);
-            let distance = match known.iter().find(|(seen, _)| *seen == kind) {
-                Some((_, distance)) => *distance,
-                None => {
-                    let distance = measure.margin(&relative, &self.section, &history)?.distance;
-                    known.push((kind, distance));
-                    distance
-                }
-            };
-            Some(Margin { distance, set })
+            if let Some((_, distance)) = known.iter().find(|(seen, _)| *seen == kind) {
+                return Some(Margin { distance: *distance, set: measure.singular_set()? });
+            }
+            let margin = measure.margin(&relative, &self.section, &history)?;
+            known.push((kind, margin.distance));
+            Some(margin)
         };
         [0, 1, 2, 3, 4, 5].map(|k| {
             let row = self.rows[k].filter(|_| wanted[k])?;
@@ -1141,13 +1147,14 @@ impl Connector<f64> {
         after: &Branch<f64>,
     ) -> Vec<Flag> {
         let mut flags = Vec::new();
+        let scale_of = |unit| if unit == Unit::Length { extent(&state.pair) } else { 1.0 };
         for (k, margin) in margins.iter().enumerate() {
             let component = crate::catalog::COMPONENT[k];
             let Some(Margin { distance, set }) = *margin else { continue };
             if distance == 0.0 {
-                flags.push(Flag::Singular { component, at: set.at });
-            } else if distance < ILL_CONDITIONED {
-                flags.push(Flag::IllConditioned { component, at: set.at, distance });
+                flags.push(Flag::Singular { component, at: set.at, class: set.class });
+            } else if distance < ILL_CONDITIONED * scale_of(set.unit) {
+                flags.push(Flag::IllConditioned { component, at: set.at, class: set.class, distance });
             }
         }
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
@@ -1156,12 +1163,35 @@ impl Connector<f64> {
             let hint = row.position.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, whole));
             let turns = after.turns[k].turns - before.turns[k].turns;
             let change = f64::with_turns(after.turns[k].principal - before.turns[k].principal, turns);
-            if (change - hint).abs() > CERTAIN_INCREMENT * std::f64::consts::PI {
+            let told = hint / std::f64::consts::TAU;
+            if (change - hint).abs() > CERTAIN_INCREMENT * std::f64::consts::PI
+                || (told - told.round()).abs() > CERTAIN_TURNS
+            {
                 flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
+            }
+        }
+        let is_vector =
+            |measure| matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
+        let turned = LazyCell::new(|| {
+            let [old, new] = [before, after].map(|branch| so3::exp(branch.rotation_vector));
+            norm(so3::log_quaternion(so3::compose(new, so3::conjugate(old))))
+        });
+        for (k, _) in
+            self.rows.iter().enumerate().filter(|(_, row)| row.is_some_and(|r| is_vector(r.position)))
+        {
+            if *turned > CERTAIN_INCREMENT * std::f64::consts::PI {
+                flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change: *turned });
             }
         }
         flags
     }
+}
+
+/// The largest of the lengths from which x_b − x_a is formed: its rounding scales with it, so that a distance is small or not
+/// regardless of the unit of length.
+fn extent(pair: &Pair<f64>) -> f64 {
+    let lengths = [pair.reference, pair.a.displacement, pair.b.displacement];
+    lengths.as_flattened().iter().fold(0.0, |most, length| most.max(length.abs()))
 }
 
 #[cfg(test)]
@@ -1217,6 +1247,82 @@ mod tests {
                         }
                     }
                 }
+            }
+        }
+    }
+
+    /// A node b that turns, from the initial state, by `angle` about a global axis, whole turns included.
+    fn turned(name: &str, of_b: [f64; 3], axis: [f64; 3], angle: f64) -> (Evaluation<f64>, Vec<Flag>) {
+        let still = |triad| node::Node { displacement: [0.0; 3], triad, flow: 0.0 };
+        let triad = so3::matrix(so3::exp(of_b));
+        let initial = Pair { reference: [0.0; 3], a: still(vector::identity()), b: still(triad) };
+        let connection = ConnectionType::named(name, None).unwrap();
+        let connector = Connector::<f64>::new(&Definition::new(connection, initial));
+        let turn = scale(axis, angle);
+        let principal = so3::log_quaternion(so3::exp(turn));
+        let zero = [0.0; 3];
+        let increment =
+            Increment { rotation: [zero, turn], whole_turns: [zero, sub(turn, principal)], flow: [0.0; 2] };
+        let b = still(vector::product(&so3::matrix(so3::exp(turn)), &triad));
+        let state = State { pair: Pair { b, ..initial }, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let branch = connector.initial_branch();
+        let request = Request::everything(0);
+        let evaluation = connector.evaluate(&state, &increment, &branch, &request, &mut Tally::default());
+        let margins = connector.margins(&state, &evaluation.branch, [true; 6]);
+        let flags = connector.flags(&margins, &increment, &state, &branch, &evaluation.branch);
+        (evaluation, flags)
+    }
+
+    /// Whole turns about the axis of one angle advance that angle alone, however far from square the axes are.
+    #[test]
+    fn whole_turns_go_to_the_angle_they_are_about() {
+        let angle = 3.0 * std::f64::consts::TAU + 0.1;
+        for tilt in [0.01, 0.6, 1.2] {
+            for (name, of_b, axis) in
+                [("CARDAN", [0.0, tilt, 0.0], [1.0, 0.0, 0.0]), ("EULER", [tilt, 0.0, 0.0], [0.0, 0.0, 1.0])]
+            {
+                let (evaluation, flags) = turned(name, of_b, axis, angle);
+                let [_, _, _, first, _, third] = evaluation.displacement;
+                assert!((first.unwrap() - angle).abs() < 1e-9, "{name} {tilt}: {first:?}");
+                assert!(third.unwrap().abs() < 1e-9, "{name} {tilt}: {third:?}");
+                assert_eq!(flags, []);
+                // About e3b, carried by b itself.
+                let own = column(&so3::matrix(so3::exp(of_b)), 2);
+                let (evaluation, _) = turned(name, of_b, own, angle);
+                let [_, _, _, first, _, third] = evaluation.displacement;
+                assert!((third.unwrap() - angle).abs() < 1e-9, "{name} {tilt}: {third:?}");
+                assert!(first.unwrap().abs() < 1e-9, "{name} {tilt}: {first:?}");
+            }
+        }
+    }
+
+    /// Whole turns about no axis of the joint, and a rotation vector that may have gone either way round, are told.
+    #[test]
+    fn uncertain_turns_are_flagged() {
+        let large = |flags: Vec<Flag>| flags.iter().any(|flag| matches!(flag, Flag::LargeIncrement { .. }));
+        let tau = std::f64::consts::TAU;
+        assert!(large(turned("REVOLUTE", [0.0; 3], [0.8, 0.6, 0.0], tau + 0.1).1));
+        assert!(!large(turned("REVOLUTE", [0.0; 3], [1.0, 0.0, 0.0], tau + 0.1).1));
+        assert!(large(turned("ROTATION", [0.0; 3], [0.8, 0.6, 0.0], 3.0).1));
+        assert!(!large(turned("ROTATION", [0.0; 3], [0.8, 0.6, 0.0], 2.0).1));
+    }
+
+    /// What is flagged does not change with the unit of length.
+    #[test]
+    fn lengths_are_flagged_alike_in_every_unit() {
+        for unit in [1e-9, 1e-3, 1.0, 1e3] {
+            for (gap, flagged) in [(1e-6, false), (1e-10, true)] {
+                let mut pair = pair(0.0);
+                pair.a.displacement = scale([0.3, 0.4, 0.5], unit);
+                pair.b.displacement = scale([0.3 + gap, 0.4, 0.5], unit);
+                pair.reference = [0.0; 3];
+                let connection = ConnectionType::named("AXIAL", None).unwrap();
+                let connector = Connector::<f64>::new(&Definition::new(connection, pair));
+                let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+                let branch = connector.initial_branch();
+                let margins = connector.margins(&state, &branch, [true; 6]);
+                let flags = connector.flags(&margins, &Increment::none(), &state, &branch, &branch);
+                assert_eq!(!flags.is_empty(), flagged, "{unit} {gap}");
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::node::{self, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::elementary::{norm, recip};
 use crate::scalar::{Real, Scalar};
 use crate::so3;
-use crate::vector::{self, Matrix, Vector, column, dot, sub};
+use crate::vector::{self, Matrix, Vector, column, dot, scale, sub};
 use serde::Serialize;
 
 /// A scalar measure of two nodes. Indices are 1-based, as the manual's.
@@ -250,9 +250,12 @@ impl Measure {
     pub const fn singular_set(self) -> Option<SingularSet> {
         let (at, class, distance, unit) = match self {
             Self::Distance => ("coincident nodes, d = 0", SingularClass::Kink, "|d|", Unit::Length),
-            Self::Strain => {
-                ("d = 0, or no material left", SingularClass::Kink, "min(|d|, l0 + Ψa − Ψb)", Unit::Length)
-            }
+            Self::Strain => (
+                "no material left, l0 + Ψa − Ψb ≤ 0 (kink at d = 0)",
+                SingularClass::TrueSingularity,
+                "min(|d|, l0 + Ψa − Ψb)",
+                Unit::Length,
+            ),
             Self::Cardan(1 | 3) => {
                 ("β = ±π/2 (lock)", SingularClass::TrueSingularity, "π/2 − |β|", Unit::Angle)
             }
@@ -287,12 +290,19 @@ impl Measure {
         section: &Section<f64>,
         history: &History<f64>,
     ) -> Option<Margin> {
-        let set = self.singular_set()?;
+        let mut set = self.singular_set()?;
         let q = &relative.q;
         let distance = match self {
             Self::Distance => norm(relative.d),
             Self::Strain => {
-                norm(relative.d).min(section.initial_length + relative.flow[0] - relative.flow[1]).max(0.0)
+                let (length, material) = (
+                    norm(relative.d),
+                    (section.initial_length + relative.flow[0] - relative.flow[1]).max(0.0),
+                );
+                if length < material {
+                    (set.at, set.class) = ("coincident nodes, d = 0", SingularClass::Kink);
+                }
+                length.min(material)
             }
             Self::Cardan(_) => norm([q[1][2], q[2][2]]).atan2(q[0][2].abs()),
             Self::Euler(_) => norm([q[0][2], q[1][2]]).atan2(q[2][2].abs()),
@@ -365,15 +375,22 @@ impl Measure {
         Some([resolved(velocity), resolved(acceleration)])
     }
 
-    /// The direction, in global components, about which whole turns of the nodes advance this angle; `None` for measures that
-    /// do not wind.
+    /// The gradient of this angle with respect to the relative rotation of the nodes, global components: its product with
+    /// whole turns of the nodes is how far they advance the angle. `None` for measures that do not wind.
+    ///
+    /// The angle is counted about the direction u while b turns about u, and does not move while b turns about w, the axis of
+    /// the other angle that winds: (u − (u·w) w)/(1 − (u·w)²). Close to the lock u ∥ w only the sum or the difference of the
+    /// two is known; the first takes all.
     pub(crate) fn winding_axis<R: Real>(self, pair: &Pair<R>) -> Option<Vector<R>> {
-        match self {
-            Self::Cardan(1) => Some(column(&pair.a.triad, 0)),
-            Self::Cardan(3) => Some(column(&pair.b.triad, 2)),
-            Self::Euler(1) => Some(column(&pair.a.triad, 2)),
-            Self::Euler(3) => Some(column(&pair.b.triad, 2)),
-            _ => None,
-        }
+        const LOCK: (i32, i32) = (1, 1000);
+        let (first_axis, third_axis, is_first) = match self {
+            Self::Cardan(i @ (1 | 3)) => (column(&pair.a.triad, 0), column(&pair.b.triad, 2), i == 1),
+            Self::Euler(i @ (1 | 3)) => (column(&pair.a.triad, 2), column(&pair.b.triad, 2), i == 1),
+            _ => return None,
+        };
+        let (own, other) = if is_first { (first_axis, third_axis) } else { (third_axis, first_axis) };
+        let across = sub(own, scale(other, dot(own, other)));
+        let locked = if is_first { own } else { [R::integer(0); 3] };
+        Some(R::choose(R::ratio(LOCK.0, LOCK.1).less(norm(across)), || R::inverted(across), || locked))
     }
 }

@@ -1,6 +1,7 @@
 //! The tests, in one binary: each module asks one question of the whole.
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod cli; // the command line
 mod closed; // rows derived by hand
 mod golden; // what JAX computes by other formulas
 mod laws; // what holds for every connection type

@@ -1,6 +1,6 @@
 //! What a connector section may not do, by the documented rules of its type.
 
-use super::{Availability, COMPONENT, Class, ConnectionType, Evidence, Orientation, Slot};
+use super::{Availability, COMPONENT, Class, ConnectionType, Evidence, Orientation, Slot, list};
 use crate::measure::Measure;
 use serde::Serialize;
 
@@ -145,9 +145,12 @@ impl ConnectionType {
                 false,
             );
         }
-        let available = self.component_list(Slot::is_available);
+        // In two dimensions u3, ur1 and ur2 are zero whatever the type.
+        let exists = |k: usize| !facts.planar || matches!(k, 0 | 1 | 5);
+        let is_available = |k: usize| self.slots[k].is_available() && exists(k);
+        let available = list((0..6).filter(|k| is_available(*k)).map(|k| COMPONENT[k]));
         for k in &facts.stops {
-            if !self.stops || !self.slots[*k].is_available() {
+            if !self.stops || !is_available(*k) {
                 breach(
                     Rule::StopNotAvailable,
                     format!("{} takes no stop on component {} ({})", self.name, k + 1, COMPONENT[*k]),
@@ -159,7 +162,7 @@ impl ConnectionType {
         }
         for k in &facts.references {
             let has_reference = self.stops || matches!(self.slots[*k].position(), Some(Measure::Strain));
-            if !has_reference || !self.slots[*k].is_available() {
+            if !has_reference || !is_available(*k) {
                 breach(
                     Rule::ReferenceNotAvailable,
                     format!(
@@ -175,7 +178,7 @@ impl ConnectionType {
             }
         }
         for k in &facts.actions {
-            if !self.slots[*k].is_available() {
+            if !is_available(*k) {
                 breach(
                     Rule::ActionNotAvailable,
                     format!("component {} ({}) of {} is not available", k + 1, COMPONENT[*k], self.name),
@@ -245,5 +248,28 @@ impl ConnectionType {
             );
         }
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A CARTESIAN has a third component in space, and none in the plane.
+    #[test]
+    fn components_out_of_the_plane_are_not_available() {
+        let cartesian = ConnectionType::named("CARTESIAN", None).unwrap();
+        let facts = |planar| Facts {
+            planar,
+            stops: vec![0, 2],
+            references: vec![0, 2],
+            actions: vec![0, 2],
+            ..Facts::default()
+        };
+        assert_eq!(cartesian.breaches(&facts(false)), []);
+        let planar = cartesian.breaches(&facts(true));
+        let rules: Vec<Rule> = planar.iter().map(|breach| breach.rule).collect();
+        assert_eq!(rules, [Rule::StopNotAvailable, Rule::ReferenceNotAvailable, Rule::ActionNotAvailable]);
+        assert!(planar.iter().all(|breach| breach.remedy.ends_with("here: u1, u2")));
     }
 }

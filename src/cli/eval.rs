@@ -178,7 +178,7 @@ fn walk(
     for (Loaded { scene, states, model }, (plan, branches, shown)) in loaded.iter().zip(&walks) {
         let mut sequence = Sequence::resume(model, plan, branches.clone());
         let first = branches.states;
-        format.scene(&Subject { scene, model, plan, states: states.len(), first })?;
+        format.scene(&Subject { scene, model, plan, states: states.len(), shown, first })?;
         for state in states {
             let index = sequence.branches().states;
             progress.tick(&scene.name, index - first, states.len());
@@ -306,7 +306,7 @@ impl Progress {
 /// Shows a diagnostic on stderr with its source line.
 pub(crate) fn show_diagnostic(diagnostic: &Diagnostic) {
     let text = diagnostic.render(page_width(&io::stderr()), true);
-    _ = write!(anstream::stderr(), "{}\n", text.trim_end());
+    _ = writeln!(anstream::stderr(), "{}", text.trim_end());
 }
 
 /// A line on stderr.

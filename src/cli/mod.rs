@@ -100,7 +100,7 @@ pub(crate) struct Eval {
     #[arg(long, value_name = "NUMBER|SET", value_delimiter = ',', requires = "scene")]
     connector: Vec<String>,
     /// States to write, such as 0,6,12-14 or first,middle,last; every state is evaluated [default: all;
-    /// first,middle,last for tables of the gallery]
+    /// middle,last for tables of all of the gallery]
     #[arg(long, value_name = "STATES")]
     show: Option<Show>,
     /// How to write it

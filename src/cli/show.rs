@@ -22,9 +22,9 @@ impl Show {
         Self(vec![Item::All])
     }
 
-    /// First, middle and last.
+    /// Middle and last: the first is at rest.
     pub(crate) fn overview() -> Self {
-        Self(vec![Item::First, Item::Middle, Item::Last])
+        Self(vec![Item::Middle, Item::Last])
     }
 
     /// The numbers of the states, out of `count` states that begin with number `first`.

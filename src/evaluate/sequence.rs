@@ -8,9 +8,10 @@ use crate::connector::{
 use crate::measure::Margin;
 use crate::mpc;
 use crate::node::{DOFS, Node, Pair};
+use crate::scalar::elementary::norm;
 use crate::scene::{NodeMotion, Rotation, State as SceneState};
 use crate::so3::{self, Quaternion};
-use crate::vector::{self, Matrix, Vector, identity, product, sub};
+use crate::vector::{Matrix, Vector, identity, product, sub};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::convert::Infallible;
@@ -298,7 +299,9 @@ impl<'a> Sequence<'a> {
 /// A node at its next state: rotation matrix, and increments since the last one.
 ///
 /// The increment is the rotation vector of C(new) C(old)ᵀ. It is principal, unless one of the two states gave a rotation
-/// vector beyond half a turn: those keep their turns, and the increment then continues their difference.
+/// vector beyond half a turn: those keep their turns, and the increment then continues their difference. Vectors that are
+/// wrapped at half a turn stay principal where π was rounded up: both within 0.001 rad of half a turn or less, and more than
+/// 3π/2 apart.
 fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Orientation) {
     let (quaternion, vector) = match motion.rotation {
         Rotation::Vector(phi) => (so3::exp(phi), Some(phi)),
@@ -306,9 +309,8 @@ fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Ori
     };
     let relative = so3::compose(quaternion, so3::conjugate(before.quaternion));
     let principal = so3::log_quaternion(relative);
-    let keeps_turns = |phi: &Vector<f64>| vector::dot(*phi, *phi) > std::f64::consts::PI.powi(2);
     let change = match (vector, before.vector) {
-        (Some(new), Some(old)) if keeps_turns(&new) || keeps_turns(&old) => {
+        (Some(new), Some(old)) if keep_turns(new, old) => {
             so3::continuous_log_quaternion(relative, sub(new, old)).phi
         }
         _ => principal,
@@ -331,4 +333,47 @@ fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Ori
         sixth: vector.filter(|_| given).map(|phi| phi[2]),
     };
     (node, Orientation { quaternion, vector, flow: motion.flow })
+}
+
+/// Whether turns of two consecutive rotation vectors count: one is beyond half a turn, and not by the rounding of π only.
+fn keep_turns(new: Vector<f64>, old: Vector<f64>) -> bool {
+    use std::f64::consts::PI;
+    const ROUNDED_UP: f64 = 1e-3;
+    let longest = norm(new).max(norm(old));
+    longest > PI && (longest > PI + ROUNDED_UP || norm(sub(new, old)) < 1.5 * PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rotation about the axis 1 that a node has made after states that give it as rotation vectors.
+    fn turned(angles: &[f64]) -> f64 {
+        let mut before = UNTURNED;
+        let mut sum = 0.0;
+        for angle in angles {
+            let motion =
+                NodeMotion { rotation: Rotation::Vector([*angle, 0.0, 0.0]), ..NodeMotion::default() };
+            let (node, after) = follow(&motion, &before, true);
+            sum += node.change[0];
+            before = after;
+        }
+        sum
+    }
+
+    #[test]
+    fn vectors_keep_their_turns_or_are_wrapped() {
+        let tau = std::f64::consts::TAU;
+        let is =
+            |angles: &[f64], expected: f64| assert!((turned(angles) - expected).abs() < 1e-12, "{angles:?}");
+        is(&[3.0, 3.2, 7.0, 3000.0, 2.0], 2.0);
+        is(&[3.0, 4.0, -4.0], -4.0);
+        is(&[3.0, -3.0, -0.5], tau - 0.5);
+        // Half a turn, as a file has it that rounds π up.
+        let half = std::f64::consts::PI + 7e-6;
+        is(&[half], half);
+        is(&[3.0, half, 3.3], 3.3);
+        is(&[3.0, half, -3.0], tau - 3.0);
+        is(&[-3.0, half, 3.0], 3.0 - tau);
+    }
 }

@@ -4,7 +4,7 @@ use super::words;
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Flag, Output, Request, StopStatus, Turns};
 use crate::evaluate::{ConnectorResult, JointResult, Model};
-use crate::measure::{Margin, Unit};
+use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc;
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
 use crate::scalar::Real;
@@ -303,12 +303,26 @@ pub(crate) fn node_name(node: Option<u64>) -> String {
 /// What a flag says.
 pub fn flag_in_words(flag: &Flag) -> String {
     match flag {
-        Flag::Singular { component, at } => format!(
-            "{component} is singular, at {at}: derivatives that do not exist are reported as zero, or along the direction kept"
-        ),
-        Flag::IllConditioned { component, at, distance } => format!(
-            "{component} is ill-conditioned, {distance:.3e} from {at}: derivatives lose digits in proportion to 1/distance"
-        ),
+        Flag::Singular { component, at, class } => {
+            let consequence = match class {
+                SingularClass::Kink => {
+                    "derivatives do not exist there; zero, or the direction kept, stands for them"
+                }
+                SingularClass::TrueSingularity => "neither value nor derivatives are determined there",
+                SingularClass::BranchCut => "the sign of its value is not determined there",
+            };
+            format!("{component} is singular, at {at}: {consequence}")
+        }
+        Flag::IllConditioned { component, at, class, distance } => {
+            let consequence = match class {
+                SingularClass::Kink => "derivatives lose digits in proportion to 1/distance",
+                SingularClass::TrueSingularity => {
+                    "value and derivatives lose digits in proportion to 1/distance"
+                }
+                SingularClass::BranchCut => "rounding may decide the sign of its value",
+            };
+            format!("{component} is ill-conditioned, {distance:.3e} from {at}: {consequence}")
+        }
         Flag::NotFinite { component, quantity } => {
             format!(
                 "{quantity} of {component} is not finite: the state lies beyond what its formula can be evaluated at"

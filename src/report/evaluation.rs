@@ -3,8 +3,10 @@
 use super::block::Block;
 use crate::connector::Tally;
 use crate::evaluate::{Model, Plan};
-use crate::scene::Scene;
+use crate::scene::{Scene, Skipped, SkippedItem, Step};
+use indexmap::IndexMap;
 use std::io;
+use std::ops::RangeInclusive;
 
 /// A scene that is being evaluated.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +17,10 @@ pub struct Subject<'a> {
     pub model: &'a Model,
     /// What is asked for.
     pub plan: &'a Plan,
-    /// The number of states, of which those written may be fewer.
+    /// The number of states.
     pub states: usize,
+    /// The numbers of those that are written.
+    pub shown: &'a [RangeInclusive<u64>],
     /// The number of the first state: not 0 where a history is continued.
     pub first: u64,
 }
@@ -47,8 +51,8 @@ pub trait Format {
 pub struct Unevaluated {
     /// How many.
     pub count: u64,
-    /// Of what.
-    pub what: String,
+    /// Of what, in the plural if there are several.
+    pub what: &'static str,
     /// More about it, in words.
     pub details: Vec<String>,
 }
@@ -56,9 +60,9 @@ pub struct Unevaluated {
 /// What a scene has that `eval` does not evaluate.
 pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     let mut found = Vec::new();
-    let mut add = |count: usize, what: &str, details: Vec<String>| {
+    let mut add = |count: u64, [one, several]: [&'static str; 2], details: Vec<String>| {
         if count > 0 {
-            found.push(Unevaluated { count: count as u64, what: what.to_string(), details });
+            found.push(Unevaluated { count, what: if count == 1 { one } else { several }, details });
         }
     };
     let behaviors: Vec<String> = scene
@@ -81,49 +85,50 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
             (!parts.is_empty()).then(|| format!("{name}: {}", parts.join(", ")))
         })
         .collect();
-    add(behaviors.len(), "connector behaviour", behaviors);
+    add(behaviors.len() as u64, ["connector behaviour", "connector behaviours"], behaviors);
     let others: Vec<String> =
         model.other_mpcs.iter().map(|(name, count)| format!("{name}: {count}")).collect();
-    add(model.other_mpcs.values().sum(), "MPC", others);
-    let mut kinds: indexmap::IndexMap<&str, usize> = indexmap::IndexMap::new();
+    add(model.other_mpcs.values().sum::<usize>() as u64, ["MPC", "MPCs"], others);
+    let mut kinds: IndexMap<&str, usize> = IndexMap::new();
     for element in scene.point_elements.values() {
         *kinds.entry(element.kind.name()).or_default() += 1;
     }
     let kinds: Vec<String> = kinds.into_iter().map(|(name, count)| format!("{name}: {count}")).collect();
-    add(scene.point_elements.len(), "mass, spring or dashpot element", kinds);
+    let what = ["mass, spring or dashpot element", "mass, spring or dashpot elements"];
+    add(scene.point_elements.len() as u64, what, kinds);
     let steps = &scene.steps;
-    let in_steps = |count: fn(&crate::scene::Step) -> usize| steps.iter().map(count).sum::<usize>();
-    add(scene.boundaries.len() + in_steps(|step| step.boundaries.len()), "boundary condition", Vec::new());
-    add(
-        scene.connector_motions.len() + in_steps(|step| step.connector_motions.len()),
-        "connector motion",
-        Vec::new(),
-    );
-    add(in_steps(|step| step.connector_loads.len()), "connector load", Vec::new());
-    add(in_steps(|step| step.concentrated_loads.len() + step.distributed_loads.len()), "load", Vec::new());
-    add(steps.len(), "step", Vec::new());
-    let skipped = &scene.skipped;
-    let details = skipped.keywords.iter().map(|(name, item)| {
-        let plural = if item.data_lines == 1 { "line" } else { "lines" };
+    let in_steps = |count: fn(&Step) -> usize| steps.iter().map(count).sum::<usize>();
+    for (count, what) in [
+        (
+            scene.boundaries.len() + in_steps(|step| step.boundaries.len()),
+            ["boundary condition", "boundary conditions"],
+        ),
+        (
+            scene.connector_motions.len() + in_steps(|step| step.connector_motions.len()),
+            ["connector motion", "connector motions"],
+        ),
+        (in_steps(|step| step.connector_loads.len()), ["connector load", "connector loads"]),
+        (
+            in_steps(|step| step.concentrated_loads.len() + step.distributed_loads.len()),
+            ["nodal or distributed load", "nodal or distributed loads"],
+        ),
+        (steps.len(), ["step", "steps"]),
+    ] {
+        add(count as u64, what, Vec::new());
+    }
+    let Skipped { keywords, element_types } = &scene.skipped;
+    let details = keywords.iter().map(|(name, item)| {
+        let lines = if item.data_lines == 1 { "line" } else { "lines" };
         format!(
-            "*{name}: {}, {} data {plural}, first at line {}",
+            "*{name}: {}, {} data {lines}, first at line {}",
             item.count, item.data_lines, item.first_line
         )
     });
-    add(
-        usize::try_from(skipped.keywords.values().map(|item| item.count).sum::<u64>()).unwrap_or(usize::MAX),
-        "skipped keyword",
-        details.collect(),
-    );
-    let details = skipped
-        .element_types
+    let count = |items: &IndexMap<String, SkippedItem>| items.values().map(|item| item.count).sum::<u64>();
+    add(count(keywords), ["skipped keyword", "skipped keywords"], details.collect());
+    let details = element_types
         .iter()
         .map(|(name, item)| format!("{name}: {}, first at line {}", item.count, item.first_line));
-    add(
-        usize::try_from(skipped.element_types.values().map(|item| item.count).sum::<u64>())
-            .unwrap_or(usize::MAX),
-        "element of another type",
-        details.collect(),
-    );
+    add(count(element_types), ["element of another type", "elements of other types"], details.collect());
     found
 }

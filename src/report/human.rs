@@ -8,6 +8,7 @@ use super::words;
 use crate::connector::{Output, Tally};
 use crate::measure::Unit;
 use std::io::{self, Write};
+use std::ops::RangeInclusive;
 
 /// How tables look.
 #[derive(Clone, Copy, Debug)]
@@ -28,12 +29,15 @@ pub struct Human<'w> {
     scenes: u64,
 }
 
+/// What is smaller than this, in comparison with the largest number of its table, is shown with four digits at most: it is
+/// rounding, or nearly so, and its size says all.
+const NEGLIGIBLE: f64 = 1e-10;
 /// Blanks between columns.
 const GAP: usize = 2;
 /// Blanks before rows.
 const INDENT: usize = 2;
 /// The columns that name a component: name, role, unit.
-const NAMES: usize = 32;
+const NAMES: usize = 26;
 
 impl<'w> Human<'w> {
     /// Tables on a stream.
@@ -45,11 +49,11 @@ impl<'w> Human<'w> {
         number(value, self.style.digits)
     }
 
-    fn value(&self, value: Value) -> String {
-        match value {
-            Value::Stop(status) => status.flag().to_string(),
-            other => self.number(other.number()),
-        }
+    /// A number beside others of size `largest`: where it needs an exponent and is next to nothing in comparison, four digits
+    /// are enough.
+    fn beside(&self, value: f64, largest: f64) -> String {
+        let is_rounding = value.abs() < 1e-4 && value.abs() < NEGLIGIBLE * largest;
+        number(value, if is_rounding { self.style.digits.min(4) } else { self.style.digits })
     }
 
     /// Columns side by side behind a label, as many as fit, the rest below in the same way.
@@ -81,6 +85,10 @@ impl<'w> Human<'w> {
             let blanks = " ".repeat(names - layout::width(title));
             writeln!(self.out, "{}{blanks}{}", styled(BOLD, title), styled(DIM, heading.trim_end()))?;
             for (i, label) in labels.iter().enumerate() {
+                let is_blank = columns[first..end].iter().all(|column| column.1[i].is_empty());
+                if is_blank && columns.len() > 1 && first > 0 {
+                    continue;
+                }
                 let mut line = layout::left(&format!("{}{label}", " ".repeat(INDENT)), names);
                 for (column, layout) in columns[first..end].iter().zip(&layouts[first..end]) {
                     line.push_str(&" ".repeat(GAP));
@@ -115,11 +123,16 @@ impl<'w> Human<'w> {
             })
             .map(|label| layout::left(&label, NAMES - INDENT))
             .collect();
+        let largest = largest(block.rows.iter().flat_map(|row| row.values).flatten().map(Value::number));
         let columns: Vec<(String, Vec<String>)> = block
             .outputs()
             .into_iter()
             .map(|output| {
-                let cell = |value: Option<Value>| value.map(|value| self.value(value)).unwrap_or_default();
+                let cell = |value: Option<Value>| match value {
+                    None => String::new(),
+                    Some(Value::Stop(status)) => status.flag().to_string(),
+                    Some(value) => self.beside(value.number(), largest),
+                };
                 let texts = block.rows.iter().map(|row| cell(row.values[output as usize])).collect();
                 (heading(output).to_string(), texts)
             })
@@ -139,6 +152,7 @@ impl<'w> Human<'w> {
         if shown.is_empty() {
             return writeln!(self.out, "  Jacobian: every entry is 0");
         }
+        let largest = largest(block.derivatives.iter().flat_map(|row| row.gradient.iter().copied()));
         for group in shown.chunk_by(|i, j| block.columns[*i].role == block.columns[*j].role) {
             let Some(first) = group.first().map(|j| &block.columns[*j]) else { continue };
             let title = format!("  node {} ({})", first.node, first.role);
@@ -147,7 +161,7 @@ impl<'w> Human<'w> {
                 .map(|j| {
                     let entry = |row: &Derivative| match row.gradient[*j] {
                         0.0 => "·".to_string(),
-                        entry => self.number(entry),
+                        entry => self.beside(entry, largest),
                     };
                     (format!("∂{}", block.columns[*j].name), block.derivatives.iter().map(entry).collect())
                 })
@@ -170,15 +184,17 @@ impl<'w> Human<'w> {
 
     fn hessian(&mut self, block: &Block<'_>) -> io::Result<()> {
         let mut entries = Vec::new();
+        let all = block.derivatives.iter().flat_map(|row| row.hessian.iter().flatten().flatten());
+        let largest = largest(all.copied());
         for row in &block.derivatives {
             let Some(hessian) = &row.hessian else { continue };
             for (i, line) in hessian.iter().enumerate() {
                 for (j, entry) in line.iter().enumerate() {
-                    let mirrored = j < i && hessian[j][i].to_bits() == entry.to_bits();
+                    let text = self.beside(*entry, largest);
+                    let mirrored = j < i && self.beside(hessian[j][i], largest) == text;
                     if *entry != 0.0 && !mirrored {
                         let (first, second) = (block.columns[i].name, block.columns[j].name);
-                        let name = format!("∂²{}/∂{first}∂{second}", row.component);
-                        entries.push((name, self.number(*entry)));
+                        entries.push((format!("∂²{}/∂{first}∂{second}", row.component), text));
                     }
                 }
             }
@@ -189,7 +205,11 @@ impl<'w> Human<'w> {
         if entries.is_empty() {
             return writeln!(self.out, "  second derivatives: every entry is 0");
         }
-        writeln!(self.out, "  {}", styled(DIM, "second derivatives that are not 0; mirrored ones once"))?;
+        writeln!(
+            self.out,
+            "  {}",
+            styled(DIM, "second derivatives that are not 0; equal ones across the diagonal once")
+        )?;
         let names = entries.iter().map(|(name, _)| layout::width(name)).max().unwrap_or(0);
         let texts: Vec<String> = entries.iter().map(|(_, text)| text.clone()).collect();
         let aligned = Aligned::new("", &texts);
@@ -209,7 +229,7 @@ impl<'w> Human<'w> {
         if notes.is_empty() {
             return Ok(());
         }
-        let list: Vec<String> = notes.iter().map(|note| format!("{} × {}", note.count, note.what)).collect();
+        let list: Vec<String> = notes.iter().map(|note| format!("{} {}", note.count, note.what)).collect();
         let text = format!("read, not evaluated: {}", list.join(", "));
         for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
             writeln!(self.out, "  {}", styled(DIM, line))?;
@@ -226,6 +246,11 @@ impl<'w> Human<'w> {
     }
 }
 
+/// The largest magnitude.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |largest, value| value.abs().max(largest))
+}
+
 /// The heading of an output's column.
 const fn heading(output: Output) -> &'static str {
     match output {
@@ -236,6 +261,23 @@ const fn heading(output: Output) -> &'static str {
         Output::RESA => "RESA [/time²]",
         other => other.name(),
     }
+}
+
+/// Which states are shown, where not all are.
+fn shown(subject: &Subject<'_>) -> String {
+    let last = subject.first + subject.states as u64 - 1;
+    if subject.shown.contains(&(subject.first..=last)) {
+        return String::new();
+    }
+    let range = |range: &RangeInclusive<u64>| {
+        if range.start() == range.end() {
+            range.start().to_string()
+        } else {
+            format!("{}-{}", range.start(), range.end())
+        }
+    };
+    let list: Vec<String> = subject.shown.iter().map(range).collect();
+    format!(" (shown: {}; --show all shows every one)", list.join(", "))
 }
 
 fn plural(count: usize, what: &str) -> String {
@@ -265,8 +307,11 @@ impl Format for Human<'_> {
         if !plan.joints.is_empty() {
             counts.push(plural(plan.joints.len(), "revolute-joint MPC"));
         }
-        counts.push(plural(subject.states, "state"));
-        writeln!(self.out, "  {}; lengths in the unit of the deck, angles in rad", counts.join(", "))?;
+        counts.push(plural(subject.states, "state") + &shown(subject));
+        let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
+        for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+            writeln!(self.out, "  {line}")?;
+        }
         self.notes(&unevaluated(scene, subject.model))
     }
 

@@ -75,7 +75,7 @@ impl Format for Json<'_> {
             (self.blocks, self.kind) = (0, block.kind);
             write!(self.out, "],\"mpcs\":[")?;
         }
-        write!(self.out, "{}\n", if self.blocks > 0 { "," } else { "" })?;
+        writeln!(self.out, "{}", if self.blocks > 0 { "," } else { "" })?;
         self.blocks += 1;
         self.value(block)
     }

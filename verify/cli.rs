@@ -1,0 +1,593 @@
+//! The command line, by its output and exit codes.
+
+use assert_cmd::Command;
+use assert_cmd::assert::Assert;
+use pintle::catalog::{COMPONENT, TABLE};
+use pintle::connector::{Output, Request};
+use pintle::evaluate::{Model, Plan, Selection, Sequence};
+use pintle::scene::{Code, Example, GALLERY, StateFile};
+use serde_json::Value;
+use std::fs;
+use std::path::PathBuf;
+use std::process::Stdio;
+
+/// The command with some arguments, and nothing in its environment that changes output.
+fn pintle(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pintle"));
+    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "RUST_BACKTRACE"] {
+        command.env_remove(name);
+    }
+    command.args(arguments);
+    command
+}
+
+fn stdout(assert: &Assert) -> String {
+    String::from_utf8(assert.get_output().stdout.clone()).unwrap()
+}
+
+fn stderr(assert: &Assert) -> String {
+    String::from_utf8(assert.get_output().stderr.clone()).unwrap()
+}
+
+/// What a successful run prints; it must say nothing else.
+fn output(arguments: &[&str]) -> String {
+    stdout(&pintle(arguments).assert().success().stderr(""))
+}
+
+fn json(arguments: &[&str]) -> Value {
+    serde_json::from_str(&output(arguments)).unwrap()
+}
+
+/// The same, where a note on stderr about values that need care is right.
+fn json_with_care(arguments: &[&str]) -> Value {
+    serde_json::from_str(&stdout(&pintle(arguments).assert().success())).unwrap()
+}
+
+/// A file for one test.
+fn file(name: &str, text: &str) -> String {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_string()
+}
+
+fn example(name: &str) -> &'static Example {
+    GALLERY.iter().find(|example| example.name == name).unwrap()
+}
+
+/// Numbers below 1e-12, which are rounding and depend on the machine, as `~`; blanks in a row as one.
+fn without_rounding(text: &str) -> String {
+    fn word(word: &str) -> &str {
+        let is_rounding = word.parse::<f64>().is_ok_and(|number| number != 0.0 && number.abs() < 1e-12);
+        if is_rounding { "~" } else { word }
+    }
+    let line = |line: &str| line.split_whitespace().map(word).collect::<Vec<_>>().join(" ");
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// The components of a connector at a state of a JSON document.
+fn at(document: &Value, scene: usize, state: u64, element: u64) -> Value {
+    let states = document["scenes"][scene]["states"].as_array().unwrap();
+    let state = states.iter().find(|found| found["index"] == state).unwrap();
+    let connectors = state["connectors"].as_array().unwrap();
+    connectors.iter().find(|found| found["element"] == element).unwrap()["components"].clone()
+}
+
+#[test]
+fn list() {
+    insta::assert_snapshot!("list", output(&["list"]));
+    let document = json(&["list", "--format", "json"]);
+    let names: Vec<&str> =
+        document["types"].as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect();
+    assert_eq!(names, TABLE.iter().map(|entry| entry.name.as_ref()).collect::<Vec<_>>());
+}
+
+#[test]
+fn explain() {
+    for name in ["revolute", "Translator", "RETRACTOR", "rotation-accelerometer"] {
+        insta::assert_snapshot!(name.to_lowercase(), output(&["explain", name]));
+    }
+    assert!(output(&["explain", "cardan", "Cartesian"]).starts_with("CARTESIAN + CARDAN\n"));
+    assert!(output(&["explain", "JOIN", "REVOLUTE"]).starts_with("HINGE\n"));
+}
+
+#[test]
+fn every_type_is_explained_in_both_formats() {
+    for entry in TABLE {
+        let document = json(&["explain", &entry.name, "--format", "json"]);
+        assert_eq!(document["name"], entry.name.as_ref());
+        assert_eq!(document["signs"], pintle::report::SIGNS);
+        let shown: Vec<&str> = document["components"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|component| component["name"].as_str().unwrap())
+            .collect();
+        let expected: Vec<&str> =
+            (0..6).filter(|k| entry.slots[*k].position().is_some()).map(|k| COMPONENT[k]).collect();
+        assert_eq!(shown, expected, "{}", entry.name);
+        let page = output(&["explain", &entry.name]);
+        for field in document["summary"].as_array().unwrap() {
+            assert!(page.contains(field["name"].as_str().unwrap()), "{}: {field}", entry.name);
+        }
+        assert!(page.lines().all(|line| line.chars().count() <= 110), "{}", entry.name);
+    }
+}
+
+#[test]
+fn codes_are_explained() {
+    for code in Code::ALL {
+        let page = output(&["explain", code.as_str()]);
+        assert!(page.starts_with(code.as_str()), "{page}");
+    }
+}
+
+#[test]
+fn gallery_overview() {
+    insta::assert_snapshot!("gallery", without_rounding(&output(&["eval", "--show", "middle"])));
+    let page = stdout(&pintle(&["eval"]).assert().success());
+    for example in GALLERY {
+        assert!(page.contains(&format!("{}.inp\n", example.name)), "{page}");
+    }
+    assert!(page.contains("25 states (shown: 12, 24; --show all shows every one)"), "{page}");
+}
+
+#[test]
+fn one_scene_with_jacobian() {
+    let page =
+        output(&["eval", "gallery:hinge_pendulum", "--show", "3", "--order", "1", "--connector", "pin"]);
+    insta::assert_snapshot!("pin", page);
+    let page = output(&["eval", "gallery:slider_crank", "--show", "6", "--order", "1"]);
+    insta::assert_snapshot!("slider_crank", without_rounding(&page));
+}
+
+#[test]
+fn second_derivatives_by_name() {
+    let page =
+        output(&["eval", "gallery:seat_belt", "--show", "last", "--order", "2", "--connector", "102,BELT"]);
+    insta::assert_snapshot!("seat_belt", without_rounding(&page));
+}
+
+#[test]
+fn details_on_request() {
+    let page =
+        output(&["eval", "gallery:slider_crank", "--show", "first", "--outputs", "TURNS,MARGIN", "-v"]);
+    insta::assert_snapshot!("verbose", page);
+}
+
+/// Crank 0.2, rod 0.6: x = 0.2 cos θ + √(0.36 − 0.04 sin² θ) − 0.8.
+#[test]
+fn slider_crank_in_closed_form() {
+    let document = json(&["eval", "gallery:slider_crank", "--outputs", "CU1", "--format", "json"]);
+    for (state, degrees) in [(6, 90.0_f64), (12, 180.0), (18, 270.0)] {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let expected = 0.2 * cosine + (0.36 - 0.04 * sine * sine).sqrt() - 0.8;
+        let found = at(&document, 0, state, 106)["u1"]["CU"].as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-15, "{degrees}: {found} {expected}");
+    }
+    let at_90 = at(&document, 0, 6, 106)["u1"]["CU"].as_f64().unwrap();
+    let at_180 = at(&document, 0, 12, 106)["u1"]["CU"].as_f64().unwrap();
+    assert!((at_90 + 0.23431).abs() < 5e-6 && (at_180 + 0.4).abs() < 1e-15, "{at_90} {at_180}");
+}
+
+#[test]
+fn pendulum_at_the_bottom() {
+    let deck = file("pendulum.inp", example("hinge_pendulum").deck);
+    let states = file("bottom.csv", "node,u1,u2,ur3\n2,,,-1.5707963267948966\n3,-1,-1,-1.5707963267948966\n");
+    let document =
+        json(&["eval", &deck, "--states", &states, "--outputs", "CUR1,CSLST4", "--format", "json"]);
+    let components = at(&document, 0, 0, 101);
+    let found = components["ur1"]["CU"].as_f64().unwrap();
+    assert!((found + std::f64::consts::FRAC_PI_2).abs() < 4.5e-16, "{found}");
+    assert_eq!(components["ur1"]["CSLST"], 0);
+    assert!(components.get("u1").is_none(), "{components}");
+}
+
+/// Psi at node 10 and the turn of the drum, 50 times that (keyword deck 5.3, frictionless).
+#[test]
+fn belt_is_drawn_from_the_drum() {
+    let document = json(&[
+        "eval",
+        "gallery:seat_belt",
+        "--show",
+        "last",
+        "--outputs",
+        "CUR1,CU3,RES6",
+        "--format",
+        "json",
+    ]);
+    let flow = at(&document, 0, 10, 103)["u3"]["CU"].as_f64().unwrap();
+    let drum = at(&document, 0, 10, 101)["ur1"]["CU"].as_f64().unwrap();
+    assert!((flow - 0.07937).abs() < 5e-6, "{flow}");
+    assert!((drum - 3.9685).abs() < 5e-5 && (drum - 50.0 * flow).abs() < 1e-14, "{drum}");
+    let residual = at(&document, 0, 10, 102)["ur3"]["RES"].as_f64().unwrap();
+    assert!(residual.abs() < 1e-14, "{residual}");
+}
+
+/// Every number of the document is the library's, bit by bit.
+#[test]
+fn json_is_exact() {
+    for example in GALLERY {
+        let scene = format!("gallery:{}", example.name);
+        let document =
+            json_with_care(&["eval", &scene, "--outputs", "ALL", "--order", "2", "--format", "json"]);
+        assert_eq!(document["schema"], "pintle-eval/1");
+        let scene = example.scene().unwrap();
+        let states = example.states(&scene).unwrap().states;
+        let model = Model::compile(&scene).unwrap();
+        let plan = Plan::compile(&model, &Selection::All, Request::everything(2)).unwrap();
+        let mut sequence = Sequence::new(&model, &plan);
+        let found = document["scenes"][0]["states"].as_array().unwrap();
+        assert_eq!(found.len(), states.len());
+        let mut compared = 0;
+        for (found, state) in found.iter().zip(&states) {
+            let step = sequence.step(state);
+            assert_eq!(found["index"], step.index);
+            for (found, result) in found["connectors"].as_array().unwrap().iter().zip(&step.connectors) {
+                let active = model.connectors[result.index].connector.active();
+                let mut same = |found: &Value, expected: f64, what: &str| {
+                    let found = found.as_f64().unwrap_or(f64::NAN);
+                    assert_eq!(
+                        found.to_bits(),
+                        expected.to_bits(),
+                        "{} {what}: {found} {expected}",
+                        example.name
+                    );
+                    compared += 1;
+                };
+                for k in 0..6 {
+                    let of = &found["components"][COMPONENT[k]];
+                    let evaluation = &result.evaluation;
+                    for (output, value) in [
+                        (Output::CP, evaluation.position[k]),
+                        (Output::CU, evaluation.displacement[k]),
+                        (Output::CCU, evaluation.constitutive[k]),
+                        (Output::CV, evaluation.velocity[k]),
+                        (Output::CA, evaluation.acceleration[k]),
+                        (Output::RES, evaluation.residual[k]),
+                        (Output::RESV, evaluation.residual_rate[k]),
+                        (Output::RESB, evaluation.residual_bias[k]),
+                        (Output::RESA, evaluation.residual_acceleration[k]),
+                    ] {
+                        match value {
+                            Some(value) => same(&of[output.name()], value, output.name()),
+                            None => assert!(of.get(output.name()).is_none(), "{of}"),
+                        }
+                    }
+                    if let Some(margin) = result.margins[k] {
+                        same(&of["MARGIN"]["distance"], margin.distance, "MARGIN");
+                    }
+                    if let Some(turns) = evaluation.turns[k] {
+                        same(&of["TURNS"]["turns"], turns.turns, "TURNS");
+                        same(&of["TURNS"]["principal"], turns.principal, "TURNS");
+                    }
+                    let kept: Vec<usize> = (0..active.len()).filter(|j| active[*j]).collect();
+                    let row = evaluation.jacobian[k].as_ref();
+                    assert_eq!(row.is_some(), found["jacobian"]["rows"].get(COMPONENT[k]).is_some());
+                    if let (Some(row), Some(hessian)) = (row, evaluation.hessian[k].as_ref()) {
+                        for (i, j) in kept.iter().enumerate() {
+                            same(&found["jacobian"]["rows"][COMPONENT[k]][i], row[*j], "gradient");
+                            for (l, m) in kept.iter().enumerate() {
+                                same(&found["hessian"][COMPONENT[k]][i][l], hessian[*j][*m], "Hessian");
+                            }
+                        }
+                    }
+                }
+            }
+            for (found, result) in found["mpcs"].as_array().unwrap().iter().zip(&step.joints) {
+                let residual = result.evaluation.residual;
+                assert_eq!(found["components"]["ρ2"]["RES"], residual[1]);
+                assert_eq!(found["components"]["φJ"]["TURNS"]["turns"], result.evaluation.angle.turns);
+            }
+            assert_eq!(found["mpcs"].as_array().unwrap().len(), step.joints.len());
+        }
+        assert!(compared > 1000, "{compared}");
+    }
+}
+
+/// The same numbers as JSON, one line each; derivatives that are zero left out.
+#[test]
+fn csv_is_exact() {
+    let arguments = ["eval", "gallery:seat_belt", "--order", "2", "--format"];
+    let document = json(&[&arguments[..], &["json"]].concat());
+    let table = output(&[&arguments[..], &["csv"]].concat());
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let heading: Vec<String> = reader.headers().unwrap().iter().map(String::from).collect();
+    let column = |name: &str| heading.iter().position(|known| known == name).unwrap();
+    let (mut values, mut derivatives) = (0_usize, 0_usize);
+    for line in reader.records() {
+        let line = line.unwrap();
+        let states = document["scenes"][0]["states"].as_array().unwrap();
+        let state = &states[line[column("state")].parse::<usize>().unwrap()];
+        let label: u64 = line[column("label")].parse().unwrap();
+        let connector =
+            state["connectors"].as_array().unwrap().iter().find(|found| found["element"] == label).unwrap();
+        let component = &line[column("component")];
+        if line[column("derivative")].is_empty() {
+            for output in ["CP", "CU", "CV", "CA", "RES"] {
+                let found = line[column(output)].parse::<f64>().ok().map(f64::to_bits);
+                let expected = connector["components"][component][output].as_f64().map(f64::to_bits);
+                assert_eq!(found, expected, "{line:?}");
+                values += usize::from(found.is_some());
+            }
+            continue;
+        }
+        let dofs = connector["jacobian"]["dofs"].as_array().unwrap();
+        let index = |dof: &str, node: &str| {
+            let node: u64 = line[column(node)].parse().unwrap();
+            dofs.iter().position(|known| known["name"] == line[column(dof)] && known["node"] == node).unwrap()
+        };
+        let first = index("dof_1", "node_1");
+        let expected = if line[column("dof_2")].is_empty() {
+            &connector["jacobian"]["rows"][component][first]
+        } else {
+            &connector["hessian"][component][first][index("dof_2", "node_2")]
+        };
+        let found: f64 = line[column("derivative")].parse().unwrap();
+        assert_eq!(found.to_bits(), expected.as_f64().unwrap().to_bits(), "{line:?}");
+        assert!(found != 0.0);
+        derivatives += 1;
+    }
+    let states = document["scenes"][0]["states"].as_array().unwrap().len();
+    assert!(values > 40 * states && derivatives > 100 * states, "{values} {derivatives}");
+}
+
+/// Only what is named: components per output, connectors, states.
+#[test]
+fn requests_are_masks() {
+    let arguments = ["eval", "gallery:slider_crank", "--format", "json", "--outputs"];
+    let document =
+        json(&[&arguments[..], &["CU1,CPR3", "--connector", "SLIDE,101", "--show", "2,5-6"]].concat());
+    let states = document["scenes"][0]["states"].as_array().unwrap();
+    let indices: Vec<u64> = states.iter().map(|state| state["index"].as_u64().unwrap()).collect();
+    assert_eq!(indices, [2, 5, 6]);
+    for state in states {
+        let elements: Vec<&Value> =
+            state["connectors"].as_array().unwrap().iter().map(|connector| &connector["element"]).collect();
+        assert_eq!(elements, [101, 106]);
+    }
+    let components = at(&document, 0, 5, 106);
+    let shown: Vec<(&String, Vec<&String>)> = components
+        .as_object()
+        .unwrap()
+        .iter()
+        .map(|(name, of)| (name, of.as_object().unwrap().keys().filter(|key| key.starts_with('C')).collect()))
+        .collect();
+    assert_eq!(format!("{shown:?}"), r#"[("u1", ["CU"]), ("ur3", ["CP"])]"#);
+    let work = &document["scenes"][0]["work"];
+    // Two connectors, of each one position that does not wind, at three states; ur3 winds and costs nothing more.
+    assert_eq!(
+        (&work["values"], &work["gradients"], &work["rates"]),
+        (&6.into(), &0.into(), &0.into()),
+        "{work}"
+    );
+}
+
+/// A history cut in two and continued is the history, bit by bit.
+#[test]
+fn saved_branches_continue_exactly() {
+    for example in GALLERY {
+        let name = example.name;
+        let deck = file(&format!("{name}.inp"), example.deck);
+        let scene = example.scene().unwrap();
+        let states = example.states(&scene).unwrap().states;
+        let (first, second) = states.split_at(states.len() / 2 + 1);
+        let part = |label: &str, states: &[pintle::scene::State]| {
+            let text = StateFile { states: states.to_vec() }.to_json().unwrap();
+            file(&format!("{name}.{label}.json"), &text)
+        };
+        let (whole, first, second) = (part("whole", &states), part("first", first), part("second", second));
+        let saved = file(&format!("{name}.branches"), "");
+        let all = ["--outputs", "ALL", "--order", "1", "--format", "json"];
+        let run = |more: &[&str]| json_with_care(&[&["eval", deck.as_str()], &all[..], more].concat());
+        let uncut = run(&["--states", &whole]);
+        let before = run(&["--states", &first, "--save-branches", &saved]);
+        let after = run(&["--states", &second, "--resume", &saved]);
+        let states = |document: &Value| document["scenes"][0]["states"].as_array().unwrap().clone();
+        let joined = [states(&before), states(&after)].concat();
+        assert_eq!(joined.len(), states(&uncut).len());
+        for (joined, uncut) in joined.iter().zip(&states(&uncut)) {
+            // Text, so that 0.0 and −0.0 differ.
+            assert_eq!(joined.to_string(), uncut.to_string(), "{name}");
+        }
+        if name == "hinge_pendulum" {
+            let fresh = run(&["--states", &second]);
+            assert_ne!(states(&fresh)[0].to_string(), states(&after)[0].to_string(), "turns must matter");
+        }
+    }
+}
+
+#[test]
+fn usage_errors() {
+    for (arguments, code, part) in [
+        (&["explain", "revolut"][..], 2, "did you mean REVOLUTE?"),
+        (&["explain", "nonsense"], 2, "pintle list"),
+        (&["explain", "hinge", "join"], 2, "do not pair"),
+        (&["eval", "gallery:slider"], 2, "slider_crank"),
+        (&["eval", "gallery:slider_crank", "--outputs", "CU4"], 2, "CUR1 to CUR3"),
+        (&["eval", "gallery:slider_crank", "--outputs", "CTF"], 2, "not evaluated yet"),
+        (&["eval", "gallery:slider_crank", "--outputs", "MARGN"], 2, "did you mean MARGIN?"),
+        (&["eval", "gallery:slider_crank", "--connector", "999"], 2, "999"),
+        (&["eval", "gallery:slider_crank", "--show", "25"], 2, "there is no state 25: they are 0 to 24"),
+        (&["eval", "gallery:slider_crank", "--show", "x"], 2, "is no state"),
+        (&["eval", "gallery:slider_crank", "--order", "3"], 2, "3"),
+        (&["eval", "--states", "states.csv"], 2, "<SCENE>"),
+        (&["eval", "--frobnicate"], 2, "--frobnicate"),
+        (&["frobnicate"], 2, "frobnicate"),
+        (&[], 2, "Usage"),
+        (&["eval", "gallery:slider_crank", "--outputs", "NONE"], 4, "nothing was evaluated"),
+        (
+            &["eval", "gallery:slider_crank", "--connector", "101", "--outputs", "CSLST"],
+            4,
+            "nothing was evaluated",
+        ),
+        (&["eval", "no/such/deck.inp"], 6, "no/such/deck.inp"),
+        (&["eval", "gallery:slider_crank", "--states", "no/such.csv"], 6, "no/such.csv"),
+        (&["eval", "gallery:slider_crank", "--resume", "no/such.json"], 6, "no/such.json"),
+    ] {
+        let message = stderr(&pintle(arguments).assert().code(code));
+        assert!(message.contains(part), "{arguments:?}: {message}");
+    }
+    for arguments in [&["--help"][..], &["--version"], &["eval", "--help"], &["help", "explain"]] {
+        pintle(arguments).assert().success().stderr("");
+    }
+}
+
+#[test]
+fn bad_input_is_shown_where_it_is() {
+    let deck = example("hinge_pendulum").deck;
+    let run = |name: &str, text: &str, more: &[&str]| {
+        let path = file(name, text);
+        stderr(&pintle(&[&["eval", path.as_str()], more].concat()).assert().code(6).stdout(""))
+    };
+    let message = run("misspelt.inp", &deck.replace("HINGE\n", "HINGGE\n"), &[]);
+    assert!(
+        message.contains("rule::unknown-connection-type") && message.contains("write HINGE"),
+        "{message}"
+    );
+    assert!(message.contains("misspelt.inp:") && message.contains("HINGGE"), "{message}");
+    let message = run("bare.inp", &deck.replace("HINGE\nHAXIS,\n", "HINGE\n"), &[]);
+    assert!(message.contains("rule::orientation-required") && message.contains("element 101"), "{message}");
+    assert!(message.contains("*CONNECTOR SECTION"), "the source line is shown: {message}");
+    let message = run("number.inp", &deck.replace("1, 0., 0., 0.\n", "1, 0., x, 0.\n"), &[]);
+    assert!(message.contains("deck::malformed-number"), "{message}");
+    let states = file("unknown.csv", "node,u1\n77,1\n");
+    let message = run("states.inp", deck, &["--states", &states]);
+    assert!(message.contains("states::unknown-node") && message.contains("77"), "{message}");
+    let branches = file("none.json", "{}");
+    let message = run("resume.inp", deck, &["--resume", &branches]);
+    assert!(message.contains("--save-branches"), "{message}");
+    let saved = file("pendulum.branches", "");
+    pintle(&["eval", "gallery:hinge_pendulum", "--connector", "101", "--save-branches", &saved])
+        .assert()
+        .success();
+    let message = run("other.inp", deck, &["--resume", &saved]);
+    assert!(message.contains("connector 102") && message.contains("cannot be continued"), "{message}");
+}
+
+#[test]
+fn warnings_do_not_stop() {
+    let deck = example("hinge_pendulum").deck.replace("BEAM\n", "BEAM\n,\n1.,\n");
+    let path = file("surplus.inp", &deck);
+    let assert = pintle(&["eval", &path]).assert();
+    let code = assert.get_output().status.code();
+    let message = stderr(&assert);
+    assert!(message.contains("rule::section-data-unused"), "{code:?} {message}");
+}
+
+#[test]
+fn a_scene_without_connectors() {
+    let path = file("nodes.inp", "*NODE\n1, 0., 0., 0.\n");
+    let message = stderr(&pintle(&["eval", &path]).assert().code(4).stdout(""));
+    assert!(message.contains("no connector element"), "{message}");
+}
+
+/// A CARDAN at its lock, and a belt without material.
+const AT_THE_EDGE: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+*ORIENTATION, NAME=X
+1., 0., 0., 0., 1., 0.
+*ELEMENT, TYPE=CONN3D2, ELSET=ANGLES
+101, 1, 2
+*ELEMENT, TYPE=CONN3D2, ELSET=BELT
+102, 1, 2
+*CONNECTOR SECTION, ELSET=ANGLES
+CARDAN
+X,
+*CONNECTOR SECTION, ELSET=BELT
+SLIPRING
+";
+
+#[test]
+fn what_needs_care_is_said() {
+    let deck = file("edge.inp", AT_THE_EDGE);
+    let states = file(
+        "edge.csv",
+        "state,node,u1,ur1,ur2,flow\n0,2,,,1.5707963267948966,\n1,1,,,,-1\n2,2,,3.1,,\n3,1,-1e308,3.1,,\n3,2,1e308,3.1,,\n",
+    );
+    let arguments = ["eval", &deck, "--states", &states, "--order", "1", "--format"];
+    let assert = pintle(&[&arguments[..], &["json"]].concat()).assert().success();
+    let message = stderr(&assert);
+    assert!(message.starts_with("note: ") && message.contains("state 0, CARDAN 101"), "{message}");
+    let document: Value = serde_json::from_str(&stdout(&assert)).unwrap();
+    let flags = |state: usize, connector: usize| {
+        let state = &document["scenes"][0]["states"][state];
+        let flags = state["connectors"][connector]["flags"].as_array().unwrap().clone();
+        flags.iter().map(|flag| format!("{} {}", flag["flag"], flag["component"])).collect::<Vec<_>>()
+    };
+    assert!(!flags(0, 0).is_empty(), "the lock");
+    assert_eq!(flags(1, 1), [r#""singular" "u1""#]);
+    assert!(flags(3, 1).contains(&r#""not-finite" "u1""#.to_string()), "{:?}", flags(3, 1));
+    let belt = at(&document, 0, 3, 102);
+    assert!(belt["u1"]["CP"].is_null() && belt["u2"]["CP"].is_number(), "{belt}");
+    assert_eq!(flags(2, 0), [r#""large-increment" "ur1""#]);
+    let page = stdout(&pintle(&[&arguments[..], &["human"]].concat()).assert().success());
+    let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in [
+        "from β = ±π/2 (lock): value and derivatives lose digits",
+        "! u1 is singular, at no material left, l0 + Ψa − Ψb ≤ 0",
+        "! ur1 moved by 3.100000 rad since the previous state, more than 0.9 π: its turns are not certain",
+        "! CP of u1 is not finite",
+        "! derivative of u1 is not finite",
+    ] {
+        assert!(words.contains(part), "{part:?} in {page}");
+    }
+    let message =
+        stderr(&pintle(&["eval", &deck, "--states", &states, "--show", "0", "--outputs", "CU1"]).assert());
+    assert!(message.contains("state 2, CARDAN 101: ur1 moved by 3.1"), "a state not shown: {message}");
+    let table = stdout(&pintle(&[&arguments[..], &["csv"]].concat()).assert().success());
+    assert!(table.contains("not-finite") && table.contains("large-increment"), "{table}");
+}
+
+#[test]
+fn colours_only_for_terminals() {
+    for arguments in [&["list"][..], &["explain", "HINGE"], &["eval", "gallery:seat_belt"]] {
+        assert!(!output(arguments).contains('\x1b'));
+        let forced = stdout(&pintle(arguments).env("CLICOLOR_FORCE", "1").assert().success());
+        assert!(forced.contains("\x1b[1m"));
+        let refused = stdout(&pintle(arguments).env("NO_COLOR", "1").assert().success());
+        assert!(!refused.contains('\x1b'));
+    }
+    let refused = pintle(&["eval", "no/such.inp"]).env("NO_COLOR", "1").assert().code(6);
+    assert!(!stderr(&refused).contains('\x1b'));
+}
+
+/// `pintle … | head`: no message, no failure.
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_is_no_error() {
+    for format in ["human", "json", "csv"] {
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_pintle"))
+            .args(["eval", "--order", "2", "--show", "all", "--format", format])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let result = child.wait_with_output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&result.stderr), "", "{format}");
+        assert_eq!(result.status.code(), Some(0), "{format}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error() {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let result = std::process::Command::new(env!("CARGO_BIN_EXE_pintle"))
+        .args(["eval", "gallery:seat_belt", "--format", "json"])
+        .stdout(full)
+        .output()
+        .unwrap();
+    assert_eq!(result.status.code(), Some(70));
+    assert!(String::from_utf8_lossy(&result.stderr).contains("cannot write the results"));
+}
+
+#[test]
+fn a_defect_says_so() {
+    if cfg!(debug_assertions) {
+        let message = stderr(&pintle(&["panic"]).assert().code(70).stdout(""));
+        assert!(message.contains("internal error") && message.contains("a defect of pintle"), "{message}");
+    }
+}
