@@ -433,7 +433,7 @@ impl<R: Differentiable> Connector<R> {
         for k in (0..6).filter(|k| planar(*k)) {
             let slot = definition.connection.slots[k];
             let Some(position) = slot.position() else { continue };
-            let start = position.evaluate(&mut shared);
+            let start = position.unlocked(&relative.q, position.evaluate(&mut shared), zero);
             let (differentiated, offset) = match slot {
                 Slot::Constrained(_, Condition::Zero(printed)) => (printed, zero),
                 Slot::Constrained(_, Condition::ZeroOrHeld(printed)) => {
@@ -565,7 +565,8 @@ impl<R: Differentiable> Connector<R> {
         let turn = R::pi() + R::pi();
         for (k, row) in self.rows.iter().enumerate() {
             let Some(row) = row.filter(|row| row.position.winds()) else { continue };
-            let principal = row.position.evaluate(&mut shared);
+            let evaluated = row.position.evaluate(&mut shared);
+            let principal = row.position.unlocked(&relative.q, evaluated, branch.turns[3].principal);
             let previous = branch.turns[k];
             let along =
                 |v: Vector<R>| row.position.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
@@ -1323,6 +1324,49 @@ mod tests {
                 let margins = connector.margins(&state, &branch, [true; 6]);
                 let flags = connector.flags(&margins, &Increment::none(), &state, &branch, &branch);
                 assert_eq!(!flags.is_empty(), flagged, "{unit} {gap}");
+            }
+        }
+    }
+
+    /// At the lock the angles still compose to the rotation, and the passage loses neither turn nor sheet.
+    #[test]
+    fn angles_pass_the_lock() {
+        let product = |p: [f64; 3], q: [f64; 3], r: [f64; 3]| {
+            let [p, q, r] = [p, q, r].map(|v| so3::matrix(so3::exp(v)));
+            vector::product(&vector::product(&p, &q), &r)
+        };
+        let cardan = |[a, b, c]: [f64; 3]| product([a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]);
+        let euler = |[a, b, c]: [f64; 3]| product([0.0, 0.0, a], [b, 0.0, 0.0], [0.0, 0.0, c]);
+        let right = std::f64::consts::FRAC_PI_2;
+        type Rotation<'a> = &'a dyn Fn([f64; 3]) -> vector::Matrix<f64>;
+        let paths: [(&str, Rotation<'_>, [[f64; 3]; 4]); 4] = [
+            ("EULER", &euler, [[3.0, 0.4, 0.4], [3.1, 0.2, 0.5], [3.1, 0.0, 0.6], [3.3, -0.2, 0.7]]),
+            ("EULER", &euler, [[0.7, 2.7, 3.0], [0.7, 3.0, 3.0], [0.7, 2.0 * right, 3.1], [0.8, 3.3, 3.2]]),
+            ("CARDAN", &cardan, [[3.0, 1.2, 0.2], [3.1, 1.4, 0.2], [3.1, right, 0.3], [3.3, 1.4, 0.4]]),
+            (
+                "CARDAN",
+                &cardan,
+                [[0.4, -1.2, -3.0], [0.5, -1.4, -3.1], [0.5, -right, -3.1], [0.6, -1.4, -3.3]],
+            ),
+        ];
+        for (name, rotation, states) in paths {
+            let still = |triad| node::Node { displacement: [0.0; 3], triad, flow: 0.0 };
+            let initial =
+                Pair { reference: [0.0; 3], a: still(vector::identity()), b: still(rotation(states[0])) };
+            let connection = ConnectionType::named(name, None).unwrap();
+            let connector = Connector::<f64>::new(&Definition::new(connection, initial));
+            let mut branch = connector.initial_branch();
+            for angles in states {
+                let pair = Pair { b: still(rotation(angles)), ..initial };
+                let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+                let request = Request::everything(0);
+                let increment = Increment::none();
+                let found = connector.evaluate(&state, &increment, &branch, &request, &mut Tally::default());
+                for k in 0..3 {
+                    let angle = found.position[3 + k].unwrap();
+                    assert!((angle - angles[k]).abs() < 1e-12, "{name} {angles:?}: {:?}", found.position);
+                }
+                branch = found.branch;
             }
         }
     }

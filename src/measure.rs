@@ -375,6 +375,34 @@ impl Measure {
         Some([resolved(velocity), resolved(acceleration)])
     }
 
+    /// The principal value of an angle that winds: as evaluated, or, so close to a lock that rounding decides it, the one that
+    /// keeps the first angle (`first`, where the state before left it) and gives the third what is known of the two, their sum
+    /// or difference. Together they still compose to Q.
+    ///
+    /// Cardan, β = ±π/2: γ ± α = atan2(Q₂₁, Q₂₂); Euler, β = 0 and π: α ± γ = atan2(Q₂₁, Q₁₁).
+    pub(crate) fn unlocked<R: Real>(self, q: &Matrix<R>, evaluated: R, first: R) -> R {
+        // A few roundings of the entries of Q: nothing of the direction across the axes is left.
+        const LOCK: f64 = 2e-15;
+        let zero = R::integer(0);
+        let (across, beyond, sum, which) = match self {
+            Self::Cardan(i @ (1 | 3)) => (norm([q[1][2], q[2][2]]), q[0][2], [q[1][0], q[1][1]], i),
+            Self::Euler(i @ (1 | 3)) => (norm([q[0][2], q[1][2]]), q[2][2], [q[1][0], q[0][0]], i),
+            _ => return evaluated,
+        };
+        let third = || {
+            let known = sum[0].arctangent(sum[1]);
+            // Where the lock is the other one, Cardan knows γ − α and Euler α − γ.
+            let angle = R::choose(
+                beyond.less(zero),
+                || if matches!(self, Self::Cardan(_)) { known + first } else { first - known },
+                || known - first,
+            );
+            let (sine, cosine) = angle.sine_cosine();
+            sine.arctangent(cosine)
+        };
+        R::choose(across.less(R::from_f64(LOCK)), || if which == 1 { first } else { third() }, || evaluated)
+    }
+
     /// The gradient of this angle with respect to the relative rotation of the nodes, global components: its product with
     /// whole turns of the nodes is how far they advance the angle. `None` for measures that do not wind.
     ///
@@ -382,7 +410,8 @@ impl Measure {
     /// the other angle that winds: (u − (u·w) w)/(1 − (u·w)²). Close to the lock u ∥ w only the sum or the difference of the
     /// two is known; the first takes all.
     pub(crate) fn winding_axis<R: Real>(self, pair: &Pair<R>) -> Option<Vector<R>> {
-        const LOCK: (i32, i32) = (1, 1000);
+        // The square of the sine of the angle between the axes.
+        const LOCK: (i32, i32) = (1, 1_000_000);
         let (first_axis, third_axis, is_first) = match self {
             Self::Cardan(i @ (1 | 3)) => (column(&pair.a.triad, 0), column(&pair.b.triad, 2), i == 1),
             Self::Euler(i @ (1 | 3)) => (column(&pair.a.triad, 2), column(&pair.b.triad, 2), i == 1),
@@ -390,7 +419,9 @@ impl Measure {
         };
         let (own, other) = if is_first { (first_axis, third_axis) } else { (third_axis, first_axis) };
         let across = sub(own, scale(other, dot(own, other)));
+        let square = dot(across, across);
         let locked = if is_first { own } else { [R::integer(0); 3] };
-        Some(R::choose(R::ratio(LOCK.0, LOCK.1).less(norm(across)), || R::inverted(across), || locked))
+        let one = R::integer(1);
+        Some(R::choose(R::ratio(LOCK.0, LOCK.1).less(square), || scale(across, one / square), || locked))
     }
 }

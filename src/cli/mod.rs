@@ -122,29 +122,37 @@ pub(crate) struct Eval {
 
 const EVAL_HELP: &str = "\
 Outputs:
-  CP, CU, CCU      position; displacement from the initial position; from the constitutive reference
-  CV, CA           velocity, acceleration
-  RES, RESV        residual of each constrained component, and its rate J q̇
-  RESB, RESA       J̇ q̇, and the acceleration J q̈ + J̇ q̇ of the residual
-  CSLST            stop status, 1 at a limit
-  TURNS, MARGIN    whole turns counted; distance to the nearest singular point
-  All components of CU are CU, the rotations CUR, one of them CU1 to CU3, CUR1 to CUR3 (likewise CP, CCU,
-  CV, CA). The others take 1 to 6: RES4 is that of ur1. Derivatives are taken of every component named.
-  Without --outputs: CP, CU, RES; CV and CA if a state has rates; CSLST if a connector has stops. This holds
-  for every format. What is not asked for is not computed.
+  CP, CU, CCU    position; displacement from the initial position; from the
+                 constitutive reference
+  CV, CA         velocity, acceleration
+  RES, RESV      residual of each constrained component, and its rate J q̇
+  RESB, RESA     J̇ q̇, and the acceleration J q̈ + J̇ q̇ of the residual
+  CSLST          stop status, 1 at a limit
+  TURNS, MARGIN  whole turns counted; distance to the nearest singular point
+  CU names all components, CUR the rotations, CU1 to CU3 and CUR1 to CUR3 one
+  of them; likewise CP, CCU, CV, CA. The others take 1 to 6: RES4 is that of
+  ur1. Derivatives are taken of every component named.
+  Without --outputs: CP, CU, RES; CV and CA if a state has rates; CSLST if a
+  connector has stops; in every format. What is not asked for is not computed.
 
-CSV: one line for each state × connector × component, one column for each output. With --order 1 or 2 there
-  are the columns dof_1, node_1, dof_2, node_2, derivative, and one line more for each derivative that is not
-  0: a first derivative by dof_1 (dof_2 empty), or ∂²/∂dof_1∂dof_2.
+Tables: a number that needs an exponent and is below 1e-10 of the largest in
+  its table is shown with 4 digits: it is rounding, or nearly so.
 
-JSON: {\"schema\": \"pintle-eval/1\", …, \"scenes\": [{\"scene\", \"states\": [{\"index\", \"time\",
-  \"connectors\": [{\"element\", \"type\", \"nodes\", \"components\", \"jacobian\", \"hessian\", \"flags\"}], \"mpcs\"}]}]}.
-  Numbers read back to the same doubles; one that is not finite is null, with the flag not-finite.
+CSV: one line for each state × connector × component, one column for each
+  output. With --order 1 or 2 there are the columns dof_1, node_1, dof_2,
+  node_2, derivative, and one line more for each derivative that is not 0:
+  ∂/∂dof_1 (dof_2 empty), or ∂²/∂dof_1∂dof_2.
+
+JSON: {\"schema\": \"pintle-eval/1\", …, \"scenes\": [{\"scene\", \"states\":
+  [{\"index\", \"time\", \"connectors\": [{\"element\", \"type\", \"nodes\",
+  \"components\", \"jacobian\", \"hessian\", \"flags\"}], \"mpcs\"}]}]}. Numbers read
+  back to the same doubles; one that is not finite is null, with the flag
+  not-finite.
 
 Examples:
   pintle eval
   pintle eval gallery:slider_crank --outputs CU1 --show 12
-  pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE --format json";
+  pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
 
 /// The width of a page: that of the terminal, or 100.
 fn page_width(stream: &impl IsTerminal) -> usize {

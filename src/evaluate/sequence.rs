@@ -111,7 +111,7 @@ pub struct JointResult {
     pub evaluation: mpc::Evaluation<f64>,
     /// φ_J as the state gives it, where it does.
     pub given: Option<f64>,
-    /// How far the relative rotation is from being about the axis [rad].
+    /// How far the relative rotation is from being about the axis, in radians.
     pub misalignment: f64,
 }
 

@@ -111,9 +111,9 @@ pub struct Derivative {
 /// What a revolute-joint MPC tells besides its rows.
 #[derive(Clone, Copy, Debug)]
 pub struct JointFacts {
-    /// φJ as the state gives it, degree of freedom 6 of node J [rad].
+    /// φJ as the state gives it, degree of freedom 6 of node J, in radians.
     pub given: Option<f64>,
-    /// The angle by which the axes carried by S and M differ [rad].
+    /// The angle by which the axes carried by S and M differ, in radians.
     pub misalignment: f64,
     /// The axis carried by M, global components.
     pub axis: [f64; 3],

@@ -20,7 +20,7 @@ impl<T: Scalar + DualNumCopy, const R: usize, const C: usize> Part<T> for Deriva
     #[inline(always)]
     fn scale_part(mut self, factor: <T as Scalar>::Real) -> Self {
         if let Some(parts) = &mut self.0 {
-            for part in parts.iter_mut() {
+            for part in parts.as_mut_slice() {
                 *part = Scalar::scale(*part, factor);
             }
         }
@@ -123,7 +123,7 @@ impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for Dual2SVec<R, N> {
 fn row<R: Real, const N: usize, const I: usize, const J: usize>(parts: Option<SMatrix<R, I, J>>) -> [R; N] {
     let mut entries = [R::integer(0); N];
     if let Some(matrix) = parts {
-        for (entry, part) in entries.iter_mut().zip(matrix.iter()) {
+        for (entry, part) in entries.iter_mut().zip(matrix.as_slice()) {
             *entry = *part;
         }
     }
