@@ -389,15 +389,19 @@ def inputs_log_matrix(rng):
     return [rounded(real_exp_matrix([t * c for c in d])) for t, d in spread(angles_to_pi(), 4, rng)]
 
 
-def inputs_continuous(rng):
-    """q, then the reference (3) that selects the turn."""
+def inputs_continuous(rng, rotation=real_exp):
+    """The rotation, then the reference (3) that selects the turn."""
     cases = []
     angles = near(2 * mp.pi, 15)[1:] + near(mp.pi, 9) + near(3 * mp.pi, 9) + near(20 * mp.pi, 15)[1:]
     angles += [mpf(x) for x in (3.5, 4.5, 5.5, 8.0, 100.0, 6283.0, 62831.0)]
     for t, d in spread(angles, 3, rng):
         from_reference = t + mpf(rng.choice([-1, 1])) / 3
-        cases.append(rounded(real_exp([t * c for c in d])) + rounded(from_reference * c for c in d))
+        cases.append(rounded(rotation([t * c for c in d])) + rounded(from_reference * c for c in d))
     return cases
+
+
+def inputs_continuous_matrix(rng):
+    return inputs_continuous(rng, real_exp_matrix)
 
 
 def continuous_log(q, reference):
@@ -405,7 +409,7 @@ def continuous_log(q, reference):
     v = [c if q[0] >= 0 else -c for c in q[1:]]
     r, theta = mp.sqrt(sum(c * c for c in v)), mp.sqrt(sum(p * p for p in phi))
     along = sum(a * b for a, b in zip(v, reference)) / r
-    return log_quaternion(turned(unit(q)), int(mp.nint((along - theta) / (2 * mp.pi))))
+    return log_quaternion(turned(q), int(mp.nint((along - theta) / (2 * mp.pi))))
 
 
 def from_axes(first, second, third):
@@ -460,7 +464,14 @@ FUNCTIONS = [
     ("exp_matrix", lambda x: exp_matrix(Jet.variables(x)), inputs_exp, 3, False),
     ("log_quaternion", lambda x: log_quaternion(turned(unit(x))), inputs_log_quaternion, 4, True),
     ("log_matrix", log_matrix, inputs_log_matrix, 9, True),
-    ("continuous_log", lambda x: continuous_log(x[:4], x[4:]), inputs_continuous, 4, True),
+    ("continuous_log", lambda x: continuous_log(unit(x[:4]), x[4:]), inputs_continuous, 4, True),
+    (
+        "continuous_log_matrix",
+        lambda x: continuous_log(quaternion(polar(x[:9])), x[9:]),
+        inputs_continuous_matrix,
+        9,
+        True,
+    ),
     ("cardan", cardan, inputs_cardan, 9, False),
     ("euler", lambda x: euler(x[:9], x[9]), inputs_euler, 9, False),
 ]

@@ -13,8 +13,8 @@
 //! assert_eq!(phi.map(|p| p.eps), [1.0, 2.0, 3.0]);
 //! ```
 
-use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm, sqrt};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm};
+use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
 
 /// A quaternion (w, x, y, z), scalar part first.
@@ -31,19 +31,25 @@ pub fn exp<S: Scalar>(phi: Vector<S>) -> Quaternion<S> {
     [square.lift(&w), x, y, z]
 }
 
-/// The rotation matrix of a unit quaternion, in the quadratic form 1 − 2(y² + z²), 2(xy − wz) …, which has no 1 − cos.
+/// The rotation matrix of a unit quaternion, in the quadratic form 2(xy − wz) …, which has no 1 − cos.
+///
+/// On the diagonal 1 − 2(y² + z²) = 2(w² + x²) − 1, whichever has the smaller squares and so the smaller errors.
 #[inline(always)]
 pub fn matrix<S: Scalar>([w, x, y, z]: Quaternion<S>) -> Matrix<S> {
     let two = S::Real::integer(2);
-    let (x2, y2, z2) = (x.scale(two), y.scale(two), z.scale(two));
-    let (xx, yy, zz) = (x * x2, y * y2, z * z2);
+    let (w2, x2, y2, z2) = (w.scale(two), x.scale(two), y.scale(two), z.scale(two));
+    let (ww, xx, yy, zz) = (w * w2, x * x2, y * y2, z * z2);
     let (xy, xz, yz) = (x * y2, x * z2, y * z2);
     let (wx, wy, wz) = (w * x2, w * y2, w * z2);
-    let one = S::one();
+    let one = S::Real::integer(1);
+    let diagonal = |along: S, across: [S; 2]| {
+        let small = (ww.real() + along.real()).less(one);
+        S::Real::choose(small, || ww + along - S::one(), || S::one() - (across[0] + across[1]))
+    };
     [
-        [one - (yy + zz), xy - wz, xz + wy],
-        [xy + wz, one - (xx + zz), yz - wx],
-        [xz - wy, yz + wx, one - (xx + yy)],
+        [diagonal(xx, [yy, zz]), xy - wz, xz + wy],
+        [xy + wz, diagonal(yy, [xx, zz]), yz - wx],
+        [xz - wy, yz + wx, diagonal(zz, [xx, yy])],
     ]
 }
 
@@ -71,19 +77,81 @@ pub fn normalize<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
     [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
 }
 
-/// The unit quaternion of a rotation matrix, w ≥ 0, from the largest of 1 + tr R and 1 + 2 R_ii − tr R.
+/// The unit quaternion, w ≥ 0, of the rotation nearest to a rotation matrix with rounding errors.
+///
+/// It is the dominant eigenvector of a symmetric matrix M, linear in R, that is q qᵀ for an exact rotation. The real part q₀ is
+/// the column with the largest diagonal entry, refined by one multiplication; with derivatives q = M q₀/(q·q₀),
+/// (q·q₀)² = q₀·M q₀. Taken through the real formulas derivatives would be sums of large terms that cancel.
 #[inline(always)]
 pub fn quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
-    let trace = r[0][0] + r[1][1] + r[2][2];
-    S::Real::choose(
-        S::Real::integer(0).less(trace.real()),
-        || {
-            let half = S::Real::ratio(1, 2);
-            let [x, y, z] = times(twice_axial(r), inverse_sqrt(S::one() + trace).scale(half));
-            [sqrt(S::one() + trace).scale(half), x, y, z]
-        },
-        || beyond_right_angle(r),
-    )
+    derived(r, upper_half(unit_quaternion(&real_matrix(r))))
+}
+
+/// The quaternion of R, from that of its real part.
+#[inline(always)]
+fn derived<S: Scalar>(r: &Matrix<S>, q0: Quaternion<S::Real>) -> Quaternion<S> {
+    if S::ORDER == 0 {
+        return constant(q0);
+    }
+    let e = eigen_matrix(S::zero(), &r.map(|row| row.map(Scalar::nilpotent)));
+    let quarter = q0.map(|c| c * S::Real::ratio(1, 4));
+    let mut change = [S::zero(); 4];
+    let mut rest = S::zero(); // (q·q₀)² − 1
+    for i in 0..4 {
+        change[i] = e[i][0].scale(quarter[0])
+            + e[i][1].scale(quarter[1])
+            + e[i][2].scale(quarter[2])
+            + e[i][3].scale(quarter[3]);
+        rest = rest + change[i].scale(q0[i]);
+    }
+    // Its first order is rounding error, its second |δ|²/4.
+    let mut inverse_rest = rest.scale(S::Real::ratio(-1, 2));
+    if S::ORDER > 3 {
+        inverse_rest = inverse_rest + (rest * rest).scale(S::Real::ratio(3, 8));
+    }
+    stretched(q0, change, inverse_rest)
+}
+
+/// (q₀ + e)(1 + c) where c begins with the second order but for rounding.
+#[inline(always)]
+fn stretched<S: Scalar>(q0: Quaternion<S::Real>, e: Quaternion<S>, c: S) -> Quaternion<S> {
+    let component = |i: usize| {
+        let sum = S::from_real(q0[i]) + e[i] + c.scale(q0[i]);
+        if S::ORDER > 2 { sum + e[i] * c } else { sum }
+    };
+    [component(0), component(1), component(2), component(3)]
+}
+
+/// 4 M by rows, (1 + tr R, a), (a, R + Rᵀ + (1 − tr R) I) with a = (R₃₂ − R₂₃, …), for a rotation (`one` = 1) or a change of
+/// one (`one` = 0).
+#[inline(always)]
+fn eigen_matrix<S: Scalar>(one: S, r: &Matrix<S>) -> [Quaternion<S>; 4] {
+    let [x, y, z] = twice_axial(r);
+    let (xy, xz, yz) = (r[0][1] + r[1][0], r[0][2] + r[2][0], r[1][2] + r[2][1]);
+    [
+        [one + r[0][0] + r[1][1] + r[2][2], x, y, z],
+        [x, one + r[0][0] - r[1][1] - r[2][2], xy, xz],
+        [y, xy, one + r[1][1] - r[0][0] - r[2][2], yz],
+        [z, xz, yz, one + r[2][2] - r[0][0] - r[1][1]],
+    ]
+}
+
+/// The constant q.
+#[inline(always)]
+fn constant<S: Scalar>(q: Quaternion<S::Real>) -> Quaternion<S> {
+    [S::from_real(q[0]), S::from_real(q[1]), S::from_real(q[2]), S::from_real(q[3])]
+}
+
+/// The real part of R.
+#[inline(always)]
+fn real_matrix<S: Scalar>(r: &Matrix<S>) -> Matrix<S::Real> {
+    [vector::real(r[0]), vector::real(r[1]), vector::real(r[2])]
+}
+
+/// The real part of q.
+#[inline(always)]
+fn real_quaternion<S: Scalar>(q: Quaternion<S>) -> Quaternion<S::Real> {
+    [q[0].real(), q[1].real(), q[2].real(), q[3].real()]
 }
 
 /// (R₃₂ − R₂₃, R₁₃ − R₃₁, R₂₁ − R₁₂) = 2 sin|φ| φ/|φ|.
@@ -92,31 +160,26 @@ fn twice_axial<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
     [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
 }
 
-/// The quaternion, w ≥ 0, of a rotation by more than about a right angle, from its largest diagonal entry.
+/// The dominant eigenvector of M ([`eigen_matrix`]), either sign.
 #[inline(always)]
-fn beyond_right_angle<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
-    let d = [r[0][0].real(), r[1][1].real(), r[2][2].real()];
-    let q = S::Real::choose(
-        d[0].less(d[1]),
-        || S::Real::choose(d[1].less(d[2]), || from_pivot::<S, 2>(r), || from_pivot::<S, 1>(r)),
-        || S::Real::choose(d[0].less(d[2]), || from_pivot::<S, 2>(r), || from_pivot::<S, 0>(r)),
-    );
-    upper_half(q)
+fn unit_quaternion<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
+    let m = eigen_matrix(R::integer(1), r);
+    let larger = |a: (R, Quaternion<R>), b: (R, Quaternion<R>)| R::choose(a.0.less(b.0), || b, || a);
+    let candidate = |i: usize| (m[i][i], m[i]);
+    let (_, start) = larger(larger(candidate(0), candidate(1)), larger(candidate(2), candidate(3)));
+    let mut q = start;
+    for i in 0..4 {
+        q[i] = m[i][0] * start[0] + m[i][1] * start[1] + m[i][2] * start[2] + m[i][3] * start[3];
+    }
+    unit(q)
 }
 
-/// (w, v) from the diagonal entry I: 4 v_I² = 1 + R_II − R_JJ − R_KK, I, J, K cyclic.
+/// q / |q|.
 #[inline(always)]
-fn from_pivot<S: Scalar, const I: usize>(r: &Matrix<S>) -> Quaternion<S> {
-    let (j, k) = ((I + 1) % 3, (I + 2) % 3);
-    let pivot = S::one() + r[I][I] - r[j][j] - r[k][k];
-    let half = S::Real::ratio(1, 2);
-    let f = inverse_sqrt(pivot).scale(half);
-    let mut q = [S::zero(); 4];
-    q[0] = (r[k][j] - r[j][k]) * f;
-    q[1 + I] = sqrt(pivot).scale(half);
-    q[1 + j] = (r[I][j] + r[j][I]) * f;
-    q[1 + k] = (r[I][k] + r[k][I]) * f;
-    q
+fn unit<R: Real>(q: Quaternion<R>) -> Quaternion<R> {
+    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    let inverse = square.square_root().reciprocal_or_zero();
+    [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
 }
 
 /// ±q with w ≥ 0.
@@ -125,12 +188,34 @@ fn upper_half<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
     S::Real::choose(q[0].real().less(S::Real::integer(0)), || [-q[0], -q[1], -q[2], -q[3]], || q)
 }
 
+/// ±q/|q|, w ≥ 0, of a quaternion that is a unit but for rounding: what a product of several left of its norm does not enter the
+/// log.
+#[inline(always)]
+fn on_sphere<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
+    let q0 = real_quaternion(q);
+    let square = q0[0] * q0[0] + q0[1] * q0[1] + q0[2] * q0[2] + q0[3] * q0[3];
+    let inverse = square.square_root().reciprocal_or_zero();
+    let p0 = q0.map(|c| c * inverse);
+    if S::ORDER == 0 {
+        return upper_half(constant(p0));
+    }
+    // The derivatives of |q|² are rounding errors: the first term of 1/√(1 + …) is enough.
+    let p = q.map(|c| c.scale(inverse));
+    let rest = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]).nilpotent();
+    upper_half(stretched(p0, p.map(Scalar::nilpotent), rest.scale(S::Real::ratio(-1, 2))))
+}
+
 /// The principal rotation vector φ, |φ| ≤ π, of a unit quaternion (either sign), 4 / 5 / 6 u.
 ///
 /// φ = K(w) v with K(c) = 2 acos(c)/√(1 − c²), a univariate lift: regular at zero rotation and through half a turn.
 #[inline(always)]
 pub fn log_quaternion<S: Scalar>(q: Quaternion<S>) -> Vector<S> {
-    let [w, x, y, z] = upper_half(q);
+    principal(on_sphere(q))
+}
+
+/// K(w) v of a unit quaternion with w ≥ 0.
+#[inline(always)]
+fn principal<S: Scalar>([w, x, y, z]: Quaternion<S>) -> Vector<S> {
     times([x, y, z], w.lift(&S::Real::log_series(w.real(), S::ORDER)))
 }
 
@@ -148,10 +233,7 @@ pub fn log<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
             let k = cosine.lift(&S::Real::log_series(cosine.real(), S::ORDER));
             times(twice_axial(r), k.scale(S::Real::ratio(1, 4)))
         },
-        || {
-            let [w, x, y, z] = beyond_right_angle(r);
-            times([x, y, z], w.lift(&S::Real::log_series(w.real(), S::ORDER)))
-        },
+        || principal(quaternion(r)),
     )
 }
 
@@ -184,7 +266,8 @@ pub struct ContinuousLog<S: Scalar> {
 /// At R = I exactly with k ≠ 0 the axis is the reference's, and derivatives are taken along it only (those across do not
 /// exist; `lateral` is 0).
 pub fn continuous_log<S: Scalar>(r: &Matrix<S>, reference: Vector<S::Real>) -> ContinuousLog<S> {
-    continue_from_quaternion(quaternion(r), log(r), reference)
+    let q0 = upper_half(unit_quaternion(&real_matrix(r)));
+    continued(q0, reference, || log(r), || derived(r, q0))
 }
 
 /// As [`continuous_log`], from a unit quaternion.
@@ -192,20 +275,41 @@ pub fn continuous_log_quaternion<S: Scalar>(
     q: Quaternion<S>,
     reference: Vector<S::Real>,
 ) -> ContinuousLog<S> {
-    continue_from_quaternion(upper_half(q), log_quaternion(q), reference)
+    let on_sphere = on_sphere(q);
+    continued(upper_half(real_quaternion(q)), reference, || principal(on_sphere), || on_sphere)
 }
 
-fn continue_from_quaternion<S: Scalar>(
-    [w, x, y, z]: Quaternion<S>,
-    principal: Vector<S>,
+/// The log on its sheet: of the real quaternion q₀ (w ≥ 0, not quite a unit), or what `principal` and `quaternion` give, whichever
+/// the sheet needs.
+#[inline(always)]
+fn continued<S: Scalar>(
+    q0: Quaternion<S::Real>,
     reference: Vector<S::Real>,
+    principal: impl Fn() -> Vector<S>,
+    quaternion: impl Fn() -> Quaternion<S>,
 ) -> ContinuousLog<S> {
     let zero = S::Real::integer(0);
-    let turn = S::Real::pi() + S::Real::pi();
-    let v = [x, y, z];
-    let (unit, lateral) = S::Real::direction_and_norm(vector::real(v));
+    let half_turn = S::Real::pi();
+    let turn = half_turn + half_turn;
+    let (unit, lateral) = S::Real::direction_and_norm([q0[1], q0[2], q0[3]]);
     let (reference_direction, length) = S::Real::direction_and_norm(reference);
     let along = dot(unit, reference);
+    let angle = || {
+        let half = lateral.arctangent(q0[0]);
+        half + half
+    };
+    // θ_p lies between 2 sin and π sin of its half: mostly enough to see that the principal log is nearest.
+    let nearest = || {
+        let above = along.less(half_turn + lateral + lateral);
+        let below = (half_turn * lateral - half_turn).less(along);
+        // Halves go towards zero: a half turn from a reference at zero is principal.
+        let counted = || {
+            let turns = (along - angle()) / turn;
+            let little = S::Real::ratio(1, i32::MAX);
+            S::Real::choose(zero.less(turns), || turns - little, || turns + little).nearest_integer()
+        };
+        S::Real::choose(above, || S::Real::choose(below, || zero, counted), counted)
+    };
     let k = S::Real::choose(
         S::Real::ratio(SHEET.0, SHEET.1).less(length),
         || {
@@ -213,76 +317,65 @@ fn continue_from_quaternion<S: Scalar>(
             S::Real::choose(
                 lateral.less(S::Real::ratio(ZONE.0, ZONE.1)),
                 || S::Real::choose(along.less(zero), || -own, || own),
-                || nearest_turn::<S>(principal, along, turn),
+                nearest,
             )
         },
-        || nearest_turn::<S>(principal, along, turn),
+        nearest,
     );
-    let minus_one = S::Real::integer(-1);
     let phi = S::Real::choose(
         zero.less(k.magnitude()),
         || {
             S::Real::choose(
                 zero.less(lateral),
                 || {
-                    // On the sheet k = −1 away from the identity, −K(−w) v needs no sum.
-                    S::Real::choose(
-                        minus_one.less(k),
-                        || along_direction::<S>(v, principal, k),
+                    let [w, x, y, z] = quaternion();
+                    let phi = S::Real::choose(
+                        q0[0].less(S::Real::ratio(1, 2)),
+                        || times([x, y, z], w.lift(&turned_series(w.real(), k, S::ORDER))),
                         || {
-                            S::Real::choose(
-                                k.less(minus_one),
-                                || along_direction::<S>(v, principal, k),
-                                || {
-                                    S::Real::choose(
-                                        w.real().less(S::Real::ratio(4, 5)),
-                                        || {
-                                            let opposite = -w;
-                                            let series = S::Real::log_series(opposite.real(), S::ORDER);
-                                            times(v, -opposite.lift(&series))
-                                        },
-                                        || along_direction::<S>(v, principal, k),
-                                    )
-                                },
+                            vector::add(
+                                principal(),
+                                scale(direction([x, y, z]), S::Real::with_turns(zero, k)),
                             )
                         },
-                    )
+                    );
+                    // The value on its own, (θ_p + 2πk) v/|v|, takes the fewest roundings.
+                    let factor = S::Real::with_turns(angle(), k) / lateral;
+                    let value = |i: usize| S::from_real(q0[1 + i] * factor) + phi[i].nilpotent();
+                    [value(0), value(1), value(2)]
                 },
                 || {
-                    let axial = dot_real(reference_direction, principal);
+                    let axial = dot_real(reference_direction, principal());
                     let angle = S::from_real(S::Real::with_turns(zero, k)) + axial;
                     let axis: Vector<S> = vector::constant(reference_direction);
                     times(axis, angle)
                 },
             )
         },
-        || principal,
+        &principal,
     );
     ContinuousLog { phi, lateral }
 }
 
-/// round((d·reference − θ_p)/2π), halves towards zero: a half turn from a reference at zero is principal.
-#[inline(always)]
-fn nearest_turn<S: Scalar>(principal: Vector<S>, along: S::Real, turn: S::Real) -> S::Real {
-    let (_, angle) = S::Real::direction_and_norm(vector::real(principal));
-    let turns = (along - angle) / turn;
-    (turns - turns * S::Real::ratio(1, i32::MAX)).nearest_integer()
-}
-
-/// φ_p + 2πk v/|v|.
-#[inline(always)]
-fn along_direction<S: Scalar>(v: Vector<S>, principal: Vector<S>, k: S::Real) -> Vector<S> {
-    let zero = S::Real::integer(0);
-    let d = direction(v);
-    let whole = S::Real::with_turns(zero, k);
-    let mut phi = vector::add(principal, scale(d, whole));
-    // The value alone: θ_p d₀ + 2πk d₀ with one rounding, rather than the sum of two rounded vectors.
-    let (_, angle) = S::Real::direction_and_norm(vector::real(principal));
-    let total = S::Real::with_turns(angle, k);
-    for (component, direction) in phi.iter_mut().zip(d) {
-        *component = S::from_real(direction.real() * total) + component.nilpotent();
+/// The Taylor coefficients of K_k(c) = (2 acos c + 2πk)/√(1 − c²) at 0 ≤ c < 1: on the sheet k, φ = K_k(w) v.
+///
+/// (1 − c²) K′ = c K − 2 holds on every sheet. Beyond 120° from a whole turn this is better than the sum of two vectors.
+fn turned_series<R: Real>(c: R, k: R, order: usize) -> Series<R> {
+    let one = R::integer(1);
+    let rest = (one - c) * (one + c);
+    let sine = rest.square_root();
+    let half_angle = sine.arctangent(c);
+    let mut series = [R::integer(0); MAX_ORDER + 1];
+    series[0] = R::with_turns(half_angle + half_angle, k) / sine;
+    if order > 0 {
+        series[1] = (c * series[0] - R::integer(2)) / rest;
     }
-    phi
+    for n in 1..order {
+        let m = n as i32;
+        let sum = R::integer(2 * m + 1) * c * series[n] + R::integer(m) * series[n - 1];
+        series[n + 1] = sum / (R::integer(m + 1) * rest);
+    }
+    series
 }
 
 impl<S: Scalar> ContinuousLog<S> {

@@ -3,14 +3,21 @@
 //! The unit of error is u S: u = 2⁻⁵³ and S = |f| + Σ|x_i||∂f/∂x_i| over all input doubles, the *conditioned scale*: what one
 //! rounding of each input already forces, f being the value or an entry of the first or second derivative. Vectors, matrices
 //! and the derivatives of one quantity are measured in the maximum norm: largest error over largest S. (Entry by entry
-//! no formula could pass: an exact zero that rests on cancellation has S = 0.) Angles are quantities of their own.
+//! no formula could pass: an exact zero that rests on cancellation has S = 0.) Cardan and Euler angles are measured both
+//! together and one by one.
 //! Derivatives of functions of a rotation are along R(e) = exp(e^) R.
 //!
 //! Two references stand beside each other. Golden numbers from mpmath (`scripts/numerics_golden.py`, formulas and jets of its
 //! own) judge the product and the 237-bit scalar alike, on few points; the 237-bit scalar judges the product on many.
 
+mod chain;
 mod function;
+mod fuzz;
 mod golden;
+mod grid;
+mod identity;
+mod truth;
+mod turns;
 
 use crate::tolerance::NUMERICS;
 use function::Function;
@@ -42,6 +49,14 @@ impl Worst {
         Self { function, orders: [const { (0.0, String::new()) }; 3] }
     }
 
+    fn include(&mut self, other: Self) {
+        for (ours, theirs) in self.orders.iter_mut().zip(other.orders) {
+            if theirs.0 > ours.0 || ours.1.is_empty() {
+                *ours = theirs;
+            }
+        }
+    }
+
     /// Notes an error; one that is not a number counts as infinite.
     fn note(&mut self, order: usize, error: f64, place: impl FnOnce() -> String) {
         let error = if error.is_nan() { f64::INFINITY } else { error };
@@ -58,7 +73,7 @@ fn assert_gates(title: &str, measured: &[Worst]) {
     let mut missed = String::new();
     for worst in measured {
         let gate = NUMERICS.iter().find(|g| g.function == worst.function).expect(worst.function);
-        let _ = write!(table, "{:16}", worst.function);
+        let _ = write!(table, "{:22}", worst.function);
         for (k, (error, place)) in worst.orders.iter().enumerate() {
             let _ = write!(table, " {:>9.3} ({:>2})", error, gate.orders[k]);
             if *error > gate.orders[k] {
@@ -86,38 +101,43 @@ struct Reference {
     rest: f64,
 }
 
-/// The errors of all numbers of a function at one point, order by order, in units u of the largest S.
+/// The errors of all numbers of a function at one point, order by order, in units u of the largest S, noted for each of its
+/// measures.
 ///
 /// An order whose true numbers overflow is not judged.
 fn judge(
-    worst: &mut Worst,
+    measured: &mut [Worst],
     function: Function,
     inputs: &[f64],
     computed: &[Vec<f64>],
     references: &[Vec<Reference>],
 ) {
     assert_eq!(computed.len(), references.len(), "{function:?}");
-    let quantities = if function.is_vector() { 1 } else { computed.len() };
-    let per_quantity = computed.len() / quantities;
-    for (computed, references) in computed.chunks(per_quantity).zip(references.chunks(per_quantity)) {
-        for k in 0..3 {
-            let of_order = |i: &usize| order(*i, function.directions()) == k;
-            let pairs = computed.iter().zip(references).flat_map(|(c, r)| {
-                assert_eq!(c.len(), r.len(), "{function:?}");
-                (0..c.len()).filter(of_order).map(|i| (c[i], r[i])).collect::<Vec<_>>()
-            });
-            let pairs: Vec<_> = pairs.collect();
-            let scale = pairs.iter().fold(0.0, |s: f64, (_, r)| s.max(r.scale));
-            if scale.is_infinite() {
-                continue;
-            }
-            for (x, reference) in pairs {
-                worst.note(k, error(x, reference, scale), || {
-                    format!("{inputs:?}: {x:e} for {:e}", reference.value)
+    for (worst, (_, together)) in measured.iter_mut().zip(function.measures()) {
+        for (computed, references) in computed.chunks(*together).zip(references.chunks(*together)) {
+            for k in 0..3 {
+                let of_order = |i: &usize| order(*i, function.directions()) == k;
+                let pairs = computed.iter().zip(references).flat_map(|(c, r)| {
+                    assert_eq!(c.len(), r.len(), "{function:?}");
+                    (0..c.len()).filter(of_order).map(|i| (c[i], r[i])).collect::<Vec<_>>()
                 });
+                let pairs: Vec<_> = pairs.collect();
+                let scale = pairs.iter().fold(0.0, |s: f64, (_, r)| s.max(r.scale));
+                if scale.is_infinite() {
+                    continue;
+                }
+                for (x, reference) in pairs {
+                    let place = || format!("{inputs:?}: {x:e} for {:e}", reference.value);
+                    worst.note(k, error(x, reference, scale), place);
+                }
             }
         }
     }
+}
+
+/// Nothing measured yet, for each measure of a function.
+fn unmeasured(function: Function) -> Vec<Worst> {
+    function.measures().iter().map(|(name, _)| Worst::new(name)).collect()
 }
 
 /// |computed − reference| in units u times `scale`; the spacing at the bottom of the range is no error.

@@ -14,7 +14,8 @@ const fn gate(function: &'static str, value: f64, first: f64, second: f64) -> Ga
 
 /// Errors in units u of the conditioned scale |f| + Σ|x_i||∂f/∂x_i|, of the value and of each derivative.
 pub(crate) const NUMERICS: &[Gate] = &[
-    gate("sqrt", 1.0, 1.0, 2.0),
+    // √x and 0.5/√x: two roundings, over a scale of 3/2.
+    gate("sqrt", 1.0, 1.5, 2.0),
     gate("inverse_sqrt", 2.0, 2.0, 3.0),
     gate("recip", 1.0, 2.0, 3.0),
     gate("sin_cos", 1.0, 1.0, 2.0),
@@ -28,8 +29,22 @@ pub(crate) const NUMERICS: &[Gate] = &[
     gate("log_matrix", 4.0, 5.0, 6.0),
     // One more rounded vector than the log, and a multiple of 2π; to 1e4 turns.
     gate("continuous_log", 4.0, 6.0, 12.0),
+    gate("continuous_log_matrix", 4.0, 6.0, 12.0),
+    // In the norm of the array, as the vectors above.
     gate("cardan", 1.0, 2.0, 3.0),
     gate("euler", 1.0, 2.0, 3.0),
+    // Near the lock the first and third angle outweigh the second in the norm of the array; by itself the derivative of the second
+    // is a chain of ten roundings over a scale of hardly more than its own size.
+    gate("cardan, each angle", 1.0, 3.0, 3.0),
+    gate("euler, each angle", 1.0, 3.0, 3.0),
+    // Absolute, in u over 1, |r₁|, |r₂| + |r₁|²: two exps, two products and a log.
+    gate("chain of quaternions", 16.0, 12.0, 12.0),
+    gate("ROTATION connector", 16.0, 12.0, 12.0),
+    // Two rounded matrices and their product, with derivatives, besides.
+    gate("chain of matrices", 16.0, 16.0, 16.0),
+    // The columns are the third, the fourth and the second derivative.
+    gate("jerk, quaternions", 60.0, 150.0, 12.0),
+    gate("jerk, matrices", 60.0, 150.0, 16.0),
 ];
 
 /// What a law allows.

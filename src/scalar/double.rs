@@ -49,7 +49,13 @@ impl Real for f64 {
     }
 
     fn with_turns(principal: Self, n: Self) -> Self {
-        n.mul_add(TAU, n.mul_add(TAU_REST, principal))
+        // 2πn as a sum of two doubles, then the sum with its rounding error (Knuth).
+        let whole = n * TAU;
+        let rest = n.mul_add(TAU, -whole) + n * TAU_REST;
+        let sum = whole + principal;
+        let shifted = sum - whole;
+        let lost = (whole - (sum - shifted)) + (principal - shifted);
+        sum + (lost + rest)
     }
 
     #[inline(always)]
@@ -69,7 +75,8 @@ impl Real for f64 {
 
     #[inline(always)]
     fn reciprocal_or_zero(self) -> Self {
-        if self == 0.0 { 0.0 } else { 1.0 / self }
+        let inverse = 1.0 / self;
+        if inverse.is_infinite() { 0.0 } else { inverse }
     }
 
     type Mask = bool;
@@ -105,7 +112,8 @@ impl Real for f64 {
     #[inline(always)]
     fn inverted<const N: usize>(v: [Self; N]) -> [Self; N] {
         let Some((scale, square)) = scaled_square(v) else { return [0.0; N] };
-        v.map(|x| x * scale / square * scale)
+        let inverted = v.map(|x| x * scale / square * scale);
+        if inverted.iter().all(|x| x.is_finite()) { inverted } else { [0.0; N] }
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@
 
 use super::{Real, Scalar};
 
-/// √x for x > 0, 1 / 1 / 2 u.
+/// √x for x > 0, 1 / 1.5 / 2 u.
 ///
 /// At x = 0 the value is 0 and the derivatives, which do not exist, are 0.
 #[inline(always)]
@@ -15,21 +15,19 @@ pub fn sqrt<S: Scalar>(x: S) -> S {
     if S::ORDER == 0 {
         return S::from_real(root);
     }
-    // √(x₀(1 + r)) with r = e / x₀, the factor √x₀ first so that no intermediate overflows.
-    let r = x.nilpotent().scale(x.real().reciprocal_or_zero());
-    S::from_real(root) + r.scale(root) * sqrt_one_plus_rest(r)
-}
-
-/// (√(1 + r) − 1) / r for nilpotent r.
-#[inline(always)]
-fn sqrt_one_plus_rest<S: Scalar>(r: S) -> S {
-    let c = |p, q| S::from_real(S::Real::ratio(p, q));
-    match S::ORDER {
-        0 | 1 => c(1, 2),
-        2 => c(1, 2) + r * c(-1, 8),
-        3 => c(1, 2) + r * (c(-1, 8) + r * c(1, 16)),
-        _ => c(1, 2) + r * (c(-1, 8) + r * (c(1, 16) + r * c(-5, 128))),
+    // √(x₀(1 + r)) with r = e / x₀; the first order on its own, so that no intermediate overflows.
+    let ratio = S::Real::ratio;
+    let slope = x.nilpotent().scale(root.reciprocal_or_zero() * ratio(1, 2));
+    if S::ORDER == 1 {
+        return S::from_real(root) + slope;
     }
+    let r = x.nilpotent().scale(x.real().reciprocal_or_zero());
+    let c = [S::Real::integer(1), ratio(-1, 4), ratio(1, 8), ratio(-5, 64)];
+    let mut sum = S::from_real(c[S::ORDER - 1]);
+    for k in (0..S::ORDER - 1).rev() {
+        sum = S::from_real(c[k]) + r * sum;
+    }
+    S::from_real(root) + slope * sum
 }
 
 /// 1 / √x for x > 0, 2 / 2 / 3 u; at x = 0 the value and the derivatives, which do not exist, are 0.

@@ -133,7 +133,7 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// |x|.
     fn magnitude(self) -> Self;
 
-    /// 1 / x, or 0 where x = 0.
+    /// 1 / x, or 0 where x = 0 or, in a type of narrow range, 1 / x would overflow (`f64`: |x| < 2⁻¹⁰²⁴).
     ///
     /// The second case is the minimal-norm choice of a derivative at a point that has none; whoever can meet such a
     /// point reports it (`Measure::margin`).
@@ -157,7 +157,7 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// (v / |v|, |v|) without overflow or underflow for components between 1e−300 and 1e300; (0, 0) at v = 0.
     fn direction_and_norm<const N: usize>(v: [Self; N]) -> ([Self; N], Self);
 
-    /// v / |v|², with the range of [`Real::direction_and_norm`]; 0 at v = 0.
+    /// v / |v|², with the range of [`Real::direction_and_norm`]; 0 at v = 0 and where it would overflow.
     #[inline(always)]
     fn inverted<const N: usize>(v: [Self; N]) -> [Self; N] {
         let (mut u, norm) = Self::direction_and_norm(v);

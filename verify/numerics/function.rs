@@ -4,7 +4,7 @@ use pintle::scalar::{Differentiable, Real, Scalar, Seeded, elementary};
 use pintle::so3;
 use pintle::vector::{self, Matrix, Vector};
 
-/// A function under test; [`Function::name`] is its name in the golden file and in the table of gates.
+/// A function under test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Function {
     Sqrt,
@@ -20,13 +20,14 @@ pub(super) enum Function {
     LogQuaternion,
     LogMatrix,
     ContinuousLog,
+    ContinuousLogMatrix,
     Cardan,
     Euler,
 }
 
 use Function::*;
 
-pub(super) const ALL: [Function; 15] = [
+pub(super) const ALL: [Function; 16] = [
     Sqrt,
     InverseSqrt,
     Recip,
@@ -40,31 +41,12 @@ pub(super) const ALL: [Function; 15] = [
     LogQuaternion,
     LogMatrix,
     ContinuousLog,
+    ContinuousLogMatrix,
     Cardan,
     Euler,
 ];
 
 impl Function {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Sqrt => "sqrt",
-            InverseSqrt => "inverse_sqrt",
-            Recip => "recip",
-            SinCos => "sin_cos",
-            Atan2 => "atan2",
-            Norm2 => "norm2",
-            Norm3 => "norm3",
-            Direction3 => "direction3",
-            ExpQuaternion => "exp_quaternion",
-            ExpMatrix => "exp_matrix",
-            LogQuaternion => "log_quaternion",
-            LogMatrix => "log_matrix",
-            ContinuousLog => "continuous_log",
-            Cardan => "cardan",
-            Euler => "euler",
-        }
-    }
-
     /// How many directions it is differentiated in.
     pub(super) fn directions(self) -> usize {
         match self {
@@ -74,15 +56,54 @@ impl Function {
         }
     }
 
-    /// Whether the outputs are the components of one vector or matrix, or quantities of their own.
-    pub(super) fn is_vector(self) -> bool {
-        matches!(self, Direction3 | ExpQuaternion | ExpMatrix | LogQuaternion | LogMatrix | ContinuousLog)
+    /// The measures to apply: the name of the gate, and how many outputs are measured in one maximum norm.
+    pub(super) fn measures(self) -> &'static [(&'static str, usize)] {
+        match self {
+            SinCos => &[("sin_cos", 1)],
+            Cardan => &[("cardan", 3), ("cardan, each angle", 1)],
+            Euler => &[("euler", 3), ("euler, each angle", 1)],
+            Sqrt => &[("sqrt", 1)],
+            InverseSqrt => &[("inverse_sqrt", 1)],
+            Recip => &[("recip", 1)],
+            Atan2 => &[("atan2", 1)],
+            Norm2 => &[("norm2", 1)],
+            Norm3 => &[("norm3", 1)],
+            Direction3 => &[("direction3", 3)],
+            ExpQuaternion => &[("exp_quaternion", 4)],
+            ExpMatrix => &[("exp_matrix", 9)],
+            LogQuaternion => &[("log_quaternion", 3)],
+            LogMatrix => &[("log_matrix", 3)],
+            ContinuousLog => &[("continuous_log", 3)],
+            ContinuousLogMatrix => &[("continuous_log_matrix", 3)],
+        }
+    }
+
+    /// Its name in the golden file.
+    pub(super) fn name(self) -> &'static str {
+        self.measures()[0].0
+    }
+
+    /// How many inputs are rounded numbers; those that follow select a branch.
+    pub(super) fn rounded_inputs(self) -> usize {
+        match self {
+            Sqrt | InverseSqrt | Recip | SinCos => 1,
+            Atan2 | Norm2 => 2,
+            Norm3 | Direction3 | ExpQuaternion | ExpMatrix => 3,
+            LogQuaternion | ContinuousLog => 4,
+            LogMatrix | ContinuousLogMatrix | Cardan | Euler => 9,
+        }
+    }
+
+    /// Whether it is the function of the exact rotation nearest to its inputs, and of derivatives along it whose seeds of second
+    /// order are rounded.
+    pub(super) fn is_log(self) -> bool {
+        matches!(self, LogQuaternion | LogMatrix | ContinuousLog | ContinuousLogMatrix)
     }
 
     /// Per output its value, first derivatives and the upper triangle of the second, at the inputs `x`.
     ///
-    /// The inputs of a rotation are its quaternion (w, x, y, z) or its matrix by rows; of `ContinuousLog` the quaternion
-    /// and the reference; of `Euler` the matrix and the sign.
+    /// The inputs of a rotation are its quaternion (w, x, y, z) or its matrix by rows; the reference of a continuous log and
+    /// the sign of `Euler` follow.
     pub(super) fn numbers<R: Differentiable>(self, x: &[R]) -> Vec<Vec<R>> {
         match self {
             Sqrt => jets::<R, 1>([elementary::sqrt(seeded([x[0]])[0])]),
@@ -103,6 +124,10 @@ impl Function {
             ContinuousLog => {
                 let q = turned::<R, R::Hessian<3>>(four(x));
                 jets::<R, 3>(so3::continuous_log_quaternion(q, three(&x[4..])).phi)
+            }
+            ContinuousLogMatrix => {
+                let r = turned_matrix::<R, R::Hessian<3>>(&nine(x));
+                jets::<R, 3>(so3::continuous_log(&r, three(&x[9..])).phi)
             }
             Cardan => jets::<R, 3>(so3::cardan(&turned_matrix::<R, R::Hessian<3>>(&nine(x)))),
             Euler => jets::<R, 3>(so3::euler(&turned_matrix::<R, R::Hessian<3>>(&nine(x)), x[9])),
