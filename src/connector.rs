@@ -249,7 +249,7 @@ impl StopStatus {
 pub struct Turns<R> {
     /// The number of whole turns, an integer.
     pub turns: R,
-    /// The principal angle in (−π, π] [rad].
+    /// The principal angle in (−π, π] (rad).
     pub principal: R,
 }
 
@@ -260,11 +260,11 @@ pub struct Turns<R> {
 pub struct Branch<R> {
     /// Turn counts of the components that wind; zero for the others.
     pub turns: [Turns<R>; 6],
-    /// The last well-conditioned rotation vector of b's directions relative to a's, components along e_i^a [rad].
+    /// The last well-conditioned rotation vector of b's directions relative to a's, components along e_i^a (rad).
     pub rotation_vector: [R; 3],
     /// The sign of sin β on the sheet of the Euler angles: ±1.
     pub euler_sign: R,
-    /// What a one-form has accumulated [rad].
+    /// What a one-form has accumulated (rad).
     pub accumulated: R,
     /// What the roundings of that sum left out, so that thousands of turns lose nothing: the value is the sum of the two.
     pub accumulated_rest: R,
@@ -273,11 +273,11 @@ pub struct Branch<R> {
 /// What a state does to the nodes since the previous one: increments along which one-forms accumulate and turns are counted.
 #[derive(Clone, Copy, Debug)]
 pub struct Increment<R> {
-    /// Δθ of a and b, rotation vectors with C(new) = exp(Δθ^) C(old), whole turns included; global components [rad].
+    /// Δθ of a and b, rotation vectors with C(new) = exp(Δθ^) C(old), whole turns included; global components (rad).
     pub rotation: [Vector<R>; 2],
-    /// The whole turns in them: Δθ minus its principal part [rad].
+    /// The whole turns in them: Δθ minus its principal part (rad).
     pub whole_turns: [Vector<R>; 2],
-    /// ΔΨ of a and b [length].
+    /// ΔΨ of a and b (length).
     pub flow: [R; 2],
 }
 
@@ -307,11 +307,11 @@ pub struct Definition {
     pub connection: ConnectionType,
     /// The initial state.
     pub initial: Pair<f64>,
-    /// β_s of FLOW-CONVERTER [rad/length].
+    /// β_s of FLOW-CONVERTER (rad/length).
     pub flow_scale: f64,
     /// The space-fixed direction of an AXIAL whose nodes coincide (Standard); zero where none is given.
     pub fixed_direction: Vector<f64>,
-    /// Reference lengths [length] and angles [degrees]; the initial position where none is given.
+    /// Reference lengths (length) and angles (degrees); the initial position where none is given.
     pub references: Components<f64>,
     /// Stops.
     pub stops: Components<Stop>,
@@ -1061,7 +1061,7 @@ pub enum Flag {
     LargeIncrement {
         /// The component.
         component: &'static str,
-        /// The change of the angle [rad].
+        /// The change of the angle (rad).
         change: f64,
     },
     /// A one-form was accumulated over an increment in which its direction turned: what lies between the two states
@@ -1069,7 +1069,7 @@ pub enum Flag {
     PathDependent {
         /// The component.
         component: &'static str,
-        /// How far the midpoint rule, which is reported, is from nodes that turn at constant rates [rad].
+        /// How far the midpoint rule, which is reported, is from nodes that turn at constant rates (rad).
         difference: f64,
     },
     /// A two-dimensional connector whose nodes were moved or turned out of the global 1-2 plane: what is reported is not that
@@ -1116,7 +1116,7 @@ const CERTAIN_INCREMENT: f64 = 0.9;
 /// exceeds [`CERTAIN_INCREMENT`].
 const CERTAIN_TOLD: f64 = 0.1;
 
-/// The difference of two rules of integration [rad] beyond which a one-form is flagged: that of 10 000 such increments is still
+/// The difference of two rules of integration (rad) beyond which a one-form is flagged: that of 10 000 such increments is still
 /// below 1e-5 rad.
 const CERTAIN_PATH: f64 = 1e-9;
 

@@ -14,28 +14,28 @@ use serde::Serialize;
 /// A scalar measure of two nodes. Indices are 1-based, as the manual's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Measure {
-    /// e_i^a · d, the coordinate of b in the frame carried by a [length]. CARTESIAN, JOIN, SLOT, SLIDE-PLANE.
+    /// e_i^a · d, the coordinate of b in the frame carried by a (length). CARTESIAN, JOIN, SLOT, SLIDE-PLANE.
     Position(usize),
-    /// |d| [length]. AXIAL, LINK.
+    /// |d| (length). AXIAL, LINK.
     Distance,
-    /// |d| / (l₀ + Ψ_a − Ψ_b) − 1, the strain of a belt segment whose material is l₀ long at first [–]. SLIPRING.
+    /// |d| / (l₀ + Ψ_a − Ψ_b) − 1, the strain of a belt segment whose material is l₀ long at first (–). SLIPRING.
     Strain,
-    /// Ψ_a (1) or Ψ_b (2), the material flow at a node [length]. SLIPRING.
+    /// Ψ_a (1) or Ψ_b (2), the material flow at a node (length). SLIPRING.
     Flow(usize),
-    /// e_i^a · e_j^b [–]. The printed constraints of REVOLUTE and UNIVERSAL.
+    /// e_i^a · e_j^b (–). The printed constraints of REVOLUTE and UNIVERSAL.
     Cosine(usize, usize),
-    /// The Cardan angle α (1), β (2) or γ (3) of Q = Rx(α) Ry(β) Rz(γ) [rad].
+    /// The Cardan angle α (1), β (2) or γ (3) of Q = Rx(α) Ry(β) Rz(γ) (rad).
     Cardan(usize),
-    /// The Euler angle α (1), β (2) or γ (3) of Q = Rz(α) Rx(β) Rz(γ) [rad].
+    /// The Euler angle α (1), β (2) or γ (3) of Q = Rz(α) Rx(β) Rz(γ) (rad).
     Euler(usize),
-    /// φ_i, the component along e_i^a of the rotation vector that turns a's directions into b's [rad]. ROTATION.
+    /// φ_i, the component along e_i^a of the rotation vector that turns a's directions into b's (rad). ROTATION.
     RotationVector(usize),
-    /// e_i^b · φ [rad], equal to e_i^a · φ; its rates are the nodal ones resolved in b. ROTATION-ACCELEROMETER.
+    /// e_i^b · φ (rad), equal to e_i^a · φ; its rates are the nodal ones resolved in b. ROTATION-ACCELEROMETER.
     RotationVectorAtB(usize),
-    /// The component along e_i^a of the rotation vector of Q Q₀ᵀ, Q₀ the initial Q [rad]: zero while b keeps its orientation
+    /// The component along e_i^a of the rotation vector of Q Q₀ᵀ, Q₀ the initial Q (rad): zero while b keeps its orientation
     /// relative to a. The constraint of ALIGN, regular at any frozen angles.
     Misalignment(usize),
-    /// The accumulated e3a·(δθ_a − δθ_b) − β_s δΨ_b [rad]: a one-form, in general not integrable. FLOW-CONVERTER.
+    /// The accumulated e3a·(δθ_a − δθ_b) − β_s δΨ_b (rad): a one-form, in general not integrable. FLOW-CONVERTER.
     FlowConversion,
 }
 
@@ -95,7 +95,7 @@ pub struct Section<R> {
     /// The direction, global components and fixed in space, that stands in for (x_b − x_a)/|x_b − x_a| while the nodes of an
     /// AXIAL coincide. Zero where none was given.
     pub fixed_direction: Vector<R>,
-    /// β_s, the factor of material flow at b in FLOW-CONVERTER [rad/length]: 1/radius of the drum.
+    /// β_s, the factor of material flow at b in FLOW-CONVERTER (rad/length): 1/radius of the drum.
     pub flow_scale: R,
 }
 
@@ -236,7 +236,7 @@ impl Measure {
         matches!(self, Self::Cardan(1 | 3) | Self::Euler(_))
     }
 
-    /// Whether this is a one-form, judged by its rates: [`Measure::one_form`] gives its row.
+    /// Whether this is a one-form, judged by its rates: its row is given, its value is what the row accumulates.
     pub const fn is_one_form(self) -> bool {
         matches!(self, Self::FlowConversion)
     }

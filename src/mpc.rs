@@ -42,18 +42,18 @@ pub struct State<R: Real> {
     pub master: Matrix<R>,
     /// φ_J where it is given; otherwise it is taken from the rotations ([`Evaluation::angle`]).
     pub joint: Option<R>,
-    /// ω_S, ω_M, φ̇_J [rad/time].
+    /// ω_S, ω_M, φ̇_J (rad/time).
     pub velocity: [R; DOFS],
-    /// α_S, α_M, φ̈_J [rad/time²].
+    /// α_S, α_M, φ̈_J (rad/time²).
     pub acceleration: [R; DOFS],
 }
 
 /// What an evaluation gives. Rows and rates are present as asked for.
 #[derive(Clone, Debug)]
 pub struct Evaluation<R> {
-    /// The rotation vector of C(φ_S) [C(φ_J a) C(φ_M)]ᵀ, global components [rad]; zero where the constraint holds.
+    /// The rotation vector of C(φ_S) [C(φ_J a) C(φ_M)]ᵀ, global components (rad); zero where the constraint holds.
     pub residual: [R; 3],
-    /// Its rate, ω_S − ω_M − φ̇_J a where the constraint holds [rad/time].
+    /// Its rate, ω_S − ω_M − φ̇_J a where the constraint holds (rad/time).
     pub residual_rate: Option<[R; 3]>,
     /// The part of its acceleration that is quadratic in the rates, J̇ q̇.
     pub residual_bias: Option<[R; 3]>,
@@ -63,7 +63,7 @@ pub struct Evaluation<R> {
     pub jacobian: Option<[[R; DOFS]; 3]>,
     /// ∂²ρ_i/∂q_j∂q_k.
     pub hessian: Option<Box<[[[R; DOFS]; DOFS]; 3]>>,
-    /// The angle about a that the rotations of S and M imply, turns counted [rad].
+    /// The angle about a that the rotations of S and M imply, turns counted (rad).
     pub angle: Turns<R>,
     /// Its first and second rate, where rates were asked for.
     pub angle_rates: Option<[R; 2]>,
@@ -124,7 +124,7 @@ impl<R: Differentiable> Revolute<R> {
         atan2(dot_real(self.axis, [x, y, z]), w).scale(R::integer(2))
     }
 
-    /// How far the relative rotation is from being about the axis at all: the angle of a carried by S to a carried by M [rad].
+    /// How far the relative rotation is from being about the axis at all: the angle of a carried by S to a carried by M (rad).
     pub fn misalignment(&self, state: &State<R>) -> R {
         let of_slave = vector::apply(&state.slave, self.axis);
         let of_master = vector::apply(&state.master, self.axis);
