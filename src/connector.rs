@@ -1107,10 +1107,10 @@ impl Flag {
 }
 
 /// The distance to a singular set below which a state is flagged: half the digits of a second derivative are gone.
-const ILL_CONDITIONED: f64 = 1e-8;
+pub(crate) const ILL_CONDITIONED: f64 = 1e-8;
 
 /// The change of an angle, as a fraction of π, beyond which its turns are flagged.
-const CERTAIN_INCREMENT: f64 = 0.9;
+pub(crate) const CERTAIN_INCREMENT: f64 = 0.9;
 
 /// How far, as a fraction of π, the change of an angle may be from what the nodes' own increments tell, to be certain although it
 /// exceeds [`CERTAIN_INCREMENT`].

@@ -12,7 +12,8 @@
 //! The axis runs from M to J in the initial geometry, along the global z if they coincide. Translations are not tied; add a
 //! PIN for that.
 
-use crate::connector::{Output, Request, Tally, Turns};
+use crate::connector::{CERTAIN_INCREMENT, Flag, ILL_CONDITIONED, Output, Request, Tally, Turns};
+use crate::measure::SingularClass;
 use crate::scalar::elementary::{atan2, norm};
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::so3;
@@ -222,5 +223,77 @@ impl<R: Differentiable> Revolute<R> {
         let axis = vector::apply(&state.master, self.axis);
         let [_, _, _, m1, m2, m3, phi] = state.velocity;
         vector::add([m1, m2, m3], scale(axis, phi))
+    }
+}
+
+impl Revolute<f64> {
+    /// What needs care at a state: no angle about the axis (the relative rotation is a half turn about a direction across it),
+    /// a violation near half a turn, an increment too large to count its turns.
+    pub fn flags(
+        &self,
+        state: &State<f64>,
+        previous: &Turns<f64>,
+        whole_turns: Vector<f64>,
+        evaluation: &Evaluation<f64>,
+    ) -> Vec<Flag> {
+        let [w, x, y, z] = so3::quaternion(&vector::transposed_product(&state.master, &state.slave));
+        let about_axis = norm([w, dot(self.axis, [x, y, z])]);
+        let half_turn = std::f64::consts::PI - norm(evaluation.residual);
+        let mut flags = Vec::new();
+        for (component, at, class, distance) in [
+            (
+                "φJ",
+                "S turned by π from M about a direction across the axis",
+                SingularClass::TrueSingularity,
+                about_axis,
+            ),
+            ("ρ1", "S turned by π from where the constraint has it", SingularClass::BranchCut, half_turn),
+        ] {
+            if distance <= 0.0 {
+                flags.push(Flag::Singular { component, at, class });
+            } else if distance < ILL_CONDITIONED {
+                flags.push(Flag::IllConditioned { component, at, class, distance });
+            }
+        }
+        let turns = evaluation.angle.turns - previous.turns;
+        let change = f64::with_turns(evaluation.angle.principal - previous.principal, turns);
+        if (change - dot(evaluation.axis, whole_turns)).abs() > CERTAIN_INCREMENT * std::f64::consts::PI {
+            flags.push(Flag::LargeIncrement { component: "φJ", change });
+        }
+        flags
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flags(of_slave: Vector<f64>) -> Vec<Flag> {
+        let joint = Revolute::<f64>::between([0.0; 3], [0.0, 0.0, 1.0]);
+        let state = State {
+            slave: so3::matrix(so3::exp(of_slave)),
+            master: vector::identity(),
+            joint: None,
+            velocity: [0.0; DOFS],
+            acceleration: [0.0; DOFS],
+        };
+        let previous = Turns { turns: 0.0, principal: 0.0 };
+        let nothing = Request::nothing(0);
+        let evaluation = joint.evaluate(&state, &previous, [0.0; 3], &nothing, &mut Tally::default());
+        joint.flags(&state, &previous, [0.0; 3], &evaluation)
+    }
+
+    /// A half turn across the axis leaves no angle about it, and one about it cannot be counted.
+    #[test]
+    fn half_turns_are_flagged() {
+        use std::f64::consts::PI;
+        assert!(flags([0.1, 0.2, 0.3]).is_empty());
+        let across = flags([PI, 0.0, 0.0]);
+        assert!(
+            across.iter().any(|flag| flag.component() == "φJ" && flag.name() == "ill-conditioned"),
+            "{across:?}"
+        );
+        let about = flags([0.0, 0.0, 3.1]);
+        assert!(matches!(about[..], [Flag::LargeIncrement { component: "φJ", .. }]), "{about:?}");
     }
 }

@@ -120,6 +120,8 @@ pub struct JointResult {
     pub given: Option<f64>,
     /// How far the relative rotation is from being about the axis, in radians.
     pub misalignment: f64,
+    /// What needs care.
+    pub flags: Vec<Flag>,
 }
 
 /// Everything planned, at one state.
@@ -299,7 +301,8 @@ impl<'a> Sequence<'a> {
         let evaluation = element.constraint.evaluate(&state, &before, whole, request, &mut self.tally);
         self.branches.joints.insert(key, evaluation.angle);
         let misalignment = element.constraint.misalignment(&state);
-        JointResult { index, evaluation, given: joint.sixth, misalignment }
+        let flags = element.constraint.flags(&state, &before, whole, &evaluation);
+        JointResult { index, evaluation, given: joint.sixth, misalignment, flags }
     }
 }
 

@@ -253,7 +253,7 @@ impl<'a> Block<'a> {
                 misalignment: result.misalignment,
                 axis: evaluation.axis,
             }),
-            flags: Vec::new(),
+            flags: result.flags.clone(),
         }
         .with_what_is_not_finite()
     }
