@@ -249,7 +249,7 @@ impl StopStatus {
 pub struct Turns<R> {
     /// The number of whole turns, an integer.
     pub turns: R,
-    /// The principal angle in (−π, π] [rad].
+    /// The principal angle in (−π, π] (rad).
     pub principal: R,
 }
 
@@ -260,13 +260,13 @@ pub struct Turns<R> {
 pub struct Branch<R> {
     /// Turn counts of the components that wind; zero for the others.
     pub turns: [Turns<R>; 6],
-    /// The last well-conditioned rotation vector of b's directions relative to a's, components along e_i^a [rad].
+    /// The last well-conditioned rotation vector of b's directions relative to a's, components along e_i^a (rad).
     pub rotation_vector: [R; 3],
     /// The sign of sin β on the sheet of the Euler angles: ±1.
     pub euler_sign: R,
     /// The torsion between the third directions, with its turns, where the directions midway between a and b depend on it.
     pub torsion: Turns<R>,
-    /// What a one-form has accumulated [rad].
+    /// What a one-form has accumulated (rad).
     pub accumulated: R,
     /// What the roundings of that sum left out, so that thousands of turns lose nothing: the value is the sum of the two.
     pub accumulated_rest: R,
@@ -275,11 +275,11 @@ pub struct Branch<R> {
 /// What a state does to the nodes since the previous one: increments along which one-forms accumulate and turns are counted.
 #[derive(Clone, Copy, Debug)]
 pub struct Increment<R> {
-    /// Δθ of a and b, rotation vectors with C(new) = exp(Δθ^) C(old), whole turns included; global components [rad].
+    /// Δθ of a and b, rotation vectors with C(new) = exp(Δθ^) C(old), whole turns included; global components (rad).
     pub rotation: [Vector<R>; 2],
-    /// The whole turns in them: Δθ minus its principal part [rad].
+    /// The whole turns in them: Δθ minus its principal part (rad).
     pub whole_turns: [Vector<R>; 2],
-    /// ΔΨ of a and b [length].
+    /// ΔΨ of a and b (length).
     pub flow: [R; 2],
 }
 
@@ -309,11 +309,11 @@ pub struct Definition {
     pub connection: ConnectionType,
     /// The initial state.
     pub initial: Pair<f64>,
-    /// β_s of FLOW-CONVERTER [rad/length].
+    /// β_s of FLOW-CONVERTER (rad/length).
     pub flow_scale: f64,
     /// The space-fixed direction of an AXIAL whose nodes coincide (Standard); zero where none is given.
     pub fixed_direction: Vector<f64>,
-    /// Reference lengths [length] and angles [degrees]; the initial position where none is given.
+    /// Reference lengths (length) and angles (degrees); the initial position where none is given.
     pub references: Components<f64>,
     /// Stops.
     pub stops: Components<Stop>,
@@ -361,6 +361,7 @@ pub struct Connector<R: Differentiable> {
     references: Components<R>,
     stops: Components<Stop>,
     active: [bool; DOFS],
+    is_planar: bool,
     initial: Branch<R>,
 }
 
@@ -477,6 +478,7 @@ impl<R: Differentiable> Connector<R> {
             references,
             stops: definition.stops,
             active,
+            is_planar: definition.planar,
             initial: branch,
         }
     }
@@ -856,7 +858,7 @@ impl<R: Copy> Branch<R> {
 }
 
 /// An angle with the number of turns that brings it nearest to where the previous one is after the `whole` turns of the nodes,
-/// and how far it moved besides [rad]. Where two numbers of turns are equally near, `told`, how far the nodes turned besides,
+/// and how far it moved besides (rad). Where two numbers of turns are equally near, `told`, how far the nodes turned besides,
 /// decides.
 fn nearest_turn<R: Real>(principal: R, previous: &Turns<R>, whole: R, told: R) -> (Turns<R>, R) {
     let turn = R::pi() + R::pi();
@@ -1092,8 +1094,22 @@ pub enum Flag {
     LargeIncrement {
         /// The component.
         component: &'static str,
-        /// The change of the angle [rad].
+        /// The change of the angle (rad).
         change: f64,
+    },
+    /// A one-form was accumulated over an increment in which its direction turned: what lies between the two states
+    /// decides, and they do not say.
+    PathDependent {
+        /// The component.
+        component: &'static str,
+        /// How far the midpoint rule, which is reported, is from nodes that turn at constant rates (rad).
+        difference: f64,
+    },
+    /// A two-dimensional connector whose nodes were moved or turned out of the global 1-2 plane: what is reported is not that
+    /// of a plane motion.
+    OutOfPlane {
+        /// `u3`, `ur1` or `ur2`, by what moved.
+        component: &'static str,
     },
 }
 
@@ -1105,6 +1121,8 @@ impl Flag {
             Self::IllConditioned { .. } => "ill-conditioned",
             Self::NotFinite { .. } => "not-finite",
             Self::LargeIncrement { .. } => "large-increment",
+            Self::PathDependent { .. } => "path-dependent",
+            Self::OutOfPlane { .. } => "out-of-plane",
         }
     }
 
@@ -1114,27 +1132,30 @@ impl Flag {
             Self::Singular { component, .. }
             | Self::IllConditioned { component, .. }
             | Self::NotFinite { component, .. }
-            | Self::LargeIncrement { component, .. } => component,
+            | Self::LargeIncrement { component, .. }
+            | Self::PathDependent { component, .. }
+            | Self::OutOfPlane { component } => component,
         }
     }
 }
 
 /// The distance to a singular set below which a state is flagged: half the digits of a second derivative are gone.
-const ILL_CONDITIONED: f64 = 1e-8;
+pub(crate) const ILL_CONDITIONED: f64 = 1e-8;
 
 /// The change of an angle, as a fraction of π, beyond which its turns are flagged.
-const CERTAIN_INCREMENT: f64 = 0.9;
+pub(crate) const CERTAIN_INCREMENT: f64 = 0.9;
+
+/// How far, as a fraction of π, the change of an angle may be from what the nodes' own increments tell, to be certain although it
+/// exceeds [`CERTAIN_INCREMENT`].
+const CERTAIN_TOLD: f64 = 0.1;
+
+/// The difference of two rules of integration (rad) beyond which a one-form is flagged: that of 10 000 such increments is still
+/// below 1e-5 rad.
+const CERTAIN_PATH: f64 = 1e-9;
 
 /// How far the advance of an angle by whole turns of the nodes may be from whole turns of its own, in turns, to be counted with
 /// certainty.
 const CERTAIN_TURNS: f64 = 0.1;
-
-/// Whether the turns of an angle that changed by `change`, of which whole turns of the nodes explain `hint`, are uncertain.
-fn is_uncertain(change: f64, hint: f64) -> bool {
-    let told = hint / std::f64::consts::TAU;
-    (change - hint).abs() > CERTAIN_INCREMENT * std::f64::consts::PI
-        || (told - told.round()).abs() > CERTAIN_TURNS
-}
 
 impl Connector<f64> {
     /// Whether stops are reached at the given positions.
@@ -1199,26 +1220,44 @@ impl Connector<f64> {
             }
         }
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
-        for (k, row) in self.rows.iter().enumerate() {
-            let Some(row) = row.filter(|row| row.position.winds()) else { continue };
-            let hint = row.position.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, whole));
-            let turns = after.turns[k].turns - before.turns[k].turns;
-            let change = f64::with_turns(after.turns[k].principal - before.turns[k].principal, turns);
-            if is_uncertain(change, hint) {
+        let all = sub(increment.rotation[1], increment.rotation[0]);
+        let turns_are_told = increment.whole_turns.as_flattened().iter().any(|turns| *turns != 0.0);
+        // What lies midway between a and b follows the torsion, whether or not that is a component.
+        let counted = self.rows.iter().enumerate().filter_map(|(k, row)| match row.as_ref()?.position {
+            measure if measure.winds() => Some((k, measure, [before.turns[k], after.turns[k]])),
+            measure if measure.counts_torsion() => {
+                Some((k, Measure::Torsion, [before.torsion, after.torsion]))
+            }
+            _ => None,
+        });
+        for (k, measure, [old, new]) in counted {
+            let along = |v| measure.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, v));
+            let change = f64::with_turns(new.principal - old.principal, new.turns - old.turns);
+            let told = along(whole) / std::f64::consts::TAU;
+            let is_large = (change - along(whole)).abs() > CERTAIN_INCREMENT * std::f64::consts::PI;
+            let is_told = turns_are_told && (change - along(all)).abs() < CERTAIN_TOLD * std::f64::consts::PI;
+            if (is_large && !is_told) || (told - told.round()).abs() > CERTAIN_TURNS {
                 flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
             }
         }
-        let follows_torsion = |row: &Row<f64>| row.position.counts_torsion();
-        let turns = after.torsion.turns - before.torsion.turns;
-        let change = f64::with_turns(after.torsion.principal - before.torsion.principal, turns);
-        let hint = Measure::Torsion.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, whole));
         for (k, _) in
-            self.rows.iter().enumerate().filter(|(_, row)| row.as_ref().is_some_and(follows_torsion))
+            self.rows.iter().enumerate().filter(|(_, r)| r.is_some_and(|r| r.position.is_one_form()))
         {
-            if is_uncertain(change, hint) {
-                flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
+            let component = crate::catalog::COMPONENT[k];
+            let difference = (self.accumulation(&state.pair, increment)
+                - self.steady_accumulation(&state.pair, increment))
+            .abs();
+            if difference > CERTAIN_PATH {
+                flags.push(Flag::PathDependent { component, difference });
+            }
+            let [of_a, of_b] =
+                [0, 1].map(|end| norm(sub(increment.rotation[end], increment.whole_turns[end])));
+            if of_a.max(of_b) > CERTAIN_INCREMENT * std::f64::consts::PI && !turns_are_told {
+                flags
+                    .push(Flag::LargeIncrement { component, change: after.accumulated - before.accumulated });
             }
         }
+        flags.extend(self.out_of_plane(state));
         let is_vector =
             |measure| matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
         let turned = LazyCell::new(|| {
@@ -1233,6 +1272,51 @@ impl Connector<f64> {
             }
         }
         flags
+    }
+}
+
+impl Connector<f64> {
+    /// The one-form over the increment, for nodes that turn at constant rates between the two states: with the mean direction
+    /// ∫₀¹ exp(−s Δθ_a^) e3a ds = e3a − ½ Δθ_a × e3a + … in place of the midpoint's.
+    fn steady_accumulation(&self, pair: &Pair<f64>, increment: &Increment<f64>) -> f64 {
+        let [of_a, of_b] = increment.rotation;
+        // Five Gauss points: an increment of one turn is integrated to 1e-4, and one of a tenth of a turn to rounding.
+        const POINTS: [(f64, f64); 5] = [
+            (0.046_910_077_030_668, 0.118_463_442_528_094_54),
+            (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+            (0.5, 0.284_444_444_444_444_4),
+            (0.769_234_655_052_841_5, 0.239_314_335_249_683_24),
+            (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+        ];
+        let mut sum = -self.section.flow_scale * increment.flow[1];
+        for (s, weight) in POINTS {
+            let back = so3::matrix(so3::exp(scale(of_a, -s)));
+            let direction = column(&vector::product(&back, &pair.a.triad), 2);
+            sum += weight * dot(direction, sub(of_a, of_b));
+        }
+        sum
+    }
+
+    /// What a two-dimensional connector's nodes do out of its plane.
+    fn out_of_plane(&self, state: &State<f64>) -> Vec<Flag> {
+        if !self.is_planar {
+            return Vec::new();
+        }
+        /// Direction cosines of exact rotations about the global 3-axis carry a few roundings.
+        const ROUNDING: f64 = 1e-12;
+        let Pair { a, b, .. } = &state.pair;
+        let rates = |i: usize| {
+            [&state.velocity, &state.acceleration]
+                .iter()
+                .any(|rate| rate[i] != 0.0 || rate[DOFS / 2 + i] != 0.0)
+        };
+        let tilted = |i: usize| [a, b].iter().any(|node| node.triad[i][2].abs() > ROUNDING);
+        let moved = [
+            (a.displacement[2] != 0.0 || b.displacement[2] != 0.0 || rates(2), "u3"),
+            (tilted(1) || rates(3), "ur1"),
+            (tilted(0) || rates(4), "ur2"),
+        ];
+        moved.into_iter().filter(|(is, _)| *is).map(|(_, component)| Flag::OutOfPlane { component }).collect()
     }
 }
 
@@ -1322,6 +1406,18 @@ mod tests {
         (evaluation, flags)
     }
 
+    /// The turns of torsion are uncertain after nearly half a turn, also where no component is a torsion, and certain when told.
+    #[test]
+    fn uncertain_torsion_is_told() {
+        let nearly_half = 0.95 * std::f64::consts::PI;
+        for (name, count) in [("PROJECTION CARTESIAN", 3), ("PROJECTION FLEXION-TORSION", 3), ("BUSHING", 6)] {
+            for (angle, expected) in [(0.5, 0), (nearly_half, count), (std::f64::consts::TAU + 0.5, 0)] {
+                let (_, flags) = turned(name, [0.3, 0.0, 0.0], [0.0, 0.0, 1.0], angle);
+                assert_eq!(flags.len(), expected, "{name} {angle}: {flags:?}");
+            }
+        }
+    }
+
     /// Whole turns about the axis of one angle advance that angle alone, however far from square the axes are.
     #[test]
     fn whole_turns_go_to_the_angle_they_are_about() {
@@ -1354,6 +1450,66 @@ mod tests {
         assert!(!large(turned("REVOLUTE", [0.0; 3], [1.0, 0.0, 0.0], tau + 0.1).1));
         assert!(large(turned("ROTATION", [0.0; 3], [0.8, 0.6, 0.0], 3.0).1));
         assert!(!large(turned("ROTATION", [0.0; 3], [0.8, 0.6, 0.0], 2.0).1));
+    }
+
+    /// A half turn told by rotation vectors beyond π is certain; the same change of quaternions is not.
+    #[test]
+    fn told_increments_are_certain() {
+        let large = |flags: Vec<Flag>| flags.iter().any(|flag| matches!(flag, Flag::LargeIncrement { .. }));
+        assert!(!large(turned("REVOLUTE", [0.0; 3], [1.0, 0.0, 0.0], 3.2).1));
+        assert!(large(turned("REVOLUTE", [0.0; 3], [1.0, 0.0, 0.0], 3.1).1));
+    }
+
+    /// The state of a FLOW-CONVERTER whose drum a turns by `of_a` while b turns by `of_b`, and its flags.
+    fn drum(of_a: Vector<f64>, of_b: Vector<f64>) -> (f64, Vec<Flag>) {
+        let still = |triad| node::Node { displacement: [0.0; 3], triad, flow: 0.0 };
+        let initial =
+            Pair { reference: [0.0; 3], a: still(vector::identity()), b: still(vector::identity()) };
+        let connection = ConnectionType::named("FLOW-CONVERTER", None).unwrap();
+        let connector = Connector::<f64>::new(&Definition::new(connection, initial));
+        let turn = |by| still(so3::matrix(so3::exp(by)));
+        let pair = Pair { a: turn(of_a), b: turn(of_b), ..initial };
+        let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let increment = Increment { rotation: [of_a, of_b], ..Increment::none() };
+        let before = connector.initial_branch();
+        let after = connector.advance(&state, &increment, &before);
+        (after.accumulated, connector.flags(&[None; 6], &increment, &state, &before, &after))
+    }
+
+    /// A drum that spins about its own axis accumulates its angle; one that tips while b turns depends on the path, and the
+    /// flag tells by how much: mean direction (sin 1.5)/1.5 against the midpoint's cos 0.75.
+    #[test]
+    fn a_tipping_drum_is_path_dependent() {
+        let (spun, flags) = drum([0.0, 0.0, 1.5], [0.0; 3]);
+        assert!((spun - 1.5).abs() < 1e-15 && flags.is_empty(), "{spun} {flags:?}");
+        let (tipped, flags) = drum([1.5, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        assert!((tipped + 0.75f64.cos()).abs() < 1e-15, "{tipped}");
+        let [Flag::PathDependent { component: "ur3", difference }] = flags[..] else { panic!("{flags:?}") };
+        assert!((difference - (0.75f64.cos() - 1.5f64.sin() / 1.5)).abs() < 1e-9, "{difference}");
+    }
+
+    /// A two-dimensional connector tells when its nodes leave the plane.
+    #[test]
+    fn leaving_the_plane_is_told() {
+        let still =
+            |displacement, by| node::Node { displacement, triad: so3::matrix(so3::exp(by)), flow: 0.0 };
+        let initial =
+            Pair { reference: [1.0, 0.0, 0.0], a: still([0.0; 3], [0.0; 3]), b: still([0.0; 3], [0.0; 3]) };
+        let connection = ConnectionType::named("SLOT", None).unwrap();
+        let definition = Definition { planar: true, ..Definition::new(connection, initial) };
+        let connector = Connector::<f64>::new(&definition);
+        let flags = |b, spin: f64| {
+            let mut state = State { pair: initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+            state.pair.b = b;
+            state.velocity[node::THETA_A] = spin;
+            let branch = connector.initial_branch();
+            let found = connector.flags(&[None; 6], &Increment::none(), &state, &branch, &branch);
+            found.iter().map(Flag::component).collect::<Vec<_>>()
+        };
+        assert!(flags(still([0.2, 0.3, 0.0], [0.0, 0.0, 2.5]), 0.0).is_empty());
+        assert_eq!(flags(still([0.0, 0.0, 0.5], [0.0; 3]), 0.0), ["u3"]);
+        assert_eq!(flags(still([0.0; 3], [0.0, 0.3, 0.0]), 0.0), ["ur2"]);
+        assert_eq!(flags(still([0.0; 3], [0.0; 3]), 0.7), ["ur1"]);
     }
 
     /// What is flagged does not change with the unit of length.

@@ -14,42 +14,42 @@ use serde::Serialize;
 /// A scalar measure of two nodes. Indices are 1-based, as the manual's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Measure {
-    /// e_i^a · d, the coordinate of b in the frame carried by a [length]. CARTESIAN, JOIN, SLOT, SLIDE-PLANE.
+    /// e_i^a · d, the coordinate of b in the frame carried by a (length). CARTESIAN, JOIN, SLOT, SLIDE-PLANE.
     Position(usize),
-    /// |d| [length]. AXIAL, LINK.
+    /// |d| (length). AXIAL, LINK.
     Distance,
-    /// e_i^a · d [length]; its rates are the nodal ones resolved in b. ACCELEROMETER.
+    /// e_i^a · d (length); its rates are the nodal ones resolved in b. ACCELEROMETER.
     PositionAtB(usize),
-    /// e_i · d with the directions e_i halfway between those of a and b ([`so3::mid_frame`]) [length]. PROJECTION CARTESIAN.
+    /// e_i · d with the directions e_i halfway between those of a and b ([`so3::mid_frame`]) (length). PROJECTION CARTESIAN.
     ProjectedPosition(usize),
-    /// √((e1a·d)² + (e2a·d)²), the distance from the axis e3a [length]. RADIAL-THRUST.
+    /// √((e1a·d)² + (e2a·d)²), the distance from the axis e3a (length). RADIAL-THRUST.
     RadialDistance,
-    /// |d| / (l₀ + Ψ_a − Ψ_b) − 1, the strain of a belt segment whose material is l₀ long at first [–]. SLIPRING.
+    /// |d| / (l₀ + Ψ_a − Ψ_b) − 1, the strain of a belt segment whose material is l₀ long at first (–). SLIPRING.
     Strain,
-    /// Ψ_a (1) or Ψ_b (2), the material flow at a node [length]. SLIPRING.
+    /// Ψ_a (1) or Ψ_b (2), the material flow at a node (length). SLIPRING.
     Flow(usize),
-    /// e_i^a · e_j^b [–]. The printed constraints of REVOLUTE and UNIVERSAL.
+    /// e_i^a · e_j^b (–). The printed constraints of REVOLUTE and UNIVERSAL.
     Cosine(usize, usize),
-    /// The Cardan angle α (1), β (2) or γ (3) of Q = Rx(α) Ry(β) Rz(γ) [rad].
+    /// The Cardan angle α (1), β (2) or γ (3) of Q = Rx(α) Ry(β) Rz(γ) (rad).
     Cardan(usize),
-    /// The Euler angle α (1), β (2) or γ (3) of Q = Rz(α) Rx(β) Rz(γ) [rad].
+    /// The Euler angle α (1), β (2) or γ (3) of Q = Rz(α) Rx(β) Rz(γ) (rad).
     Euler(usize),
-    /// α, the angle between e3a and e3b [rad], in [0, π]. FLEXION-TORSION.
+    /// α, the angle between e3a and e3b (rad), in [0, π]. FLEXION-TORSION.
     Flexion,
-    /// β, the angle by which b is twisted about the shaft e3 [rad] ([`so3::torsion`]). FLEXION-TORSION, CONSTANT VELOCITY.
+    /// β, the angle by which b is twisted about the shaft e3 (rad) ([`so3::torsion`]). FLEXION-TORSION, CONSTANT VELOCITY.
     Torsion,
-    /// θ, the direction in the plane e1a, e2a of the axis about which the shaft is bent [rad]. FLEXION-TORSION.
+    /// θ, the direction in the plane e1a, e2a of the axis about which the shaft is bent (rad). FLEXION-TORSION.
     Sweep,
-    /// α_i = α q·e_i, the flexion α about q resolved in the mid directions e1, e2 [rad]. PROJECTION FLEXION-TORSION.
+    /// α_i = α q·e_i, the flexion α about q resolved in the mid directions e1, e2 (rad). PROJECTION FLEXION-TORSION.
     ComponentFlexion(usize),
-    /// φ_i, the component along e_i^a of the rotation vector that turns a's directions into b's [rad]. ROTATION.
+    /// φ_i, the component along e_i^a of the rotation vector that turns a's directions into b's (rad). ROTATION.
     RotationVector(usize),
-    /// e_i^b · φ [rad], equal to e_i^a · φ; its rates are the nodal ones resolved in b. ROTATION-ACCELEROMETER.
+    /// e_i^b · φ (rad), equal to e_i^a · φ; its rates are the nodal ones resolved in b. ROTATION-ACCELEROMETER.
     RotationVectorAtB(usize),
-    /// The component along e_i^a of the rotation vector of Q Q₀ᵀ, Q₀ the initial Q [rad]: zero while b keeps its orientation
+    /// The component along e_i^a of the rotation vector of Q Q₀ᵀ, Q₀ the initial Q (rad): zero while b keeps its orientation
     /// relative to a. The constraint of ALIGN, regular at any frozen angles.
     Misalignment(usize),
-    /// The accumulated e3a·(δθ_a − δθ_b) − β_s δΨ_b [rad]: a one-form, in general not integrable. FLOW-CONVERTER.
+    /// The accumulated e3a·(δθ_a − δθ_b) − β_s δΨ_b (rad): a one-form, in general not integrable. FLOW-CONVERTER.
     FlowConversion,
 }
 
@@ -109,7 +109,7 @@ pub struct Section<R> {
     /// The direction, global components and fixed in space, that stands in for (x_b − x_a)/|x_b − x_a| while the nodes of an
     /// AXIAL coincide. Zero where none was given.
     pub fixed_direction: Vector<R>,
-    /// β_s, the factor of material flow at b in FLOW-CONVERTER [rad/length]: 1/radius of the drum.
+    /// β_s, the factor of material flow at b in FLOW-CONVERTER (rad/length): 1/radius of the drum.
     pub flow_scale: R,
 }
 
@@ -298,7 +298,7 @@ impl Measure {
         matches!(self, Self::ProjectedPosition(_) | Self::ComponentFlexion(_))
     }
 
-    /// Whether this is a one-form, judged by its rates: [`Measure::one_form`] gives its row.
+    /// Whether this is a one-form, judged by its rates: its row is given, its value is what the row accumulates.
     pub const fn is_one_form(self) -> bool {
         matches!(self, Self::FlowConversion)
     }

@@ -12,7 +12,8 @@
 //! The axis runs from M to J in the initial geometry, along the global z if they coincide. Translations are not tied; add a
 //! PIN for that.
 
-use crate::connector::{Output, Request, Tally, Turns};
+use crate::connector::{CERTAIN_INCREMENT, Flag, ILL_CONDITIONED, Output, Request, Tally, Turns};
+use crate::measure::SingularClass;
 use crate::scalar::elementary::{atan2, norm};
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::so3;
@@ -42,18 +43,18 @@ pub struct State<R: Real> {
     pub master: Matrix<R>,
     /// φ_J where it is given; otherwise it is taken from the rotations ([`Evaluation::angle`]).
     pub joint: Option<R>,
-    /// ω_S, ω_M, φ̇_J [rad/time].
+    /// ω_S, ω_M, φ̇_J (rad/time).
     pub velocity: [R; DOFS],
-    /// α_S, α_M, φ̈_J [rad/time²].
+    /// α_S, α_M, φ̈_J (rad/time²).
     pub acceleration: [R; DOFS],
 }
 
 /// What an evaluation gives. Rows and rates are present as asked for.
 #[derive(Clone, Debug)]
 pub struct Evaluation<R> {
-    /// The rotation vector of C(φ_S) [C(φ_J a) C(φ_M)]ᵀ, global components [rad]; zero where the constraint holds.
+    /// The rotation vector of C(φ_S) [C(φ_J a) C(φ_M)]ᵀ, global components (rad); zero where the constraint holds.
     pub residual: [R; 3],
-    /// Its rate, ω_S − ω_M − φ̇_J a where the constraint holds [rad/time].
+    /// Its rate, ω_S − ω_M − φ̇_J a where the constraint holds (rad/time).
     pub residual_rate: Option<[R; 3]>,
     /// The part of its acceleration that is quadratic in the rates, J̇ q̇.
     pub residual_bias: Option<[R; 3]>,
@@ -63,7 +64,7 @@ pub struct Evaluation<R> {
     pub jacobian: Option<[[R; DOFS]; 3]>,
     /// ∂²ρ_i/∂q_j∂q_k.
     pub hessian: Option<Box<[[[R; DOFS]; DOFS]; 3]>>,
-    /// The angle about a that the rotations of S and M imply, turns counted [rad].
+    /// The angle about a that the rotations of S and M imply, turns counted (rad).
     pub angle: Turns<R>,
     /// Its first and second rate, where rates were asked for.
     pub angle_rates: Option<[R; 2]>,
@@ -124,7 +125,7 @@ impl<R: Differentiable> Revolute<R> {
         atan2(dot_real(self.axis, [x, y, z]), w).scale(R::integer(2))
     }
 
-    /// How far the relative rotation is from being about the axis at all: the angle of a carried by S to a carried by M [rad].
+    /// How far the relative rotation is from being about the axis at all: the angle of a carried by S to a carried by M (rad).
     pub fn misalignment(&self, state: &State<R>) -> R {
         let of_slave = vector::apply(&state.slave, self.axis);
         let of_master = vector::apply(&state.master, self.axis);
@@ -222,5 +223,77 @@ impl<R: Differentiable> Revolute<R> {
         let axis = vector::apply(&state.master, self.axis);
         let [_, _, _, m1, m2, m3, phi] = state.velocity;
         vector::add([m1, m2, m3], scale(axis, phi))
+    }
+}
+
+impl Revolute<f64> {
+    /// What needs care at a state: no angle about the axis (the relative rotation is a half turn about a direction across it),
+    /// a violation near half a turn, an increment too large to count its turns.
+    pub fn flags(
+        &self,
+        state: &State<f64>,
+        previous: &Turns<f64>,
+        whole_turns: Vector<f64>,
+        evaluation: &Evaluation<f64>,
+    ) -> Vec<Flag> {
+        let [w, x, y, z] = so3::quaternion(&vector::transposed_product(&state.master, &state.slave));
+        let about_axis = norm([w, dot(self.axis, [x, y, z])]);
+        let half_turn = std::f64::consts::PI - norm(evaluation.residual);
+        let mut flags = Vec::new();
+        for (component, at, class, distance) in [
+            (
+                "φJ",
+                "S turned by π from M about a direction across the axis",
+                SingularClass::TrueSingularity,
+                about_axis,
+            ),
+            ("ρ1", "S turned by π from where the constraint has it", SingularClass::BranchCut, half_turn),
+        ] {
+            if distance <= 0.0 {
+                flags.push(Flag::Singular { component, at, class });
+            } else if distance < ILL_CONDITIONED {
+                flags.push(Flag::IllConditioned { component, at, class, distance });
+            }
+        }
+        let turns = evaluation.angle.turns - previous.turns;
+        let change = f64::with_turns(evaluation.angle.principal - previous.principal, turns);
+        if (change - dot(evaluation.axis, whole_turns)).abs() > CERTAIN_INCREMENT * std::f64::consts::PI {
+            flags.push(Flag::LargeIncrement { component: "φJ", change });
+        }
+        flags
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flags(of_slave: Vector<f64>) -> Vec<Flag> {
+        let joint = Revolute::<f64>::between([0.0; 3], [0.0, 0.0, 1.0]);
+        let state = State {
+            slave: so3::matrix(so3::exp(of_slave)),
+            master: vector::identity(),
+            joint: None,
+            velocity: [0.0; DOFS],
+            acceleration: [0.0; DOFS],
+        };
+        let previous = Turns { turns: 0.0, principal: 0.0 };
+        let nothing = Request::nothing(0);
+        let evaluation = joint.evaluate(&state, &previous, [0.0; 3], &nothing, &mut Tally::default());
+        joint.flags(&state, &previous, [0.0; 3], &evaluation)
+    }
+
+    /// A half turn across the axis leaves no angle about it, and one about it cannot be counted.
+    #[test]
+    fn half_turns_are_flagged() {
+        use std::f64::consts::PI;
+        assert!(flags([0.1, 0.2, 0.3]).is_empty());
+        let across = flags([PI, 0.0, 0.0]);
+        assert!(
+            across.iter().any(|flag| flag.component() == "φJ" && flag.name() == "ill-conditioned"),
+            "{across:?}"
+        );
+        let about = flags([0.0, 0.0, 3.1]);
+        assert!(matches!(about[..], [Flag::LargeIncrement { component: "φJ", .. }]), "{about:?}");
     }
 }

@@ -21,8 +21,8 @@ use crate::vector::{self, Matrix, Vector, add, column, cross, cross_real, dot, d
 /// The number of degrees of freedom of two nodes: translation, rotation and material flow of each.
 pub const DOFS: usize = 14;
 
-/// The name of each nodal degree of freedom, in their order: x translation [length], θ rotation [rad], Ψ material flow
-/// (degree of freedom 10) [length].
+/// The name of each nodal degree of freedom, in their order: x translation (length), θ rotation (rad), Ψ material flow
+/// (degree of freedom 10) (length).
 pub const DOF: [&str; DOFS] =
     ["xa1", "xa2", "xa3", "θa1", "θa2", "θa3", "Ψa", "xb1", "xb2", "xb3", "θb1", "θb2", "θb3", "Ψb"];
 
@@ -49,11 +49,11 @@ pub enum End {
 /// One node at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<S: Scalar> {
-    /// U, the displacement from the reference position, global components [length].
+    /// U, the displacement from the reference position, global components (length).
     pub displacement: Vector<S>,
     /// The local directions e1, e2, e3 as columns, global components: C(φ) times the initial triad.
     pub triad: Matrix<S>,
-    /// Ψ, the material flow, degree of freedom 10 [length].
+    /// Ψ, the material flow, degree of freedom 10 (length).
     pub flow: S,
 }
 
@@ -61,7 +61,7 @@ pub struct Node<S: Scalar> {
 /// the origin loses nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<S: Scalar> {
-    /// X_b − X_a, global components [length].
+    /// X_b − X_a, global components (length).
     pub reference: Vector<S::Real>,
     /// The first node.
     pub a: Node<S>,
@@ -72,11 +72,11 @@ pub struct Pair<S: Scalar> {
 /// What a measure is a function of.
 #[derive(Clone, Copy, Debug)]
 pub struct Relative<S: Scalar> {
-    /// d = Aᵀ(x_b − x_a): the position of b from a, components along e_i^a [length].
+    /// d = Aᵀ(x_b − x_a): the position of b from a, components along e_i^a (length).
     pub d: Vector<S>,
     /// Q = AᵀB: Q_ij = e_i^a · e_j^b.
     pub q: Matrix<S>,
-    /// Ψ_a and Ψ_b [length].
+    /// Ψ_a and Ψ_b (length).
     pub flow: [S; 2],
 }
 
@@ -116,9 +116,9 @@ pub struct RelativeGradient<R> {
 /// The time derivatives of the relative variations: δ̇, δ̈, ρ̇, ρ̈ and the flows', global components.
 #[derive(Clone, Copy, Debug)]
 pub struct RelativeRates<R> {
-    /// (δ̇, δ̈) [length/time, length/time²].
+    /// (δ̇, δ̈) (length/time, length/time²).
     pub translation: [[R; 3]; 2],
-    /// (ρ̇, ρ̈) [rad/time, rad/time²].
+    /// (ρ̇, ρ̈) (rad/time, rad/time²).
     pub rotation: [[R; 3]; 2],
     /// The first and second rates of Ψ_a and Ψ_b.
     pub flow: [[R; 2]; 2],

@@ -591,3 +591,10 @@ fn a_defect_says_so() {
         assert!(message.contains("internal error") && message.contains("a defect of pintle"), "{message}");
     }
 }
+
+/// The picture in the README is what the program prints.
+#[test]
+fn the_readme_shows_real_output() {
+    let page = output(&["eval", "gallery:slider_crank", "--show", "6", "--connector", "SLIDE"]);
+    assert!(include_str!("../README.md").contains(page.trim_end()), "the README differs from:\n{page}");
+}

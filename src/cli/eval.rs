@@ -111,7 +111,7 @@ fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
 
 /// The request: the outputs named, or what the scenes suggest.
 fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
-    let order = arguments.order;
+    let order = arguments.order.unwrap_or(u8::from(arguments.outputs.is_empty()));
     if !arguments.outputs.is_empty() {
         let names = arguments.outputs.iter().map(String::as_str);
         return request(names, order).map_err(|error| Failure::Usage(error.to_string()));

@@ -94,8 +94,9 @@ pub(crate) struct Eval {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     outputs: Vec<String>,
     /// Derivatives by the nodal degrees of freedom: 0 none, 1 Jacobian, 2 also second derivatives
-    #[arg(long, value_name = "ORDER", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=2))]
-    order: u8,
+    /// [default: 1; 0 with --outputs]
+    #[arg(long, value_name = "ORDER", value_parser = clap::value_parser!(u8).range(0..=2))]
+    order: Option<u8>,
     /// Only these connectors, by element number or element set; MPCs are then left out
     #[arg(long, value_name = "NUMBER|SET", value_delimiter = ',', requires = "scene")]
     connector: Vec<String>,

@@ -1,6 +1,6 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
-use super::model::{ConnectorElement, Model};
+use super::model::{ConnectorElement, Joint, Model};
 use super::plan::Plan;
 use crate::connector::{
     Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
@@ -48,13 +48,12 @@ const STILL: Moved = Moved {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Orientation {
     quaternion: Quaternion<f64>,
-    /// The total rotation vector, where the state gave one; its turns count.
-    vector: Option<Vector<f64>>,
+    /// The total rotation vector: as given, or that of a quaternion continued from the state before.
+    vector: Vector<f64>,
     flow: f64,
 }
 
-const UNTURNED: Orientation =
-    Orientation { quaternion: [1.0, 0.0, 0.0, 0.0], vector: Some([0.0; 3]), flow: 0.0 };
+const UNTURNED: Orientation = Orientation { quaternion: [1.0, 0.0, 0.0, 0.0], vector: [0.0; 3], flow: 0.0 };
 
 /// Everything that a sequence remembers between states. Saved and read back, it continues bit for bit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -82,6 +81,14 @@ impl Branches {
         }
         if let Some(label) = self.connectors.keys().find(|label| !planned.contains(label)) {
             return Err(format!("a branch was saved for connector {label}, which is not to be evaluated"));
+        }
+        let joints: BTreeSet<String> =
+            plan.joints.iter().map(|index| joint_key(*index, &model.joints[*index])).collect();
+        if self.states > 0 && !joints.iter().eq(self.joints.keys()) {
+            return Err("the MPCs to be evaluated are not those whose branches were saved".to_string());
+        }
+        if self.states > 0 && !plan.nodes.iter().eq(self.nodes.keys()) {
+            return Err("the nodes of the scene are not those whose rotations were saved".to_string());
         }
         Ok(())
     }
@@ -113,6 +120,8 @@ pub struct JointResult {
     pub given: Option<f64>,
     /// How far the relative rotation is from being about the axis, in radians.
     pub misalignment: f64,
+    /// What needs care.
+    pub flags: Vec<Flag>,
 }
 
 /// Everything planned, at one state.
@@ -286,14 +295,21 @@ impl<'a> Sequence<'a> {
             velocity: combined(|node| &node.rates),
             acceleration: combined(|node| &node.accelerations),
         };
-        let key = element.nodes.map(|label| label.to_string()).join("-");
+        let key = joint_key(index, element);
         let before = self.branches.joints.get(&key).copied().unwrap_or(Turns { turns: 0.0, principal: 0.0 });
         let whole = sub(slave.whole_turns, master.whole_turns);
         let evaluation = element.constraint.evaluate(&state, &before, whole, request, &mut self.tally);
         self.branches.joints.insert(key, evaluation.angle);
         let misalignment = element.constraint.misalignment(&state);
-        JointResult { index, evaluation, given: joint.sixth, misalignment }
+        let flags = element.constraint.flags(&state, &before, whole, &evaluation);
+        JointResult { index, evaluation, given: joint.sixth, misalignment, flags }
     }
+}
+
+/// What saved branches call a joint: its place among the MPCs, and its nodes.
+fn joint_key(index: usize, joint: &Joint) -> String {
+    let [slave, master, angle] = joint.nodes;
+    format!("{index}:{slave}-{master}-{angle}")
 }
 
 /// A node at its next state: rotation matrix, and increments since the last one.
@@ -303,20 +319,21 @@ impl<'a> Sequence<'a> {
 /// wrapped at half a turn stay principal where π was rounded up: both within 0.001 rad of half a turn or less, and more than
 /// 3π/2 apart.
 fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Orientation) {
-    let (quaternion, vector) = match motion.rotation {
-        Rotation::Vector(phi) => (so3::exp(phi), Some(phi)),
-        Rotation::Quaternion(q) => (so3::normalize(q), None),
+    let quaternion = match motion.rotation {
+        Rotation::Vector(phi) => so3::exp(phi),
+        Rotation::Quaternion(q) => so3::normalize(q),
     };
     let relative = so3::compose(quaternion, so3::conjugate(before.quaternion));
     let principal = so3::log_quaternion(relative);
-    let change = match (vector, before.vector) {
-        (Some(new), Some(old)) if keep_turns(new, old) => {
-            so3::continuous_log_quaternion(relative, sub(new, old)).phi
+    let (vector, change) = match motion.rotation {
+        Rotation::Vector(new) if keep_turns(new, before.vector) => {
+            (new, so3::continuous_log_quaternion(relative, sub(new, before.vector)).phi)
         }
-        _ => principal,
+        Rotation::Vector(new) => (new, principal),
+        Rotation::Quaternion(_) => (so3::continuous_log_quaternion(quaternion, before.vector).phi, principal),
     };
-    let rotation = match vector {
-        Some([0.0, 0.0, 0.0]) => identity(),
+    let rotation = match motion.rotation {
+        Rotation::Vector([0.0, 0.0, 0.0]) => identity(),
         _ => so3::matrix(quaternion),
     };
     let [v, w] = [motion.velocity, motion.angular_velocity];
@@ -330,7 +347,10 @@ fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Ori
         change,
         whole_turns: sub(change, principal),
         flow_change: motion.flow - before.flow,
-        sixth: vector.filter(|_| given).map(|phi| phi[2]),
+        sixth: match motion.rotation {
+            Rotation::Vector(phi) if given => Some(phi[2]),
+            _ => None,
+        },
     };
     (node, Orientation { quaternion, vector, flow: motion.flow })
 }
@@ -359,6 +379,23 @@ mod tests {
             before = after;
         }
         sum
+    }
+
+    /// Turns survive a change from quaternions to rotation vectors.
+    #[test]
+    fn quaternions_and_vectors_mix() {
+        let quaternion = |angle: f64| Rotation::Quaternion(so3::exp([angle, 0.0, 0.0]));
+        let mut before = UNTURNED;
+        let mut sum = 0.0;
+        for rotation in
+            [quaternion(0.3), Rotation::Vector([20.6, 0.0, 0.0]), quaternion(22.0), quaternion(24.0)]
+        {
+            let (node, after) = follow(&NodeMotion { rotation, ..NodeMotion::default() }, &before, true);
+            sum += node.change[0];
+            before = after;
+        }
+        assert!((sum - 24.0).abs() < 1e-13, "{sum}");
+        assert!((before.vector[0] - 24.0).abs() < 1e-13, "{:?}", before.vector);
     }
 
     #[test]

@@ -253,7 +253,7 @@ impl<'a> Block<'a> {
                 misalignment: result.misalignment,
                 axis: evaluation.axis,
             }),
-            flags: Vec::new(),
+            flags: result.flags.clone(),
         }
         .with_what_is_not_finite()
     }
@@ -326,6 +326,14 @@ pub fn flag_in_words(flag: &Flag) -> String {
         Flag::NotFinite { component, quantity } => {
             format!(
                 "{quantity} of {component} is not finite: the state lies beyond what its formula can be evaluated at"
+            )
+        }
+        Flag::PathDependent { component, difference } => format!(
+            "{component} depends on what lies between this state and the last: {difference:.3e} rad from nodes that turn at constant rates"
+        ),
+        Flag::OutOfPlane { component } => {
+            format!(
+                "a node moves out of the plane of this two-dimensional connector, as {component}: that part is not its own"
             )
         }
         Flag::LargeIncrement { component, change } => format!(
