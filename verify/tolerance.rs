@@ -75,7 +75,9 @@ pub(crate) const LAWS: &[Law] = &[
     law("frames, rows", 10.0),
     law("frames, second derivatives", 10.0),
     law("rates from rows", 1.0),
-    law("rates in time", 1.0),
+    // Twice an angle of a quaternion (torsion): the quaternion's accelerations hold |ω|²/4, which the angle's do not, but for their
+    // roundings; the scale knows |ω|² only as far as second derivatives carry it.
+    law("rates in time", 2.0),
     // B₀ = A₀Q₀ is itself a rounded product, of a rounded A₀.
     law("initial residuals", 8.0),
     law("exchanged nodes, values", 3.0),
