@@ -1410,7 +1410,8 @@ mod tests {
     #[test]
     fn uncertain_torsion_is_told() {
         let nearly_half = 0.95 * std::f64::consts::PI;
-        for (name, count) in [("PROJECTION CARTESIAN", 3), ("PROJECTION FLEXION-TORSION", 3), ("BUSHING", 6)] {
+        for (name, count) in [("PROJECTION CARTESIAN", 3), ("PROJECTION FLEXION-TORSION", 3), ("BUSHING", 6)]
+        {
             for (angle, expected) in [(0.5, 0), (nearly_half, count), (std::f64::consts::TAU + 0.5, 0)] {
                 let (_, flags) = turned(name, [0.3, 0.0, 0.0], [0.0, 0.0, 1.0], angle);
                 assert_eq!(flags.len(), expected, "{name} {angle}: {flags:?}");

@@ -259,7 +259,7 @@ fn rotation_vectors_continue_through_whole_turns() {
             let mut next = definition.initial;
             next.b.triad = product(&turn(scale(axis, angle)), &next.b.triad);
             let got = walk.short(next);
-            let local = pintle::vector::apply_transposed(&definition.initial.a.triad, axis);
+            let local = apply_transposed(&definition.initial.a.triad, axis);
             for c in 0..3 {
                 // Near a whole turn the direction is known to u/|sin(φ/2)| only; at zero turns the log is regular.
                 let lateral = if angle.abs() < PI { 1.0 } else { (0.5 * angle).sin().abs() };

@@ -5,7 +5,7 @@ use super::{Check, Scales, U, assert_bits, functions, times};
 use crate::states::{Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, types};
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{
-    Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally, Turns,
+    Components, Connector, Evaluation, Flag, Increment, NodalRow, Output, Request, State, Tally, Turns,
 };
 use pintle::measure::{Measure, Unit};
 use pintle::mpc::{self, Revolute};
@@ -724,13 +724,23 @@ fn a_joint_turned_by_half_is_principal() {
 #[test]
 fn half_turns_in_one_increment() {
     let pi = std::f64::consts::PI;
-    for name in ["REVOLUTE", "CARDAN", "UNIVERSAL", "ROTATION", "EULER"] {
+    for (name, component, axis, tilt) in [
+        ("REVOLUTE", 3, [1.0, 0.0, 0.0], 0.0),
+        ("CARDAN", 3, [1.0, 0.0, 0.0], 0.0),
+        ("UNIVERSAL", 3, [1.0, 0.0, 0.0], 0.0),
+        ("ROTATION", 3, [1.0, 0.0, 0.0], 0.0),
+        ("EULER", 3, [0.0, 0.0, 1.0], 1.0),
+        ("CONSTANT VELOCITY", 4, [0.0, 0.0, 1.0], 1.0),
+        ("FLEXION-TORSION", 4, [0.0, 0.0, 1.0], 1.0),
+        ("FLEXION-TORSION", 5, [0.0, 0.0, 1.0], 1.0),
+        ("PROJECTION FLEXION-TORSION", 5, [0.0, 0.0, 1.0], 0.0),
+        ("PROJECTION FLEXION-TORSION", 5, [0.0, 0.0, 1.0], 1.0),
+    ] {
         let connection = entry(name);
-        let q0 = if name == "EULER" { crate::states::about_1(1.0) } else { crate::states::about_1(0.0) };
+        let q0 = crate::states::about_1(tilt);
         let a0: Matrix<f64> = vector::identity();
         let definition = crate::states::definition(connection, pair([1.0, 0.0, 0.0], a0, &q0), 1.0);
         let connector = Connector::<f64>::new(&definition);
-        let axis = if name == "EULER" { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
         for (told, expected) in [(pi, pi), (-pi, -pi), (0.0, pi)] {
             let mut after = definition.initial;
             after.b.triad = product(
@@ -752,8 +762,68 @@ fn half_turns_in_one_increment() {
                 &request,
                 &mut Tally::default(),
             );
-            let moved = got.displacement[3].unwrap();
-            assert!((moved - expected).abs() < 1e-14, "{name}, told {told}: ur1 = {moved}, not {expected}");
+            let moved = got.displacement[component].unwrap();
+            let place = format!("{name}, component {}, told {told}", component + 1);
+            // The sweep starts where −e2a·e3b is positive and ends where it is negative: at 0 and at π.
+            assert!((moved - expected).abs() < 1e-14, "{place}: {moved}, not {expected}");
+        }
+    }
+}
+
+/// At collinear shafts and at r = 0 the components that do not exist there are told, with the class of the singularity, and no
+/// others; beside them nothing is.
+#[test]
+fn singular_points_of_shafts_are_told() {
+    use pintle::measure::SingularClass::{Kink, TrueSingularity};
+    const ALONG: [f64; 3] = [0.0, 0.0, 1.5];
+    const ACROSS: [f64; 3] = [0.7, -0.2, 1.5];
+    let straight: Matrix<f64> = vector::identity();
+    let over = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+    let bent = crate::states::about_1(0.8);
+    let kinked = [("u1", Kink)].to_vec();
+    let coupling = [("ur1", Kink), ("ur3", TrueSingularity)].to_vec();
+    let all = |names: &[&'static str]| names.iter().map(|name| (*name, TrueSingularity)).collect::<Vec<_>>();
+    for (name, q, reference, expected) in [
+        ("RADIAL-THRUST", bent, ALONG, kinked),
+        ("RADIAL-THRUST", bent, ACROSS, vec![]),
+        ("FLEXION-TORSION", straight, ACROSS, coupling),
+        (
+            "FLEXION-TORSION",
+            over,
+            ACROSS,
+            [("ur1", Kink), ("ur2", TrueSingularity), ("ur3", TrueSingularity)].to_vec(),
+        ),
+        ("FLEXION-TORSION", bent, ACROSS, vec![]),
+        ("CONSTANT VELOCITY", straight, ACROSS, vec![]),
+        ("CONSTANT VELOCITY", over, ACROSS, all(&["ur2"])),
+        ("PROJECTION FLEXION-TORSION", straight, ACROSS, vec![]),
+        ("PROJECTION FLEXION-TORSION", over, ACROSS, all(&["ur1", "ur2", "ur3"])),
+        ("PROJECTION CARTESIAN", straight, ACROSS, vec![]),
+        ("PROJECTION CARTESIAN", over, ACROSS, all(&["u1", "u2", "u3"])),
+    ] {
+        let definition = crate::states::definition(entry(name), pair(reference, straight, &q), 1.0);
+        let connector = Connector::<f64>::new(&definition);
+        let state = State { pair: definition.initial, velocity: [0.3; DOFS], acceleration: [0.1; DOFS] };
+        let (before, increment) = (connector.initial_branch(), Increment::none());
+        let got =
+            connector.evaluate(&state, &increment, &before, &Request::everything(2), &mut Tally::default());
+        let margins = connector.margins(&state, &got.branch, [true; 6]);
+        let flags = connector.flags(&margins, &increment, &state, &before, &got.branch);
+        let told: Vec<_> = flags
+            .iter()
+            .map(|flag| match flag {
+                Flag::Singular { component, class, .. } => (*component, *class),
+                other => panic!("{name}: {other:?}"),
+            })
+            .collect();
+        assert_eq!(told, expected, "{name}, e3a·e3b = {}", q[2][2]);
+        for c in 0..6 {
+            let numbers = [got.position[c], got.velocity[c], got.acceleration[c]].into_iter().flatten();
+            let rows = got.jacobian[c].into_iter().flatten();
+            let second = got.hessian[c].iter().flat_map(|h| h.as_flattened().to_vec());
+            for number in numbers.chain(rows).chain(second) {
+                assert!(number.is_finite(), "{name}, component {}: {number} is not finite", c + 1);
+            }
         }
     }
 }
