@@ -1,0 +1,314 @@
+//! What needs care at a state: stops reached, singular sets and how near they are, turns and paths that are not certain.
+
+use super::{Branch, Components, Connector, Increment, Mask, State};
+use crate::measure::{Margin, Measure, SingularClass, Unit};
+use crate::node::{DOFS, Pair};
+use crate::scalar::Real;
+use crate::scalar::elementary::norm;
+use crate::so3;
+use crate::vector::{self, column, dot, scale, sub};
+use serde::Serialize;
+use std::cell::LazyCell;
+use std::mem::{self, Discriminant};
+
+/// A stop: min ≤ position ≤ max, in the units of the position (angles in radians).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Stop {
+    /// The lower limit, if any.
+    pub lower: Option<f64>,
+    /// The upper limit, if any.
+    pub upper: Option<f64>,
+}
+
+/// Whether a stop is reached (output CSLST).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopStatus {
+    /// Between the limits: 0.
+    Free,
+    /// At or below the lower limit: 1.
+    AtLower,
+    /// At or above the upper limit: 1.
+    AtUpper,
+}
+
+impl StopStatus {
+    /// The value of CSLST: 1 at a limit, else 0.
+    pub const fn flag(self) -> u8 {
+        match self {
+            Self::Free => 0,
+            Self::AtLower | Self::AtUpper => 1,
+        }
+    }
+}
+
+/// A state at which a value needs care.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "flag", rename_all = "kebab-case")]
+pub enum Flag {
+    /// The state lies on a singular set: derivatives named there do not exist, and are reported as zero or along the
+    /// direction kept; at a true singularity the value is not determined either.
+    Singular {
+        /// The component.
+        component: &'static str,
+        /// The set.
+        at: &'static str,
+        /// What happens there.
+        class: SingularClass,
+    },
+    /// The state is so close to a singular set that derivatives, and at a true singularity the value too, lose digits: the
+    /// relative error grows like u divided by the distance, a length in units of the largest length it is formed from.
+    IllConditioned {
+        /// The component.
+        component: &'static str,
+        /// The set.
+        at: &'static str,
+        /// What happens there.
+        class: SingularClass,
+        /// The distance to it.
+        distance: f64,
+    },
+    /// A number is infinite or not a number: the state lies beyond what the formula can be evaluated at.
+    NotFinite {
+        /// The component.
+        component: &'static str,
+        /// The output, or `derivative`.
+        quantity: &'static str,
+    },
+    /// An angle moved by more than 0.9 π since the previous state besides the whole turns of the nodes, or these were not about
+    /// its axis: its turns cannot be counted with certainty.
+    LargeIncrement {
+        /// The component.
+        component: &'static str,
+        /// The change of the angle (rad).
+        change: f64,
+    },
+    /// A one-form was accumulated over an increment in which its direction turned: what lies between the two states
+    /// decides, and they do not say.
+    PathDependent {
+        /// The component.
+        component: &'static str,
+        /// How far the midpoint rule, which is reported, is from nodes that turn at constant rates (rad).
+        difference: f64,
+    },
+    /// A two-dimensional connector whose nodes were moved or turned out of the global 1-2 plane: what is reported is not that
+    /// of a plane motion.
+    OutOfPlane {
+        /// `u3`, `ur1` or `ur2`, by what moved.
+        component: &'static str,
+    },
+}
+
+impl Flag {
+    /// The name, as JSON has it.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Singular { .. } => "singular",
+            Self::IllConditioned { .. } => "ill-conditioned",
+            Self::NotFinite { .. } => "not-finite",
+            Self::LargeIncrement { .. } => "large-increment",
+            Self::PathDependent { .. } => "path-dependent",
+            Self::OutOfPlane { .. } => "out-of-plane",
+        }
+    }
+
+    /// The component that it is about.
+    pub const fn component(&self) -> &'static str {
+        match self {
+            Self::Singular { component, .. }
+            | Self::IllConditioned { component, .. }
+            | Self::NotFinite { component, .. }
+            | Self::LargeIncrement { component, .. }
+            | Self::PathDependent { component, .. }
+            | Self::OutOfPlane { component } => component,
+        }
+    }
+}
+
+/// The distance to a singular set below which a state is flagged: half the digits of a second derivative are gone.
+pub(crate) const ILL_CONDITIONED: f64 = 1e-8;
+
+/// The change of an angle, as a fraction of π, beyond which its turns are flagged.
+pub(crate) const CERTAIN_INCREMENT: f64 = 0.9;
+
+/// How far, as a fraction of π, the change of an angle may be from what the nodes' own increments tell, to be certain although it
+/// exceeds [`CERTAIN_INCREMENT`].
+const CERTAIN_TOLD: f64 = 0.1;
+
+/// The difference of two rules of integration (rad) beyond which a one-form is flagged: that of 10 000 such increments is still
+/// below 1e-5 rad.
+const CERTAIN_PATH: f64 = 1e-9;
+
+/// How far the advance of an angle by whole turns of the nodes may be from whole turns of its own, in turns, to be counted with
+/// certainty.
+const CERTAIN_TURNS: f64 = 0.1;
+
+impl Connector<f64> {
+    /// Whether stops are reached at the given positions.
+    pub fn stop_status(&self, position: &Components<f64>) -> Components<StopStatus> {
+        [0, 1, 2, 3, 4, 5].map(|k| {
+            let (stop, position) = (self.stops[k]?, position[k]?);
+            Some(match stop {
+                Stop { lower: Some(lower), .. } if position <= lower => StopStatus::AtLower,
+                Stop { upper: Some(upper), .. } if position >= upper => StopStatus::AtUpper,
+                _ => StopStatus::Free,
+            })
+        })
+    }
+
+    /// The stops.
+    pub const fn stops(&self) -> &Components<Stop> {
+        &self.stops
+    }
+
+    /// The distance of each component wanted, in what is differentiated and in its position, to the nearest singular set.
+    pub fn margins(&self, state: &State<f64>, branch: &Branch<f64>, wanted: Mask) -> Components<Margin> {
+        let history = branch.history();
+        let relative = LazyCell::new(|| state.pair.relative());
+        // The components of one kind of measure share their singular set.
+        let mut known: Vec<(Discriminant<Measure>, f64)> = Vec::new();
+        let mut of = |measure: Measure| {
+            let kind = mem::discriminant(&measure);
+            if let Some((_, distance)) = known.iter().find(|(seen, _)| *seen == kind) {
+                return Some(Margin { distance: *distance, set: measure.singular_set()? });
+            }
+            let margin = measure.margin(&relative, &self.section, &history)?;
+            known.push((kind, margin.distance));
+            Some(margin)
+        };
+        [0, 1, 2, 3, 4, 5].map(|k| {
+            let row = self.rows[k].filter(|_| wanted[k])?;
+            match (of(row.differentiated), of(row.position)) {
+                (Some(x), Some(y)) => Some(if x.distance <= y.distance { x } else { y }),
+                (x, y) => x.or(y),
+            }
+        })
+    }
+
+    /// What needs care at a state: singular sets, ill-conditioned neighbourhoods, increments too large to unwrap.
+    pub fn flags(
+        &self,
+        margins: &Components<Margin>,
+        increment: &Increment<f64>,
+        state: &State<f64>,
+        before: &Branch<f64>,
+        after: &Branch<f64>,
+    ) -> Vec<Flag> {
+        let mut flags = Vec::new();
+        let scale_of = |unit| if unit == Unit::Length { extent(&state.pair) } else { 1.0 };
+        for (k, margin) in margins.iter().enumerate() {
+            let component = crate::catalog::COMPONENT[k];
+            let Some(Margin { distance, set }) = *margin else { continue };
+            if distance == 0.0 {
+                flags.push(Flag::Singular { component, at: set.at, class: set.class });
+            } else if distance < ILL_CONDITIONED * scale_of(set.unit) {
+                flags.push(Flag::IllConditioned { component, at: set.at, class: set.class, distance });
+            }
+        }
+        let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
+        let all = sub(increment.rotation[1], increment.rotation[0]);
+        let turns_are_told = increment.whole_turns.as_flattened().iter().any(|turns| *turns != 0.0);
+        // What lies midway between a and b follows the torsion, whether or not that is a component.
+        let counted = self.rows.iter().enumerate().filter_map(|(k, row)| match row.as_ref()?.position {
+            measure if measure.winds() => Some((k, measure, [before.turns[k], after.turns[k]])),
+            measure if measure.counts_torsion() => {
+                Some((k, Measure::Torsion, [before.torsion, after.torsion]))
+            }
+            _ => None,
+        });
+        for (k, measure, [old, new]) in counted {
+            let along = |v| measure.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, v));
+            let change = f64::with_turns(new.principal - old.principal, new.turns - old.turns);
+            let told = along(whole) / std::f64::consts::TAU;
+            let is_large = (change - along(whole)).abs() > CERTAIN_INCREMENT * std::f64::consts::PI;
+            let is_told = turns_are_told && (change - along(all)).abs() < CERTAIN_TOLD * std::f64::consts::PI;
+            if (is_large && !is_told) || (told - told.round()).abs() > CERTAIN_TURNS {
+                flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
+            }
+        }
+        for (k, _) in
+            self.rows.iter().enumerate().filter(|(_, r)| r.is_some_and(|r| r.position.is_one_form()))
+        {
+            let component = crate::catalog::COMPONENT[k];
+            let difference = (self.accumulation(&state.pair, increment)
+                - self.steady_accumulation(&state.pair, increment))
+            .abs();
+            if difference > CERTAIN_PATH {
+                flags.push(Flag::PathDependent { component, difference });
+            }
+            let [of_a, of_b] =
+                [0, 1].map(|end| norm(sub(increment.rotation[end], increment.whole_turns[end])));
+            if of_a.max(of_b) > CERTAIN_INCREMENT * std::f64::consts::PI && !turns_are_told {
+                flags
+                    .push(Flag::LargeIncrement { component, change: after.accumulated - before.accumulated });
+            }
+        }
+        flags.extend(self.out_of_plane(state));
+        let is_vector =
+            |measure| matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
+        let turned = LazyCell::new(|| {
+            let [old, new] = [before, after].map(|branch| so3::exp(branch.rotation_vector));
+            norm(so3::log_quaternion(so3::compose(new, so3::conjugate(old))))
+        });
+        for (k, _) in
+            self.rows.iter().enumerate().filter(|(_, row)| row.is_some_and(|r| is_vector(r.position)))
+        {
+            if *turned > CERTAIN_INCREMENT * std::f64::consts::PI {
+                flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change: *turned });
+            }
+        }
+        flags
+    }
+}
+
+impl Connector<f64> {
+    /// The one-form over the increment, for nodes that turn at constant rates between the two states: with the mean direction
+    /// ∫₀¹ exp(−s Δθ_a^) e3a ds = e3a − ½ Δθ_a × e3a + … in place of the midpoint's.
+    fn steady_accumulation(&self, pair: &Pair<f64>, increment: &Increment<f64>) -> f64 {
+        let [of_a, of_b] = increment.rotation;
+        // Five Gauss points: an increment of one turn is integrated to 1e-4, and one of a tenth of a turn to rounding.
+        const POINTS: [(f64, f64); 5] = [
+            (0.046_910_077_030_668, 0.118_463_442_528_094_54),
+            (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+            (0.5, 0.284_444_444_444_444_4),
+            (0.769_234_655_052_841_5, 0.239_314_335_249_683_24),
+            (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+        ];
+        let mut sum = -self.section.flow_scale * increment.flow[1];
+        for (s, weight) in POINTS {
+            let back = so3::matrix(so3::exp(scale(of_a, -s)));
+            let direction = column(&vector::product(&back, &pair.a.triad), 2);
+            sum += weight * dot(direction, sub(of_a, of_b));
+        }
+        sum
+    }
+
+    /// What a two-dimensional connector's nodes do out of its plane.
+    fn out_of_plane(&self, state: &State<f64>) -> Vec<Flag> {
+        if !self.is_planar {
+            return Vec::new();
+        }
+        /// Direction cosines of exact rotations about the global 3-axis carry a few roundings.
+        const ROUNDING: f64 = 1e-12;
+        let Pair { a, b, .. } = &state.pair;
+        let rates = |i: usize| {
+            [&state.velocity, &state.acceleration]
+                .iter()
+                .any(|rate| rate[i] != 0.0 || rate[DOFS / 2 + i] != 0.0)
+        };
+        let tilted = |i: usize| [a, b].iter().any(|node| node.triad[i][2].abs() > ROUNDING);
+        let moved = [
+            (a.displacement[2] != 0.0 || b.displacement[2] != 0.0 || rates(2), "u3"),
+            (tilted(1) || rates(3), "ur1"),
+            (tilted(0) || rates(4), "ur2"),
+        ];
+        moved.into_iter().filter(|(is, _)| *is).map(|(_, component)| Flag::OutOfPlane { component }).collect()
+    }
+}
+
+/// The largest of the lengths from which x_b − x_a is formed: its rounding scales with it, so that a distance is small or not
+/// regardless of the unit of length.
+fn extent(pair: &Pair<f64>) -> f64 {
+    let lengths = [pair.reference, pair.a.displacement, pair.b.displacement];
+    lengths.as_flattened().iter().fold(0.0, |most, length| most.max(length.abs()))
+}

@@ -1,0 +1,192 @@
+//! What to compute, and how much was computed.
+
+use serde::Serialize;
+
+/// A quantity that can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+pub enum Output {
+    /// Position: e·d, l, α … from which stops are counted.
+    CP,
+    /// Displacement: position − initial position.
+    CU,
+    /// Constitutive displacement: position − reference.
+    CCU,
+    /// Velocity.
+    CV,
+    /// Acceleration.
+    CA,
+    /// What each constrained component enforces to be zero.
+    RES,
+    /// The rate of the residual, J q̇.
+    RESV,
+    /// The part of the residual's acceleration that is quadratic in the rates, J̇ q̇.
+    RESB,
+    /// The acceleration of the residual, J q̈ + J̇ q̇.
+    RESA,
+    /// Stop status.
+    CSLST,
+    /// Turn counts and principal angles.
+    TURNS,
+    /// Distance to the nearest singular point.
+    MARGIN,
+}
+
+impl Output {
+    /// Every output, in the order of reports.
+    pub const ALL: [Self; 12] = [
+        Self::CP,
+        Self::CU,
+        Self::CCU,
+        Self::CV,
+        Self::CA,
+        Self::RES,
+        Self::RESV,
+        Self::RESB,
+        Self::RESA,
+        Self::CSLST,
+        Self::TURNS,
+        Self::MARGIN,
+    ];
+
+    /// The name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::CP => "CP",
+            Self::CU => "CU",
+            Self::CCU => "CCU",
+            Self::CV => "CV",
+            Self::CA => "CA",
+            Self::RES => "RES",
+            Self::RESV => "RESV",
+            Self::RESB => "RESB",
+            Self::RESA => "RESA",
+            Self::CSLST => "CSLST",
+            Self::TURNS => "TURNS",
+            Self::MARGIN => "MARGIN",
+        }
+    }
+
+    /// Whether it is one of the manual's outputs of relative motion, which has a name of its own for rotations: CP and CPR.
+    pub const fn is_kinematic(self) -> bool {
+        matches!(self, Self::CP | Self::CU | Self::CCU | Self::CV | Self::CA)
+    }
+
+    /// The power of time by which the unit of the component is divided: 0, 1 or 2.
+    pub const fn per_time(self) -> u8 {
+        match self {
+            Self::CV | Self::RESV => 1,
+            Self::CA | Self::RESB | Self::RESA => 2,
+            _ => 0,
+        }
+    }
+
+    /// One line on what it is.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::CP => "position",
+            Self::CU => "displacement from the initial position",
+            Self::CCU => "constitutive displacement from the reference",
+            Self::CV => "velocity",
+            Self::CA => "acceleration",
+            Self::RES => "constraint residual",
+            Self::RESV => "rate of the constraint residual, J q̇",
+            Self::RESB => "quadratic part of its acceleration, J̇ q̇",
+            Self::RESA => "acceleration of the constraint residual, J q̈ + J̇ q̇",
+            Self::CSLST => "stop status",
+            Self::TURNS => "whole turns counted",
+            Self::MARGIN => "distance to the nearest singular point",
+        }
+    }
+}
+
+/// A set of components, of u1, u2, u3, ur1, ur2, ur3.
+pub type Mask = [bool; 6];
+
+/// What to compute: outputs, each of some components, and derivatives.
+///
+/// ```
+/// use pintle::connector::{Output, Request};
+/// let mut request = Request::nothing(1);
+/// request.add(Output::CU, [true, false, false, false, false, false]);
+/// request.add(Output::CP, [false, false, false, false, false, true]);
+/// assert!(request.wants(Output::CU, 0) && !request.wants(Output::CU, 5));
+/// assert_eq!(request.components(), [true, false, false, false, false, true]);
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// The components wanted of each output, in the order of [`Output::ALL`].
+    wanted: [Mask; Output::ALL.len()],
+    /// The components that are wanted at all: those of any output, and those whose rows of derivatives are wanted.
+    components: Mask,
+    /// 0: values; 1: also the Jacobian; 2: also second derivatives.
+    pub order: u8,
+}
+
+impl Request {
+    /// No output of any component.
+    pub const fn nothing(order: u8) -> Self {
+        Self { wanted: [[false; 6]; Output::ALL.len()], components: [false; 6], order }
+    }
+
+    /// The same components of every output listed, with derivatives up to `order`. Without outputs, derivatives only.
+    pub fn new(outputs: &[Output], components: Mask, order: u8) -> Self {
+        let mut request = Self::nothing(order);
+        request.add_rows(components);
+        for output in outputs {
+            request.add(*output, components);
+        }
+        request
+    }
+
+    /// Every output of every component, with derivatives up to `order`.
+    pub fn everything(order: u8) -> Self {
+        Self::new(&Output::ALL, [true; 6], order)
+    }
+
+    /// Adds components of an output, and their rows of derivatives.
+    pub fn add(&mut self, output: Output, components: Mask) {
+        for (k, wanted) in components.into_iter().enumerate() {
+            self.wanted[output as usize][k] |= wanted;
+        }
+        self.add_rows(components);
+    }
+
+    /// Adds rows of derivatives of components, without any output.
+    pub fn add_rows(&mut self, components: Mask) {
+        for (k, wanted) in components.into_iter().enumerate() {
+            self.components[k] |= wanted;
+        }
+    }
+
+    /// The components that are wanted in any way. Their rows of derivatives are, from order 1 on.
+    pub const fn components(&self) -> Mask {
+        self.components
+    }
+
+    /// The outputs wanted of at least one component, in the order of [`Output::ALL`].
+    pub fn outputs(&self) -> impl Iterator<Item = Output> + '_ {
+        Output::ALL.into_iter().filter(|output| self.wanted[*output as usize].contains(&true))
+    }
+
+    /// Whether an output of component k (0-based) is wanted.
+    pub const fn wants(&self, output: Output, k: usize) -> bool {
+        self.wanted[output as usize][k]
+    }
+
+    pub(super) fn wants_any(&self, outputs: &[Output], k: usize) -> bool {
+        outputs.iter().any(|output| self.wants(*output, k))
+    }
+}
+
+/// How often anything was computed: the proof that nothing else was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Tally {
+    /// Measures evaluated for their value.
+    pub values: u64,
+    /// Measures evaluated with first derivatives.
+    pub gradients: u64,
+    /// Measures evaluated with second derivatives.
+    pub hessians: u64,
+    /// Measures evaluated along time.
+    pub rates: u64,
+}
