@@ -12,7 +12,9 @@
 //! The axis runs from M to J in the initial geometry, along the global z if they coincide. Translations are not tied; add a
 //! PIN for that.
 
-use crate::connector::{CERTAIN_INCREMENT, Flag, ILL_CONDITIONED, Output, Request, Tally, Turns};
+use crate::connector::{
+    CERTAIN_INCREMENT, Flag, ILL_CONDITIONED, Output, Request, Tally, Turns, nearest_turn,
+};
 use crate::measure::SingularClass;
 use crate::scalar::elementary::{atan2, norm};
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
@@ -163,11 +165,7 @@ impl<R: Differentiable> Revolute<R> {
             tally.values += 1;
             (self.implied_angle(state, [zero; DOFS]), None)
         };
-        let turn = R::pi() + R::pi();
-        let hint = dot(axis, whole_turns);
-        // Halves go towards zero: an increment of exactly half a turn leads to the principal angle.
-        let turns = (principal - previous.principal - hint) / turn;
-        let counted = (turns - turns * R::ratio(1, i32::MAX)).nearest_integer();
+        let (turns, _) = nearest_turn(principal, previous, dot(axis, whole_turns), zero);
         let joint = state.joint.unwrap_or(principal);
 
         let mut evaluation = Evaluation {
@@ -177,7 +175,7 @@ impl<R: Differentiable> Revolute<R> {
             residual_acceleration: None,
             jacobian: None,
             hessian: None,
-            angle: Turns { turns: previous.turns - counted, principal },
+            angle: turns,
             angle_rates,
             axis,
         };

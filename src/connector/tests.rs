@@ -1,6 +1,8 @@
 //! Tests that look inside.
 
 use super::*;
+use crate::scalar::{Scalar, Seeded};
+use crate::vector::{column, scale, sub};
 use num_dual::Dual2SVec64;
 
 fn pair(seed: f64) -> Pair<f64> {

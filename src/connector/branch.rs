@@ -1,0 +1,181 @@
+//! What the history of a connector decides: turn counts, sheets, accumulated one-forms.
+
+use super::{Connector, State};
+use crate::measure::{History, Measure, Shared};
+use crate::node::{self, DOFS, Dependence, Pair, Relative};
+use crate::scalar::{Differentiable, Real};
+use crate::so3;
+use crate::vector::{self, Vector, add, dot, scale, sub};
+use serde::{Deserialize, Serialize};
+
+/// An angle as whole turns and a principal part: principal + 2π turns. Exact at any number of turns.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Turns<R> {
+    /// The number of whole turns, an integer.
+    pub turns: R,
+    /// The principal angle in (−π, π] (rad).
+    pub principal: R,
+}
+
+/// What the states up to now decide about the next: committed once per state.
+///
+/// A `Branch<f64>` survives serialization bit for bit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Branch<R> {
+    /// Turn counts of the components that wind; zero for the others.
+    pub turns: [Turns<R>; 6],
+    /// The last well-conditioned rotation vector of b's directions relative to a's, components along e_i^a (rad).
+    pub rotation_vector: [R; 3],
+    /// The sign of sin β on the sheet of the Euler angles: ±1.
+    pub euler_sign: R,
+    /// The torsion between the third directions, with its turns, where the directions midway between a and b depend on it.
+    pub torsion: Turns<R>,
+    /// What a one-form has accumulated (rad).
+    pub accumulated: R,
+    /// What the roundings of that sum left out, so that thousands of turns lose nothing: the value is the sum of the two.
+    pub accumulated_rest: R,
+}
+
+/// What a state does to the nodes since the previous one: increments along which one-forms accumulate and turns are counted.
+#[derive(Clone, Copy, Debug)]
+pub struct Increment<R> {
+    /// Δθ of a and b, rotation vectors with C(new) = exp(Δθ^) C(old), whole turns included; global components (rad).
+    pub rotation: [Vector<R>; 2],
+    /// The whole turns in them: Δθ minus its principal part (rad).
+    pub whole_turns: [Vector<R>; 2],
+    /// ΔΨ of a and b (length).
+    pub flow: [R; 2],
+}
+
+impl<R: Real> Increment<R> {
+    /// No change.
+    pub fn none() -> Self {
+        let zero = [R::integer(0); 3];
+        Self { rotation: [zero; 2], whole_turns: [zero; 2], flow: [R::integer(0); 2] }
+    }
+}
+
+/// How far the choice between two equally near sheets leans to where the nodes turned: enough to outweigh rounding at an
+/// increment of exactly half a turn, too little to matter elsewhere.
+const LEAN: (i32, i32) = (1, 1_000_000);
+
+impl<R: Differentiable> Connector<R> {
+    /// The branch after `state`, which follows by `increment` the state that left `branch`.
+    ///
+    /// Turns are counted to the nearest, from where the whole turns of the nodes' own increments would have taken the angle. An
+    /// increment of exactly half a turn goes the way the nodes turned, or to the principal angle where that is not said.
+    pub fn advance(&self, state: &State<R>, increment: &Increment<R>, branch: &Branch<R>) -> Branch<R> {
+        let mut next = *branch;
+        let needs = |wanted: fn(Measure) -> bool| self.rows.iter().flatten().any(|row| wanted(row.position));
+        let pair = &state.pair;
+        let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
+        let told = sub(sub(increment.rotation[1], increment.rotation[0]), whole);
+        let rotates = needs(|m| m.dependence().rotation);
+        if !rotates {
+            return next;
+        }
+        let relative = self.relative(pair, Dependence { rotation: true, ..Dependence::default() });
+        if needs(|m| matches!(m, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))) {
+            let carried = add(branch.rotation_vector, vector::apply_transposed(&pair.a.triad, whole));
+            let lean = scale(vector::apply_transposed(&pair.a.triad, told), R::ratio(LEAN.0, LEAN.1));
+            let log = so3::continuous_log(&relative.q, add(carried, lean));
+            next.rotation_vector = R::choose(log.is_reference(), || log.phi, || carried);
+        }
+        if needs(|m| matches!(m, Measure::Euler(_))) {
+            let (same, distance) = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign);
+            let (other, other_distance) =
+                self.wind(&relative, pair, [whole, told], branch, -branch.euler_sign);
+            let chosen = R::choose(
+                other_distance.less(distance),
+                || (other, -branch.euler_sign),
+                || (same, branch.euler_sign),
+            );
+            (next.turns, next.euler_sign) = chosen;
+        } else if needs(Measure::winds) {
+            next.turns = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign).0;
+        }
+        if needs(Measure::counts_torsion) {
+            let principal = so3::torsion(&relative.q);
+            let along =
+                |v: Vector<R>| Measure::Torsion.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
+            next.torsion = nearest_turn(principal, &branch.torsion, along(whole), along(told)).0;
+        }
+        if needs(Measure::is_one_form) {
+            // The sum and its rounding error, exactly (Knuth's two-sum).
+            let change = self.accumulation(pair, increment);
+            let sum = branch.accumulated + change;
+            let added = sum - branch.accumulated;
+            let lost = (branch.accumulated - (sum - added)) + (change - added);
+            next.accumulated = sum;
+            next.accumulated_rest = branch.accumulated_rest + lost;
+        }
+        next
+    }
+
+    /// The turn counts nearest to the previous ones, and how far the angles moved in all.
+    fn wind(
+        &self,
+        relative: &Relative<R>,
+        pair: &Pair<R>,
+        [whole, told]: [Vector<R>; 2],
+        branch: &Branch<R>,
+        euler_sign: R,
+    ) -> ([Turns<R>; 6], R) {
+        let history = History { euler_sign, ..branch.history() };
+        let mut shared = Shared::new(relative, &pair.a.triad, &self.section, &history);
+        let mut turns = branch.turns;
+        let mut moved = R::integer(0);
+        for (k, row) in self.rows.iter().enumerate() {
+            let Some(row) = row.filter(|row| row.position.winds()) else { continue };
+            let evaluated = row.position.evaluate(&mut shared);
+            let principal = row.position.unlocked(&relative.q, evaluated, branch.turns[3].principal);
+            let previous = branch.turns[k];
+            let along =
+                |v: Vector<R>| row.position.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
+            let (counted, change) = nearest_turn(principal, &previous, along(whole), along(told));
+            turns[k] = counted;
+            moved = moved + change.magnitude();
+        }
+        (turns, moved)
+    }
+
+    /// The one-form over the increment, at the midpoint direction: e3a(mid)·(Δθ_a − Δθ_b) − β_s ΔΨ_b.
+    pub(super) fn accumulation(&self, pair: &Pair<R>, increment: &Increment<R>) -> R {
+        let [of_a, of_b] = increment.rotation;
+        let back = so3::matrix(so3::exp(scale(of_a, R::ratio(-1, 2))));
+        let middle = vector::product(&back, &pair.a.triad);
+        let form = Measure::FlowConversion.one_form(&middle, &self.section);
+        let mut change = [R::integer(0); DOFS];
+        change[node::THETA_A..node::PSI_A].copy_from_slice(&of_a);
+        change[node::THETA_B..node::PSI_B].copy_from_slice(&of_b);
+        change[node::PSI_A] = increment.flow[0];
+        change[node::PSI_B] = increment.flow[1];
+        let mut sum = R::integer(0);
+        for (row, change) in form.iter().zip(&change) {
+            sum = sum + *row * *change;
+        }
+        sum
+    }
+}
+
+impl<R: Copy> Branch<R> {
+    /// What measures need to know of it.
+    pub(super) const fn history(&self) -> History<R> {
+        History {
+            rotation_vector: self.rotation_vector,
+            euler_sign: self.euler_sign,
+            torsion_turns: self.torsion.turns,
+        }
+    }
+}
+
+/// An angle with the number of turns that brings it nearest to where the previous one is after the `whole` turns of the nodes,
+/// and how far it moved besides (rad). Where two numbers of turns are equally near, `told`, how far the nodes turned besides,
+/// decides.
+pub(crate) fn nearest_turn<R: Real>(principal: R, previous: &Turns<R>, whole: R, told: R) -> (Turns<R>, R) {
+    let turn = R::pi() + R::pi();
+    let lean = R::ratio(LEAN.0, LEAN.1);
+    let change = principal - previous.principal - whole;
+    let counted = ((change - (told + change * lean) * lean) / turn).nearest_integer();
+    (Turns { turns: previous.turns - counted, principal }, change - counted * turn)
+}

@@ -1,0 +1,322 @@
+//! Rows of first and second derivatives, and rates: the same measures on numbers with derivatives.
+
+use super::{Connector, Evaluation, Output, Request, Row, State, Tally};
+use crate::measure::{History, Measure, Section, Shared};
+use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
+use crate::scalar::{Differentiable, Scalar, Seeded};
+use crate::vector::{self, Vector, column};
+
+impl<R: Differentiable> Connector<R> {
+    pub(super) fn rates(
+        &self,
+        state: &State<R>,
+        history: &History<R>,
+        rows: &[(usize, Row<R>)],
+        request: &Request,
+        tally: &mut Tally,
+        evaluation: &mut Evaluation<R>,
+    ) {
+        let of_position = |k: usize| request.wants_any(&[Output::CV, Output::CA], k);
+        let of_residual = |k: usize, row: &Row<R>| {
+            request.wants_any(&[Output::RESV, Output::RESA], k) && row.slot.is_constrained()
+        };
+        let bias = |k: usize, row: &Row<R>| request.wants(Output::RESB, k) && row.slot.is_constrained();
+        let mut measures = Vec::new();
+        let mut bias_measures = Vec::new();
+        for (k, row) in rows {
+            if of_position(*k) {
+                measures.push(row.position);
+            }
+            if of_residual(*k, row) && !measures.contains(&row.differentiated) {
+                measures.push(row.differentiated);
+            }
+            if bias(*k, row) {
+                bias_measures.push(row.differentiated);
+            }
+        }
+        if !measures.is_empty() {
+            let mut along = Along::new(self, state, &state.acceleration, history, measures);
+            for (k, row) in rows.iter().copied() {
+                if of_position(k) {
+                    let [velocity, acceleration] = along.rates(row.position, tally);
+                    evaluation.velocity[k] = request.wants(Output::CV, k).then_some(velocity);
+                    evaluation.acceleration[k] = request.wants(Output::CA, k).then_some(acceleration);
+                }
+                if of_residual(k, &row) {
+                    let [velocity, acceleration] = along.rates(row.differentiated, tally);
+                    evaluation.residual_rate[k] = request.wants(Output::RESV, k).then_some(velocity);
+                    evaluation.residual_acceleration[k] =
+                        request.wants(Output::RESA, k).then_some(acceleration);
+                }
+            }
+        }
+        if !bias_measures.is_empty() {
+            let still = [R::integer(0); DOFS];
+            let mut along = Along::new(self, state, &still, history, bias_measures);
+            for (k, row) in rows.iter().filter(|(k, row)| bias(*k, row)) {
+                evaluation.residual_bias[*k] = Some(along.rates(row.differentiated, tally)[1]);
+            }
+        }
+    }
+
+    pub(super) fn rows_of_derivatives(
+        &self,
+        state: &State<R>,
+        history: &History<R>,
+        rows: &[(usize, Row<R>)],
+        request: &Request,
+        tally: &mut Tally,
+        evaluation: &mut Evaluation<R>,
+    ) {
+        let of = |seeds: Seeds| {
+            let chosen = rows.iter().filter(move |(_, row)| Seeds::of(row.differentiated) == seeds);
+            chosen.map(|(k, row)| (*k, row.differentiated)).collect::<Vec<_>>()
+        };
+        let second = request.order > 1;
+        let mut take = |k: usize, gradient: RelativeGradient<R>, relative: [[R; 8]; 8]| {
+            // A measure that no direction of a enters does not feel a turn.
+            let mut active = self.active;
+            if !self.differentiated(k).is_some_and(Measure::turns_with_a) {
+                active[node::THETA_A..node::PSI_A].fill(false);
+            }
+            let mut row = state.pair.nodal_row(&gradient);
+            for (entry, active) in row.iter_mut().zip(&active) {
+                if !active {
+                    *entry = R::integer(0);
+                }
+            }
+            evaluation.jacobian[k] = Some(row);
+            if second {
+                let hessian = state.pair.nodal_hessian(&gradient, &relative, &active);
+                evaluation.hessian[k] = Some(Box::new(hessian));
+            }
+        };
+        let input = (self, state, history);
+        if second {
+            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(input, &of(Seeds::Translation), &mut take);
+            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(input, &of(Seeds::Rotation), &mut take);
+            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(input, &of(Seeds::Motion), &mut take);
+            Seeds::All.pass::<R, R::Hessian<8>, 8>(input, &of(Seeds::All), &mut take);
+        } else {
+            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(input, &of(Seeds::Translation), &mut take);
+            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(input, &of(Seeds::Rotation), &mut take);
+            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(input, &of(Seeds::Motion), &mut take);
+            Seeds::All.pass::<R, R::Gradient<8>, 8>(input, &of(Seeds::All), &mut take);
+        }
+        let count = rows.iter().filter(|(_, row)| !row.differentiated.is_one_form()).count() as u64;
+        if second {
+            tally.hessians += count;
+        } else {
+            tally.gradients += count;
+        }
+        for (k, row) in rows.iter().filter(|(_, row)| row.differentiated.is_one_form()) {
+            self.one_form_rows(state, *k, row.differentiated, second, tally, evaluation);
+        }
+    }
+
+    /// The row of a one-form and, for second derivatives, how the row changes as its carrier turns.
+    fn one_form_rows(
+        &self,
+        state: &State<R>,
+        k: usize,
+        measure: Measure,
+        second: bool,
+        tally: &mut Tally,
+        evaluation: &mut Evaluation<R>,
+    ) {
+        let zero = R::integer(0);
+        let row = measure.one_form(&state.pair.a.triad, &self.section);
+        let masked = |j: usize, value: R| if self.active[j] { value } else { zero };
+        let mut active_row = row;
+        for (j, entry) in active_row.iter_mut().enumerate() {
+            *entry = masked(j, *entry);
+        }
+        evaluation.jacobian[k] = Some(active_row);
+        tally.gradients += 1;
+        if !second {
+            return;
+        }
+        tally.hessians += 1;
+        let seed = |i: usize| R::Gradient::<3>::seed(zero, i);
+        let turning = turned_triad(&state.pair.a.triad, [seed(0), seed(1), seed(2)]);
+        let form = measure.one_form(&turning, &self.section);
+        let mut hessian = Box::new([[zero; DOFS]; DOFS]);
+        for (j, entry) in form.iter().enumerate() {
+            for (i, derivative) in entry.gradient().into_iter().enumerate() {
+                let carrier = node::THETA_A + i;
+                if self.active[carrier] {
+                    hessian[j][carrier] = masked(j, derivative);
+                }
+            }
+        }
+        evaluation.hessian[k] = Some(hessian);
+    }
+}
+
+/// The triad after a first-order rotation θ: e + θ × e, exact for first derivatives.
+fn turned_triad<S: Scalar>(triad: &vector::Matrix<S::Real>, theta: Vector<S>) -> vector::Matrix<S> {
+    let mut turned = [[S::zero(); 3]; 3];
+    for j in 0..3 {
+        let direction = column(triad, j);
+        let change = vector::cross_real(theta, direction);
+        for i in 0..3 {
+            turned[i][j] = S::from_real(direction[i]) + change[i];
+        }
+    }
+    turned
+}
+
+/// Which relative variations carry derivatives: those that a measure depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Seeds {
+    Translation,
+    Rotation,
+    Motion,
+    All,
+    None,
+}
+
+impl Seeds {
+    fn of(measure: Measure) -> Self {
+        if measure.is_one_form() {
+            return Self::None;
+        }
+        match measure.dependence() {
+            Dependence { translation: true, rotation: false, flow: false } => Self::Translation,
+            Dependence { translation: false, rotation: true, flow: false } => Self::Rotation,
+            Dependence { translation: true, rotation: true, flow: false } => Self::Motion,
+            _ => Self::All,
+        }
+    }
+
+    /// Evaluates measures on numbers with derivatives along these variations and hands on their relative derivatives.
+    fn pass<R: Differentiable, S: Seeded<N, Real = R>, const N: usize>(
+        self,
+        (connector, state, history): (&Connector<R>, &State<R>, &History<R>),
+        measures: &[(usize, Measure)],
+        take: &mut impl FnMut(usize, RelativeGradient<R>, [[R; 8]; 8]),
+    ) {
+        if measures.is_empty() {
+            return;
+        }
+        let (first, needed) = match self {
+            Self::Translation => (0, Dependence { translation: true, ..Dependence::default() }),
+            Self::Rotation => (3, Dependence { rotation: true, ..Dependence::default() }),
+            Self::Motion => (0, Dependence { translation: true, rotation: true, flow: false }),
+            Self::All | Self::None => (0, Dependence { translation: true, rotation: true, flow: true }),
+        };
+        let zero = R::integer(0);
+        let seed = |i: usize| {
+            if i >= first && i < first + N { S::seed(zero, i - first) } else { S::zero() }
+        };
+        let relative = state.pair.varied(
+            needed,
+            [seed(0), seed(1), seed(2)],
+            [seed(3), seed(4), seed(5)],
+            [seed(6), seed(7)],
+        );
+        let mut shared = Shared::new(&relative, &state.pair.a.triad, &connector.section, history);
+        for (k, measure) in measures {
+            let value = measure.evaluate(&mut shared);
+            let mut gradient = [zero; 8];
+            gradient[first..first + N].copy_from_slice(&value.gradient());
+            let mut hessian = [[zero; 8]; 8];
+            for (i, line) in value.hessian().into_iter().enumerate() {
+                hessian[first + i][first..first + N].copy_from_slice(&line);
+            }
+            let [g1, g2, g3, h1, h2, h3, psi_a, psi_b] = gradient;
+            let gradient =
+                RelativeGradient { translation: [g1, g2, g3], rotation: [h1, h2, h3], flow: [psi_a, psi_b] };
+            take(*k, gradient, hessian);
+        }
+    }
+}
+
+/// A state that moves: measures evaluated on numbers with two time derivatives.
+struct Along<'a, R: Differentiable> {
+    connector: &'a Connector<R>,
+    state: &'a State<R>,
+    acceleration: &'a NodalRates<R>,
+    history: &'a History<R>,
+    relative: Relative<R::Time>,
+    /// The rotation vector and misalignment are shared between components by evaluating all of them once.
+    cache: Vec<(Measure, [R; 2])>,
+    measures: Vec<Measure>,
+}
+
+impl<'a, R: Differentiable> Along<'a, R> {
+    fn new(
+        connector: &'a Connector<R>,
+        state: &'a State<R>,
+        acceleration: &'a NodalRates<R>,
+        history: &'a History<R>,
+        measures: Vec<Measure>,
+    ) -> Self {
+        let needed = measures
+            .iter()
+            .filter(|m| !m.is_one_form() && !m.has_nodal_rates())
+            .fold(Dependence::default(), |sum, m| sum.or(m.dependence()));
+        let mut rates = state.pair.relative_rates(&state.velocity, acceleration);
+        if !measures.iter().any(|m| m.dependence().translation && m.turns_with_a()) {
+            let linear = |rates: &NodalRates<R>| [0, 1, 2].map(|i| rates[node::XB + i] - rates[node::XA + i]);
+            rates.translation = [linear(&state.velocity), linear(acceleration)];
+        }
+        let relative = moving(&state.pair, &rates, needed);
+        Along { connector, state, acceleration, history, relative, cache: Vec::new(), measures }
+    }
+
+    /// (velocity, acceleration) of a measure.
+    pub(super) fn rates(&mut self, measure: Measure, tally: &mut Tally) -> [R; 2] {
+        if self.cache.is_empty() {
+            let state = self.state;
+            let section = &self.connector.section;
+            let mut shared = Shared::new(&self.relative, &state.pair.a.triad, section, self.history);
+            for measure in &self.measures {
+                tally.rates += 1;
+                let nodal = measure.nodal_rates(&state.pair, &state.velocity, self.acceleration);
+                let rates = nodal.unwrap_or_else(|| {
+                    if measure.is_one_form() {
+                        one_form_rates(*measure, state, self.acceleration, section)
+                    } else {
+                        let (first, second) = R::rates(measure.evaluate(&mut shared));
+                        [first, second]
+                    }
+                });
+                self.cache.push((*measure, rates));
+            }
+        }
+        let found = self.cache.iter().find(|(known, _)| *known == measure);
+        found.map_or([R::integer(0); 2], |(_, rates)| *rates)
+    }
+}
+
+/// The relative pair along time.
+fn moving<R: Differentiable>(
+    pair: &Pair<R>,
+    rates: &RelativeRates<R>,
+    needed: Dependence,
+) -> Relative<R::Time> {
+    let zero = R::integer(0);
+    let vector = |of: [[R; 3]; 2]| [0, 1, 2].map(|i| R::moving(zero, of[0][i], of[1][i]));
+    let flow = [0, 1].map(|i| R::moving(zero, rates.flow[0][i], rates.flow[1][i]));
+    pair.varied(needed, vector(rates.translation), vector(rates.rotation), flow)
+}
+
+/// The rate of a one-form, row·q̇, and its time derivative, row·q̈ + (row)˙·q̇.
+fn one_form_rates<R: Differentiable>(
+    measure: Measure,
+    state: &State<R>,
+    acceleration: &NodalRates<R>,
+    section: &Section<R>,
+) -> [R; 2] {
+    let zero = R::integer(0);
+    let spin = node::spin(&state.velocity, End::A);
+    let turning = turned_triad(&state.pair.a.triad, spin.map(|rate| R::moving(zero, rate, zero)));
+    let mut rates = [zero; 2];
+    for (j, entry) in measure.one_form(&turning, section).into_iter().enumerate() {
+        let (change, _) = R::rates(entry);
+        rates[0] = rates[0] + entry.real() * state.velocity[j];
+        rates[1] = rates[1] + entry.real() * acceleration[j] + change * state.velocity[j];
+    }
+    rates
+}
