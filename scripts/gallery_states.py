@@ -29,7 +29,7 @@ seat_belt, 11 states, t = k/10, pull p = 0.1 t of node 30 in x, no friction.  Dr
 
 revolute_mpc, 33 states, t = k/16 for k = 0..32.  The master (20) moves by (t/2, sin(2 pi t)/3, (1 - cos(2 pi t))/4)
     and turns by chi = (3/2) pi t about m = (1, 2, 2)/3 (one and a half turns); the joint angle
-    phi(t) = 3 pi t + sin(pi t)/2 makes three turns.  Dependent node (10): C_S = C_M C(phi a0), a0 = (2, 1, 2)/3, given as
+    phi(t) = 29/10 pi t + sin(pi t)/2 makes 2.9 turns.  Dependent node (10): C_S = C_M C(phi a0), a0 = (2, 1, 2)/3, given as
     a quaternion; omega_S = omega_M + phi' a, alpha_S = alpha_M + phi'' a + phi' omega_M x a, a = C_M a0.
     Degree of freedom 6 of node 30 is phi.
 """
@@ -176,7 +176,8 @@ def revolute_mpc():
     def state(t):
         w = 2 * pi
         chi = (3 * pi * t / 2, 3 * pi / 2)
-        phi = (3 * pi * t + sin(pi * t) / 2, 3 * pi + pi * cos(pi * t) / 2, -(pi**2) * sin(pi * t) / 2)
+        rate = 29 * pi / 10
+        phi = (rate * t + sin(pi * t) / 2, rate + pi * cos(pi * t) / 2, -(pi**2) * sin(pi * t) / 2)
         master = turn(m, chi[0])
         a = rotate(master, a0)
         omega = scale(chi[1], m)

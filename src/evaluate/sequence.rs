@@ -60,9 +60,47 @@ const UNTURNED: Orientation = Orientation { quaternion: [1.0, 0.0, 0.0, 0.0], ve
 pub struct Branches {
     /// The number of states committed.
     pub states: u64,
-    connectors: BTreeMap<u64, Branch<f64>>,
+    connectors: BTreeMap<u64, Saved>,
     joints: BTreeMap<String, Turns<f64>>,
     nodes: BTreeMap<u64, Orientation>,
+}
+
+/// The branch of a connector, with what it belongs to: turn counts of another type or geometry would be taken for its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Saved {
+    connection: String,
+    nodes: [Option<u64>; 2],
+    reference: Vector<f64>,
+    triads: [Matrix<f64>; 2],
+    branch: Branch<f64>,
+}
+
+impl Saved {
+    fn new(element: &ConnectorElement, branch: Branch<f64>) -> Self {
+        Self {
+            connection: element.connector.connection().name.to_string(),
+            nodes: element.nodes,
+            reference: element.reference,
+            triads: element.triads,
+            branch,
+        }
+    }
+
+    /// What differs from the element, in words.
+    fn difference(&self, element: &ConnectorElement) -> Option<String> {
+        let now = Self::new(element, self.branch);
+        let label = element.label;
+        if self.connection != now.connection {
+            let (saved, now) = (&self.connection, &now.connection);
+            return Some(format!("the branch of connector {label} was saved for {saved}, and it is {now}"));
+        }
+        let place = (self.nodes, self.reference, self.triads) != (now.nodes, now.reference, now.triads);
+        place.then(|| {
+            format!(
+                "the branch of connector {label} was saved for other nodes, initial positions or orientations"
+            )
+        })
+    }
 }
 
 impl Branches {
@@ -71,16 +109,26 @@ impl Branches {
     /// # Errors
     /// In words, the first connector that one of the two knows and the other does not.
     pub fn check(&self, model: &Model, plan: &Plan) -> Result<(), String> {
-        let planned: BTreeSet<u64> =
-            plan.connectors.iter().map(|index| model.connectors[*index].label).collect();
-        let saved = |label: &u64| self.connectors.contains_key(label);
+        let planned: BTreeMap<u64, &ConnectorElement> = plan
+            .connectors
+            .iter()
+            .map(|index| &model.connectors[*index])
+            .map(|element| (element.label, element))
+            .collect();
         if self.states > 0
-            && let Some(label) = planned.iter().find(|label| !saved(label))
+            && let Some(label) = planned.keys().find(|label| !self.connectors.contains_key(label))
         {
             return Err(format!("connector {label} is to be evaluated, and its branch was not saved"));
         }
-        if let Some(label) = self.connectors.keys().find(|label| !planned.contains(label)) {
-            return Err(format!("a branch was saved for connector {label}, which is not to be evaluated"));
+        for (label, saved) in &self.connectors {
+            let Some(element) = planned.get(label) else {
+                return Err(format!(
+                    "a branch was saved for connector {label}, which is not to be evaluated"
+                ));
+            };
+            if let Some(difference) = saved.difference(element) {
+                return Err(difference);
+            }
         }
         let joints: BTreeSet<String> =
             plan.joints.iter().map(|index| joint_key(*index, &model.joints[*index])).collect();
@@ -269,8 +317,8 @@ impl<'a> Sequence<'a> {
             flow: [ends[0].flow_change, ends[1].flow_change],
         };
         let connector = &element.connector;
-        let known = self.branches.connectors.get(&element.label).copied();
-        let before = known.unwrap_or_else(|| connector.initial_branch());
+        let known = self.branches.connectors.get(&element.label);
+        let before = known.map_or_else(|| connector.initial_branch(), |saved| saved.branch);
         let evaluation = connector.evaluate(&state, &increment, &before, request, &mut self.tally);
         let mut stops = connector.stop_status(&evaluation.position);
         for (k, status) in stops.iter_mut().enumerate() {
@@ -278,7 +326,9 @@ impl<'a> Sequence<'a> {
         }
         let margins = connector.margins(&state, &evaluation.branch, request.components());
         let flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
-        self.branches.connectors.insert(element.label, evaluation.branch);
+        let after = evaluation.branch;
+        let saved = self.branches.connectors.entry(element.label);
+        saved.and_modify(|saved| saved.branch = after).or_insert_with(|| Saved::new(element, after));
         ConnectorResult { index, evaluation, stops, margins, flags }
     }
 
@@ -366,6 +416,7 @@ fn keep_turns(new: Vector<f64>, old: Vector<f64>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::Selection;
 
     /// The rotation about the axis 1 that a node has made after states that give it as rotation vectors.
     fn turned(angles: &[f64]) -> f64 {
@@ -412,5 +463,34 @@ mod tests {
         is(&[3.0, half, 3.3], 3.3);
         is(&[3.0, half, -3.0], tau - 3.0);
         is(&[-3.0, half, 3.0], 3.0 - tau);
+    }
+
+    /// Branches belong to a type, nodes and geometry, and to nothing else.
+    #[test]
+    fn foreign_branches_are_refused() {
+        let deck = |types: &str, x: &str| {
+            let text = format!(
+                "*NODE\n1, 0., 0., 0.\n2, {x}, 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+                 *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\n{types}\nO,\n"
+            );
+            let scene = crate::scene::Scene::parse("deck.inp", &text).unwrap();
+            let model = Model::compile(&scene).unwrap();
+            let plan = Plan::compile(&model, &Selection::All, Request::everything(0)).unwrap();
+            (model, plan)
+        };
+        let (model, plan) = deck("CARTESIAN, CARDAN", "1.");
+        let mut walk = Sequence::new(&model, &plan);
+        walk.step(&SceneState::default());
+        let branches = walk.branches();
+        assert_eq!(branches.check(&model, &plan), Ok(()));
+        let refusal = |types, x| {
+            let (model, plan) = deck(types, x);
+            branches.check(&model, &plan).unwrap_err()
+        };
+        assert!(
+            refusal("CARTESIAN, EULER", "1.")
+                .contains("saved for CARTESIAN + CARDAN, and it is CARTESIAN + EULER")
+        );
+        assert!(refusal("CARTESIAN, CARDAN", "2.").contains("initial positions"));
     }
 }
