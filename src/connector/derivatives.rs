@@ -1,21 +1,14 @@
 //! Rows of first and second derivatives, and rates: the same measures on numbers with derivatives.
 
-use super::{Connector, Evaluation, Output, Request, Row, State, Tally};
+use super::{Connector, Evaluation, Output, Pass, Row, State, Tally};
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
 use crate::scalar::{Differentiable, Scalar, Seeded};
 use crate::vector::{self, Vector, column};
 
 impl<R: Differentiable> Connector<R> {
-    pub(super) fn rates(
-        &self,
-        state: &State<R>,
-        history: &History<R>,
-        rows: &[(usize, Row<R>)],
-        request: &Request,
-        tally: &mut Tally,
-        evaluation: &mut Evaluation<R>,
-    ) {
+    pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
+        let Pass { state, history, rows, request } = *pass;
         let of_position = |k: usize| request.wants_any(&[Output::CV, Output::CA], k);
         let of_residual = |k: usize, row: &Row<R>| {
             request.wants_any(&[Output::RESV, Output::RESA], k) && row.slot.is_constrained()
@@ -61,13 +54,11 @@ impl<R: Differentiable> Connector<R> {
 
     pub(super) fn rows_of_derivatives(
         &self,
-        state: &State<R>,
-        history: &History<R>,
-        rows: &[(usize, Row<R>)],
-        request: &Request,
+        pass: &Pass<'_, R>,
         tally: &mut Tally,
         evaluation: &mut Evaluation<R>,
     ) {
+        let Pass { state, history, rows, request } = *pass;
         let of = |seeds: Seeds| {
             let chosen = rows.iter().filter(move |(_, row)| Seeds::of(row.differentiated) == seeds);
             chosen.map(|(k, row)| (*k, row.differentiated)).collect::<Vec<_>>()

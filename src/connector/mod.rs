@@ -90,6 +90,15 @@ struct Row<R> {
     offset: R,
 }
 
+/// One evaluation: the state, what its history decides, the components wanted and what is wanted of them.
+#[derive(Clone, Copy)]
+struct Pass<'a, R: Differentiable> {
+    state: &'a State<R>,
+    history: &'a History<R>,
+    rows: &'a [(usize, Row<R>)],
+    request: &'a Request,
+}
+
 /// A connector on numbers of type R: `f64` for the product, [`crate::scalar::Wide`] for the truth.
 #[derive(Clone, Debug)]
 pub struct Connector<R: Differentiable> {
@@ -266,23 +275,17 @@ impl<R: Differentiable> Connector<R> {
             .filter(|k| request.components()[*k])
             .filter_map(|k| self.rows[k].map(|row| (k, row)))
             .collect();
-        self.positions(state, &history, &rows, request, tally, &mut evaluation);
-        self.rates(state, &history, &rows, request, tally, &mut evaluation);
+        let pass = Pass { state, history: &history, rows: &rows, request };
+        self.positions(&pass, tally, &mut evaluation);
+        self.rates(&pass, tally, &mut evaluation);
         if request.order > 0 {
-            self.rows_of_derivatives(state, &history, &rows, request, tally, &mut evaluation);
+            self.rows_of_derivatives(&pass, tally, &mut evaluation);
         }
         evaluation
     }
 
-    fn positions(
-        &self,
-        state: &State<R>,
-        history: &History<R>,
-        rows: &[(usize, Row<R>)],
-        request: &Request,
-        tally: &mut Tally,
-        evaluation: &mut Evaluation<R>,
-    ) {
+    fn positions(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
+        let Pass { state, history, rows, request } = *pass;
         let wants_position =
             |k: usize| request.wants_any(&[Output::CP, Output::CU, Output::CCU, Output::CSLST], k);
         let wants_residual =
