@@ -22,6 +22,7 @@ use crate::node::{self, DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative
 use crate::scalar::{Differentiable, Real};
 use crate::so3;
 use crate::vector::{self, Vector};
+use std::sync::Arc;
 
 /// A value for each of u1, u2, u3, ur1, ur2, ur3; `None` where the component is absent or was not asked for.
 pub type Components<T> = [Option<T>; 6];
@@ -43,8 +44,8 @@ pub struct State<R: Real> {
 /// Everything that defines a connector.
 #[derive(Clone, Debug)]
 pub struct Definition {
-    /// The connection type.
-    pub connection: ConnectionType,
+    /// The connection type, shared by all connectors of a section.
+    pub connection: Arc<ConnectionType>,
     /// The initial state.
     pub initial: Pair<f64>,
     /// β_s of FLOW-CONVERTER (rad/length).
@@ -63,9 +64,9 @@ pub struct Definition {
 
 impl Definition {
     /// A three-dimensional connector between two nodes that move, with β_s = 1 and neither references nor stops.
-    pub const fn new(connection: ConnectionType, initial: Pair<f64>) -> Self {
+    pub fn new(connection: impl Into<Arc<ConnectionType>>, initial: Pair<f64>) -> Self {
         Self {
-            connection,
+            connection: connection.into(),
             initial,
             flow_scale: 1.0,
             fixed_direction: [0.0; 3],
@@ -102,7 +103,7 @@ struct Pass<'a, R: Differentiable> {
 /// A connector on numbers of type R: `f64` for the product, [`crate::scalar::Wide`] for the truth.
 #[derive(Clone, Debug)]
 pub struct Connector<R: Differentiable> {
-    connection: ConnectionType,
+    connection: Arc<ConnectionType>,
     rows: Components<Row<R>>,
     section: Section<R>,
     references: Components<R>,
@@ -215,7 +216,7 @@ impl<R: Differentiable> Connector<R> {
             accumulated_rest: zero,
         };
         Self {
-            connection: definition.connection.clone(),
+            connection: Arc::clone(&definition.connection),
             rows,
             section,
             references,
@@ -227,7 +228,7 @@ impl<R: Differentiable> Connector<R> {
     }
 
     /// The connection type.
-    pub const fn connection(&self) -> &ConnectionType {
+    pub fn connection(&self) -> &ConnectionType {
         &self.connection
     }
 

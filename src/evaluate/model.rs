@@ -8,6 +8,7 @@ use crate::node::{End, Node, Pair};
 use crate::scene::{Code, Diagnostic, Dimension, End as SceneEnd, MpcKind, Scene, Solver, Span, Target};
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 /// A connector element, ready to be evaluated.
 #[derive(Clone, Debug)]
@@ -58,7 +59,7 @@ impl Model {
     /// orientation that defines no directions.
     pub fn compile(scene: &Scene) -> Result<Self, Diagnostic> {
         let mut model = Self::default();
-        let mut types: HashMap<usize, ConnectionType> = HashMap::new();
+        let mut types: HashMap<usize, Arc<ConnectionType>> = HashMap::new();
         let actions = actions(scene);
         for (label, element) in &scene.connectors {
             let Some(section) = scene.section(element) else { continue };
@@ -78,7 +79,7 @@ impl Model {
                         );
                         resolved = other;
                     }
-                    types.entry(element.section).or_insert(resolved)
+                    types.entry(element.section).or_insert(Arc::new(resolved))
                 }
             };
             let moving = [element.a, element.b];
@@ -145,7 +146,7 @@ impl Model {
             };
             let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
             let definition = Definition {
-                connection: connection.clone(),
+                connection: Arc::clone(connection),
                 initial: Pair { reference, a: node(triad_a), b: node(triad_b) },
                 flow_scale: section.section_data.first().copied().flatten().unwrap_or(1.0),
                 fixed_direction,

@@ -165,7 +165,7 @@ fn an_assembly_is_its_halves() {
             let (whole, _) = case.evaluate(&request);
             for (half, components) in [(translational, 0..3), (rotational, 3..6)] {
                 let mut alone = case.clone();
-                alone.definition.connection = ConnectionType::basic(half);
+                alone.definition.connection = ConnectionType::basic(half).into();
                 let (part, _) = alone.evaluate(&request);
                 for c in components {
                     let place = format!("{}, component {} of {}", case.name, c + 1, half.name);
