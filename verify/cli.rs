@@ -91,6 +91,55 @@ fn explain() {
 }
 
 #[test]
+fn the_mpc_is_explained() {
+    let page = output(&["explain", "MPC REVOLUTE"]);
+    insta::assert_snapshot!("mpc", page);
+    for arguments in [&["explain", "mpc"][..], &["explain", "mpc", "revolute"]] {
+        assert_eq!(output(arguments), page, "{arguments:?}");
+    }
+    let document = json(&["explain", "MPC", "--format", "json"]);
+    assert_eq!(
+        (&document["schema"], &document["name"]),
+        (&"pintle-explain/1".into(), &"MPC REVOLUTE".into())
+    );
+    let names: Vec<&Value> =
+        document["components"].as_array().unwrap().iter().map(|of| &of["names"]).collect();
+    assert_eq!(
+        format!("{names:?}"),
+        r#"[Array [String("φJ")], Array [String("ρ1"), String("ρ2"), String("ρ3")]]"#
+    );
+    for field in document["summary"].as_array().unwrap() {
+        assert!(page.contains(field["name"].as_str().unwrap()), "{field}");
+    }
+    assert!(page.lines().all(|line| line.chars().count() <= 110), "{page}");
+}
+
+/// The two files of states that the help shows are the same states, and every column is named there.
+#[test]
+fn the_help_describes_states() {
+    let help = output(&["eval", "--help"]);
+    let from = |start: &str| &help[help.find(start).unwrap()..];
+    let (table, document) =
+        (from("  state,time,node").split("\n\n").next().unwrap(), from("  {\"schema\": \"pintle-states/1\""));
+    let document = document.split("\n\n").next().unwrap();
+    let scene = example("hinge_pendulum").scene().unwrap();
+    let table: String = table.lines().map(|line| format!("{}\n", line.trim())).collect();
+    let from_table = StateFile::parse_csv("help.csv", &table, &scene).unwrap();
+    assert_eq!(from_table, StateFile::parse_json("help.json", document, &scene).unwrap());
+    assert_eq!(from_table.states.len(), 2);
+    let columns = "state time node u1 u2 u3 ur1 ur2 ur3 q0 q1 q2 q3 v1 v2 v3 vr1 vr2 vr3 a1 a2 a3 ar1 ar2 ar3 \
+                   flow flow_v flow_a";
+    let words: Vec<&str> = help.split_whitespace().collect();
+    for column in columns.split_whitespace() {
+        assert!(words.contains(&column), "{column}");
+    }
+    assert!(
+        StateFile::parse_csv("all.csv", &format!("{}\n", columns.replace(' ', ",")), &scene)
+            .is_err_and(|error| error.code() == Code::StatesEmpty)
+    );
+}
+
+#[test]
 fn every_type_is_explained_in_both_formats() {
     for entry in TABLE {
         let document = json(&["explain", &entry.name, "--format", "json"]);
@@ -420,8 +469,11 @@ fn usage_errors() {
             4,
             "nothing was evaluated",
         ),
-        (&["eval", "no/such/deck.inp"], 6, "no/such/deck.inp"),
-        (&["eval", "gallery:slider_crank", "--states", "no/such.csv"], 6, "no/such.csv"),
+        (&["explain", "MPC", "UNIVERSAL"], 2, "only the type REVOLUTE"),
+        (&["eval", "-"], 2, "not read from standard input"),
+        (&["eval", "no/such/deck.inp"], 6, "× no/such/deck.inp: cannot be opened: "),
+        (&["eval", env!("CARGO_TARGET_TMPDIR")], 6, ": a directory, not a deck"),
+        (&["eval", "gallery:slider_crank", "--states", "no/such.csv"], 6, "× no/such.csv: cannot be read: "),
         (&["eval", "gallery:slider_crank", "--resume", "no/such.json"], 6, "no/such.json"),
     ] {
         let message = stderr(&pintle(arguments).assert().code(code));
@@ -526,6 +578,8 @@ fn what_needs_care_is_said() {
     let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
         "from β = ±π/2 (lock): value and derivatives lose digits",
+        "! ur1, ur3 are ill-conditioned, ",
+        "! derivative of ur1, ur2, ur3 is not finite",
         "! u1 is singular, at no material left, l0 + Ψa − Ψb ≤ 0",
         "! ur1 moved by 3.100000 rad since the previous state, more than 0.9 π: its turns are not certain",
         "! CP of u1 is not finite",

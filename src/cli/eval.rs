@@ -67,6 +67,11 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
 /// The scenes that are asked for.
 fn sources(arguments: &Eval) -> Result<Vec<Source<'_>>, Failure> {
     let Some(name) = &arguments.scene else { return Ok(GALLERY.iter().map(Source::Gallery).collect()) };
+    if name == "-" {
+        let message =
+            "a deck is not read from standard input; give the path of a file (./- if that is its name)";
+        return Err(Failure::Usage(message.to_string()));
+    }
     let Some(example) = name.strip_prefix("gallery:") else { return Ok(vec![Source::File(name)]) };
     let found = GALLERY.iter().find(|known| known.name.eq_ignore_ascii_case(example));
     found.map(|known| vec![Source::Gallery(known)]).ok_or_else(|| {

@@ -8,7 +8,7 @@ pub(crate) use failure::Failure;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pintle::catalog::{ConnectionType, NameError};
-use pintle::report::{explain, list};
+use pintle::report::{explain, list, mpc};
 use pintle::scene::Code;
 use show::Show;
 use std::io::{self, BufWriter, IsTerminal, Write};
@@ -29,7 +29,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// List the connection types
     List(List),
-    /// Explain a connection type, or the code of a diagnostic
+    /// Explain a connection type, the revolute-joint MPC, or the code of a diagnostic
     Explain(Explain),
     /// Evaluate the connectors of a scene: positions, displacements, rates, residuals, derivatives
     Eval(Box<Eval>),
@@ -58,8 +58,8 @@ pub(crate) struct List {
 
 #[derive(Debug, Args)]
 pub(crate) struct Explain {
-    /// A connection type such as REVOLUTE, in any case, or the code of a diagnostic such as deck::unknown-node
-    #[arg(value_name = "TYPE|CODE")]
+    /// A connection type such as REVOLUTE, in any case; MPC; or the code of a diagnostic such as deck::unknown-node
+    #[arg(value_name = "TYPE|MPC|CODE")]
     name: String,
     /// A second type: a basic translational and a basic rotational type make a pair
     #[arg(value_name = "TYPE")]
@@ -122,6 +122,34 @@ pub(crate) struct Eval {
 }
 
 const EVAL_HELP: &str = "\
+States: a table (.csv) or a document (.json); examples below. They are evaluated
+  in order and numbered from 0, with --resume on from those before. Lengths in
+  the unit of the deck, angles in rad, all components global. What is missing
+  or empty is 0: a node that a state leaves out is at rest in its initial place.
+  CSV: the first line names the columns, in any order; lines that begin with #
+  are comments. Only node is needed.
+    state              rows of one number form one state; it must not decrease,
+                       and serves for nothing else
+    time               the same in all rows of a state
+    node               the node number
+    u1 u2 u3           displacement from the initial position
+    ur1 ur2 ur3        total rotation from the initial orientation, as a
+                       rotation vector; turns are kept where it is longer than π
+    q0 q1 q2 q3        or the same as a quaternion of norm 1, scalar first;
+                       it holds no turns
+    v1 v2 v3           velocity, the rate of u
+    vr1 vr2 vr3        spatial angular velocity ω, with Ṙ = ω^ R (not the rate
+                       of ur)
+    a1 a2 a3           acceleration, the rate of v
+    ar1 ar2 ar3        spatial angular acceleration, the rate of ω
+    flow flow_v flow_a material flow (degree of freedom 10), and its rates
+  JSON: the same by node number, under the names displacement, rotation or
+  quaternion, velocity, angular_velocity, acceleration, angular_acceleration,
+  flow, flow_velocity, flow_acceleration.
+  The joint angle φJ of an MPC REVOLUTE, degree of freedom 6 of its third node,
+  is ur3 of that node, with the rates vr3 and ar3. Where a state leaves out the
+  node, or gives it a quaternion, φJ is what the rotations imply.
+
 Outputs:
   CP, CU, CCU    position; displacement from the initial position; from the
                  constitutive reference
@@ -149,6 +177,19 @@ JSON: {\"schema\": \"pintle-eval/1\", …, \"scenes\": [{\"scene\", \"states\":
   \"components\", \"jacobian\", \"hessian\", \"flags\"}], \"mpcs\"}]}]}. Numbers read
   back to the same doubles; one that is not finite is null, with the flag
   not-finite.
+
+A file of two states, as CSV and as JSON:
+  state,time,node,u1,ur3,vr3
+  0,0,2,0,0,15
+  1,0.5,2,0.1,7.5,15
+  1,0.5,3,0.2,,
+
+  {\"schema\": \"pintle-states/1\", \"states\": [
+    {\"time\": 0, \"nodes\": {\"2\": {\"angular_velocity\": [0, 0, 15]}}},
+    {\"time\": 0.5, \"nodes\": {
+      \"2\": {\"displacement\": [0.1, 0, 0], \"rotation\": [0, 0, 7.5],
+            \"angular_velocity\": [0, 0, 15]},
+      \"3\": {\"displacement\": [0.2, 0, 0]}}}]}
 
 Examples:
   pintle eval
@@ -184,6 +225,22 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
             PageFormat::Json => explain::code_json(&mut out, *code)?,
         }
         return Ok(out.flush()?);
+    }
+    let second = arguments.second.as_deref().unwrap_or_default();
+    let words = format!("{} {second}", arguments.name).to_ascii_uppercase();
+    match words.split_whitespace().collect::<Vec<_>>()[..] {
+        ["MPC"] | ["MPC", "REVOLUTE"] => {
+            match arguments.format {
+                PageFormat::Human => mpc::human(&mut out, width)?,
+                PageFormat::Json => mpc::json(&mut out)?,
+            }
+            return Ok(out.flush()?);
+        }
+        ["MPC", ..] => {
+            let message = "of the MPCs only the type REVOLUTE is evaluated, and explained";
+            return Err(Failure::Usage(message.to_string()));
+        }
+        _ => {}
     }
     let connection =
         ConnectionType::named(&arguments.name, arguments.second.as_deref()).map_err(|error| {

@@ -302,30 +302,79 @@ pub(crate) fn node_name(node: Option<u64>) -> String {
 
 /// What a flag says.
 pub fn flag_in_words(flag: &Flag) -> String {
+    in_words(flag, std::slice::from_ref(flag))
+}
+
+/// What the flags of one connector say: a line for each, and one for all components that are on, or near, the same singular
+/// set, or of which the same is not finite.
+pub fn flags_in_words(flags: &[Flag]) -> Vec<String> {
+    let mut groups: Vec<Vec<Flag>> = Vec::new();
+    for flag in flags {
+        match groups.iter_mut().find(|group| group.iter().all(|other| differ_in_component(other, flag))) {
+            Some(group) => group.push(*flag),
+            None => groups.push(vec![*flag]),
+        }
+    }
+    groups.iter().filter_map(|group| group.first().map(|flag| in_words(flag, group))).collect()
+}
+
+/// Whether two flags are alike but for their components, and distances.
+fn differ_in_component(one: &Flag, other: &Flag) -> bool {
+    let is_alike = match (one, other) {
+        (Flag::Singular { at, class, .. }, Flag::Singular { at: other_at, class: other_class, .. })
+        | (
+            Flag::IllConditioned { at, class, .. },
+            Flag::IllConditioned { at: other_at, class: other_class, .. },
+        ) => (at, class) == (other_at, other_class),
+        (Flag::NotFinite { quantity, .. }, Flag::NotFinite { quantity: other, .. }) => quantity == other,
+        _ => false,
+    };
+    is_alike && one.component() != other.component()
+}
+
+/// The distances to a singular set, as one, or as the least and the greatest.
+fn distances(group: &[Flag]) -> String {
+    let all = || {
+        group.iter().filter_map(|flag| match flag {
+            Flag::IllConditioned { distance, .. } => Some(*distance),
+            _ => None,
+        })
+    };
+    let least = format!("{:.3e}", all().fold(f64::INFINITY, f64::min));
+    let greatest = format!("{:.3e}", all().fold(0.0, f64::max));
+    if least == greatest { least } else { format!("{least} to {greatest}") }
+}
+
+/// What `flag` says of all components in a group that has it.
+fn in_words(flag: &Flag, group: &[Flag]) -> String {
+    let components = group.iter().map(Flag::component).collect::<Vec<_>>().join(", ");
+    let (are, its) = if group.len() == 1 { ("is", "its") } else { ("are", "each") };
     match flag {
-        Flag::Singular { component, at, class } => {
+        Flag::Singular { at, class, .. } => {
             let consequence = match class {
                 SingularClass::Kink => {
-                    "derivatives do not exist there; zero, or the direction kept, stands for them"
+                    "derivatives do not exist there; zero, or the direction kept, stands for them".to_string()
                 }
-                SingularClass::TrueSingularity => "neither value nor derivatives are determined there",
-                SingularClass::BranchCut => "the sign of its value is not determined there",
-            };
-            format!("{component} is singular, at {at}: {consequence}")
-        }
-        Flag::IllConditioned { component, at, class, distance } => {
-            let consequence = match class {
-                SingularClass::Kink => "derivatives lose digits in proportion to 1/distance",
                 SingularClass::TrueSingularity => {
-                    "value and derivatives lose digits in proportion to 1/distance"
+                    "neither value nor derivatives are determined there".to_string()
                 }
-                SingularClass::BranchCut => "rounding may decide the sign of its value",
+                SingularClass::BranchCut => format!("the sign of {its} value is not determined there"),
             };
-            format!("{component} is ill-conditioned, {distance:.3e} from {at}: {consequence}")
+            format!("{components} {are} singular, at {at}: {consequence}")
         }
-        Flag::NotFinite { component, quantity } => {
+        Flag::IllConditioned { at, class, .. } => {
+            let consequence = match class {
+                SingularClass::Kink => "derivatives lose digits in proportion to 1/distance".to_string(),
+                SingularClass::TrueSingularity => {
+                    "value and derivatives lose digits in proportion to 1/distance".to_string()
+                }
+                SingularClass::BranchCut => format!("rounding may decide the sign of {its} value"),
+            };
+            format!("{components} {are} ill-conditioned, {} from {at}: {consequence}", distances(group))
+        }
+        Flag::NotFinite { quantity, .. } => {
             format!(
-                "{quantity} of {component} is not finite: the state lies beyond what its formula can be evaluated at"
+                "{quantity} of {components} is not finite: the state lies beyond what its formula can be evaluated at"
             )
         }
         Flag::PathDependent { component, difference } => format!(

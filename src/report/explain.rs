@@ -15,6 +15,9 @@ use std::io::{self, Write};
 /// The version of the JSON form.
 pub const SCHEMA: &str = "pintle-explain/1";
 
+/// Blanks before the text of a page.
+pub(super) const INDENT: usize = 2;
+
 /// A connection type explained.
 #[derive(Debug, Serialize)]
 pub struct Explanation {
@@ -42,16 +45,36 @@ pub struct Explanation {
 
 /// A field of the manual's summary table.
 #[derive(Debug, Serialize)]
-struct Field {
-    name: &'static str,
-    value: String,
+pub(super) struct Field {
+    pub(super) name: &'static str,
+    pub(super) value: String,
 }
 
 /// What a tag such as `[S]` says.
 #[derive(Debug, Serialize)]
-struct Tag {
+pub(super) struct Tag {
     tag: Evidence,
     meaning: &'static str,
+}
+
+impl Tag {
+    /// Every tag that pages use.
+    pub(super) fn all() -> Vec<Self> {
+        [Evidence::S, Evidence::D, Evidence::P, Evidence::R]
+            .map(|tag| Self { tag, meaning: tag.meaning() })
+            .into()
+    }
+
+    /// Writes what tags say, below a page.
+    pub(super) fn write(tags: &[Self], out: &mut dyn Write, width: usize) -> io::Result<()> {
+        writeln!(out)?;
+        let tags: Vec<String> =
+            tags.iter().map(|Self { tag, meaning }| format!("[{tag:?}] {meaning}")).collect();
+        for line in layout::wrap(&tags.join(" · "), width) {
+            writeln!(out, "{}", styled(DIM, line))?;
+        }
+        Ok(())
+    }
 }
 
 /// One component of relative motion.
@@ -104,9 +127,7 @@ impl Explanation {
             signs: SIGNS,
             remarks: some(&connection.notes),
             sources: some(&connection.source),
-            evidence: [Evidence::S, Evidence::D, Evidence::P, Evidence::R]
-                .map(|tag| Tag { tag, meaning: tag.meaning() })
-                .into(),
+            evidence: Tag::all(),
         }
     }
 
@@ -124,7 +145,6 @@ impl Explanation {
     /// # Errors
     /// Those of the stream.
     pub fn human(&self, out: &mut dyn Write, width: usize) -> io::Result<()> {
-        const INDENT: usize = 2;
         writeln!(out, "{}", styled(BOLD, &self.name))?;
         let column = 41;
         for Field { name, value } in &self.summary {
@@ -132,29 +152,15 @@ impl Explanation {
         }
         writeln!(out, "\n{}", styled(BOLD, "Components"))?;
         self.write_components(out, width)?;
-        let paragraph = |out: &mut dyn Write, title: &str, texts: &[&str]| -> io::Result<()> {
-            if texts.is_empty() {
-                return Ok(());
-            }
-            writeln!(out, "\n{}", styled(BOLD, title))?;
-            for text in texts {
-                write!(out, "{}", layout::labelled("", INDENT, INDENT, text, width))?;
-            }
-            Ok(())
-        };
+        let paragraph =
+            |out: &mut dyn Write, title: &str, texts: &[&str]| paragraph(out, title, texts, width);
         paragraph(out, "Forces and moments", &self.forces)?;
         paragraph(out, "Two-dimensional and axisymmetric (CONN2D2)", &[&self.two_dimensional_form])?;
         paragraph(out, "Signs", &[self.signs])?;
         paragraph(out, "Rows of derivatives", &[self.rows])?;
         paragraph(out, "Remarks", &self.remarks)?;
         paragraph(out, "Sources", &self.sources)?;
-        writeln!(out)?;
-        let tags: Vec<String> =
-            self.evidence.iter().map(|Tag { tag, meaning }| format!("[{tag:?}] {meaning}")).collect();
-        for line in layout::wrap(&tags.join(" · "), width) {
-            writeln!(out, "{}", styled(DIM, line))?;
-        }
-        Ok(())
+        Tag::write(&self.evidence, out, width)
     }
 
     fn write_components(&self, out: &mut dyn Write, width: usize) -> io::Result<()> {
@@ -228,6 +234,18 @@ pub fn code_json(out: &mut dyn Write, code: Code) -> io::Result<()> {
     });
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
+}
+
+/// Writes texts under a title; nothing where there are none.
+pub(super) fn paragraph(out: &mut dyn Write, title: &str, texts: &[&str], width: usize) -> io::Result<()> {
+    if texts.is_empty() {
+        return Ok(());
+    }
+    writeln!(out, "\n{}", styled(BOLD, title))?;
+    for text in texts {
+        write!(out, "{}", layout::labelled("", INDENT, INDENT, text, width))?;
+    }
+    Ok(())
 }
 
 fn bracket(unit: &str) -> String {

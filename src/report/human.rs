@@ -1,6 +1,6 @@
 //! Evaluations as tables for reading.
 
-use super::block::{Block, Derivative, Value, flag_in_words, node_name};
+use super::block::{Block, Derivative, Value, flags_in_words, node_name};
 use super::evaluation::{Format, Subject, Unevaluated, unevaluated};
 use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
@@ -348,9 +348,8 @@ impl Format for Human<'_> {
         }
         self.jacobian(block)?;
         self.hessian(block)?;
-        for flag in &block.flags {
-            let text = format!("! {}", flag_in_words(flag));
-            for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+        for text in flags_in_words(&block.flags) {
+            for line in layout::wrap(&format!("! {text}"), self.style.width.saturating_sub(INDENT)) {
                 writeln!(self.out, "  {}", styled(CARE, line))?;
             }
         }

@@ -11,9 +11,10 @@ pub mod human;
 pub mod json;
 mod layout;
 pub mod list;
+pub mod mpc;
 mod number;
 mod words;
 
-pub use block::{Block, Column, Derivative, JointFacts, Kind, Row, Value, flag_in_words};
+pub use block::{Block, Column, Derivative, JointFacts, Kind, Row, Value, flag_in_words, flags_in_words};
 pub use evaluation::{Format, Subject, Unevaluated, unevaluated};
 pub use words::{NOTATION, ROWS, SIGNS};

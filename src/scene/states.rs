@@ -103,7 +103,7 @@ impl StateFile {
             Some("csv") => false,
             Some("json") => true,
             _ => {
-                let message = format!("{name} is neither .csv nor .json");
+                let message = "neither .csv nor .json".to_string();
                 return fail(
                     Code::UnknownFormat,
                     message,
@@ -114,7 +114,7 @@ impl StateFile {
         match std::fs::read_to_string(path) {
             Err(error) => fail(
                 Code::Unreadable,
-                format!("cannot read {name}: {error}"),
+                format!("cannot be read: {error}"),
                 "check the path and its permissions",
             ),
             Ok(text) if json => Self::parse_json(&name, &text, scene),

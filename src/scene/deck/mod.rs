@@ -34,16 +34,15 @@ impl Scene {
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let name = path.display().to_string();
+        let unreadable = |message: String, remedy: &str| {
+            Diagnostic::error(Code::Unreadable, Span::default(), message, "").help(remedy).in_file(&name)
+        };
+        if path.is_dir() {
+            return Err(unreadable("a directory, not a deck".to_string(), "name a deck (.inp) in it"));
+        }
         let open = || {
             File::open(path).map(BufReader::new).map_err(|error| {
-                Diagnostic::error(
-                    Code::Unreadable,
-                    Span::default(),
-                    format!("cannot open {name}: {error}"),
-                    "",
-                )
-                .help("check the path and its permissions")
-                .in_file(&name)
+                unreadable(format!("cannot be opened: {error}"), "check the path and its permissions")
             })
         };
         let attach = |diagnostics: &mut [Diagnostic]| {
