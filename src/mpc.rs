@@ -19,7 +19,7 @@ use crate::measure::SingularClass;
 use crate::scalar::elementary::{atan2, norm};
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::so3;
-use crate::vector::{self, Matrix, Vector, dot, dot_real, scale};
+use crate::vector::{self, Matrix, Vector, dot, dot_real};
 
 /// The number of degrees of freedom that enter the constraint: θ_S, θ_M, φ_J.
 pub const DOFS: usize = 7;
@@ -214,13 +214,6 @@ impl<R: Differentiable> Revolute<R> {
     fn differentiate<S: Seeded<DOFS, Real = R>>(&self, state: &State<R>, joint: R) -> Vector<S> {
         let seeds = [0, 1, 2, 3, 4, 5, 6].map(|i| S::seed(R::integer(0), i));
         self.violation(state, joint, seeds)
-    }
-
-    /// The velocity of S that the constraint prescribes: ω_M + φ̇_J a.
-    pub fn slave_velocity(&self, state: &State<R>) -> Vector<R> {
-        let axis = vector::apply(&state.master, self.axis);
-        let [_, _, _, m1, m2, m3, phi] = state.velocity;
-        vector::add([m1, m2, m3], scale(axis, phi))
     }
 }
 

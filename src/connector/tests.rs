@@ -14,7 +14,7 @@ fn pair(seed: f64) -> Pair<f64> {
     }
 }
 
-/// The relative variations and nodal maps against twelve-seed differentiation of the same measures.
+/// The relative variations and nodal maps against fourteen-seed differentiation of the same measures.
 #[test]
 fn nodal_maps_equal_naive_seeding() {
     for entry in crate::catalog::TABLE {
