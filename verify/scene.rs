@@ -1,7 +1,6 @@
-//! Decks and states: what the gallery contains, what is refused and how, and that nothing panics.
+//! Decks and states: what the gallery contains, and that nothing panics.
 #![expect(clippy::panic, reason = "a test fails by panicking")]
 
-mod faults;
 mod gallery;
 mod reading;
 mod states;
