@@ -4,3 +4,8 @@
 mod gallery;
 mod reading;
 mod states;
+
+/// The node or element of a deck without parts.
+fn n(number: u64) -> pintle::scene::Label {
+    number.into()
+}
