@@ -29,6 +29,7 @@ mod behavior;
 mod deck;
 mod diagnostic;
 mod gallery;
+mod include;
 mod label;
 mod lexer;
 mod model;
@@ -44,6 +45,7 @@ pub use behavior::{
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub use gallery::{Example, GALLERY};
+pub use include::{Disk, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES, NoFiles};
 pub use label::{Instance, Label, LabelError};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{
