@@ -60,6 +60,9 @@ pub struct Definition {
     pub planar: bool,
     /// Whether a and b have degrees of freedom (a ground node has none).
     pub moves: [bool; 2],
+    /// Whether a and b have rotational degrees of freedom. The directions of an end without them are fixed, its triad in every state
+    /// the initial one, and rows have no columns θ there.
+    pub rotates: [bool; 2],
 }
 
 impl Definition {
@@ -74,6 +77,7 @@ impl Definition {
             stops: [None; 6],
             planar: false,
             moves: [true; 2],
+            rotates: [true; 2],
         }
     }
 }
@@ -205,6 +209,7 @@ impl<R: Differentiable> Connector<R> {
             let number = DOF_NUMBER[j];
             *active = definition.moves[end]
                 && (number != 10 || definition.connection.flow[end])
+                && (!matches!(number, 4..=6) || definition.rotates[end])
                 && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
         }
         let branch = Branch {

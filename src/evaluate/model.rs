@@ -5,7 +5,9 @@ use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
 use crate::mpc::Revolute;
 use crate::node::{End, Node, Pair};
-use crate::scene::{Code, Diagnostic, Dimension, End as SceneEnd, MpcKind, Scene, Solver, Span, Target};
+use crate::scene::{
+    Code, Diagnostic, Dimension, End as SceneEnd, MpcKind, NodeFreedom, Scene, Solver, Span, Target,
+};
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -61,6 +63,7 @@ impl Model {
         let mut model = Self::default();
         let mut types: HashMap<usize, Arc<ConnectionType>> = HashMap::new();
         let actions = actions(scene);
+        let freedom = NodeFreedom::of(scene);
         for (label, element) in &scene.connectors {
             let Some(section) = scene.section(element) else { continue };
             let connection = match types.get(&element.section) {
@@ -154,6 +157,7 @@ impl Model {
                 stops,
                 planar: facts.planar,
                 moves: moving.map(|node| node.is_some()),
+                rotates: moving.map(|node| node.is_some_and(|node| freedom.rotates(node))),
             };
             model.connectors.push(ConnectorElement {
                 label: *label,

@@ -28,6 +28,7 @@
 mod behavior;
 mod deck;
 mod diagnostic;
+mod freedom;
 mod gallery;
 mod lexer;
 mod model;
@@ -42,6 +43,7 @@ pub use behavior::{
 };
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
+pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{

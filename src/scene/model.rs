@@ -9,6 +9,7 @@ use super::orientation::Orientation;
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// A model: nodes, connectors and what acts on them.
 ///
@@ -27,6 +28,9 @@ pub struct Scene {
     pub connectors: IndexMap<u64, ConnectorElement>,
     /// Masses, rotary inertias, springs and dashpots by element number.
     pub point_elements: IndexMap<u64, PointElement>,
+    /// The nodes of connectors that elements and constraints which are not read give rotational degrees of freedom.
+    #[serde(skip_serializing_if = "BTreeSet::is_empty")]
+    pub rotating_nodes: BTreeSet<u64>,
     /// Element sets by name.
     pub element_sets: IndexMap<String, Set>,
     /// Orientations by name.
