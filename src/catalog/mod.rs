@@ -20,6 +20,9 @@ use std::borrow::Cow;
 /// The names of the components of relative motion, in order.
 pub const COMPONENT: [&str; 6] = ["u1", "u2", "u3", "ur1", "ur2", "ur3"];
 
+/// The components (0-based) that a two-dimensional element has: u1, u2 and ur3.
+pub const PLANAR_COMPONENTS: [usize; 3] = [0, 1, 5];
+
 /// The names of the conjugate forces and moments, in order.
 pub const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
 

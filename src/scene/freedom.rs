@@ -85,6 +85,15 @@ impl NodeFreedom {
     }
 }
 
+impl Scene {
+    /// Whether the model is axisymmetric: it has elements of an axisymmetric type (CAX4, SAX1, MAX1, RAX2 …). A CONN2D2 element is
+    /// the same in both: 1 is the radius, 2 the axis, and 6 the rotation from 1 to 2.
+    #[must_use]
+    pub fn is_axisymmetric(&self) -> bool {
+        self.skipped.element_types.keys().any(|name| name.contains("AX"))
+    }
+}
+
 /// The ends that the type of a section gives rotations; both where there is no such type.
 fn rotations(section: &super::model::ConnectorSection, solver: Option<Solver>) -> [bool; 2] {
     let [first, rest @ ..] = section.type_names.as_slice() else { return [true; 2] };
