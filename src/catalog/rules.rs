@@ -210,7 +210,7 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         rule: Rule::ContactAngleDefault,
         only: Procedure::Explicit,
         asks: |connection, facts| {
-            connection.wraps_material() && facts.predefined_friction.is_some() && !facts.contact_angle
+            connection.is_belt() && facts.predefined_friction.is_some() && !facts.contact_angle
         },
         what: "a contact angle from the positions of the nodes",
         remedy: "give the contact angle in radians as item 2 of the section data; the default of Standard is 0, and then there is no friction",
@@ -272,8 +272,9 @@ impl ConnectionType {
                 component,
             });
         };
-        let mut breach =
-            |rule, message, remedy, evidence, harmless| about(None, rule, message, remedy, evidence, harmless);
+        let mut breach = |rule, message, remedy, evidence, harmless| {
+            about(None, rule, message, remedy, evidence, harmless)
+        };
         for (at, node) in ["a", "b"].into_iter().enumerate() {
             let rule = self.orientation[at];
             if rule.orientation == Orientation::Required && !facts.orientation[at] {
@@ -376,8 +377,9 @@ impl ConnectionType {
                 );
             }
         }
-        let mut breach =
-            |rule, message, remedy, evidence, harmless| about(None, rule, message, remedy, evidence, harmless);
+        let mut breach = |rule, message, remedy, evidence, harmless| {
+            about(None, rule, message, remedy, evidence, harmless)
+        };
         if let Some(count) = facts.predefined_friction {
             match (&self.friction, self.halves) {
                 (Some(friction), _) => {
@@ -476,7 +478,12 @@ impl ConnectionType {
             }
             found.push(Breach {
                 rule: rule.rule,
-                message: format!("{}: {} is available only in Abaqus/{}", self.name, rule.what, rule.only.name()),
+                message: format!(
+                    "{}: {} is available only in Abaqus/{}",
+                    self.name,
+                    rule.what,
+                    rule.only.name()
+                ),
                 remedy: rule.remedy.into(),
                 source: rule.source.into(),
                 evidence: rule.evidence,
@@ -494,7 +501,7 @@ impl ConnectionType {
     }
 
     /// Whether the connector is a belt segment, of which at most two can share a node (SLIPRING).
-    pub fn wraps_material(&self) -> bool {
+    pub fn is_belt(&self) -> bool {
         self.slots[0].position() == Some(Measure::Strain)
     }
 }

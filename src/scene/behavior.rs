@@ -81,7 +81,8 @@ impl Behavior {
         );
         let plastic = self.plasticity.iter().filter(|plasticity| plasticity.component == Some(component));
         let damaged = self.damage.iter().filter(|damage| damage.component == Some(component));
-        let rest = slips.map(|friction| friction.span).chain(plastic.map(|p| p.span)).chain(damaged.map(|d| d.span));
+        let rest =
+            slips.map(|friction| friction.span).chain(plastic.map(|p| p.span)).chain(damaged.map(|d| d.span));
         laws.chain(rest).next()
     }
 
@@ -89,7 +90,8 @@ impl Behavior {
     #[must_use]
     pub fn place_of_predefined_friction(&self) -> Option<Span> {
         let mut all = self.friction.iter();
-        all.find(|friction| matches!(friction.kind, FrictionKind::Predefined { .. })).map(|friction| friction.span)
+        all.find(|friction| matches!(friction.kind, FrictionKind::Predefined { .. }))
+            .map(|friction| friction.span)
     }
 
     /// Where an elasticity or damping was read whose law satisfies a condition.

@@ -139,7 +139,7 @@ codes! {
     FailureNotAvailable = "rule::failure-not-available": "A failure is triggered by, or releases, a component that the connector does not have; or, in a Standard analysis, one that is not available.";
     LockNotAvailable = "rule::lock-not-available": "A lock is triggered by a component that the connector does not have, or locks one that is not available.";
     ContactAngleDefault = "rule::contact-angle-default": "A SLIPRING with friction has no contact angle, which in a Standard analysis is then zero. A warning.";
-    MpcNotInExplicit = "rule::mpc-not-in-explicit": "A multi-point constraint REVOLUTE or UNIVERSAL in an Explicit analysis.";
+    MpcNotInExplicit = "deck::mpc-not-in-explicit": "A multi-point constraint REVOLUTE or UNIVERSAL in an Explicit analysis.";
     OutOfPlane = "rule::out-of-plane": "A node of a CONN2D2 element lies out of the plane z = 0, or an orientation does not have e3 along the global z; at a and b the same way.";
     NegativeRadius = "rule::negative-radius": "A node of a CONN2D2 element in an axisymmetric model has a negative coordinate 1, which is the radius.";
     RepeatedConstraint = "rule::repeated-constraint": "Two connectors between the same nodes, with the same orientations, constrain the same components. A warning.";

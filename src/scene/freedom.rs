@@ -1,5 +1,6 @@
 //! Which degrees of freedom the nodes of connectors have.
 
+use super::label::Label;
 use super::model::{Dimension, MpcKind, PointKind, Scene, Solver};
 use crate::catalog::ConnectionType;
 use std::collections::HashSet;
@@ -18,9 +19,9 @@ use std::collections::HashSet;
 /// A boundary condition or load gives none: it acts on those that there are.
 #[derive(Debug, Clone, Default)]
 pub struct NodeFreedom {
-    connected: HashSet<u64>,
-    rotating: HashSet<u64>,
-    planar: HashSet<u64>,
+    connected: HashSet<Label>,
+    rotating: HashSet<Label>,
+    planar: HashSet<Label>,
 }
 
 impl NodeFreedom {
@@ -68,19 +69,19 @@ impl NodeFreedom {
 
     /// Whether a node has rotational degrees of freedom.
     #[must_use]
-    pub fn rotates(&self, node: u64) -> bool {
+    pub fn rotates(&self, node: Label) -> bool {
         self.rotating.contains(&node)
     }
 
     /// Whether a node belongs to a connector and does not rotate.
     #[must_use]
-    pub fn is_fixed_in_rotation(&self, node: u64) -> bool {
+    pub fn is_fixed_in_rotation(&self, node: Label) -> bool {
         self.connected.contains(&node) && !self.rotates(node)
     }
 
     /// Whether a node belongs to an element CONN2D2.
     #[must_use]
-    pub fn is_planar(&self, node: u64) -> bool {
+    pub fn is_planar(&self, node: Label) -> bool {
         self.planar.contains(&node)
     }
 }

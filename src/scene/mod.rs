@@ -30,6 +30,7 @@ mod deck;
 mod diagnostic;
 mod freedom;
 mod gallery;
+mod label;
 mod lexer;
 mod model;
 mod orientation;
@@ -45,6 +46,7 @@ pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
+pub use label::{Instance, Label, LabelError};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{
     Amplitude, Application, Boundary, ConcentratedLoad, ConnectorElement, ConnectorLoad, ConnectorMotion,

@@ -254,8 +254,8 @@ impl Deck<'_> {
         for parameter in ["REF NODE", "TIE NSET"] {
             // A value that is neither a node nor a set names nothing that is kept.
             let Some(name) = keyword.get(parameter).and_then(|value| value.name().ok()) else { continue };
-            let label = name.value.parse().map(Target::Label);
-            self.rotation_targets.push(label.unwrap_or(Target::Set(name.value)));
+            let number = name.value.parse::<u64>().map(|number| Target::Label(number.into()));
+            self.rotation_targets.push(number.unwrap_or(Target::Set(name.value)));
         }
         let skipped = self.scene.skipped.keywords.entry(keyword.name.clone()).or_default();
         if skipped.count == 0 {
