@@ -245,8 +245,8 @@ pub struct Breach {
     pub evidence: Evidence,
     /// Whether the scene can be evaluated all the same: what is given is not used.
     pub harmless: bool,
-    /// The component (0-based) that it is about, if it is about one.
-    pub component: Option<usize>,
+    /// What it is about, if it is about one: a component (0-based); of an orientation, the node, 0 for a and 1 for b.
+    pub item: Option<usize>,
 }
 
 impl Breach {
@@ -261,16 +261,8 @@ impl ConnectionType {
     pub fn breaches(&self, facts: &Facts) -> Vec<Breach> {
         let mut found = Vec::new();
         let source = self.source.iter().filter(|s| !s.is_empty()).copied().collect::<Vec<_>>().join("; ");
-        let mut about = |component, rule, message: String, remedy: String, evidence, harmless| {
-            found.push(Breach {
-                rule,
-                message,
-                remedy,
-                source: source.clone(),
-                evidence,
-                harmless,
-                component,
-            });
+        let mut about = |item, rule, message: String, remedy: String, evidence, harmless| {
+            found.push(Breach { rule, message, remedy, source: source.clone(), evidence, harmless, item });
         };
         let mut breach = |rule, message, remedy, evidence, harmless| {
             about(None, rule, message, remedy, evidence, harmless)
@@ -296,7 +288,8 @@ impl ConnectionType {
             } else {
                 ("either node", "them")
             };
-            breach(
+            about(
+                Some(*first),
                 Rule::OrientationIgnored,
                 format!("{} does not use an orientation at {nodes}", self.name),
                 format!("leave {them} out; there is no effect"),
@@ -304,6 +297,9 @@ impl ConnectionType {
                 true,
             );
         }
+        let mut breach = |rule, message, remedy, evidence, harmless| {
+            about(None, rule, message, remedy, evidence, harmless)
+        };
         if facts.planar && self.planar == Availability::Never {
             breach(
                 Rule::NotInTwoDimensions,
@@ -464,7 +460,7 @@ impl ConnectionType {
                 about(
                     Some(*trigger),
                     rule,
-                    format!("component {} ({}) of {} cannot {word}{only}", k + 1, COMPONENT[k], self.name),
+                    format!("component {} ({}) of {} takes no {word}{only}", k + 1, COMPONENT[k], self.name),
                     format!("trigger by and {verb} available components; here: {available}"),
                     Evidence::D,
                     rule == Rule::LockNotAvailable && absent.is_none(),
@@ -488,7 +484,7 @@ impl ConnectionType {
                 source: rule.source.into(),
                 evidence: rule.evidence,
                 harmless: rule.harmless,
-                component: None,
+                item: None,
             });
         }
         found

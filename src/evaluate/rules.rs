@@ -96,7 +96,7 @@ pub(super) fn place(
     acting: &[(usize, Span)],
     (section, element): (&ConnectorSection, &ConnectorElement),
 ) -> Span {
-    let component = breach.component.unwrap_or_default();
+    let component = breach.item.unwrap_or_default();
     let is_it = |of: u8| usize::from(of) == component + 1;
     let orientation =
         || section.orientation_a.as_ref().or(section.orientation_b.as_ref()).map(|name| name.span);
@@ -104,6 +104,9 @@ pub(super) fn place(
         (Rule::ActionNotAvailable, _) => {
             let law = behavior.and_then(|behavior| behavior.place_of_action(component as u8 + 1));
             law.or_else(|| acting.iter().find(|(k, _)| *k == component).map(|(_, span)| *span))
+        }
+        (Rule::OrientationIgnored, _) if breach.item == Some(1) => {
+            section.orientation_b.as_ref().map(|name| name.span)
         }
         (Rule::OrientationIgnored | Rule::ZRectangularNotInExplicit | Rule::DirectionNotInExplicit, _) => {
             orientation()
