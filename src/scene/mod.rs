@@ -30,6 +30,7 @@ mod choice;
 mod deck;
 mod diagnostic;
 mod gallery;
+mod label;
 mod lexer;
 mod model;
 mod orientation;
@@ -47,6 +48,7 @@ pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub use gallery::{Example, GALLERY};
+pub use label::{Instance, Label, LabelError};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{
     Amplitude, AmplitudeDefinition, AmplitudeTime, AmplitudeValue, Application, Boundary, ConcentratedLoad,
