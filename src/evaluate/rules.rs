@@ -2,8 +2,8 @@
 
 use crate::catalog::{Breach, Evidence, Facts, Procedure, Rule};
 use crate::scene::{
-    Affected, Behavior, Code, ConnectorElement, ConnectorSection, Diagnostic, Dimension, Label, Law, MpcKind,
-    NodeFreedom, Scene, Solver, Span, Spanned, System, Target,
+    Affected, Behavior, Code, ConnectorElement, ConnectorSection, DampingKind, Diagnostic, Dimension, Label,
+    Law, MpcKind, NodeFreedom, Scene, Solver, Span, Spanned, System, Target,
 };
 use std::collections::HashMap;
 
@@ -86,7 +86,11 @@ pub(super) fn facts(
 
 /// Where structural damping was read.
 fn structural(behavior: &Behavior) -> Option<Span> {
-    behavior.damping.iter().find(|damping| damping.kind == "STRUCTURAL").map(|damping| damping.span)
+    behavior
+        .damping
+        .iter()
+        .find(|damping| damping.kind == DampingKind::Structural)
+        .map(|damping| damping.span)
 }
 
 /// Where what breaks a rule was read: a suboption, a motion or load, an orientation; else the section.
