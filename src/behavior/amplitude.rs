@@ -14,7 +14,7 @@
 //! it is that of the first line. Where two points have the same time the value jumps to the second.
 
 use crate::scalar::{Real, Scalar, elementary};
-use crate::scene::{self, Code, Diagnostic, Span};
+use crate::scene::{self, AmplitudeDefinition, AmplitudeTime, AmplitudeValue, Code, Diagnostic, Span};
 
 /// What an amplitude is a function of.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,10 +63,10 @@ impl Amplitude {
             numbers.resize(count, 0.0);
             Ok(numbers)
         };
-        let curve = match definition(given) {
-            Definition::Tabular => Curve::Lines(points(&given.data)),
-            Definition::SmoothStep => Curve::SmoothStep(points(&given.data)),
-            Definition::EquallySpaced => {
+        let curve = match given.definition {
+            AmplitudeDefinition::Tabular => Curve::Lines(points(&given.data)),
+            AmplitudeDefinition::SmoothStep => Curve::SmoothStep(points(&given.data)),
+            AmplitudeDefinition::EquallySpaced => {
                 let interval = given.fixed_interval.filter(|interval| *interval > 0.0);
                 let remedy = "give FIXED INTERVAL= a positive time";
                 let message = "no positive FIXED INTERVAL".to_string();
@@ -76,7 +76,7 @@ impl Amplitude {
                     |(i, value): (usize, &Option<f64>)| [begin + i as f64 * interval, value.unwrap_or(0.0)];
                 Curve::Lines(given.data.iter().enumerate().map(at).collect())
             }
-            Definition::Periodic => {
+            AmplitudeDefinition::Periodic => {
                 let names = "N, ω, t0, A0 on the first line, then A1, B1, A2, B2 …";
                 let at = |i: usize| given.data.get(i).copied().flatten().unwrap_or(0.0);
                 let count = at(0);
@@ -89,11 +89,11 @@ impl Amplitude {
                 let terms = (0..given_terms / 2).map(|n| [at(4 + 2 * n), at(5 + 2 * n)]).collect();
                 Curve::Periodic { frequency: at(1), start: at(2), mean: at(3), terms }
             }
-            Definition::Modulated => {
+            AmplitudeDefinition::Modulated => {
                 let [mean, factor, start, first, second] = fixed(&items(5, "A0, A, t0, ω1, ω2")?);
                 Curve::Modulated { mean, factor, start, frequencies: [first, second] }
             }
-            Definition::Decay => {
+            AmplitudeDefinition::Decay => {
                 let [mean, factor, start, time] = fixed(&items(4, "A0, A, t0, t_d")?);
                 if time == 0.0 || !time.recip().is_finite() {
                     let message = "the time t_d of decay is zero".to_string();
@@ -101,7 +101,12 @@ impl Amplitude {
                 }
                 Curve::Decay { mean, factor, start, time }
             }
-            Definition::Undetermined => Curve::Undetermined,
+            AmplitudeDefinition::SolutionDependent
+            | AmplitudeDefinition::Actuator
+            | AmplitudeDefinition::Bubble
+            | AmplitudeDefinition::Spectrum
+            | AmplitudeDefinition::PsdDefinition
+            | AmplitudeDefinition::User => Curve::Undetermined,
         };
         if let Curve::Lines(points) | Curve::SmoothStep(points) = &curve {
             if points.is_empty() {
@@ -119,8 +124,8 @@ impl Amplitude {
         }
         Ok(Self {
             curve,
-            is_absolute: is_absolute(given),
-            is_total_time: is_total_time(given),
+            is_absolute: given.value == Some(AmplitudeValue::Absolute),
+            is_total_time: given.time == Some(AmplitudeTime::TotalTime),
             smooth: given.smooth,
         })
     }
@@ -191,37 +196,6 @@ impl Amplitude {
         };
         (slopes[0] != slopes[1]).then_some(slopes)
     }
-}
-
-/// Definitions, as far as they are functions of time.
-enum Definition {
-    Tabular,
-    EquallySpaced,
-    Periodic,
-    Modulated,
-    Decay,
-    SmoothStep,
-    Undetermined,
-}
-
-fn definition(given: &scene::Amplitude) -> Definition {
-    match given.definition {
-        "TABULAR" => Definition::Tabular,
-        "EQUALLY SPACED" => Definition::EquallySpaced,
-        "PERIODIC" => Definition::Periodic,
-        "MODULATED" => Definition::Modulated,
-        "DECAY" => Definition::Decay,
-        "SMOOTH STEP" => Definition::SmoothStep,
-        _ => Definition::Undetermined,
-    }
-}
-
-fn is_absolute(given: &scene::Amplitude) -> bool {
-    given.value == Some("ABSOLUTE")
-}
-
-fn is_total_time(given: &scene::Amplitude) -> bool {
-    given.time == Some("TOTAL TIME")
 }
 
 /// Pairs of time and value.

@@ -10,7 +10,7 @@ use super::law::{Driver, ForceKink, Law, check_single, merged};
 use super::{Conditions, Forces, Motion};
 use crate::connector::Mask;
 use crate::scalar::{Real, Scalar};
-use crate::scene::{self, Diagnostic, TableOptions};
+use crate::scene::{self, DampingKind, Diagnostic, TableOptions};
 
 /// All dampings of a behaviour.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +34,10 @@ impl Damping {
         for damping in given {
             let options = [&damping.table, defaults];
             let law = Law::new(&damping.law, Driver::Velocity, available, options, damping.span)?;
-            if is_structural(damping) { &mut structural } else { &mut laws }.push((law, damping.span));
+            match damping.kind {
+                DampingKind::Viscous => laws.push((law, damping.span)),
+                DampingKind::Structural => structural.push((law, damping.span)),
+            }
         }
         check_single(&laws, "dampings")?;
         check_single(&structural, "structural dampings")?;
@@ -69,8 +72,4 @@ impl Damping {
     pub fn kinks<R: Real>(&self, motion: &Motion<R>, conditions: &Conditions) -> Vec<ForceKink<R>> {
         self.laws.iter().flat_map(|law| law.kinks(motion, conditions)).collect()
     }
-}
-
-fn is_structural(damping: &scene::Damping) -> bool {
-    damping.kind == "STRUCTURAL"
 }

@@ -1,10 +1,10 @@
 //! Forces over motions: what elasticity and damping have in common.
 
-use super::table::{Extrapolation, Kink, Table, Variable};
+use super::table::{Kink, Table, Variable};
 use super::{Conditions, Forces, Motion, Unknown};
 use crate::connector::{Components, Mask};
 use crate::scalar::{Real, Scalar};
-use crate::scene::{self, Code, Diagnostic, Independent, Row, Span, TableOptions};
+use crate::scene::{self, Basis, Code, Diagnostic, Extrapolation, Independent, Row, Span, TableOptions};
 
 /// What drives a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -261,7 +261,10 @@ fn axes(
     let mut axes = if driver == Driver::Velocity { vec![Axis::Own] } else { Vec::new() };
     for component in &independent.components {
         let k = component_of(*component, available, span)?;
-        axes.push(if is_position(independent) { Axis::Position(k) } else { Axis::Constitutive(k) });
+        axes.push(match independent.basis {
+            Basis::Position => Axis::Position(k),
+            Basis::ConstitutiveMotion => Axis::Constitutive(k),
+        });
     }
     Ok(axes)
 }
@@ -328,14 +331,7 @@ fn available_entries(
 
 /// What holds beyond the ends of a table: as its own keyword says, else as the behaviour says, else constant.
 pub(super) fn extrapolation([own, of_behavior]: [&TableOptions; 2]) -> Extrapolation {
-    match own.extrapolation.or(of_behavior.extrapolation) {
-        Some("LINEAR") => Extrapolation::Linear,
-        _ => Extrapolation::Constant,
-    }
-}
-
-fn is_position(independent: &Independent) -> bool {
-    independent.basis == "POSITION"
+    own.extrapolation.or(of_behavior.extrapolation).unwrap_or(Extrapolation::Constant)
 }
 
 /// The parts that are present in any of several forces.

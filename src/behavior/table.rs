@@ -17,18 +17,8 @@
 //! rows are used as they are given.
 
 use crate::scalar::{Real, Scalar};
-use crate::scene::{Code, Diagnostic, Row, Span};
+use crate::scene::{Code, Diagnostic, Extrapolation, Row, Span};
 use std::cell::Cell;
-
-/// What holds beyond the ends of a table.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Extrapolation {
-    /// The value at the end.
-    #[default]
-    Constant,
-    /// The last segment, continued.
-    Linear,
-}
 
 /// An independent variable of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +67,8 @@ enum Block {
 /// A table.
 ///
 /// ```
-/// use pintle::behavior::table::{Extrapolation, Table};
+/// use pintle::behavior::table::Table;
+/// use pintle::scene::Extrapolation;
 /// use pintle::scalar::Scalar;
 /// let table = Table::curve(&[(-1.0, 0.0), (0.0, 0.0), (1.0, 1.0e5)], Extrapolation::Constant)?;
 /// let slope = num_dual::Dual64::new(0.01, 1.0);
