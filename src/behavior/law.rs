@@ -47,8 +47,8 @@ enum Axis {
 enum Kind {
     /// F_k = c x_k; column: frequency.
     Linear { component: usize, table: Table },
-    /// F_i = Σ c_ij x_j, `entries` says which output of the table c_ij is.
-    Coupled { table: Table, entries: [[usize; 6]; 6], symmetric: bool },
+    /// F_i = Σ c_ij x_j.
+    Coupled { table: Table, symmetric: bool },
     /// F_k = f(axes).
     Nonlinear { component: usize, table: Table, axes: Vec<Axis> },
     /// F_k is whatever keeps x_k at zero.
@@ -94,7 +94,7 @@ impl Law {
                 let outputs = if *unsymmetric { 36 } else { 21 };
                 let rows = available_entries(rows, outputs, *unsymmetric, available, coefficient)?;
                 let table = Table::new(&rows, outputs, &["the frequency"], extrapolation)?;
-                Kind::Coupled { table, entries: entries(*unsymmetric), symmetric: !unsymmetric }
+                Kind::Coupled { table, symmetric: !unsymmetric }
             }
             scene::Law::Nonlinear { component, independent, rows } => {
                 let axes = axes(driver, independent.as_ref(), available, span)?;
@@ -155,11 +155,11 @@ impl Law {
                 Kind::Linear { component, table } => {
                     put(*component, x[*component] * table.evaluate(0, |v| conditions.of(v)));
                 }
-                Kind::Coupled { table, entries, .. } => {
+                Kind::Coupled { table, symmetric } => {
                     for i in (0..6).filter(|i| self.available[*i]) {
                         let mut sum = S::zero();
                         for j in (0..6).filter(|j| self.available[*j]) {
-                            sum = sum + x[j] * table.evaluate(entries[i][j], |v| conditions.of(v));
+                            sum = sum + x[j] * table.evaluate(entry(!symmetric, i, j), |v| conditions.of(v));
                         }
                         put(i, sum);
                     }
@@ -289,16 +289,11 @@ pub(super) fn component_of(component: u8, available: Mask, span: Span) -> Result
         .help(remedy))
 }
 
-/// Where D_ij stands in a row: columns of the upper triangle (D11, D12, D22, D13 …), or the whole matrix column by column.
-fn entries(unsymmetric: bool) -> [[usize; 6]; 6] {
-    let mut entries = [[0; 6]; 6];
-    for (i, line) in entries.iter_mut().enumerate() {
-        for (j, entry) in line.iter_mut().enumerate() {
-            let (low, high) = (i.min(j), i.max(j));
-            *entry = if unsymmetric { 6 * j + i } else { high * (high + 1) / 2 + low };
-        }
-    }
-    entries
+/// Where D_ij (i, j from 0) stands in a row: columns of the upper triangle (D11, D12, D22, D13 …, decision D-24), or the whole
+/// matrix column by column (D11, D21 …, our reading).
+fn entry(unsymmetric: bool, i: usize, j: usize) -> usize {
+    let (low, high) = (i.min(j), i.max(j));
+    if unsymmetric { 6 * j + i } else { high * (high + 1) / 2 + low }
 }
 
 /// Rows with zeros for entries of components that are not available, which may be left open.
@@ -309,13 +304,12 @@ fn available_entries(
     available: Mask,
     what: &str,
 ) -> Result<Vec<Row>, Diagnostic> {
-    let entries = entries(unsymmetric);
     let mut rows = rows.to_vec();
     for row in &mut rows {
         row.values.resize(row.values.len().max(outputs), None);
         for i in 0..6 {
             for j in 0..6 {
-                let value = &mut row.values[entries[i][j]];
+                let value = &mut row.values[entry(unsymmetric, i, j)];
                 if !(available[i] && available[j]) {
                     *value = Some(0.0);
                 } else if value.is_none() {
