@@ -344,7 +344,8 @@ pub enum Law {
         /// The table.
         rows: Vec<Row>,
     },
-    /// One component. Columns: force, then displacement or velocity, or one column per independent component.
+    /// One component. Columns of an elasticity: force, then displacement, or one column per independent component; of a
+    /// damping: force, velocity, then one column per independent component.
     Nonlinear {
         /// The component.
         component: u8,

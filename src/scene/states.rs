@@ -22,6 +22,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use std::cell::Cell;
 use std::collections::BTreeMap;
+use std::io;
 use std::path::Path;
 
 /// The longest rotation vector, in radians: beyond it a double resolves less than 1e-8 rad.
@@ -257,13 +258,14 @@ const COLUMNS: [&str; 28] = [
 
 fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
     let freedom = NodeFreedom::of(scene);
-    let text_bytes = text.as_bytes();
+    // A comment that ends the file without a line break would be read as an empty row.
+    let lines = io::Read::chain(text.as_bytes(), b"\n".as_slice());
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .flexible(true)
-        .from_reader(text_bytes);
+        .from_reader(lines);
     let malformed = |error: &csv::Error| {
         let span = error.position().map(place).unwrap_or_default();
         Diagnostic::error(Code::StatesMalformed, span, format!("malformed CSV: {error}"), "here")
