@@ -14,6 +14,7 @@ use crate::scene::orientation::{Definition, Orientation, System, minus, scaled, 
 use crate::scene::span::{Span, Spanned};
 use indexmap::IndexMap;
 use indexmap::map::Entry;
+use std::collections::HashSet;
 
 /// What a part, an instance or the model at large defines.
 #[derive(Debug, Clone, Default)]
@@ -23,6 +24,8 @@ pub(super) struct Level {
     pub(super) element_sets: IndexMap<String, SetBuilder>,
     pub(super) other_elements: OtherElements,
     pub(super) mpcs: Vec<RawMpc>,
+    other_rotations: HashSet<Label>,
+    rotation_targets: Vec<Target>,
 }
 
 /// A part that instances may use.
@@ -169,6 +172,8 @@ impl Deck<'_> {
         std::mem::swap(&mut self.element_sets, &mut level.element_sets);
         std::mem::swap(&mut self.other_elements, &mut level.other_elements);
         std::mem::swap(&mut self.mpcs, &mut level.mpcs);
+        std::mem::swap(&mut self.other_rotations, &mut level.other_rotations);
+        std::mem::swap(&mut self.rotation_targets, &mut level.rotation_targets);
         // What is skipped is counted for the deck as a whole.
         std::mem::swap(&mut self.scene.skipped, &mut level.scene.skipped);
     }
@@ -260,8 +265,21 @@ impl Deck<'_> {
     }
 
     fn place(&mut self, level: Level, instance: Instance, placement: &Placement) {
-        let Level { mut scene, node_sets, element_sets, other_elements, mpcs } = level;
         let within = |label: Label| Label::of(Some(instance), label.number());
+        let target = |target: Target| match target {
+            Target::Label(label) => Target::Label(within(label)),
+            Target::Set(name) => Target::Set(instance.scoped(&name)),
+        };
+        let Level {
+            mut scene,
+            node_sets,
+            element_sets,
+            other_elements,
+            mpcs,
+            other_rotations,
+            rotation_targets,
+        } = level;
+        self.other_rotations.extend(other_rotations.into_iter().map(within));
         let scoped = |name: &mut Spanned<String>| name.value = instance.scoped(&name.value);
         for (name, mut orientation) in std::mem::take(&mut scene.orientations) {
             let place = |label: Label| scene.nodes.get(&label).map(|node| node.coordinates);
@@ -327,13 +345,11 @@ impl Deck<'_> {
         }
         for mut mpc in mpcs {
             for item in &mut mpc.items {
-                match &mut item.value {
-                    Target::Label(label) => *label = within(*label),
-                    Target::Set(name) => *name = instance.scoped(name),
-                }
+                item.value = target(item.value.clone());
             }
             self.mpcs.push(mpc);
         }
+        self.rotation_targets.extend(rotation_targets.into_iter().map(target));
     }
 
     /// `needs` must be open, or nothing if it is none.

@@ -15,14 +15,17 @@ mod sets;
 mod table;
 
 use super::behavior::Behavior;
+use super::choice::Choice;
 use super::diagnostic::{Code, Diagnostic, Result, nearest};
 use super::include::{Disk, Files, Named, NoFiles};
+use super::label::Label;
 use super::lexer::{Keyword, Lexer, Value, not_utf8};
-use super::model::{MAX_WARNINGS, Scene, Step};
+use super::model::{MAX_WARNINGS, Scene, Step, Target};
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
 use keywords::{Family, Rule, Stage};
 use sets::{OtherElements, SetBuilder};
+use std::collections::HashSet;
 use std::io::BufRead;
 use std::path::Path;
 
@@ -110,6 +113,9 @@ fn read(name: &str, input: Box<dyn BufRead + '_>, files: &dyn Files) -> Outcome 
         node_sets: IndexMap::new(),
         element_sets: IndexMap::new(),
         other_elements: OtherElements::default(),
+        other_rotations: HashSet::new(),
+        rotation_targets: Vec::new(),
+        any_rotates: false,
         mpcs: Vec::new(),
         assembly: assembly::Assembly::default(),
         generated: 0,
@@ -130,6 +136,12 @@ struct Deck<'a> {
     node_sets: IndexMap<String, SetBuilder>,
     element_sets: IndexMap<String, SetBuilder>,
     other_elements: OtherElements,
+    /// The nodes of elements that are not read and have rotations.
+    other_rotations: HashSet<Label>,
+    /// The reference nodes of constraints that are not read.
+    rotation_targets: Vec<Target>,
+    /// Elements that are not read were generated, so that any node may be one of theirs.
+    any_rotates: bool,
     mpcs: Vec<connector::RawMpc>,
     assembly: assembly::Assembly,
     /// Nodes and elements that were generated.
@@ -279,6 +291,12 @@ impl Deck<'_> {
         if let Some(step) = self.step.as_mut().filter(|_| keywords::is_procedure(&keyword.name)) {
             history::set_procedure(step, super::model::Procedure::Other(keyword.name.clone()), keyword)?;
         }
+        for parameter in ["REF NODE", "TIE NSET"] {
+            // A value that is neither a node nor a set names nothing that is kept.
+            let Some(name) = keyword.get(parameter).and_then(|value| value.name().ok()) else { continue };
+            let number = name.value.parse().map(Target::Label);
+            self.rotation_targets.push(number.unwrap_or(Target::Set(name.value)));
+        }
         let skipped = self.scene.skipped.keywords.entry(keyword.name.clone()).or_default();
         if skipped.count == 0 {
             skipped.first_line = keyword.span.line();
@@ -343,8 +361,17 @@ impl Keyword {
         self.component("COMPONENT")?.ok_or_else(|| self.missing("COMPONENT"))
     }
 
-    fn choice(&self, parameter: &str, choices: &[&'static str]) -> Result<Option<&'static str>> {
-        self.get(parameter).map(|value| value.choice(parameter, choices)).transpose()
+    fn word(&self, parameter: &str, words: &[&'static str]) -> Result<Option<&'static str>> {
+        self.get(parameter).map(|value| value.word(parameter, words)).transpose()
+    }
+
+    fn choice<C: Choice>(&self, parameter: &str) -> Result<Option<C>> {
+        Ok(self.word(parameter, C::SPELLINGS)?.and_then(C::of_spelling))
+    }
+
+    /// ON or OFF.
+    fn switch(&self, parameter: &str) -> Result<Option<bool>> {
+        Ok(self.word(parameter, &["ON", "OFF"])?.map(|word| word == "ON"))
     }
 
     /// `DEPENDENCIES=`: the number of field variables in a table.

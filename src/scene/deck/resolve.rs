@@ -9,7 +9,7 @@ use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped
 use crate::scene::label::Label;
 use crate::scene::model::{Discrete, End, Mpc, MpcKind, PointKind, Scene, Set, Target, TransformKind};
 use crate::scene::span::{Span, Spanned};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     elements(deck)?;
@@ -18,6 +18,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     orientations(&deck.scene)?;
     deck.scene.behaviors.iter().try_for_each(|(name, behavior)| check_behavior(name, behavior))?;
     properties(&deck.scene)?;
+    other_rotations(deck);
     let raw = std::mem::take(&mut deck.mpcs);
     deck.scene.mpcs = mpcs(&deck.scene, &raw)?;
     actuation(deck)
@@ -402,6 +403,24 @@ fn known_node_target(scene: &Scene, target: &Spanned<Target>) -> Result<()> {
         Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
         Target::Set(name) => node_set(scene, &Spanned::new(name.clone(), target.span)).map(drop),
     }
+}
+
+/// Of the nodes to which what is not read gives rotations, those that belong to a connector.
+fn other_rotations(deck: &mut Deck<'_>) {
+    let scene = &mut deck.scene;
+    for target in &deck.rotation_targets {
+        match target {
+            Target::Label(label) => drop(deck.other_rotations.insert(*label)),
+            Target::Set(name) => {
+                let nodes = scene.node_sets.get(name).into_iter().flat_map(|set| &set.labels);
+                deck.other_rotations.extend(nodes);
+            }
+        }
+    }
+    let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
+    let rotates = |node: &Label| deck.any_rotates || deck.other_rotations.contains(node);
+    scene.rotating_nodes = ends.filter(rotates).collect();
+    deck.other_rotations = HashSet::new();
 }
 
 /// One constraint per line, or one per member where sets are given.
