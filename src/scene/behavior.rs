@@ -101,6 +101,9 @@ pub struct Row {
     pub temperature: Option<f64>,
     /// Field variables, as many as `DEPENDENCIES=` says.
     pub fields: Vec<Option<f64>>,
+    /// The first data line.
+    #[serde(skip)]
+    pub span: Span,
 }
 
 /// `INDEPENDENT COMPONENTS=` and the components listed under it.

@@ -4,6 +4,7 @@
 //! case; quoted names keep their case and their blanks.
 
 use super::diagnostic::{Code, Diagnostic, Result};
+use super::label::{Label, LabelError};
 use super::span::{Span, Spanned};
 use std::io::{BufRead, Read};
 
@@ -385,8 +386,30 @@ impl<'a> Item<'a> {
         integer(self.text, self.span, what)
     }
 
-    /// A node or element number.
-    pub(crate) fn label(&self, what: &str) -> Result<u64> {
+    /// A node or element: a number, or in an assembly `INSTANCE.NUMBER`.
+    pub(crate) fn label(&self, what: &str) -> Result<Label> {
+        if self.is_integer() || self.looks_numeric() {
+            return self.label_number(what).map(Label::from);
+        }
+        match self.text.parse() {
+            Ok(label) => Ok(label),
+            Err(LabelError::Malformed(_)) => self.label_number(what).map(Label::from),
+            Err(error @ LabelError::OutOfRange(_)) => {
+                Err(Diagnostic::error(Code::BadLabel, self.span, error.to_string(), "out of range")
+                    .help("number from 1 upwards"))
+            }
+        }
+    }
+
+    /// Is it written as a number, or as `INSTANCE.NUMBER`?
+    pub(crate) fn is_label(&self) -> bool {
+        self.is_integer()
+            || self.looks_numeric()
+            || !matches!(self.text.parse::<Label>(), Err(LabelError::Malformed(_)))
+    }
+
+    /// The number of a node or element.
+    pub(crate) fn label_number(&self, what: &str) -> Result<u64> {
         let label = self.integer(what)?;
         if (1..=MAX_LABEL).contains(&label) {
             return Ok(label);

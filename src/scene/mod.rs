@@ -29,6 +29,7 @@ mod behavior;
 mod deck;
 mod diagnostic;
 mod gallery;
+mod label;
 mod lexer;
 mod model;
 mod orientation;
@@ -43,6 +44,7 @@ pub use behavior::{
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub use gallery::{Example, GALLERY};
+pub use label::{Instance, Label, LabelError};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{
     Amplitude, Application, Boundary, ConcentratedLoad, ConnectorElement, ConnectorLoad, ConnectorMotion,

@@ -5,6 +5,7 @@
 
 use super::behavior::Behavior;
 use super::diagnostic::Diagnostic;
+use super::label::Label;
 use super::orientation::Orientation;
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
@@ -20,13 +21,13 @@ pub struct Scene {
     /// The text under `*HEADING`.
     pub heading: String,
     /// Nodes by number.
-    pub nodes: IndexMap<u64, Node>,
+    pub nodes: IndexMap<Label, Node>,
     /// Node sets by name.
     pub node_sets: IndexMap<String, Set>,
     /// Connector elements by number.
-    pub connectors: IndexMap<u64, ConnectorElement>,
+    pub connectors: IndexMap<Label, ConnectorElement>,
     /// Masses, rotary inertias, springs and dashpots by element number.
-    pub point_elements: IndexMap<u64, PointElement>,
+    pub point_elements: IndexMap<Label, PointElement>,
     /// Element sets by name.
     pub element_sets: IndexMap<String, Set>,
     /// Orientations by name.
@@ -122,7 +123,7 @@ pub struct Node {
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Set {
     /// The members that the scene has, each once: ascending, or as written when the set is UNSORTED.
-    pub labels: Vec<u64>,
+    pub labels: Vec<Label>,
     /// Members that are elements of types that the scene does not have.
     pub unmodelled: u64,
     /// Where it was first defined.
@@ -147,9 +148,9 @@ pub struct ConnectorElement {
     /// The space it lives in.
     pub dimension: Dimension,
     /// The first node; none is the ground, which sits at the initial position of the other node.
-    pub a: Option<u64>,
+    pub a: Option<Label>,
     /// The second node; none is the ground.
-    pub b: Option<u64>,
+    pub b: Option<Label>,
     /// The place of its section in [`Scene::connector_sections`].
     pub section: usize,
     /// Where it was read.
@@ -223,9 +224,9 @@ pub struct PointElement {
     /// Its kind.
     pub kind: PointKind,
     /// The first, or only, node.
-    pub node: u64,
+    pub node: Label,
     /// The second node.
-    pub second: Option<u64>,
+    pub second: Option<Label>,
     /// Where it was read.
     #[serde(skip)]
     pub span: Span,
@@ -302,7 +303,7 @@ pub struct Mpc {
     /// Its type.
     pub kind: MpcKind,
     /// Its nodes in the order of the deck; the first is the dependent one.
-    pub nodes: Vec<u64>,
+    pub nodes: Vec<Label>,
     /// The data line.
     #[serde(skip)]
     pub span: Span,
@@ -397,7 +398,7 @@ pub struct Amplitude {
 #[serde(rename_all = "snake_case")]
 pub enum Target {
     /// One node or element.
-    Label(u64),
+    Label(Label),
     /// A set.
     Set(String),
 }

@@ -1,5 +1,6 @@
 //! Files of states: columns, groups, both formats, bit by bit.
 
+use super::n;
 use pintle::scene::{GALLERY, NodeMotion, Rotation, Scene, State, StateFile};
 use proptest::prelude::*;
 
@@ -18,9 +19,9 @@ fn columns_come_in_any_order_and_default_to_zero() {
         angular_velocity: [0.0, 1.5, 0.0],
         ..NodeMotion::default()
     };
-    assert_eq!(first.nodes[&2], moved);
-    assert_eq!(first.nodes[&1], NodeMotion { flow_acceleration: -2e-3, ..NodeMotion::default() });
-    assert_eq!(second.nodes[&1], NodeMotion::default());
+    assert_eq!(first.nodes[&n(2)], moved);
+    assert_eq!(first.nodes[&n(1)], NodeMotion { flow_acceleration: -2e-3, ..NodeMotion::default() });
+    assert_eq!(second.nodes[&n(1)], NodeMotion::default());
 }
 
 #[test]
@@ -72,7 +73,7 @@ proptest! {
             flow_velocity: values[11],
             flow_acceleration: values[12],
         };
-        let file = StateFile { states: vec![State { time: Some(values[0]), nodes: [(2, motion)].into() }] };
+        let file = StateFile { states: vec![State { time: Some(values[0]), nodes: [(n(2), motion)].into() }] };
         let scene = scene();
         let json = file.to_json().unwrap();
         let back = StateFile::parse_json("s.json", &json, &scene).unwrap();

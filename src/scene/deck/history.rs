@@ -29,11 +29,8 @@ pub(super) const AMPLITUDES: &[&str] = &[
 
 /// A number or a set.
 pub(super) fn target(item: &Item<'_>, what: &str) -> Result<Spanned<Target>> {
-    let target = if item.is_integer() || item.looks_numeric() {
-        Target::Label(item.label(what)?)
-    } else {
-        Target::Set(item.name()?.value)
-    };
+    let target =
+        if item.is_label() { Target::Label(item.label(what)?) } else { Target::Set(item.name()?.value) };
     Ok(Spanned::new(target, item.span))
 }
 

@@ -1,0 +1,3 @@
+//! What a connector does besides its kinematics: forces from motions.
+
+pub mod table;
