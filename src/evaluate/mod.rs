@@ -6,11 +6,13 @@
 //! committing every branch as it goes.
 
 mod model;
+mod mpc;
 mod outputs;
 mod plan;
 mod sequence;
 
-pub use model::{ConnectorElement, Joint, Model};
+pub use model::{ConnectorElement, Model};
+pub use mpc::{MpcElement, MpcResult};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
-pub use sequence::{Branches, ConnectorResult, Item, JointResult, Sequence, StepResult};
+pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};

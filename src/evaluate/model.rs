@@ -1,15 +1,13 @@
 //! A scene with its connection types, triads and constraints resolved.
 
+use super::mpc::MpcElement;
 use crate::catalog::{Breach, ConnectionType, Evidence, Facts, NameError, Orientation, Procedure, Rule};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
-use crate::mpc::Revolute;
-use crate::node::{End, Node, Pair};
-use crate::scene::{
-    Code, Diagnostic, Dimension, End as SceneEnd, Label, MpcKind, Scene, Solver, Span, Target,
-};
+use crate::node::{End, Node, PSI_A, PSI_B, Pair};
+use crate::scene::{Code, Diagnostic, Dimension, End as SceneEnd, Label, Scene, Solver, Span, Target};
 use crate::vector::{self, Matrix, column, identity, sub};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 /// A connector element, ready to be evaluated.
@@ -29,22 +27,13 @@ pub struct ConnectorElement {
     pub connector: Connector<f64>,
 }
 
-/// A revolute-joint MPC, ready to be evaluated.
-#[derive(Clone, Debug)]
-pub struct Joint {
-    /// The nodes S, M and J.
-    pub nodes: [Label; 3],
-    /// The constraint.
-    pub constraint: Revolute<f64>,
-}
-
 /// A scene, resolved.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Connectors in the order of the scene.
     pub connectors: Vec<ConnectorElement>,
-    /// Revolute-joint MPCs in the order of the scene.
-    pub joints: Vec<Joint>,
+    /// Multi-point constraints in the order of the scene.
+    pub mpcs: Vec<MpcElement>,
     /// The MPCs that are kept and not evaluated, by type, with their number.
     pub other_mpcs: BTreeMap<String, usize>,
     /// Element sets: the connectors in each, by index.
@@ -172,14 +161,11 @@ impl Model {
     }
 
     fn join(&mut self, scene: &Scene) {
+        let flows: HashSet<Label> = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
         for mpc in &scene.mpcs {
-            match (&mpc.kind, mpc.nodes.as_slice()) {
-                (MpcKind::Revolute, &[slave, master, joint]) => {
-                    let at = |label| scene.nodes.get(&label).map_or([0.0; 3], |node| node.coordinates);
-                    let constraint = Revolute::between(at(master), at(joint));
-                    self.joints.push(Joint { nodes: [slave, master, joint], constraint });
-                }
-                (kind, _) => *self.other_mpcs.entry(kind.name().to_string()).or_default() += 1,
+            match mpc.kind.evaluated() {
+                Some(kind) => self.mpcs.push(MpcElement::new(kind, mpc, scene, |node| flows.contains(&node))),
+                None => *self.other_mpcs.entry(mpc.kind.name().to_string()).or_default() += 1,
             }
         }
     }
@@ -281,6 +267,12 @@ fn diagnose(breach: &Breach, label: Label, element: Span, section: Span, scene: 
 }
 
 impl ConnectorElement {
+    /// Its nodes whose material flow enters it.
+    fn flowing(&self) -> impl Iterator<Item = Label> + '_ {
+        let active = self.connector.active();
+        self.nodes.into_iter().zip([PSI_A, PSI_B]).filter_map(move |(node, j)| node.filter(|_| active[j]))
+    }
+
     /// The node at an end, in words: a number or `ground`.
     pub fn node_name(&self, end: End) -> String {
         let node = match end {

@@ -5,7 +5,7 @@ use super::{
     Turning, XM, XS,
 };
 use crate::connector::{Output, Request, Tally, Turns, nearest_turn};
-use crate::scalar::{Differentiable, Real, Scalar, Seeded};
+use crate::scalar::{Differentiable, Scalar, Seeded};
 use crate::so3;
 use crate::vector::{self, Vector, add, dot, scale};
 

@@ -158,7 +158,10 @@ pub const TABLE: [Entry; 6] = [
         ],
         rows: "δρ = δθS − δθM − a δφJ.",
         remarks: &[IMPLIED, NO_TRANSLATIONS, "C(φJ a) C(φM) = C(φM) C(φJ a0), which is what is computed."],
-        sources: &["seed Revolute joint, Eq. 1 and the text around it", "keyword *MPC, type REVOLUTE (initial axis, solver)"],
+        sources: &[
+            "seed Revolute joint, Eq. 1 and the text around it",
+            "keyword *MPC, type REVOLUTE (initial axis, solver)",
+        ],
     },
     Entry {
         kind: Kind::Tie,
@@ -201,8 +204,14 @@ pub const TABLE: [Entry; 6] = [
                 "Second axis",
                 "a2 = C(φ1 a1) C(φM) a20 [D]; a20 from M to J2 initially, global x if they coincide [R]; orthogonal to a10 [D]",
             ),
-            ("Additional degrees of freedom", "φ1 and φ2, the relative rotations: degree of freedom 6 of J1 and of J2 [D]"),
-            ("Number of constraints", "3 with two more unknowns: 1 net, up to 3 if φ1 and φ2 are prescribed [D]"),
+            (
+                "Additional degrees of freedom",
+                "φ1 and φ2, the relative rotations: degree of freedom 6 of J1 and of J2 [D]",
+            ),
+            (
+                "Number of constraints",
+                "3 with two more unknowns: 1 net, up to 3 if φ1 and φ2 are prescribed [D]",
+            ),
             ("Angular velocity", "ωS = ωM + φ̇1 a1 + φ̇2 a2 [D]"),
             ("Eliminated", "degrees of freedom 4–6 of S [D]"),
             ("Moments", "MS = −MM, MJ1 = −MS·a1, MJ2 = −MS·a2 [D]"),
@@ -297,9 +306,8 @@ impl Kind {
 
     /// The name of a degree of freedom: xS1 … θS3, ΨS, xM1 … θM3, ΨM, φJ or φ1 and φ2.
     pub fn column_name(self, j: usize) -> &'static str {
-        const NAMES: [&str; super::PHI] = [
-            "xS1", "xS2", "xS3", "θS1", "θS2", "θS3", "ΨS", "xM1", "xM2", "xM3", "θM1", "θM2", "θM3", "ΨM",
-        ];
+        const NAMES: [&str; super::PHI] =
+            ["xS1", "xS2", "xS3", "θS1", "θS2", "θS3", "ΨS", "xM1", "xM2", "xM3", "θM1", "θM2", "θM3", "ΨM"];
         match NAMES.get(j) {
             Some(name) => name,
             None => self.entry().angles.get(j - super::PHI).copied().unwrap_or_default(),

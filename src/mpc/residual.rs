@@ -2,7 +2,7 @@
 
 use super::{Constraint, State};
 use crate::scalar::elementary::{atan2, norm};
-use crate::scalar::{Differentiable, Real, Scalar};
+use crate::scalar::{Differentiable, Scalar};
 use crate::so3;
 use crate::vector::{self, Matrix, Vector, add, constant, cross, dot_real, sub};
 
@@ -84,9 +84,8 @@ impl<R: Differentiable> Constraint<R> {
                 // The second axis turns about the first, and the first, seen from S, backwards about the second.
                 let ahead = vector::apply(&relative, constant(second));
                 let back = vector::apply_transposed(&relative, constant(first));
-                let angle = |v: Vector<S>, zero: Vector<R>| {
-                    atan2(S::zero() - dot_real(across, v), dot_real(zero, v))
-                };
+                let angle =
+                    |v: Vector<S>, zero: Vector<R>| atan2(S::zero() - dot_real(across, v), dot_real(zero, v));
                 [angle(ahead, cross(first, across)), angle(back, cross(across, second))]
             }
         }
