@@ -9,7 +9,10 @@ mod model;
 mod mpc;
 mod outputs;
 mod plan;
+mod plane;
+mod rules;
 mod sequence;
+mod shared;
 
 pub use model::{ConnectorElement, Model};
 pub use mpc::{MpcElement, MpcResult};

@@ -52,6 +52,8 @@ pub struct Entry {
     pub ties_flow: bool,
     /// The names of the angles of its hinges: degree of freedom 6 of the third and fourth node (rad).
     pub angles: &'static [&'static str],
+    /// Whether Abaqus/Explicit does not have it.
+    pub standard_only: bool,
     /// What it is, fact by fact, with the evidence for each.
     pub facts: &'static [(&'static str, &'static str)],
     /// What the rows are where the constraint holds.
@@ -80,6 +82,7 @@ pub const TABLE: [Entry; 6] = [
         hinges: Some(0),
         ties_flow: false,
         angles: &[],
+        standard_only: false,
         facts: &[
             ("Nodes", "S (the first, dependent), M (the second) [D]"),
             ("Constraint", "a rigid beam between S and M: xS − xM = C(φM) (XS − XM), C(φS) = C(φM) [D]"),
@@ -101,6 +104,7 @@ pub const TABLE: [Entry; 6] = [
         hinges: None,
         ties_flow: false,
         angles: &[],
+        standard_only: false,
         facts: &[
             ("Nodes", "S (the first, dependent), M (the second) [D]"),
             ("Constraint", "|xS − xM| = |XS − XM|, a pinned rigid link [D]"),
@@ -121,6 +125,7 @@ pub const TABLE: [Entry; 6] = [
         hinges: None,
         ties_flow: false,
         angles: &[],
+        standard_only: false,
         facts: &[
             ("Nodes", "S (the first, dependent), M (the second) [D]"),
             ("Constraint", "uS = uM: equal global displacements [D]"),
@@ -145,6 +150,7 @@ pub const TABLE: [Entry; 6] = [
         hinges: Some(1),
         ties_flow: false,
         angles: &["φJ"],
+        standard_only: true,
         facts: &[
             ("Nodes", "S (the first, dependent), M (the second), J (the third)"),
             ("Constraint", "C(φS) = C(φJ a) C(φM) [S]"),
@@ -171,6 +177,7 @@ pub const TABLE: [Entry; 6] = [
         hinges: Some(0),
         ties_flow: true,
         angles: &[],
+        standard_only: false,
         facts: &[
             ("Nodes", "S (the first, dependent), M (the second) [D]"),
             ("Constraint", "uS = uM, C(φS) = C(φM), ΨS = ΨM: all active degrees of freedom equal [D]"),
@@ -196,6 +203,7 @@ pub const TABLE: [Entry; 6] = [
         hinges: Some(2),
         ties_flow: false,
         angles: &["φ1", "φ2"],
+        standard_only: true,
         facts: &[
             ("Nodes", "S (the first, dependent), M (the second), J1 (the third), J2 (the fourth)"),
             ("Constraint", "C(φS) = C(φ2 a2) C(φ1 a1) C(φM) [D]"),
