@@ -48,6 +48,7 @@
 //! | [`measure`] | what is measured? The mathematics |
 //! | [`catalog`] | which connection types are there? The data |
 //! | [`connector`] | what does one connector give at one state, after its history? |
+//! | [`force`] | what do the forces of its components do to its nodes? |
 //! | [`mpc`] | what does the revolute-joint multi-point constraint give? |
 //! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
@@ -77,6 +78,7 @@
 pub mod catalog;
 pub mod connector;
 pub mod evaluate;
+pub mod force;
 pub mod measure;
 pub mod mpc;
 pub mod node;

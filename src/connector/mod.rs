@@ -12,6 +12,7 @@ mod request;
 
 pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
+pub(crate) use derivatives::Differentiation;
 pub(crate) use flags::{CERTAIN_INCREMENT, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
 pub use request::{Mask, Output, Request, Tally};
@@ -113,6 +114,17 @@ pub struct Connector<R: Differentiable> {
     initial: Branch<R>,
 }
 
+/// The degrees of freedom of a type: flow where it is active, 1, 2, 6 and 10 in two dimensions.
+fn reach(connection: &ConnectionType, planar: bool) -> [bool; DOFS] {
+    let mut reach = [false; DOFS];
+    for (j, reach) in reach.iter_mut().enumerate() {
+        let number = DOF_NUMBER[j];
+        *reach = (number != 10 || connection.flow[usize::from(j >= DOFS / 2)])
+            && (!planar || matches!(number, 1 | 2 | 6 | 10));
+    }
+    reach
+}
+
 /// How far an initially zero constraint may be from zero and still count as satisfied: direction cosines of exactly aligned
 /// axes carry a few roundings.
 const ALIGNED: f64 = 1e-12;
@@ -199,13 +211,9 @@ impl<R: Differentiable> Connector<R> {
                 _ => R::from_f64(reference),
             });
         }
-        let mut active = [false; DOFS];
+        let mut active = reach(&definition.connection, definition.planar);
         for (j, active) in active.iter_mut().enumerate() {
-            let end = usize::from(j >= DOFS / 2);
-            let number = DOF_NUMBER[j];
-            *active = definition.moves[end]
-                && (number != 10 || definition.connection.flow[end])
-                && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
+            *active &= definition.moves[usize::from(j >= DOFS / 2)];
         }
         let branch = Branch {
             turns,
@@ -245,6 +253,26 @@ impl<R: Differentiable> Connector<R> {
     /// What is differentiated in row k (0-based): the residual of a constrained component, else the position.
     pub fn differentiated(&self, k: usize) -> Option<Measure> {
         self.rows[k].map(|row| row.differentiated)
+    }
+
+    /// The measure of the position of component k (0-based).
+    pub fn position_measure(&self, k: usize) -> Option<Measure> {
+        self.rows[k].map(|row| row.position)
+    }
+
+    /// Whether component k (0-based) is constrained.
+    pub fn is_constrained(&self, k: usize) -> bool {
+        self.rows[k].is_some_and(|row| row.slot.is_constrained())
+    }
+
+    /// Q₀.
+    pub(crate) const fn initial_orientation(&self) -> &vector::Matrix<R> {
+        &self.section.initial_orientation
+    }
+
+    /// The degrees of freedom of the type, whether or not its nodes move.
+    pub(crate) fn reach(&self) -> [bool; DOFS] {
+        reach(&self.connection, self.is_planar)
     }
 
     /// Whether the residual of component k (0-based) is the printed function, rather than the position held.
