@@ -206,6 +206,11 @@ impl<R: Differentiable> Connector<R> {
     }
 }
 
+/// Σ c_i v_i.
+fn combination<R: Real>(v: [Vector<R>; 3], c: [R; 3]) -> Vector<R> {
+    add(add(scale(v[0], c[0]), scale(v[1], c[1])), scale(v[2], c[2]))
+}
+
 /// Three entries of a row.
 fn part<R: Copy>(row: &NodalRow<R>, at: usize) -> Vector<R> {
     [row[at], row[at + 1], row[at + 2]]
@@ -289,7 +294,8 @@ impl<R: Real> ForceRows<R> {
     /// The multipliers λ_k of the equations enforced, Σ λ_k ∂res_k = Σ f_k G_k over the constrained components, from reported forces.
     /// A constrained component without a force counts as zero. Needs [`Want::multipliers`] for rotations.
     ///
-    /// Exact in both directions: the moments of REVOLUTE are perpendicular to e1a either way, those of UNIVERSAL parallel.
+    /// Exact in both directions: the moments of REVOLUTE are perpendicular to e1a either way, those of UNIVERSAL parallel. `None` where
+    /// the equations are dependent, such as those of a REVOLUTE whose axes are at a right angle.
     pub fn multipliers(&self, forces: &Components<R>) -> Components<R> {
         let constraint = self.constrained_only(forces);
         let duals = dual_basis(self.residual);
@@ -360,16 +366,10 @@ impl<R: Real> ForceRows<R> {
         self.axes.map(|axes| axes.map(|axis| dot(axis, moment)))
     }
 
-    /// The moment M with given M·axis_i: the inverse of [`ForceRows::axis_moments`]; zero at a lock, where there is none.
+    /// The moment M with given M·axis_i: the inverse of [`ForceRows::axis_moments`]; `None` at a lock, where there is none.
     pub fn of_axis_moments(&self, moments: [R; 3]) -> Option<Vector<R>> {
-        let duals = dual_basis(self.axes?.map(Some));
-        let zero = [R::integer(0); 3];
-        Some(
-            duals
-                .iter()
-                .zip(moments)
-                .fold(zero, |sum, (dual, moment)| add(sum, scale(dual.unwrap_or(zero), moment))),
-        )
+        let [Some(first), Some(second), Some(third)] = dual_basis(self.axes?.map(Some)) else { return None };
+        Some(combination([first, second, third], moments))
     }
 
     /// The moments m1, m2, m3 by which the printed formula ([`PrintedMoment`]) gives the exact moment; `None` for types whose print is
@@ -388,8 +388,7 @@ impl<R: Real> ForceRows<R> {
     /// The moment vector that the printed formula gives for printed moments, global components.
     pub fn of_printed(&self, printed: [R; 3]) -> Option<Vector<R>> {
         let (_, directions) = self.printed?;
-        let zero = [R::integer(0); 3];
-        Some(directions.iter().zip(printed).fold(zero, |sum, (direction, m)| add(sum, scale(*direction, m))))
+        Some(combination(directions, printed))
     }
 
     /// A vector of global components, along e1a, e2a, e3a.

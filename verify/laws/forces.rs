@@ -11,7 +11,7 @@ use pintle::measure::Measure;
 use pintle::node::DOFS;
 use pintle::scalar::{Differentiable, Real, Scalar, Wide};
 use pintle::so3;
-use pintle::vector::{Vector, add, apply, cross, dot, sub};
+use pintle::vector::{Vector, add, apply, column, cross, dot, sub};
 
 const ALL: [bool; 6] = [true; 6];
 const EVERYTHING: Want = Want { stiffness: true, multipliers: true };
@@ -151,6 +151,22 @@ fn nodal_forces_are_exact_to_rounding() {
     check.finish();
 }
 
+/// Whether the equations enforced are dependent at a state that is far from satisfying them, so that there are no multipliers: shafts
+/// of a REVOLUTE at a right angle, and nothing else.
+fn are_dependent(wide: &Loaded<Wide>, multipliers: &Components<Wide>) -> bool {
+    let printed = |k: usize, m| wide.connector.differentiated(k) == Some(m);
+    let [a, b] = [wide.state.pair.a, wide.state.pair.b].map(|node| column(&node.triad, 0));
+    if printed(4, Measure::Cosine(1, 3))
+        && printed(5, Measure::Cosine(1, 2))
+        && dot(a, b).to_f64().abs() < 1e-12
+    {
+        return true;
+    }
+    let missing = (0..6).any(|k| wide.connector.is_constrained(k) && multipliers[k].is_none());
+    assert!(!missing, "{multipliers:?}");
+    false
+}
+
 /// F·q̇ = Σ f_k u̇_k over available components + Σ λ_k (res_k)˙ over constrained ones, for any motion, also one that violates the
 /// constraints. The rates come from time derivatives of the measures, not from rows; the tension of a SLIPRING works on
 /// |d|˙ − Ψ̇_a + Ψ̇_b.
@@ -160,8 +176,11 @@ fn power_is_conserved() {
     for case in all_cases() {
         let wide = Loaded::<Wide>::of(&case, 1);
         let rows = wide.rows(EVERYTHING);
-        let evaluation = wide.evaluate();
         let multipliers = rows.multipliers(&wide.forces);
+        if are_dependent(&wide, &multipliers) {
+            continue;
+        }
+        let evaluation = wide.evaluate();
         let mut power = Wide::zero();
         for k in 0..6 {
             let Some(force) = wide.forces[k] else { continue };
@@ -282,6 +301,9 @@ fn reported_forces_and_multipliers_agree() {
         let constrained: Components<Wide> =
             std::array::from_fn(|k| wide.forces[k].filter(|_| wide.connector.is_constrained(k)));
         let multipliers = rows.multipliers(&wide.forces);
+        if are_dependent(&wide, &multipliers) {
+            continue;
+        }
         let evaluation = wide.evaluate();
         let nodal = rows.nodal(&constrained);
         let mut by_multipliers = [Wide::zero(); DOFS];
