@@ -50,6 +50,7 @@
 //! | [`connector`] | what does one connector give at one state, after its history? |
 //! | [`force`] | what do the forces of its components do to its nodes? |
 //! | [`mpc`] | what does the revolute-joint multi-point constraint give? |
+//! | [`behavior`] | which forces follow from a motion: springs, dampers, stops, locks, drives? |
 //! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
 //! | [`report`] | how is it shown? |
@@ -75,6 +76,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod behavior;
 pub mod catalog;
 pub mod connector;
 pub mod evaluate;

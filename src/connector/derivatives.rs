@@ -1,6 +1,6 @@
 //! Rows of first and second derivatives, and rates: the same measures on numbers with derivatives.
 
-use super::{Connector, Evaluation, NodalRow, Output, Pass, Row, State, Tally};
+use super::{Connector, Evaluation, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally};
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
 use crate::scalar::{Differentiable, Scalar, Seeded};
@@ -73,7 +73,7 @@ impl<R: Differentiable> Connector<R> {
         input: &Differentiation<'_, R>,
         measures: &[(usize, Measure)],
         tally: &mut Tally,
-        take: &mut impl FnMut(usize, NodalRow<R>, Option<Box<[NodalRow<R>; DOFS]>>),
+        take: &mut impl FnMut(usize, NodalRow<R>, Option<NodalMatrix<R>>),
     ) {
         let Differentiation { state, history, active, second } = *input;
         let of = |seeds: Seeds| {
@@ -126,7 +126,7 @@ impl<R: Differentiable> Connector<R> {
         input: &Differentiation<'_, R>,
         measure: Measure,
         tally: &mut Tally,
-    ) -> (NodalRow<R>, Option<Box<[NodalRow<R>; DOFS]>>) {
+    ) -> (NodalRow<R>, Option<NodalMatrix<R>>) {
         let Differentiation { state, active, second, .. } = *input;
         let zero = R::integer(0);
         let masked = |j: usize, value: R| if active[j] { value } else { zero };

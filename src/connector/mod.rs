@@ -17,7 +17,7 @@ pub(crate) use flags::{CERTAIN_INCREMENT, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
 pub use request::{Mask, Output, Request, Tally};
 
-use crate::catalog::{Condition, ConnectionType, Slot};
+use crate::catalog::{Condition, ConnectionType, PLANAR_COMPONENTS, Slot};
 use crate::measure::{History, Measure, Section, Shared, Unit};
 use crate::node::{self, DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::{Differentiable, Real};
@@ -30,6 +30,9 @@ pub type Components<T> = [Option<T>; 6];
 
 /// A row of nodal derivatives, in the order of [`node::DOF`].
 pub type NodalRow<R> = [R; DOFS];
+
+/// Derivatives by two nodal degrees of freedom, both in the order of [`node::DOF`].
+pub type NodalMatrix<R> = Box<[NodalRow<R>; DOFS]>;
 
 /// The nodes at one instant, with their rates.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +64,9 @@ pub struct Definition {
     pub planar: bool,
     /// Whether a and b have degrees of freedom (a ground node has none).
     pub moves: [bool; 2],
+    /// Whether a and b have rotational degrees of freedom. The directions of an end without them are fixed, its triad in every state
+    /// the initial one, and rows have no columns θ there.
+    pub rotates: [bool; 2],
 }
 
 impl Definition {
@@ -75,6 +81,7 @@ impl Definition {
             stops: [None; 6],
             planar: false,
             moves: [true; 2],
+            rotates: [true; 2],
         }
     }
 }
@@ -110,17 +117,20 @@ pub struct Connector<R: Differentiable> {
     references: Components<R>,
     stops: Components<Stop>,
     active: [bool; DOFS],
+    reach: [bool; DOFS],
     is_planar: bool,
     initial: Branch<R>,
 }
 
-/// The degrees of freedom of a type: flow where it is active, 1, 2, 6 and 10 in two dimensions.
-fn reach(connection: &ConnectionType, planar: bool) -> [bool; DOFS] {
+/// The degrees of freedom that a connector loads: flow where it is active, 1, 2, 6 and 10 in two dimensions, no rotation of a node that
+/// has none. The ground has all of them: it takes every reaction.
+fn reach(definition: &Definition) -> [bool; DOFS] {
     let mut reach = [false; DOFS];
     for (j, reach) in reach.iter_mut().enumerate() {
-        let number = DOF_NUMBER[j];
-        *reach = (number != 10 || connection.flow[usize::from(j >= DOFS / 2)])
-            && (!planar || matches!(number, 1 | 2 | 6 | 10));
+        let (end, number) = (usize::from(j >= DOFS / 2), DOF_NUMBER[j]);
+        *reach = (number != 10 || definition.connection.flow[end])
+            && (!matches!(number, 4..=6) || definition.rotates[end] || !definition.moves[end])
+            && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
     }
     reach
 }
@@ -153,7 +163,7 @@ pub struct Evaluation<R> {
     /// Rows of first derivatives: of the residual of a constrained component, of the displacement of any other.
     pub jacobian: Components<NodalRow<R>>,
     /// Second derivatives ∂²/∂q_j∂q_k of the same functions; of a one-form, ∂row_j/∂q_k, which is not symmetric.
-    pub hessian: Components<Box<[NodalRow<R>; DOFS]>>,
+    pub hessian: Components<NodalMatrix<R>>,
     /// TURNS of components that wind.
     pub turns: Components<Turns<R>>,
     /// The branch to commit.
@@ -185,7 +195,7 @@ impl<R: Differentiable> Connector<R> {
         let mut history = History { rotation_vector: [zero; 3], euler_sign: one, torsion_turns: zero };
         history.rotation_vector = so3::log(&relative.q);
         let mut shared = Shared::new(&relative, &initial.a.triad, &section, &history);
-        let planar = |k: usize| !definition.planar || matches!(k, 0 | 1 | 5);
+        let planar = |k: usize| !definition.planar || PLANAR_COMPONENTS.contains(&k);
         let mut rows = [None; 6];
         let mut references = [None; 6];
         let mut turns = [Turns { turns: zero, principal: zero }; 6];
@@ -211,7 +221,8 @@ impl<R: Differentiable> Connector<R> {
                 _ => R::from_f64(reference),
             });
         }
-        let mut active = reach(&definition.connection, definition.planar);
+        let reach = reach(definition);
+        let mut active = reach;
         for (j, active) in active.iter_mut().enumerate() {
             *active &= definition.moves[usize::from(j >= DOFS / 2)];
         }
@@ -230,6 +241,7 @@ impl<R: Differentiable> Connector<R> {
             references,
             stops: definition.stops,
             active,
+            reach,
             is_planar: definition.planar,
             initial: branch,
         }
@@ -270,9 +282,9 @@ impl<R: Differentiable> Connector<R> {
         &self.section.initial_orientation
     }
 
-    /// The degrees of freedom of the type, whether or not its nodes move.
-    pub(crate) fn reach(&self) -> [bool; DOFS] {
-        reach(&self.connection, self.is_planar)
+    /// The degrees of freedom that the connector loads, of moving nodes and of the ground.
+    pub(crate) const fn reach(&self) -> &[bool; DOFS] {
+        &self.reach
     }
 
     /// Whether the residual of component k (0-based) is the printed function, rather than the position held.

@@ -3,7 +3,9 @@
 use super::Wrench;
 use super::dual::dual_basis;
 use crate::catalog::{Loading, PrintedMoment};
-use crate::connector::{Branch, Components, Connector, Differentiation, Mask, NodalRow, State, Tally};
+use crate::connector::{
+    Branch, Components, Connector, Differentiation, Mask, NodalMatrix, NodalRow, State, Tally,
+};
 use crate::measure::Measure;
 use crate::node::{DOFS, PSI_A, PSI_B, THETA_A, THETA_B, XB, skew};
 use crate::scalar::{Differentiable, Real};
@@ -25,7 +27,7 @@ pub struct ForceRow<R> {
     /// G_k: the nodal forces of a unit force.
     pub row: NodalRow<R>,
     /// ∂²c_k/∂q_i∂q_j where G_k is the gradient of a function c_k, else ∂G_ki/∂q_j; where it was wanted.
-    pub change: Option<Box<[NodalRow<R>; DOFS]>>,
+    pub change: Option<NodalMatrix<R>>,
     /// Whether G_k is the gradient of a function, and its change symmetric.
     pub is_gradient: bool,
 }
@@ -98,7 +100,7 @@ impl<R: Differentiable> Connector<R> {
         }
         let history = branch.history();
         let reach = self.reach();
-        let input = Differentiation { state, history: &history, active: &reach, second: want.stiffness };
+        let input = Differentiation { state, history: &history, active: reach, second: want.stiffness };
         self.differentiate(&input, &gradients, tally, &mut |k, mut row, change| {
             if tension == Some(k) {
                 (row[PSI_A], row[PSI_B]) = (R::integer(-1), R::integer(1));
@@ -259,7 +261,7 @@ impl<R: Real> ForceRows<R> {
     ///
     /// Symmetric but for forces whose row is no gradient (FLOW-CONVERTER's m3; the constraint moments of REVOLUTE and ALIGN, which a
     /// carries): for those it is ∂G_ki/∂q_j.
-    pub fn geometric_stiffness(&self, forces: &Components<R>) -> Box<[NodalRow<R>; DOFS]> {
+    pub fn geometric_stiffness(&self, forces: &Components<R>) -> NodalMatrix<R> {
         let mut sum = Box::new([[R::integer(0); DOFS]; DOFS]);
         for (force, ForceRow { change, .. }) in self.loaded(forces) {
             for (line, change) in sum.iter_mut().zip(change.iter().flat_map(|change| change.iter())) {
@@ -275,7 +277,7 @@ impl<R: Real> ForceRows<R> {
     ///
     /// This is the geometric stiffness, and for gradient rows, in the rotations of each node, −½ M^ besides, M the moment on that node:
     /// the second variation is taken along exp(δθ^), successive rotations do not commute.
-    pub fn derivative(&self, forces: &Components<R>) -> Box<[NodalRow<R>; DOFS]> {
+    pub fn derivative(&self, forces: &Components<R>) -> NodalMatrix<R> {
         let mut sum = self.geometric_stiffness(forces);
         let half = R::ratio(1, 2);
         for (force, row) in self.loaded(forces).filter(|(_, row)| row.is_gradient && row.change.is_some()) {

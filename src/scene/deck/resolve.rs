@@ -6,8 +6,10 @@ use super::mesh::duplicate_element;
 use super::sets::{self, Kind, Member, unknown_set};
 use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::scene::label::Label;
 use crate::scene::model::{Discrete, End, Mpc, MpcKind, PointKind, Scene, Set, Target};
 use crate::scene::span::{Span, Spanned};
+use std::collections::HashSet;
 
 pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     elements(deck)?;
@@ -16,6 +18,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     orientations(&deck.scene)?;
     deck.scene.behaviors.iter().try_for_each(|(name, behavior)| check_behavior(name, behavior))?;
     properties(&deck.scene)?;
+    other_rotations(deck);
     let raw = std::mem::take(&mut deck.mpcs);
     deck.scene.mpcs = mpcs(&deck.scene, &raw)?;
     actuation(deck)
@@ -29,7 +32,7 @@ fn undefined(kind: Kind) -> impl Fn() -> String {
     }
 }
 
-fn unknown(kind: Kind, label: u64, span: Span) -> Diagnostic {
+fn unknown(kind: Kind, label: Label, span: Span) -> Diagnostic {
     let name = kind.name();
     let message = format!("there is no {name} {label}");
     Diagnostic::error(kind.unknown(), span, message, "not defined").help(undefined(kind)())
@@ -43,7 +46,7 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
     let points = scene.point_elements.iter();
     let points = points.map(|(&label, element)| (label, element.span, [Some(element.node), element.second]));
     for (label, span, nodes) in connectors.chain(points) {
-        if deck.other_elements.contains(label) {
+        if deck.other_elements.contains(label.number()) {
             return Err(duplicate_element(label, None, span));
         }
         for node in nodes.into_iter().flatten() {
@@ -60,9 +63,12 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
 fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
     let scene = &deck.scene;
     let mut warnings = Vec::new();
-    let node = |label| if scene.nodes.contains_key(&label) { Member::Modelled } else { Member::Unknown };
-    let element = |label| {
-        if scene.connectors.contains_key(&label) || scene.point_elements.contains_key(&label) {
+    let node = |label: u64| {
+        if scene.nodes.contains_key(&Label::from(label)) { Member::Modelled } else { Member::Unknown }
+    };
+    let element = |label: u64| {
+        let known = Label::from(label);
+        if scene.connectors.contains_key(&known) || scene.point_elements.contains_key(&known) {
             Member::Modelled
         } else if deck.other_elements.contains(label) {
             Member::Unmodelled
@@ -329,12 +335,29 @@ fn node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
     scene.node_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Node, name, names()))
 }
 
-fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<u64>> {
+fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<Label>> {
     match &target.value {
         Target::Label(label) if scene.nodes.contains_key(label) => Ok(vec![*label]),
         Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
         Target::Set(name) => Ok(node_set(scene, &Spanned::new(name.clone(), target.span))?.labels.clone()),
     }
+}
+
+/// Of the nodes to which what is not read gives rotations, those that belong to a connector.
+fn other_rotations(deck: &mut Deck<'_>) {
+    let scene = &mut deck.scene;
+    for target in &deck.rotation_targets {
+        match target {
+            Target::Label(label) => drop(deck.other_rotations.insert(label.number())),
+            Target::Set(name) => {
+                let nodes = scene.node_sets.get(name).into_iter().flat_map(|set| &set.labels);
+                deck.other_rotations.extend(nodes.map(|node| node.number()));
+            }
+        }
+    }
+    let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
+    scene.rotating_nodes = ends.filter(|node| deck.other_rotations.contains(&node.number())).collect();
+    deck.other_rotations = HashSet::new();
 }
 
 /// One constraint per line, or one per member where sets are given.
@@ -364,8 +387,8 @@ fn mpcs(scene: &Scene, raw: &[RawMpc]) -> Result<Vec<Mpc>> {
                 );
             }
             for index in 0..count {
-                let at = |members: &Vec<u64>| members.get(index).or(members.first()).copied();
-                let chosen: Vec<u64> = nodes.iter().filter_map(at).collect();
+                let at = |members: &Vec<Label>| members.get(index).or(members.first()).copied();
+                let chosen: Vec<Label> = nodes.iter().filter_map(at).collect();
                 if chosen.first().is_some_and(|dependent| chosen[1..].contains(dependent)) {
                     return bad(
                         format!("node {} is constrained to itself", chosen[0]),
@@ -388,7 +411,7 @@ fn actuation(deck: &Deck<'_>) -> Result<()> {
         check_name(name.as_ref(), &scene.amplitudes, "amplitude", "AMPLITUDE", Code::UnknownAmplitude)
     };
     let connectors = |target: &Spanned<Target>| {
-        let named = |label: &u64| scene.connectors.contains_key(label);
+        let named = |label: &Label| scene.connectors.contains_key(label);
         let wrong = |what: String| {
             let message = format!("{what} cannot be driven or loaded by component");
             Err(Diagnostic::error(Code::WrongElementType, target.span, message, "not a connector")
@@ -436,7 +459,7 @@ fn actuation(deck: &Deck<'_>) -> Result<()> {
                 Some(Spanned { value: Target::Label(label), span }) => {
                     let known = scene.connectors.contains_key(label)
                         || scene.point_elements.contains_key(label)
-                        || deck.other_elements.contains(*label);
+                        || deck.other_elements.contains(label.number());
                     if !known {
                         return Err(unknown(Kind::Element, *label, *span));
                     }
