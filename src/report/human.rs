@@ -1,6 +1,6 @@
 //! Evaluations as tables for reading.
 
-use super::block::{Block, Derivative, Value, flags_in_words, node_name};
+use super::block::{Block, Derivative, HingeFacts, Value, flags_in_words, node_name};
 use super::evaluation::{Format, Subject, Unevaluated, unevaluated};
 use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
@@ -309,8 +309,8 @@ impl Format for Human<'_> {
         }
         let plan = subject.plan;
         let mut counts = vec![plural(plan.connectors.len(), "connector")];
-        if !plan.joints.is_empty() {
-            counts.push(plural(plan.joints.len(), "revolute-joint MPC"));
+        if !plan.mpcs.is_empty() {
+            counts.push(plural(plan.mpcs.len(), "MPC"));
         }
         counts.push(plural(subject.states, "state") + &shown(subject));
         let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
@@ -331,13 +331,27 @@ impl Format for Human<'_> {
             return Ok(());
         }
         self.values(block)?;
-        if let Some(joint) = block.joint {
-            let given =
-                joint.given.map(|given| format!("φJ given as {}; ", self.number(given))).unwrap_or_default();
-            let axis = joint.axis.map(|entry| self.number(entry)).join(", ");
-            let misalignment = self.number(joint.misalignment);
-            let text = format!("{given}axis ({axis}); axes of S and M differ by {misalignment} rad");
-            for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+        if let Some(facts) = &block.mpc {
+            let mut texts: Vec<String> = facts
+                .hinges
+                .iter()
+                .map(|HingeFacts { name, given, axis }| {
+                    let given = given.map(|given| format!("{name} given as {}; ", self.number(given)));
+                    let whose =
+                        if facts.hinges.len() > 1 { format!("axis of {name}") } else { "axis".into() };
+                    let axis = axis.map(|entry| self.number(entry)).join(", ");
+                    format!("{}{whose} ({axis})", given.unwrap_or_default())
+                })
+                .collect();
+            if let Some(misalignment) = facts.misalignment {
+                let what = if facts.hinges.len() > 1 {
+                    "the angle between the axes is off by"
+                } else {
+                    "axes of S and M differ by"
+                };
+                texts.push(format!("{what} {} rad", self.number(misalignment)));
+            }
+            for line in layout::wrap(&texts.join("; "), self.style.width.saturating_sub(INDENT)) {
                 writeln!(self.out, "  {}", styled(DIM, line))?;
             }
         }
