@@ -34,7 +34,7 @@ fn results(scene: &Scene, node: &dyn Fn(u64) -> Label) -> String {
         for (place, connector) in result.connectors.iter().enumerate() {
             text += &format!("{place}: {:?}\n", connector.evaluation);
         }
-        for joint in &result.joints {
+        for joint in &result.mpcs {
             text += &format!("{:?}\n", joint.evaluation);
         }
     }
