@@ -3,6 +3,7 @@
 //! The lexer reads one line at a time into one buffer. Names without quotation marks are compared in upper
 //! case; quoted names keep their case and their blanks.
 
+use super::choice::Choice;
 use super::diagnostic::{Code, Diagnostic, Result};
 use super::label::{Label, LabelError};
 use super::span::{Span, Spanned};
@@ -440,9 +441,9 @@ impl<'a> Item<'a> {
         component(self.text, self.span)
     }
 
-    /// One of `choices`, in any case.
-    pub(crate) fn choice(&self, what: &str, choices: &[&'static str]) -> Result<&'static str> {
-        choice(self.text, self.span, Code::BadValue, what, choices)
+    /// One of the words of `C`, in any case.
+    pub(crate) fn choice<C: Choice>(&self, what: &str) -> Result<Option<C>> {
+        word(self.text, self.span, Code::BadValue, what, C::SPELLINGS).map(C::of_spelling)
     }
 }
 
@@ -468,8 +469,9 @@ impl Value {
         component(&self.text, self.span)
     }
 
-    pub(crate) fn choice(&self, what: &str, choices: &[&'static str]) -> Result<&'static str> {
-        choice(&self.text, self.span, Code::BadParameterValue, what, choices)
+    /// One of `words`, in any case.
+    pub(crate) fn word(&self, what: &str, words: &[&'static str]) -> Result<&'static str> {
+        word(&self.text, self.span, Code::BadParameterValue, what, words)
     }
 
     /// Quoted values are names, never numbers.
@@ -572,11 +574,11 @@ fn component(text: &str, span: Span) -> Result<u8> {
     })
 }
 
-fn choice(text: &str, span: Span, code: Code, what: &str, choices: &[&'static str]) -> Result<&'static str> {
+fn word(text: &str, span: Span, code: Code, what: &str, words: &[&'static str]) -> Result<&'static str> {
     let written = normal(text);
-    choices.iter().find(|&&choice| choice == written).copied().ok_or_else(|| {
-        let remedy = super::diagnostic::suggest(&written, choices.iter().copied(), || {
-            format!("{what} is one of {}", choices.join(", "))
+    words.iter().find(|&&word| word == written).copied().ok_or_else(|| {
+        let remedy = super::diagnostic::suggest(&written, words.iter().copied(), || {
+            format!("{what} is one of {}", words.join(", "))
         });
         Diagnostic::error(code, span, format!("{what} cannot be `{text}`"), "not one of those allowed")
             .help(remedy)

@@ -4,6 +4,7 @@
 //! degrees. Names are in upper case unless the deck quotes them. Maps and lists keep the order of the deck.
 
 use super::behavior::Behavior;
+use super::choice::choices;
 use super::diagnostic::Diagnostic;
 use super::label::Label;
 use super::orientation::Orientation;
@@ -346,18 +347,6 @@ pub struct Discrete {
     pub rows: Vec<Vec<Option<f64>>>,
 }
 
-/// How the axes of a `*TRANSFORM` are given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TransformKind {
-    /// a on the local X′ axis, b in the X′Y′ plane, both as vectors from the global origin.
-    Rectangular,
-    /// a and b on the axis; 1 radial, 2 tangential, 3 axial.
-    Cylindrical,
-    /// a the centre, b on the polar axis; 1 radial, 2 circumferential, 3 meridional.
-    Spherical,
-}
-
 /// `*TRANSFORM`: axes in which loads and boundary conditions of nodes are expressed.
 #[derive(Debug, Clone, Serialize)]
 pub struct Transform {
@@ -371,15 +360,109 @@ pub struct Transform {
     pub b: [f64; 3],
 }
 
+choices! {
+    /// How an amplitude is given.
+    pub enum AmplitudeDefinition {
+        /// Pairs of time and value, linear between them.
+        Tabular = "TABULAR",
+        /// Values at equal intervals.
+        EquallySpaced = "EQUALLY SPACED",
+        /// A Fourier series.
+        Periodic = "PERIODIC",
+        /// A product of two sines.
+        Modulated = "MODULATED",
+        /// An exponential decay.
+        Decay = "DECAY",
+        /// Pairs of time and value, with polynomials of fifth degree between them.
+        SmoothStep = "SMOOTH STEP",
+        /// Determined by the solution.
+        SolutionDependent = "SOLUTION DEPENDENT",
+        /// Determined by another program.
+        Actuator = "ACTUATOR",
+        /// Underwater explosion.
+        Bubble = "BUBBLE",
+        /// A response spectrum.
+        Spectrum = "SPECTRUM",
+        /// A power spectral density.
+        PsdDefinition = "PSD DEFINITION",
+        /// A user subroutine.
+        User = "USER",
+    }
+
+    /// The time that an amplitude counts.
+    pub enum AmplitudeTime {
+        /// From the beginning of each step.
+        StepTime = "STEP TIME",
+        /// From the beginning of the analysis.
+        TotalTime = "TOTAL TIME",
+    }
+
+    /// What the values of an amplitude are.
+    pub enum AmplitudeValue {
+        /// Factors of the magnitude.
+        Relative = "RELATIVE",
+        /// The magnitude itself.
+        Absolute = "ABSOLUTE",
+    }
+
+    /// How loads without an amplitude change during a step.
+    pub enum DefaultAmplitude {
+        /// Linearly, from the value before.
+        Ramp = "RAMP",
+        /// At once.
+        Step = "STEP",
+    }
+
+    /// How the axes of a `*TRANSFORM` are given.
+    pub enum TransformKind {
+        /// a on the local X′ axis, b in the X′Y′ plane, both as vectors from the global origin.
+        Rectangular = "R",
+        /// a and b on the axis; 1 radial, 2 tangential, 3 axial.
+        Cylindrical = "C",
+        /// a the centre, b on the polar axis; 1 radial, 2 circumferential, 3 meridional.
+        Spherical = "S",
+    }
+
+    /// What is prescribed.
+    #[derive(Default)]
+    pub enum MotionType {
+        /// Displacement or rotation, from the initial state.
+        #[default]
+        Displacement = "DISPLACEMENT",
+        /// Velocity.
+        Velocity = "VELOCITY",
+        /// Acceleration.
+        Acceleration = "ACCELERATION",
+    }
+
+    /// Does an option add to those of earlier steps or replace them?
+    #[derive(Default)]
+    pub enum Operation {
+        /// Earlier ones stay.
+        #[default]
+        Modify = "MOD",
+        /// Earlier ones are removed.
+        New = "NEW",
+    }
+}
+
+impl AmplitudeDefinition {
+    /// Are its data pairs of time and value?
+    #[must_use]
+    pub fn has_pairs(self) -> bool {
+        matches!(self, Self::Tabular | Self::SmoothStep)
+    }
+}
+
 /// `*AMPLITUDE`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Amplitude {
-    /// `DEFINITION=`, such as TABULAR.
-    pub definition: &'static str,
-    /// `TIME=` STEP TIME or TOTAL TIME.
-    pub time: Option<&'static str>,
-    /// `VALUE=` RELATIVE or ABSOLUTE.
-    pub value: Option<&'static str>,
+    /// `DEFINITION=`.
+    pub definition: AmplitudeDefinition,
+    /// `TIME=`; none is the step time.
+    pub time: Option<AmplitudeTime>,
+    /// `VALUE=`; none is relative.
+    pub value: Option<AmplitudeValue>,
     /// `SMOOTH=`: the fraction of an interval that is smoothed.
     pub smooth: Option<f64>,
     /// `FIXED INTERVAL=` of equally spaced values.
@@ -401,30 +484,6 @@ pub enum Target {
     Label(Label),
     /// A set.
     Set(String),
-}
-
-/// What is prescribed.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MotionType {
-    /// Displacement or rotation, from the initial state.
-    #[default]
-    Displacement,
-    /// Velocity.
-    Velocity,
-    /// Acceleration.
-    Acceleration,
-}
-
-/// Does an option add to those of earlier steps or replace them?
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Operation {
-    /// `OP=MOD`: earlier ones stay.
-    #[default]
-    Modify,
-    /// `OP=NEW`: earlier ones are removed.
-    New,
 }
 
 /// How a motion or load is applied.
@@ -566,8 +625,8 @@ pub struct Step {
     pub perturbation: bool,
     /// The largest number of increments.
     pub increments: Option<u64>,
-    /// `AMPLITUDE=` RAMP or STEP, for what has no amplitude of its own.
-    pub default_amplitude: Option<&'static str>,
+    /// `AMPLITUDE=`, for what has no amplitude of its own; none leaves it to the procedure.
+    pub default_amplitude: Option<DefaultAmplitude>,
     /// What it does.
     pub procedure: Option<Procedure>,
     /// Boundary conditions.

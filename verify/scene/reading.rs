@@ -2,8 +2,9 @@
 
 use super::n;
 use pintle::scene::{
-    Affected, Code, Dimension, End, FrictionKind, FrictionLaw, GALLERY, Law, MpcKind, Operation, Procedure,
-    Scene, Solver, Source, Target, Triad,
+    Affected, Basis, Code, DamageEvolutionKind, DampingKind, Dimension, End, Extrapolation, FrictionKind,
+    FrictionLaw, GALLERY, HardeningDefinition, Integration, Law, MpcKind, Operation, Operator,
+    PotentialFunction, PotentialOperator, Procedure, Scene, Solver, Source, Target, Triad,
 };
 use proptest::prelude::*;
 
@@ -256,10 +257,10 @@ NORMAL, 2., 1., MACAULEY, 0.1, -1.
     let section = &scene.connector_sections[0];
     assert_eq!((section.elimination, section.controls.as_ref().unwrap().value.as_str()), (Some(true), "SC"));
     let behavior = &scene.behaviors["B"];
-    assert_eq!(behavior.table.extrapolation, Some("LINEAR"));
+    assert_eq!(behavior.table.extrapolation, Some(Extrapolation::Linear));
     assert_eq!(
         (behavior.table.regularize, behavior.table.rtol, behavior.integration),
-        (Some("OFF"), Some(0.05), Some("EXPLICIT"))
+        (Some(false), Some(0.05), Some(Integration::Explicit))
     );
     assert_eq!(behavior.constitutive_reference, [Some(1.5), None, None, Some(90.0), None, None]);
     let Law::Coupled { unsymmetric: true, frequency: false, rows } = &behavior.elasticity[0].law else {
@@ -275,14 +276,14 @@ NORMAL, 2., 1., MACAULEY, 0.1, -1.
     else {
         panic!()
     };
-    assert_eq!((independent.basis, independent.components.as_slice()), ("POSITION", [1, 4].as_slice()));
+    assert_eq!((independent.basis, independent.components.as_slice()), (Basis::Position, [1, 4].as_slice()));
     assert_eq!(rows[1].values, [Some(5.0), Some(1.0), Some(0.5)]);
     assert_eq!(behavior.elasticity[3].law, Law::Rigid { components: vec![5, 6] });
-    assert_eq!(behavior.damping[0].kind, "STRUCTURAL");
+    assert_eq!(behavior.damping[0].kind, DampingKind::Structural);
     let terms = &behavior.derived_components["NORMAL"];
     assert_eq!(
         (terms.len(), terms[0].operator, terms[1].operator, terms[1].sign),
-        (2, "NORM", "MACAULEY SUM", -1.0)
+        (2, Operator::Norm, Operator::MacauleySum, -1.0)
     );
     let FrictionKind::User {
         component: None,
@@ -294,10 +295,16 @@ NORMAL, 2., 1., MACAULEY, 0.1, -1.
     else {
         panic!("{:?}", behavior.friction[0])
     };
-    assert_eq!((potential.operator, potential.exponent, potential.terms.len()), ("MAX", 1.0, 2));
+    assert_eq!(
+        (potential.operator, potential.exponent, potential.terms.len()),
+        (PotentialOperator::Max, 1.0, 2)
+    );
     let term = &potential.terms[1];
     assert_eq!(term.source.value, Source::Derived("NORMAL".to_owned()));
-    assert_eq!((term.scale, term.function, term.shift, term.sign), (2.0, "MACAULEY", 0.1, -1.0));
+    assert_eq!(
+        (term.scale, term.function, term.shift, term.sign),
+        (2.0, PotentialFunction::Macauley, 0.1, -1.0)
+    );
     assert_eq!(force.value, Source::Derived("NORMAL".to_owned()));
     assert_eq!(rows[0][..2], [None, Some(0.5)]);
     let coefficient = behavior.friction[0].coefficient.as_ref().unwrap();
@@ -310,11 +317,14 @@ NORMAL, 2., 1., MACAULEY, 0.1, -1.
     assert_eq!(rows[1].values, [Some(0.2), Some(1.0), None]);
     let hardening = &behavior.plasticity[0].hardening;
     assert_eq!(
-        (hardening[0].columns, hardening[1].definition),
-        (["F0", "Q_inf", "b"].as_slice(), "HALF CYCLE")
+        (hardening[0].definition.columns(), hardening[1].definition),
+        (["F0", "Q_inf", "b"].as_slice(), HardeningDefinition::HalfCycle)
     );
     let evolution = behavior.damage[0].evolution.as_ref().unwrap();
-    assert_eq!((evolution.kind, evolution.affected.as_slice()), ("ENERGY", [1, 2].as_slice()));
+    assert_eq!(
+        (evolution.kind, evolution.affected.as_slice()),
+        (DamageEvolutionKind::Energy, [1, 2].as_slice())
+    );
     let lock = &behavior.locks[0];
     assert_eq!(
         (lock.locked, lock.limits[0].lower_position, lock.limits[0].upper_position),

@@ -26,7 +26,7 @@ pub(super) fn heading(deck: &mut Deck<'_>, _: &Keyword) -> Result<()> {
 pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     reject_input(keyword)?;
     let set = keyword.name_of("NSET")?;
-    let system = keyword.choice("SYSTEM", &["R", "C", "S"])?.unwrap_or("R");
+    let system = keyword.word("SYSTEM", &["R", "C", "S"])?.unwrap_or("R");
     if system == "S" {
         let message = "spherical coordinates of nodes are not supported";
         return Err(Diagnostic::error(Code::BadParameterValue, keyword.span, message, "SYSTEM=S")
@@ -323,10 +323,10 @@ pub(super) fn orientation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> 
         ("S", System::Spherical),
         ("USER", System::User),
     ];
-    let system = keyword.choice("SYSTEM", &systems.map(|(name, _)| name))?;
+    let system = keyword.word("SYSTEM", &systems.map(|(name, _)| name))?;
     let system =
         systems.into_iter().find(|(name, _)| Some(*name) == system).map_or(System::Rectangular, |(_, s)| s);
-    let definition = keyword.choice("DEFINITION", &["COORDINATES", "NODES", "OFFSET TO NODES"])?;
+    let definition = keyword.word("DEFINITION", &["COORDINATES", "NODES", "OFFSET TO NODES"])?;
     let definition = if system == System::User {
         Definition::None
     } else {
@@ -407,11 +407,7 @@ fn vector(items: &mut Items<'_>, what: &str) -> Result<[f64; 3]> {
 
 pub(super) fn transform(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let node_set = keyword.need_name("NSET")?;
-    let kind = match keyword.choice("TYPE", &["R", "C", "S"])? {
-        Some("C") => TransformKind::Cylindrical,
-        Some("S") => TransformKind::Spherical,
-        _ => TransformKind::Rectangular,
-    };
+    let kind = keyword.choice("TYPE")?.unwrap_or(TransformKind::Rectangular);
     let Some(line) = deck.lexer.row()? else {
         return Err(table::no_rows((&keyword.name, keyword.span), &["Xa", "Ya", "Za", "Xb", "Yb", "Zb"]));
     };
