@@ -6,7 +6,8 @@
 //! type's definition: those entries test that the catalogue is consistent, not that it is right.
 
 use pintle::catalog::{
-    Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, Friction, Orientation, SPATIAL, Slot, TABLE,
+    Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, Friction, Orientation, SPATIAL,
+    Slot, TABLE,
 };
 
 /// One page's summary table.

@@ -182,7 +182,11 @@ impl Friction {
     fn term(&self, factor: &Factor, load: &str) -> String {
         let mut front = self.product(factor.times);
         if factor.number != 1 {
-            front = if front.is_empty() { factor.number.to_string() } else { format!("{} {front}", factor.number) };
+            front = if front.is_empty() {
+                factor.number.to_string()
+            } else {
+                format!("{} {front}", factor.number)
+            };
         }
         match factor.over.map(|parameter| self.symbol(Quantity::Parameter(parameter))) {
             Some(over) if front.is_empty() => format!("{load}/{over}"),
@@ -207,7 +211,7 @@ fn norm(of: &[String]) -> String {
 
 impl Load {
     /// In the forces that are present; `None` where none is.
-    fn formula(self, present: [bool; 6]) -> Option<String> {
+    pub fn formula(self, present: [bool; 6]) -> Option<String> {
         match self {
             Self::Norm(components) => {
                 let names: Vec<String> =
@@ -247,7 +251,11 @@ impl FrictionCriterion {
             .filter(|traction| present[traction.component])
             .map(|traction| match traction.radius {
                 Some(radius) => {
-                    format!("({}/{})", FORCE[traction.component], friction.symbol(Quantity::Parameter(radius)))
+                    format!(
+                        "({}/{})",
+                        FORCE[traction.component],
+                        friction.symbol(Quantity::Parameter(radius))
+                    )
                 }
                 None => FORCE[traction.component].to_string(),
             })

@@ -12,8 +12,8 @@ mod rules;
 mod table;
 
 pub use friction::{
-    Contact, ContactTerm, CrossAxis, Factor, Friction, FrictionConstant, FrictionCriterion, FrictionParameter, Load,
-    PLANE, Quantity, SPATIAL, Traction,
+    Contact, ContactTerm, CrossAxis, Factor, Friction, FrictionConstant, FrictionCriterion,
+    FrictionParameter, Load, PLANE, Quantity, SPATIAL, Traction,
 };
 pub use rules::{Breach, Facts, Procedure, Rule};
 pub use table::TABLE;

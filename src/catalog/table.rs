@@ -301,13 +301,7 @@ pub static TABLE: &[ConnectionType] = &[
         Some(friction::CYLINDRICAL),
         "connection type CYLINDRICAL",
     ),
-    ConnectionType::assembled(
-        "HINGE",
-        &JOIN,
-        &REVOLUTE,
-        Some(friction::HINGE),
-        "connection type HINGE",
-    ),
+    ConnectionType::assembled("HINGE", &JOIN, &REVOLUTE, Some(friction::HINGE), "connection type HINGE"),
     ConnectionType::assembled(
         "PLANAR",
         &SLIDE_PLANE,

@@ -336,10 +336,12 @@ fn summary(connection: &ConnectionType) -> Vec<Field> {
                     format!("F_C = {contact}, against P = {tangential} ({output}){plane}")
                 })
                 .collect();
-            let constants = friction.constants.iter().map(|constant| {
-                format!("; {} = {}, {}", constant.symbol, constant.value, constant.meaning)
-            });
-            let unused = friction.unused_parameters().map(|symbol| format!("; {symbol} is read and not used"));
+            let constants = friction
+                .constants
+                .iter()
+                .map(|constant| format!("; {} = {}, {}", constant.symbol, constant.value, constant.meaning));
+            let unused =
+                friction.unused_parameters().map(|symbol| format!("; {symbol} is read and not used"));
             let notes: String = constants.chain(unused).collect();
             tagged(&format!("{}{notes}", all.join("; ")), friction.evidence)
         }),
