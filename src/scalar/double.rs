@@ -80,18 +80,8 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn exponential(self) -> Self {
-        self.exp()
-    }
-
-    #[inline(always)]
     fn exponential_minus_one(self) -> Self {
         self.exp_m1()
-    }
-
-    #[inline(always)]
-    fn logarithm(self) -> Self {
-        self.ln()
     }
 
     #[inline(always)]
@@ -114,6 +104,11 @@ impl Real for f64 {
     #[inline(always)]
     fn sine_cosine(self) -> (Self, Self) {
         self.sin_cos()
+    }
+
+    #[inline(always)]
+    fn exponential(self) -> Self {
+        self.exp()
     }
 
     #[inline(always)]

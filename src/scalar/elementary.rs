@@ -81,6 +81,14 @@ pub fn sin_cos<S: Scalar>(x: S) -> (S, S) {
     )
 }
 
+/// eˣ, 1 / 1 / 1 u.
+#[inline(always)]
+pub fn exp<S: Scalar>(x: S) -> S {
+    let e = x.real().exponential();
+    let ratio = S::Real::ratio;
+    x.lift(&[e, e, e * ratio(1, 2), e * ratio(1, 6), e * ratio(1, 24)])
+}
+
 /// The angle of the point (x, y) in (−π, π], 1 / 2 / 3 u, exact right angles included.
 ///
 /// With (c, s) = (x₀, y₀)/r²: θ₀ + atan t, t = (c e_y − s e_x) / (1 + c e_x + s e_y). At the origin the value is 0 and the
@@ -196,13 +204,6 @@ pub fn abs<S: Scalar>(x: S) -> S {
     norm([x])
 }
 
-/// exp x.
-#[inline(always)]
-pub fn exp<S: Scalar>(x: S) -> S {
-    let value = x.real().exponential();
-    x.lift(&exponential_series(value, value))
-}
-
 /// exp x − 1, accurate near 0.
 #[inline(always)]
 pub fn exp_m1<S: Scalar>(x: S) -> S {
@@ -210,7 +211,7 @@ pub fn exp_m1<S: Scalar>(x: S) -> S {
     x.lift(&exponential_series(value, x.real().exponential()))
 }
 
-/// The Taylor coefficients of exp and of exp − 1, which differ in the first.
+/// The Taylor coefficients of a function whose derivatives are all `slope`, as those of exp − 1.
 #[inline(always)]
 fn exponential_series<R: Real>(value: R, slope: R) -> Series<R> {
     let by = |n| slope / R::integer(n);

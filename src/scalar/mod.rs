@@ -139,14 +139,8 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// point reports it (`Measure::margin`).
     fn reciprocal_or_zero(self) -> Self;
 
-    /// exp x.
-    fn exponential(self) -> Self;
-
     /// exp x − 1, accurate near 0.
     fn exponential_minus_one(self) -> Self;
-
-    /// ln x for x > 0.
-    fn logarithm(self) -> Self;
 
     /// xᵖ for x ≥ 0.
     fn power(self, exponent: Self) -> Self;
@@ -162,6 +156,9 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
 
     /// (sin x, cos x), x in radians.
     fn sine_cosine(self) -> (Self, Self);
+
+    /// eˣ.
+    fn exponential(self) -> Self;
 
     /// The angle of the point (x, y) in (−π, π] (y is `self`), 0 at the origin, with the signs of zeros as IEEE 754 asks.
     fn arctangent(self, x: Self) -> Self;

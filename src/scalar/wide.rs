@@ -188,16 +188,8 @@ impl Real for Wide {
         if self.0.eq_zero() { Self(f256::ZERO) } else { Self(f256::ONE / self.0) }
     }
 
-    fn exponential(self) -> Self {
-        Self(self.0.exp())
-    }
-
     fn exponential_minus_one(self) -> Self {
         Self(self.0.exp_m1())
-    }
-
-    fn logarithm(self) -> Self {
-        Self(self.0.ln())
     }
 
     fn power(self, exponent: Self) -> Self {
@@ -218,6 +210,10 @@ impl Real for Wide {
         let (sine, cosine) = self.0.sin_cos();
         let small = self.abs() < SMALL_ANGLE;
         (if small { self.small_sine() } else { Self(sine) }, Self(cosine))
+    }
+
+    fn exponential(self) -> Self {
+        Self(self.0.exp())
     }
 
     fn arctangent(self, x: Self) -> Self {

@@ -16,6 +16,7 @@ use super::criterion::{Derivatives, Point};
 use super::flags::{Flag, Flags};
 use super::update::{Branch, Status, StickStiffness, THRESHOLD, first_root, sorted};
 use super::{Context, Ordered, capped, is_finite, is_zero};
+use crate::behavior::Conditions;
 use crate::scalar::elementary::{abs, atan2, direction, exp_m1, norm, recip};
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::vector::{Vector, cross, dot, sub};
@@ -60,10 +61,8 @@ pub struct BeltInput<'a, S: Scalar> {
     pub angle: S,
     /// Δt, if the increment has a duration.
     pub duration: Option<S>,
-    /// The temperature.
-    pub temperature: S::Real,
-    /// Field variables.
-    pub fields: &'a [S::Real],
+    /// Temperature and field variables.
+    pub conditions: &'a Conditions,
 }
 
 /// The result of an increment.
@@ -212,8 +211,7 @@ impl Belt {
             tension: [seed(input.tension[0], 1), seed(input.tension[1], 2)],
             angle: seed(input.angle, 3),
             duration: input.duration.map(|duration| seed(duration, 4)),
-            temperature: input.temperature,
-            fields: input.fields,
+            conditions: input.conditions,
         };
         let dual = self.advance(state, &seeded, branch);
         let [flow, first, second, angle, duration] = dual.force.gradient();
@@ -242,7 +240,7 @@ impl Belt {
         S: Scalar,
         S::Real: Ordered,
     {
-        let context = Context { temperature: input.temperature, fields: input.fields, ..Context::default() };
+        let context = Context { conditions: input.conditions, ..Context::default() };
         let rate = match input.duration {
             Some(duration) if S::Real::integer(0).less(duration.real()) => increment * recip(duration),
             _ => {
@@ -357,8 +355,7 @@ impl Belt {
             tension: input.tension.map(constant),
             angle: constant(input.angle),
             duration: input.duration.map(constant),
-            temperature: input.temperature,
-            fields: input.fields,
+            conditions: input.conditions,
         };
         let along = |slip: S::Real| {
             let [_, limit, _] =

@@ -5,11 +5,12 @@ use super::coefficient::Coefficient;
 use super::criterion::{Criterion, Internal, ParameterError, Pressing, Tangential, output_of};
 use super::derived::{Contribution, Derived, DerivedPart, Form, Potential};
 use super::update::{ELASTIC_SLIP, Friction, StickStiffness};
-use crate::behavior::table::{Extrapolation, Table};
+use crate::behavior::law;
+use crate::behavior::table::Table;
 use crate::catalog::{COMPONENT, ConnectionType, Contact};
 use crate::scene::{
-    self, Behavior, Code, Diagnostic, FrictionCoefficient, FrictionKind, FrictionLaw, Independent, Row,
-    Source, Span, TableOptions,
+    self, Behavior, Code, Diagnostic, Extrapolation, FrictionCoefficient, FrictionKind, FrictionLaw,
+    Independent, Row, Source, Span, TableOptions,
 };
 
 /// The frictions of a connector.
@@ -257,10 +258,7 @@ impl Builder<'_> {
     }
 
     fn options(&self, own: &TableOptions) -> Extrapolation {
-        match own.extrapolation.or(self.behavior.table.extrapolation) {
-            Some(scene::Extrapolation::Linear) => Extrapolation::Linear,
-            Some(scene::Extrapolation::Constant) | None => Extrapolation::Constant,
-        }
+        law::extrapolation([own, &self.behavior.table])
     }
 
     fn derived(&self, name: &str) -> Result<Derived, Diagnostic> {

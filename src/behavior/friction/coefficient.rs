@@ -96,9 +96,11 @@ impl Coefficient {
                 let argument = |variable| match variable {
                     Variable::Column(0) => rate,
                     Variable::Column(_) => normal,
-                    other => context.condition(other),
+                    other => context.conditions.of(other),
                 };
-                flags.rows("friction coefficient", table, 0, |variable| argument(variable).real());
+                flags.rows("friction coefficient", table, context.conditions, 0, |variable| {
+                    argument(variable).real()
+                });
                 table.evaluate(0, argument)
             }
             Self::Exponential { at_rest, kinetic, decay } => {

@@ -170,9 +170,11 @@ impl Internal {
                     Variable::Column(j) => {
                         components.get(j).map_or(context.accumulated_slip, |component| motions[*component])
                     }
-                    other => context.condition(other),
+                    other => context.conditions.of(other),
                 };
-                flags.rows("internal contact force", table, 0, |variable| argument(variable).real());
+                flags.rows("internal contact force", table, context.conditions, 0, |variable| {
+                    argument(variable).real()
+                });
                 table.evaluate(0, argument)
             }
         }

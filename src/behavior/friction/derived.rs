@@ -57,13 +57,15 @@ impl DerivedPart {
             (Variable::Column(j), Some((motions, components))) => {
                 components.get(j).map_or_else(S::zero, |component| motions[*component])
             }
-            (other, _) => context.condition(other),
+            (other, _) => context.conditions.of(other),
         };
         let mut scaled = Vec::with_capacity(self.components.len());
         for (i, component) in self.components.iter().enumerate() {
             scaled.push(match &self.scale {
                 Some(table) => {
-                    flags.rows("scale factor", table, i, |variable| argument(variable).real());
+                    flags.rows("scale factor", table, context.conditions, i, |variable| {
+                        argument(variable).real()
+                    });
                     table.evaluate(i, argument) * f[*component]
                 }
                 None => f[*component],

@@ -1,6 +1,7 @@
 //! What of a friction needs care at a state.
 
 use crate::behavior::table::{Table, Variable};
+use crate::behavior::{Conditions, Unknown};
 use crate::scalar::Real;
 use serde::Serialize;
 
@@ -64,6 +65,11 @@ pub enum Flag {
         /// The angle (rad).
         angle: f64,
     },
+    /// A table depends on a temperature or a field variable that is not given: it is taken as zero.
+    NotGiven {
+        /// Which.
+        what: Unknown,
+    },
     /// A number is infinite or not a number.
     NotFinite {
         /// Which.
@@ -91,6 +97,7 @@ impl Flag {
             Self::NoAdmissibleTraction => "no-admissible-traction",
             Self::Slack => "slack",
             Self::WrapAngle { .. } => "wrap-angle",
+            Self::NotGiven { .. } => "not-given",
             Self::NotFinite { .. } => "not-finite",
         }
     }
@@ -107,14 +114,18 @@ impl Flags {
         }
     }
 
-    /// The rows of a table at which its arguments lie.
+    /// The rows of a table at which its arguments lie, and the conditions that it needs and that are not given.
     pub(super) fn rows<R: Real>(
         &mut self,
         name: &'static str,
         table: &Table,
+        conditions: &Conditions,
         output: usize,
         argument: impl Fn(Variable) -> R,
     ) {
+        for what in table.depends_on().filter_map(|variable| conditions.lacks(variable)) {
+            self.add(Flag::NotGiven { what });
+        }
         for kink in table.kinks(output, argument) {
             self.add(Flag::TableRow { table: name, at: kink.at });
         }

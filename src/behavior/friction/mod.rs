@@ -35,7 +35,7 @@ pub use update::{
     Tangent,
 };
 
-use super::table::Variable;
+use super::Conditions;
 use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Real, Scalar};
 use crate::scene::Basis;
@@ -55,11 +55,12 @@ pub struct Context<'a, S: Scalar> {
     pub motion: [S; 6],
     /// The slip accumulated so far (CASU). An update adds the slip of its increment.
     pub accumulated_slip: S,
-    /// The temperature.
-    pub temperature: S::Real,
-    /// Field variables; one that is not given is zero.
-    pub fields: &'a [S::Real],
+    /// Temperature and field variables. What is needed and not given is taken as zero, and flagged.
+    pub conditions: &'a Conditions,
 }
+
+/// Nothing is known of temperature and fields.
+static UNKNOWN: Conditions = Conditions { temperature: None, fields: Vec::new() };
 
 impl<S: Scalar> Default for Context<'_, S> {
     fn default() -> Self {
@@ -67,8 +68,7 @@ impl<S: Scalar> Default for Context<'_, S> {
             position: [S::zero(); 6],
             motion: [S::zero(); 6],
             accumulated_slip: S::zero(),
-            temperature: S::Real::integer(0),
-            fields: &[],
+            conditions: &UNKNOWN,
         }
     }
 }
@@ -80,8 +80,7 @@ impl<'a, S: Scalar> Context<'a, S> {
             position: self.position.map(&to),
             motion: self.motion.map(&to),
             accumulated_slip: to(self.accumulated_slip),
-            temperature: self.temperature,
-            fields: self.fields,
+            conditions: self.conditions,
         }
     }
 
@@ -89,15 +88,6 @@ impl<'a, S: Scalar> Context<'a, S> {
         match basis {
             Basis::Position => self.position,
             Basis::ConstitutiveMotion => self.motion,
-        }
-    }
-
-    /// The temperature or a field variable.
-    fn condition(&self, variable: Variable) -> S {
-        match variable {
-            Variable::Temperature => S::from_real(self.temperature),
-            Variable::Field(i) => self.fields.get(i).map_or_else(S::zero, |field| S::from_real(*field)),
-            Variable::Column(_) => S::zero(),
         }
     }
 }
