@@ -122,8 +122,15 @@ impl Builder<'_> {
                     Some(Source::Derived(name)) => Pressing::Derived(self.derived(name)?),
                 };
                 let mut rows = rows.clone();
+                let given = self.effective_radius(&mut rows)?;
                 if mixes {
-                    radius = self.effective_radius(&mut rows)?;
+                    radius = self.needed_radius(given)?;
+                } else if let Some(given) = given {
+                    let message = format!(
+                        "the first item, {given}, would be an effective radius, and nothing here mixes forces and moments"
+                    );
+                    let remedy = "leave the first item of the data line empty; the internal contact force is the second";
+                    return Err(self.error(Code::BadValue, message, remedy));
                 }
                 let internal = self.internal(&rows, independent.as_ref(), pressing != Pressing::Nothing)?;
                 let output = output_of(&tangential.components());
@@ -317,8 +324,8 @@ impl Builder<'_> {
         })
     }
 
-    /// The first column of the data of a potential that mixes translations and rotations; it is taken out.
-    fn effective_radius(&self, rows: &mut [Vec<Option<f64>>]) -> Result<f64, Diagnostic> {
+    /// The first column of the data, the effective radius; it is taken out.
+    fn effective_radius(&self, rows: &mut [Vec<Option<f64>>]) -> Result<Option<f64>, Diagnostic> {
         let mut radius = None;
         for row in rows {
             let own = if row.is_empty() { None } else { row.remove(0) };
@@ -331,6 +338,11 @@ impl Builder<'_> {
                 (_, own) => radius = radius.or(own),
             }
         }
+        Ok(radius)
+    }
+
+    /// The effective radius of a potential that mixes translations and rotations.
+    fn needed_radius(&self, radius: Option<f64>) -> Result<f64, Diagnostic> {
         match radius {
             Some(radius) if radius > 0.0 && radius.is_finite() => Ok(radius),
             Some(radius) => {
