@@ -146,9 +146,9 @@ pub(super) fn elements(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
                 index / rows[0].count / rows[1].count,
             ];
             let offset = |by: fn(&Row) -> u64| {
-                let terms = rows.iter().zip(places).map(|(row, place)| by(row).checked_mul(place));
+                let mut terms = rows.iter().zip(places).map(|(row, place)| by(row).checked_mul(place));
                 terms
-                    .fold(Some(0_u64), |sum, term| sum?.checked_add(term?))
+                    .try_fold(0_u64, |sum, term: Option<u64>| sum.checked_add(term?))
                     .filter(|offset| *offset <= MAX_LABEL)
             };
             let too_large = || {

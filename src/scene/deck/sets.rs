@@ -268,8 +268,7 @@ pub(super) fn resolve(
                     }
                     expand(
                         kind,
-                        instance,
-                        (first, last, step, generated),
+                        (Label::of(instance, first), last, step, generated),
                         span,
                         &member,
                         hint,
@@ -306,8 +305,7 @@ pub(super) fn resolve(
 
 fn expand(
     kind: Kind,
-    instance: Option<Instance>,
-    (first, last, step, generated): (u64, u64, u64, bool),
+    (first, last, step, generated): (Label, u64, u64, bool),
     span: Span,
     member: &impl Fn(Label) -> Member,
     hint: &dyn Fn() -> String,
@@ -315,9 +313,9 @@ fn expand(
     warn: &mut dyn FnMut(Diagnostic),
 ) -> Result<()> {
     let name = kind.name();
-    let (mut found, mut gaps, mut number) = (0_u64, 0_u64, first);
+    let (mut found, mut gaps, mut number) = (0_u64, 0_u64, first.number());
     while number <= last {
-        let label = Label::of(instance, number);
+        let label = Label::of(first.instance(), number);
         match member(label) {
             Member::Modelled => set.labels.push(label),
             Member::Unmodelled => set.unmodelled += 1,
@@ -332,7 +330,7 @@ fn expand(
         found += 1;
         number += step;
     }
-    let (first, last) = (Label::of(instance, first), Label::of(instance, last));
+    let last = Label::of(first.instance(), last);
     if found == gaps && gaps > 0 {
         let message = format!("no {name} from {first} to {last} is defined");
         return Err(Diagnostic::error(kind.unknown(), span, message, format!("no such {name}s")).help(hint()));
