@@ -132,7 +132,7 @@ States: a table (.csv) or a document (.json); examples below. They are evaluated
     state              rows of one number form one state; it must not decrease,
                        and serves for nothing else
     time               the same in all rows of a state
-    node               the node number
+    node               the node number; INSTANCE.NUMBER in an assembly, CRANK-1.5
     u1 u2 u3           displacement from the initial position
     ur1 ur2 ur3        total rotation from the initial orientation, as a
                        rotation vector; turns are kept where it is longer than π

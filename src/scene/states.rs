@@ -5,7 +5,8 @@
 //! `state`, `time`, `node`, `u1` `u2` `u3` (displacement), `ur1` `ur2` `ur3` (rotation vector) or `q0` `q1` `q2`
 //! `q3` (quaternion), `v1` `v2` `v3`, `vr1` `vr2` `vr3` (spatial angular velocity), `a1` `a2` `a3`, `ar1` `ar2`
 //! `ar3` (spatial angular acceleration), `flow`, `flow_v`, `flow_a`. Only `node` is needed. Rows with the same
-//! number in `state` form one state; the numbers increase. Lines that begin with # are comments.
+//! number in `state` form one state; the numbers increase. Lines that begin with # are comments. In an assembly, `node` is
+//! `INSTANCE.NUMBER`, such as `CRANK-1.5`; likewise in JSON.
 //!
 //! # JSON
 //! `{"schema": "pintle-states/1", "states": [{"time": 0.5, "nodes": {"2": {"displacement": [0, 0, 0],
