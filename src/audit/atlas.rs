@@ -69,8 +69,10 @@ pub fn atlas(connection: &ConnectionType) -> Vec<Approach> {
         let slot = connection.slots[k];
         let Some(measure) = slot.position() else { continue };
         let Some(set) = measure.singular_set() else { continue };
-        let at = |distance: f64| near(connection, measure, distance, &mut Draw::new(&connection.name));
-        let row_is_of_it = Case::connector(&match at(0.1) {
+        let at = |distance: f64, azimuth: f64| {
+            near(connection, measure, distance, azimuth, &mut Draw::new(&connection.name))
+        };
+        let row_is_of_it = Case::connector(&match at(0.1, 0.0) {
             Some(case) => case,
             None => continue,
         })
@@ -79,7 +81,7 @@ pub fn atlas(connection: &ConnectionType) -> Vec<Approach> {
         if !row_is_of_it {
             continue;
         }
-        let rungs: Vec<Rung> = LADDER.iter().filter_map(|d| rung(&at(*d)?, k, *d)).collect();
+        let rungs: Vec<Rung> = LADDER.iter().filter_map(|d| rung(&at(*d, 0.0)?, k, *d)).collect();
         found.push(Approach {
             connection: connection.name.to_string(),
             component: COMPONENT[k],
@@ -134,7 +136,7 @@ pub(super) fn truth_to_f64(truth: &Numbers<crate::scalar::Wide>) -> Numbers<f64>
 
 /// What happens at the set: derivatives that grow without bound, a value that jumps, a derivative that jumps.
 fn classify(
-    at: &impl Fn(f64) -> Option<Case>,
+    at: &impl Fn(f64, f64) -> Option<Case>,
     k: usize,
     rungs: &[Rung],
     measure: Measure,
@@ -144,26 +146,36 @@ fn classify(
         return Some(SingularClass::TrueSingularity);
     }
     const NEAR: f64 = 1e-8;
-    let [this, other] = [product(&at(NEAR)?)?, product(&at(-NEAR)?)?];
+    let this = product(&at(NEAR, 0.0)?)?;
     let value = |numbers: &Numbers<f64>| numbers.entries(Quantity::Value).get(k, 0);
-    let (here, there) = (value(&this)?, value(&other)?);
-    if (here - there).abs() > JUMP {
-        let is_period = measure.unit() == Unit::Angle;
-        return is_period.then_some(SingularClass::BranchCut);
-    }
     let row = |numbers: &Numbers<f64>| numbers.entries(Quantity::FirstDerivatives).0[k].clone();
-    let jump = row(&this)?.iter().zip(row(&other)?).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
+    let mut jump = 0.0_f64;
+    // From the other side, and from the side, towards one and the same point of the set.
+    for (distance, azimuth) in [(-NEAR, 0.0), (NEAR, 1.0), (NEAR, -2.0)] {
+        let other = product(&at(distance, azimuth)?)?;
+        if (value(&this)? - value(&other)?).abs() > JUMP {
+            let is_period = measure.unit() == Unit::Angle;
+            return is_period.then_some(SingularClass::BranchCut);
+        }
+        jump = row(&this)?.iter().zip(row(&other)?).fold(jump, |most, (x, y)| most.max((x - y).abs()));
+    }
     (jump > JUMP).then_some(SingularClass::Kink)
 }
 
-/// A case whose end is `distance` away from the singular set of a measure, on its other side where negative; lengths are 1.
-/// `None` where the measure has no singular set.
-pub fn near(connection: &ConnectionType, measure: Measure, distance: f64, draw: &mut Draw) -> Option<Case> {
+/// A case whose end is `distance` away from the singular set of a measure, on its other side where negative, in the direction
+/// `azimuth` (rad) about the point of the set that is nearest; lengths are 1. `None` where the measure has no singular set.
+pub fn near(
+    connection: &ConnectionType,
+    measure: Measure,
+    distance: f64,
+    azimuth: f64,
+    draw: &mut Draw,
+) -> Option<Case> {
     let set = measure.singular_set()?;
     // The 24 orientations of a cube turn without rounding.
     let cubes = cube_orientations();
     let a0 = cubes[draw.below(cubes.len())];
-    let direction = draw.direction();
+    let direction = apply(&turn([0.0, azimuth, 0.0]), draw.direction());
     let [alpha, gamma] = [draw.between(0.3, 0.9), draw.between(-0.9, -0.3)];
     let about_2 = |angle: f64| turn([0.0, angle, 0.0]);
     let between = |first: &Matrix<f64>, middle: &Matrix<f64>, last: &Matrix<f64>| {
@@ -184,26 +196,31 @@ pub fn near(connection: &ConnectionType, measure: Measure, distance: f64, draw: 
             (still, still)
         }
         Measure::RadialDistance => {
-            reference = apply(&a0, [distance * 0.6, distance * 0.8, 1.0]);
+            reference = apply(&a0, [distance * (0.6 + azimuth).cos(), distance * (0.6 + azimuth).sin(), 1.0]);
             (still, still)
         }
         Measure::Cardan(_) => {
-            let q = |beta: f64| between(&about_1(alpha), &about_2(beta), &about_3(gamma));
+            // At β = π/2 only γ + α is left.
+            let q = |beta: f64| between(&about_1(alpha + azimuth), &about_2(beta), &about_3(gamma - azimuth));
             (q(0.6), q(FRAC_PI_2 - distance))
         }
         Measure::Euler(_) => {
-            let q = |beta: f64| between(&about_3(alpha), &about_1(beta), &about_3(gamma));
+            let q = |beta: f64| between(&about_3(alpha + azimuth), &about_1(beta), &about_3(gamma - azimuth));
             (q(0.6), q(distance))
         }
         Measure::Flexion | Measure::Sweep => {
-            let q = |beta: f64| between(&about_3(alpha), &about_2(beta), &about_3(gamma));
+            let q = |beta: f64| between(&about_3(alpha + azimuth), &about_2(beta), &about_3(gamma - azimuth));
             (q(0.6), q(distance))
         }
         Measure::Torsion | Measure::ComponentFlexion(_) | Measure::ProjectedPosition(_) => {
-            let q = |beta: f64| between(&about_3(alpha), &about_2(beta), &about_3(gamma));
+            // At α = π only the difference of the two is left.
+            let q = |beta: f64| between(&about_3(alpha + azimuth), &about_2(beta), &about_3(gamma + azimuth));
             (q(2.0), q(PI - distance))
         }
-        Measure::Misalignment(_) => (vector::identity(), turn(scale(direction, PI - distance))),
+        Measure::Misalignment(_) => {
+            let axis = if azimuth == 0.0 { direction } else { draw.direction() };
+            (vector::identity(), turn(scale(axis, PI - distance)))
+        }
         Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => {
             return Some(beside_a_turn(connection, direction, a0, distance, draw));
         }

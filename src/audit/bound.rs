@@ -11,7 +11,7 @@
 //! | a first derivative | C u (F/s_j + Σ_k abs(∂²f/∂q_j∂q_k) s_k) |
 //! | a second derivative | C u F₂/(s_j s_k) · max(1, 1/δ) |
 //! | a rate | Σ_j tol_j abs(q̇_j) |
-//! | an acceleration | Σ_j tol_j abs(q̈_j) + Σ_jk tol_jk abs(q̇_j q̇_k) |
+//! | an acceleration | Σ_j tol_j abs(q̈_j) + C u F₂ max(1, 1/δ) max_j (q̇_j/s_j)² |
 //!
 //! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set,
 //! in radians or lengths, they are at most those of the second divided by δ. Lengths enter only relative to s, so the verdict
@@ -61,14 +61,9 @@ impl Bound {
             let matrix: Vec<f64> =
                 (0..DOFS * DOFS).map(|i| near * f2 / (size[i / DOFS] * size[i % DOFS])).collect();
             let rate: f64 = (0..DOFS).map(|j| row[j] * velocity[j].abs()).sum();
-            let faster: f64 = (0..DOFS)
-                .map(|j| {
-                    let squares: f64 = (0..DOFS)
-                        .map(|l| matrix[j * DOFS + l] * (velocity[j] * velocity[l]).abs())
-                        .sum();
-                    row[j] * acceleration[j].abs() + squares
-                })
-                .sum();
+            let fastest = (0..DOFS).fold(0.0_f64, |most, j| most.max(velocity[j].abs() / size[j]));
+            let pushed: f64 = (0..DOFS).map(|j| row[j] * acceleration[j].abs()).sum();
+            let faster = pushed + near * f2 * fastest * fastest;
             for (scale, entries) in scales.iter_mut().zip([vec![f], row, matrix, vec![rate], vec![faster]]) {
                 scale.0[k] = Some(entries);
             }

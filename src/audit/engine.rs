@@ -13,7 +13,7 @@ use super::truth::Truth;
 use super::verdict::{Finding, Judgement, Score, Surroundings, Verdict, judge, try_mutants};
 use crate::catalog::{ConnectionType, TABLE};
 use crate::measure::Unit;
-use crate::node::{DOF, DOFS};
+use crate::node::DOFS;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -430,7 +430,7 @@ pub(super) fn judge_numbers(
                 Oracle::NodalDual => Some(narrow.nodal_dual(&bound)),
                 _ => Some(narrow.differences(&bound)),
             };
-            let Some(answer) = answer else { continue };
+            let Some(answer) = answer.filter(|answer| !answer.numbers.is_empty()) else { continue };
             let got = numbers.entries(quantity);
             let judgement = judge(quantity, got, &answer, &around);
             let proves = nearness > 0.0 && (wide || index.is_multiple_of(SOMETIMES));
@@ -586,9 +586,4 @@ fn laws(
         checks.push(check);
     }
     checks
-}
-
-/// The degrees of freedom by name, for block diagrams.
-pub fn columns() -> [&'static str; DOFS] {
-    DOF
 }

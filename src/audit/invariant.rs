@@ -228,7 +228,7 @@ impl<'a> Context<'a> {
         // A rotation that is far from every special one.
         let rotation = turn([0.9, -1.3, 0.4]);
         let mut state = self.state;
-        state.pair = carried(&self.state.pair, &rotation, self.state.pair.a.displacement);
+        state.pair = carried(&self.state.pair, &rotation, [0.0; 3]);
         let twin = self.evaluate(&self.connector, &state, &self.after);
         let mut found = Vec::new();
         for (k, measure) in self.components() {

@@ -8,6 +8,7 @@ use crate::connector::{Components, Connector, Increment, Output, Request, State,
 use crate::measure::Unit;
 use crate::node::DOFS;
 use crate::scalar::Wide;
+use crate::vector::sub;
 use serde::{Deserialize, Serialize};
 
 /// What an oracle shares with the product: an error in a shared part is invisible to it.
@@ -171,7 +172,11 @@ impl Narrow {
         let connector = case.connector();
         let end = case.last()?;
         let branch = connector.advance(&end.state, &end.increment, &case.branch_before(&connector));
-        Some(Self { state: end.state, branch, length: case.length, connector })
+        // Only the difference of the displacements counts: far from the origin a step would be lost in either of them.
+        let mut state = end.state;
+        state.pair.b.displacement = sub(state.pair.b.displacement, state.pair.a.displacement);
+        state.pair.a.displacement = [0.0; 3];
+        Some(Self { state, branch, length: case.length, connector })
     }
 
     fn values(&self, by: &[f64; DOFS]) -> Components<f64> {
@@ -203,6 +208,8 @@ impl Narrow {
     /// neighbours and from the rounding of the values.
     pub fn differences(&self, bound: &Bound) -> Answer {
         const LADDER: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
+        // No step leads over a singular set.
+        let near = self.nearness();
         let mut numbers: Components<Vec<Wide>> = [const { None }; 6];
         let mut errors: Components<Vec<f64>> = [const { None }; 6];
         for k in (0..6).filter(|k| self.connector.differentiated(*k).is_some_and(|m| !m.is_one_form())) {
@@ -212,6 +219,7 @@ impl Narrow {
         for j in (0..DOFS).filter(|j| self.connector.active()[*j]) {
             let size = dof_size(j, self.length);
             let estimates = LADDER.map(|h| {
+                let h = h * near;
                 let along = |sign: f64| {
                     let mut by = [0.0; DOFS];
                     by[j] = sign * h * size;
@@ -227,7 +235,7 @@ impl Narrow {
                 for (i, pair) in estimates.windows(2).enumerate() {
                     let (Some(coarse), Some(fine)) = (pair[0][k], pair[1][k]) else { continue };
                     // The finer truncates a hundredth of what the coarser does; what is left of the difference is rounding.
-                    let rounding = 16.0 * U * scale / (LADDER[i + 1] * size);
+                    let rounding = 16.0 * U * scale / (LADDER[i + 1] * near * size);
                     let error = (coarse - fine).abs() + rounding;
                     if error < best.1 {
                         best = (fine, error);

@@ -1,5 +1,6 @@
 //! The command line: its definition, and what each command does.
 
+pub(crate) mod audit;
 pub(crate) mod eval;
 mod failure;
 mod show;
@@ -33,6 +34,8 @@ pub(crate) enum Command {
     Explain(Explain),
     /// Evaluate the connectors of a scene: positions, displacements, rates, residuals, derivatives
     Eval(Box<Eval>),
+    /// Audit the catalogue: is every number right, and would an error have been noticed?
+    Audit(audit::Audit),
     /// Panic, to test the report of an internal error
     #[cfg(debug_assertions)]
     #[command(hide = true)]

@@ -3,6 +3,7 @@
 //! Every function writes to a stream that it is given. Human text carries ANSI styles, which a stream that is no terminal
 //! drops (`anstream`); it fits the width that the caller names.
 
+pub mod audit;
 mod block;
 pub mod csv;
 mod evaluation;
