@@ -49,6 +49,7 @@
 //! | [`catalog`] | which connection types are there? The data |
 //! | [`connector`] | what does one connector give at one state, after its history? |
 //! | [`mpc`] | what does the revolute-joint multi-point constraint give? |
+//! | [`behavior`] | which forces follow from a motion: springs, dampers, stops, locks, drives? |
 //! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
 //! | [`report`] | how is it shown? |
@@ -75,6 +76,7 @@
 //! ```
 
 pub mod audit;
+pub mod behavior;
 pub mod catalog;
 pub mod connector;
 pub mod evaluate;

@@ -3,12 +3,14 @@
 
 mod cli; // the command line
 mod closed; // rows derived by hand
+mod faults; // what is said about every faulty input
+mod fuzzing; // what holds of any bytes whatever
 mod golden; // what JAX computes by other formulas
 mod laws; // what holds for every connection type
 mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are
-mod rules; // what a connector section may not do
-mod scene; // what decks and state files mean, and how faulty ones are refused
+mod rules; // what a connector section may do
+mod scene; // what decks and state files mean
 mod states; // where laws are tried
 mod tolerance; // every tolerance, with the cause of the odd ones
 mod wide; // the 237-bit scalar against mpmath

@@ -175,7 +175,8 @@ pub fn near(
     // The 24 orientations of a cube turn without rounding.
     let cubes = cube_orientations();
     let a0 = cubes[draw.below(cubes.len())];
-    let direction = apply(&turn([0.0, azimuth, 0.0]), draw.direction());
+    let axis = draw.direction();
+    let direction = apply(&turn([0.0, azimuth, 0.0]), axis);
     let [alpha, gamma] = [draw.between(0.3, 0.9), draw.between(-0.9, -0.3)];
     let about_2 = |angle: f64| turn([0.0, angle, 0.0]);
     let between = |first: &Matrix<f64>, middle: &Matrix<f64>, last: &Matrix<f64>| {
@@ -217,10 +218,7 @@ pub fn near(
             let q = |beta: f64| between(&about_3(alpha + azimuth), &about_2(beta), &about_3(gamma + azimuth));
             (q(2.0), q(PI - distance))
         }
-        Measure::Misalignment(_) => {
-            let axis = if azimuth == 0.0 { direction } else { draw.direction() };
-            (vector::identity(), turn(scale(axis, PI - distance)))
-        }
+        Measure::Misalignment(_) => (vector::identity(), turn(scale(axis, PI - distance))),
         Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => {
             return Some(beside_a_turn(connection, direction, a0, distance, draw));
         }

@@ -5,7 +5,9 @@ use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
 use crate::mpc::Revolute;
 use crate::node::{End, Node, Pair};
-use crate::scene::{Code, Diagnostic, Dimension, End as SceneEnd, MpcKind, Scene, Solver, Span, Target};
+use crate::scene::{
+    Code, Diagnostic, Dimension, End as SceneEnd, Label, MpcKind, Scene, Solver, Span, Target,
+};
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -14,9 +16,9 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct ConnectorElement {
     /// The element number.
-    pub label: u64,
+    pub label: Label,
     /// The nodes a and b; `None` is the ground.
-    pub nodes: [Option<u64>; 2],
+    pub nodes: [Option<Label>; 2],
     /// The initial triads of a and b.
     pub triads: [Matrix<f64>; 2],
     /// X_b − X_a.
@@ -31,7 +33,7 @@ pub struct ConnectorElement {
 #[derive(Clone, Debug)]
 pub struct Joint {
     /// The nodes S, M and J.
-    pub nodes: [u64; 3],
+    pub nodes: [Label; 3],
     /// The constraint.
     pub constraint: Revolute<f64>,
 }
@@ -183,7 +185,7 @@ impl Model {
     }
 
     fn collect_sets(&mut self, scene: &Scene) {
-        let index: HashMap<u64, usize> =
+        let index: HashMap<Label, usize> =
             self.connectors.iter().enumerate().map(|(i, connector)| (connector.label, i)).collect();
         for (name, set) in &scene.element_sets {
             let members: Vec<usize> =
@@ -223,10 +225,10 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
 }
 
 /// The components (0-based) of each connector that motions and loads act on.
-fn actions(scene: &Scene) -> HashMap<u64, Vec<usize>> {
-    let mut found: HashMap<u64, Vec<usize>> = HashMap::new();
+fn actions(scene: &Scene) -> HashMap<Label, Vec<usize>> {
+    let mut found: HashMap<Label, Vec<usize>> = HashMap::new();
     let mut act = |target: &Target, component: u8| {
-        let labels: &[u64] = match target {
+        let labels: &[Label] = match target {
             Target::Label(label) => std::slice::from_ref(label),
             Target::Set(name) => {
                 scene.element_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice())
@@ -264,7 +266,7 @@ const fn code(rule: Rule) -> Code {
 }
 
 /// A broken rule as a diagnostic at the section, naming the element and the source of the rule.
-fn diagnose(breach: &Breach, label: u64, element: Span, section: Span, scene: &Scene) -> Diagnostic {
+fn diagnose(breach: &Breach, label: Label, element: Span, section: Span, scene: &Scene) -> Diagnostic {
     let place = if section.is_known() { section } else { element };
     let message = format!("element {label}: {}", breach.message);
     let here = format!("by {} [{:?}]", breach.source, breach.evidence);

@@ -2,6 +2,7 @@
 
 use super::model::Model;
 use crate::connector::Request;
+use crate::scene::Label;
 use std::collections::BTreeSet;
 
 /// The connectors of a request.
@@ -31,7 +32,7 @@ pub struct Plan {
     /// Indices of joints in the model.
     pub joints: Vec<usize>,
     /// The nodes whose state is needed.
-    pub nodes: BTreeSet<u64>,
+    pub nodes: BTreeSet<Label>,
     /// What is computed of each.
     pub request: Request,
 }
@@ -69,7 +70,7 @@ impl Plan {
 }
 
 fn find(model: &Model, name: &str) -> Result<Vec<usize>, SelectionError> {
-    if let Ok(label) = name.trim().parse::<u64>()
+    if let Ok(label) = name.trim().parse::<Label>()
         && let Some(index) = model.connectors.iter().position(|connector| connector.label == label)
     {
         return Ok(vec![index]);

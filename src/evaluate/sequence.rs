@@ -9,7 +9,7 @@ use crate::measure::Margin;
 use crate::mpc;
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
-use crate::scene::{NodeMotion, Rotation, State as SceneState};
+use crate::scene::{Label, NodeMotion, Rotation, State as SceneState};
 use crate::so3::{self, Quaternion};
 use crate::vector::{Matrix, Vector, identity, product, sub};
 use serde::{Deserialize, Serialize};
@@ -60,16 +60,16 @@ const UNTURNED: Orientation = Orientation { quaternion: [1.0, 0.0, 0.0, 0.0], ve
 pub struct Branches {
     /// The number of states committed.
     pub states: u64,
-    connectors: BTreeMap<u64, Saved>,
+    connectors: BTreeMap<Label, Saved>,
     joints: BTreeMap<String, Turns<f64>>,
-    nodes: BTreeMap<u64, Orientation>,
+    nodes: BTreeMap<Label, Orientation>,
 }
 
 /// The branch of a connector, with what it belongs to: turn counts of another type or geometry would be taken for its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Saved {
     connection: String,
-    nodes: [Option<u64>; 2],
+    nodes: [Option<Label>; 2],
     reference: Vector<f64>,
     triads: [Matrix<f64>; 2],
     branch: Branch<f64>,
@@ -109,7 +109,7 @@ impl Branches {
     /// # Errors
     /// In words, the first connector that one of the two knows and the other does not.
     pub fn check(&self, model: &Model, plan: &Plan) -> Result<(), String> {
-        let planned: BTreeMap<u64, &ConnectorElement> = plan
+        let planned: BTreeMap<Label, &ConnectorElement> = plan
             .connectors
             .iter()
             .map(|index| &model.connectors[*index])
@@ -265,7 +265,7 @@ impl<'a> Sequence<'a> {
         request: &Request,
         mut take: impl FnMut(Item) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut moved: HashMap<u64, Moved> = HashMap::with_capacity(self.plan.nodes.len());
+        let mut moved: HashMap<Label, Moved> = HashMap::with_capacity(self.plan.nodes.len());
         for label in &self.plan.nodes {
             let motion = state.nodes.get(label).copied().unwrap_or_default();
             let before = self.branches.nodes.get(label).copied().unwrap_or(UNTURNED);
@@ -273,7 +273,7 @@ impl<'a> Sequence<'a> {
             moved.insert(*label, node);
             self.branches.nodes.insert(*label, after);
         }
-        let at = |label: Option<u64>| label.and_then(|label| moved.get(&label)).copied().unwrap_or(STILL);
+        let at = |label: Option<Label>| label.and_then(|label| moved.get(&label)).copied().unwrap_or(STILL);
 
         for index in &self.plan.connectors {
             let element = &self.model.connectors[*index];

@@ -8,6 +8,7 @@ use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc;
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
 use crate::scalar::Real;
+use crate::scene::Label;
 
 /// What a block is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +29,7 @@ pub struct Block<'a> {
     /// The connection type, or the type of the MPC.
     pub type_name: &'a str,
     /// The nodes by role: a and b, or S, M and J; `None` is the ground.
-    pub nodes: Vec<(&'static str, Option<u64>)>,
+    pub nodes: Vec<(&'static str, Option<Label>)>,
     /// The components that have something to show.
     pub rows: Vec<Row>,
     /// The nodal degrees of freedom that derivatives are taken by.
@@ -88,7 +89,7 @@ pub struct Column {
     /// xa1, θb3, Ψb …
     pub name: &'static str,
     /// The node.
-    pub node: u64,
+    pub node: Label,
     /// The node's role.
     pub role: &'static str,
     /// The number of the degree of freedom, 1 to 6 or 10.
@@ -296,7 +297,7 @@ impl<'a> Block<'a> {
 }
 
 /// A node in words.
-pub(crate) fn node_name(node: Option<u64>) -> String {
+pub(crate) fn node_name(node: Option<Label>) -> String {
     node.map_or_else(|| "ground".to_string(), |label| label.to_string())
 }
 

@@ -7,6 +7,7 @@ use super::block::{Block, Column, Derivative, Kind, Row, Value};
 use super::evaluation::{Format, Subject, unevaluated};
 use super::words::{ROWS, SIGNS};
 use crate::connector::{Output, StopStatus, Tally};
+use crate::scene::Label;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use serde_json::json;
@@ -103,7 +104,7 @@ impl Serialize for Block<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         if self.kind == Kind::Connector {
-            map.serialize_entry("element", &self.label.parse::<u64>().ok())?;
+            map.serialize_entry("element", &self.label.parse::<Label>().ok())?;
         }
         map.serialize_entry("type", self.type_name)?;
         map.serialize_entry("nodes", &named(&self.nodes, |(role, node)| (*role, *node)))?;

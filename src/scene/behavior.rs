@@ -3,6 +3,7 @@
 //! Components are 1 to 6 (u1, u2, u3, ur1, ur2, ur3). Angles are radians, except in
 //! [`Behavior::constitutive_reference`].
 
+use super::choice::choices;
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
 use serde::Serialize;
@@ -12,8 +13,8 @@ use serde::Serialize;
 pub struct Behavior {
     /// What holds beyond the ends of tables.
     pub table: TableOptions,
-    /// `INTEGRATION=` IMPLICIT or EXPLICIT.
-    pub integration: Option<&'static str>,
+    /// `INTEGRATION=`.
+    pub integration: Option<Integration>,
     /// Reference lengths of components 1 to 3 and reference angles, **in degrees**, of 4 to 6.
     /// None: the initial geometry.
     pub constitutive_reference: [Option<f64>; 6],
@@ -81,13 +82,170 @@ impl Law {
     }
 }
 
+choices! {
+    /// How a behaviour is integrated in Abaqus/Explicit.
+    pub enum Integration {
+        /// Implicitly.
+        Implicit = "IMPLICIT",
+        /// Explicitly.
+        Explicit = "EXPLICIT",
+    }
+
+    /// What a table gives beyond its first and last row.
+    pub enum Extrapolation {
+        /// The value at the end.
+        Constant = "CONSTANT",
+        /// The line through the two rows at the end.
+        Linear = "LINEAR",
+    }
+
+    /// What of the independent components a table depends on.
+    pub enum Basis {
+        /// Their positions (CP).
+        Position = "POSITION",
+        /// Their displacements from the constitutive reference (CCU).
+        ConstitutiveMotion = "CONSTITUTIVE MOTION",
+    }
+
+    /// What a damping is proportional to.
+    pub enum DampingKind {
+        /// The velocity.
+        Viscous = "VISCOUS",
+        /// The elastic force, in a harmonic response.
+        Structural = "STRUCTURAL",
+    }
+
+    /// How a term of a derived component combines the components x_i with the scale factors s_i.
+    pub enum Operator {
+        /// √(Σ (s_i x_i)²).
+        Norm = "NORM",
+        /// Σ s_i x_i.
+        Sum = "SUM",
+        /// Σ ⟨s_i x_i⟩ with ⟨x⟩ = max(x, 0).
+        MacauleySum = "MACAULEY SUM",
+    }
+
+    /// How a potential combines its contributions P_i.
+    pub enum PotentialOperator {
+        /// (Σ P_i)^(1/β).
+        Sum = "SUM",
+        /// (max P_i)^(1/β).
+        Max = "MAX",
+    }
+
+    /// The function H of a contribution to a potential.
+    pub enum PotentialFunction {
+        /// |x|.
+        Abs = "ABS",
+        /// max(x, 0).
+        Macauley = "MACAULEY",
+        /// x.
+        None = "NONE",
+    }
+
+    /// What grows with plastic motion.
+    pub enum HardeningKind {
+        /// The size of the elastic range.
+        Isotropic = "ISOTROPIC",
+        /// The backforce: the middle of the elastic range.
+        Kinematic = "KINEMATIC",
+    }
+
+    /// How a hardening is given.
+    pub enum HardeningDefinition {
+        /// Isotropic: yield force over equivalent plastic motion, and its rate.
+        Tabular = "TABULAR",
+        /// Isotropic: F0 + Q∞ (1 − exp(−b·plastic motion)).
+        ExponentialLaw = "EXPONENTIAL LAW",
+        /// Kinematic: force over plastic motion of half a cycle.
+        HalfCycle = "HALF CYCLE",
+        /// Kinematic: force over plastic motion of a stabilised cycle, for a range of motion.
+        Stabilized = "STABILIZED",
+        /// Kinematic: F0, C, γ.
+        Parameters = "PARAMETERS",
+    }
+
+    /// How the rate of a table is interpolated.
+    pub enum RateInterpolation {
+        /// Linearly.
+        Linear = "LINEAR",
+        /// In the logarithm of the rate.
+        Logarithmic = "LOGARITHMIC",
+    }
+
+    /// What begins damage.
+    pub enum DamageCriterion {
+        /// A force.
+        Force = "FORCE",
+        /// A displacement.
+        Motion = "MOTION",
+        /// An equivalent plastic motion.
+        PlasticMotion = "PLASTIC MOTION",
+    }
+
+    /// What a damage evolution is measured by.
+    pub enum DamageEvolutionKind {
+        /// Motion after the beginning of damage.
+        Motion = "MOTION",
+        /// The energy dissipated by it.
+        Energy = "ENERGY",
+    }
+
+    /// How damage grows with motion.
+    pub enum Softening {
+        /// Linearly, to 1.
+        Linear = "LINEAR",
+        /// Exponentially, to 1.
+        Exponential = "EXPONENTIAL",
+        /// By a table of damage over motion.
+        Tabular = "TABULAR",
+    }
+
+    /// How several damages of one component combine.
+    pub enum Degradation {
+        /// The largest counts.
+        Maximum = "MAXIMUM",
+        /// They multiply.
+        Multiplicative = "MULTIPLICATIVE",
+    }
+}
+
+impl HardeningDefinition {
+    /// The names of the columns of its table.
+    #[must_use]
+    pub fn columns(self) -> &'static [&'static str] {
+        match self {
+            Self::Tabular => &["force", "plastic motion", "rate"],
+            Self::ExponentialLaw => &["F0", "Q_inf", "b"],
+            Self::HalfCycle => &["force", "plastic motion"],
+            Self::Stabilized => &["force", "plastic motion", "motion range"],
+            Self::Parameters => &["F0", "C", "gamma"],
+        }
+    }
+
+    /// How many of the columns may not be empty.
+    #[must_use]
+    pub fn needed_columns(self) -> usize {
+        if self == Self::ExponentialLaw { 3 } else { 2 }
+    }
+
+    /// The kind of hardening that it gives.
+    #[must_use]
+    pub fn kind(self) -> HardeningKind {
+        match self {
+            Self::Tabular | Self::ExponentialLaw => HardeningKind::Isotropic,
+            Self::HalfCycle | Self::Stabilized | Self::Parameters => HardeningKind::Kinematic,
+        }
+    }
+}
+
 /// What a table does between and beyond its rows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct TableOptions {
-    /// `EXTRAPOLATION=` CONSTANT or LINEAR.
-    pub extrapolation: Option<&'static str>,
+    /// `EXTRAPOLATION=`; none is that of the behaviour, and there constant.
+    pub extrapolation: Option<Extrapolation>,
     /// `REGULARIZE=` ON or OFF.
-    pub regularize: Option<&'static str>,
+    pub regularize: Option<bool>,
     /// `RTOL=`.
     pub rtol: Option<f64>,
 }
@@ -101,13 +259,16 @@ pub struct Row {
     pub temperature: Option<f64>,
     /// Field variables, as many as `DEPENDENCIES=` says.
     pub fields: Vec<Option<f64>>,
+    /// The first data line.
+    #[serde(skip)]
+    pub span: Span,
 }
 
 /// `INDEPENDENT COMPONENTS=` and the components listed under it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Independent {
-    /// POSITION or CONSTITUTIVE MOTION.
-    pub basis: &'static str,
+    /// What of the components counts.
+    pub basis: Basis,
     /// The components.
     pub components: Vec<u8>,
 }
@@ -133,7 +294,8 @@ pub enum Law {
         /// The table.
         rows: Vec<Row>,
     },
-    /// One component. Columns: force, then displacement or velocity, or one column per independent component.
+    /// One component. Columns of an elasticity: force, then displacement, or one column per independent component; of a
+    /// damping: force, velocity, then one column per independent component.
     Nonlinear {
         /// The component.
         component: u8,
@@ -164,8 +326,8 @@ pub struct Elasticity {
 /// `*CONNECTOR DAMPING`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Damping {
-    /// VISCOUS or STRUCTURAL.
-    pub kind: &'static str,
+    /// `TYPE=`.
+    pub kind: DampingKind,
     /// Force over velocity.
     pub law: Law,
     /// Between and beyond the rows.
@@ -262,8 +424,8 @@ pub enum FrictionLaw {
 /// One term of a derived component.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DerivedTerm {
-    /// NORM, SUM or MACAULEY SUM.
-    pub operator: &'static str,
+    /// How the components are combined.
+    pub operator: Operator,
     /// +1 or −1.
     pub sign: f64,
     /// The components.
@@ -282,8 +444,8 @@ pub struct DerivedTerm {
 /// `*CONNECTOR POTENTIAL`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Potential {
-    /// SUM or MAX.
-    pub operator: &'static str,
+    /// How the contributions are combined.
+    pub operator: PotentialOperator,
     /// β, 2 by default.
     pub exponent: f64,
     /// The contributions.
@@ -302,8 +464,8 @@ pub struct PotentialTerm {
     pub scale: f64,
     /// α; none is β.
     pub exponent: Option<f64>,
-    /// H: ABS, MACAULEY or NONE.
-    pub function: &'static str,
+    /// H.
+    pub function: PotentialFunction,
     /// a, 0 by default.
     pub shift: f64,
     /// +1 or −1.
@@ -327,17 +489,15 @@ pub struct Plasticity {
 /// `*CONNECTOR HARDENING`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Hardening {
-    /// ISOTROPIC or KINEMATIC.
-    pub kind: &'static str,
-    /// TABULAR, EXPONENTIAL LAW, HALF CYCLE, STABILIZED or PARAMETERS.
-    pub definition: &'static str,
+    /// `TYPE=`.
+    pub kind: HardeningKind,
+    /// `DEFINITION=`: what the columns are.
+    pub definition: HardeningDefinition,
     /// `RATE FILTER FACTOR=`.
     pub rate_filter: Option<f64>,
-    /// `RATE INTERPOLATION=` LINEAR or LOGARITHMIC.
-    pub rate_interpolation: Option<&'static str>,
-    /// The names of the columns.
-    pub columns: &'static [&'static str],
-    /// The table.
+    /// `RATE INTERPOLATION=`.
+    pub rate_interpolation: Option<RateInterpolation>,
+    /// The table, with the columns of [`HardeningDefinition::columns`].
     pub rows: Vec<Row>,
     /// Between and beyond the rows.
     pub table: TableOptions,
@@ -346,8 +506,8 @@ pub struct Hardening {
 /// `*CONNECTOR DAMAGE INITIATION` with its evolution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Damage {
-    /// FORCE, MOTION or PLASTIC MOTION.
-    pub criterion: &'static str,
+    /// What is compared with the limits.
+    pub criterion: DamageCriterion,
     /// The component; none is coupled, with a potential.
     pub component: Option<u8>,
     /// What is compared with the limits of a coupled criterion.
@@ -356,8 +516,8 @@ pub struct Damage {
     pub rows: Vec<Vec<Option<f64>>>,
     /// `RATE FILTER FACTOR=`.
     pub rate_filter: Option<f64>,
-    /// `RATE INTERPOLATION=` LINEAR or LOGARITHMIC.
-    pub rate_interpolation: Option<&'static str>,
+    /// `RATE INTERPOLATION=`.
+    pub rate_interpolation: Option<RateInterpolation>,
     /// `*CONNECTOR DAMAGE EVOLUTION`.
     pub evolution: Option<DamageEvolution>,
     /// Between and beyond the rows.
@@ -370,12 +530,12 @@ pub struct Damage {
 /// `*CONNECTOR DAMAGE EVOLUTION`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DamageEvolution {
-    /// MOTION or ENERGY.
-    pub kind: &'static str,
-    /// LINEAR, EXPONENTIAL or TABULAR.
-    pub softening: &'static str,
-    /// MAXIMUM or MULTIPLICATIVE.
-    pub degradation: &'static str,
+    /// `TYPE=`.
+    pub kind: DamageEvolutionKind,
+    /// `SOFTENING=`.
+    pub softening: Softening,
+    /// `DEGRADATION=`.
+    pub degradation: Degradation,
     /// The components that are damaged; none is those of the initiation.
     pub affected: Vec<u8>,
     /// The motion of a coupled evolution.

@@ -3,7 +3,9 @@
 //! The lexer reads one line at a time into one buffer. Names without quotation marks are compared in upper
 //! case; quoted names keep their case and their blanks.
 
+use super::choice::Choice;
 use super::diagnostic::{Code, Diagnostic, Result};
+use super::label::{Label, LabelError};
 use super::span::{Span, Spanned};
 use std::io::{BufRead, Read};
 
@@ -385,8 +387,30 @@ impl<'a> Item<'a> {
         integer(self.text, self.span, what)
     }
 
-    /// A node or element number.
-    pub(crate) fn label(&self, what: &str) -> Result<u64> {
+    /// A node or element: a number, or in an assembly `INSTANCE.NUMBER`.
+    pub(crate) fn label(&self, what: &str) -> Result<Label> {
+        if self.is_integer() || self.looks_numeric() {
+            return self.label_number(what).map(Label::from);
+        }
+        match self.text.parse() {
+            Ok(label) => Ok(label),
+            Err(LabelError::Malformed(_)) => self.label_number(what).map(Label::from),
+            Err(error @ LabelError::OutOfRange(_)) => {
+                Err(Diagnostic::error(Code::BadLabel, self.span, error.to_string(), "out of range")
+                    .help("number from 1 upwards"))
+            }
+        }
+    }
+
+    /// Is it written as a number, or as `INSTANCE.NUMBER`?
+    pub(crate) fn is_label(&self) -> bool {
+        self.is_integer()
+            || self.looks_numeric()
+            || !matches!(self.text.parse::<Label>(), Err(LabelError::Malformed(_)))
+    }
+
+    /// The number of a node or element.
+    pub(crate) fn label_number(&self, what: &str) -> Result<u64> {
         let label = self.integer(what)?;
         if (1..=MAX_LABEL).contains(&label) {
             return Ok(label);
@@ -417,9 +441,9 @@ impl<'a> Item<'a> {
         component(self.text, self.span)
     }
 
-    /// One of `choices`, in any case.
-    pub(crate) fn choice(&self, what: &str, choices: &[&'static str]) -> Result<&'static str> {
-        choice(self.text, self.span, Code::BadValue, what, choices)
+    /// One of the words of `C`, in any case.
+    pub(crate) fn choice<C: Choice>(&self, what: &str) -> Result<Option<C>> {
+        word(self.text, self.span, Code::BadValue, what, C::SPELLINGS).map(C::of_spelling)
     }
 }
 
@@ -445,8 +469,9 @@ impl Value {
         component(&self.text, self.span)
     }
 
-    pub(crate) fn choice(&self, what: &str, choices: &[&'static str]) -> Result<&'static str> {
-        choice(&self.text, self.span, Code::BadParameterValue, what, choices)
+    /// One of `words`, in any case.
+    pub(crate) fn word(&self, what: &str, words: &[&'static str]) -> Result<&'static str> {
+        word(&self.text, self.span, Code::BadParameterValue, what, words)
     }
 
     /// Quoted values are names, never numbers.
@@ -549,11 +574,11 @@ fn component(text: &str, span: Span) -> Result<u8> {
     })
 }
 
-fn choice(text: &str, span: Span, code: Code, what: &str, choices: &[&'static str]) -> Result<&'static str> {
+fn word(text: &str, span: Span, code: Code, what: &str, words: &[&'static str]) -> Result<&'static str> {
     let written = normal(text);
-    choices.iter().find(|&&choice| choice == written).copied().ok_or_else(|| {
-        let remedy = super::diagnostic::suggest(&written, choices.iter().copied(), || {
-            format!("{what} is one of {}", choices.join(", "))
+    words.iter().find(|&&word| word == written).copied().ok_or_else(|| {
+        let remedy = super::diagnostic::suggest(&written, words.iter().copied(), || {
+            format!("{what} is one of {}", words.join(", "))
         });
         Diagnostic::error(code, span, format!("{what} cannot be `{text}`"), "not one of those allowed")
             .help(remedy)

@@ -26,9 +26,11 @@
 //! members of all sets together ([`MAX_MEMBERS`]). What is kept grows with the deck; nothing recurses.
 
 mod behavior;
+mod choice;
 mod deck;
 mod diagnostic;
 mod gallery;
+mod label;
 mod lexer;
 mod model;
 mod orientation;
@@ -36,19 +38,24 @@ mod span;
 mod states;
 
 pub use behavior::{
-    Affected, Behavior, Damage, DamageEvolution, Damping, DerivedTerm, Elasticity, Failure, Friction,
-    FrictionCoefficient, FrictionKind, FrictionLaw, Hardening, Independent, Law, Limits, Lock, Plasticity,
-    Potential, PotentialTerm, Row, Source, Stop, TableOptions,
+    Affected, Basis, Behavior, Damage, DamageCriterion, DamageEvolution, DamageEvolutionKind, Damping,
+    DampingKind, Degradation, DerivedTerm, Elasticity, Extrapolation, Failure, Friction, FrictionCoefficient,
+    FrictionKind, FrictionLaw, Hardening, HardeningDefinition, HardeningKind, Independent, Integration, Law,
+    Limits, Lock, Operator, Plasticity, Potential, PotentialFunction, PotentialOperator, PotentialTerm,
+    RateInterpolation, Row, Softening, Source, Stop, TableOptions,
 };
+pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub use gallery::{Example, GALLERY};
+pub use label::{Instance, Label, LabelError};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{
-    Amplitude, Application, Boundary, ConcentratedLoad, ConnectorElement, ConnectorLoad, ConnectorMotion,
-    ConnectorSection, Dimension, Discrete, DistributedLoad, End, MAX_WARNINGS, Mass, MotionType, Mpc,
-    MpcKind, Node, Operation, OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set,
-    Skipped, SkippedItem, Solver, Step, Target, Times, Transform, TransformKind,
+    Amplitude, AmplitudeDefinition, AmplitudeTime, AmplitudeValue, Application, Boundary, ConcentratedLoad,
+    ConnectorElement, ConnectorLoad, ConnectorMotion, ConnectorSection, DefaultAmplitude, Dimension,
+    Discrete, DistributedLoad, End, MAX_WARNINGS, Mass, MotionType, Mpc, MpcKind, Node, Operation,
+    OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set, Skipped, SkippedItem,
+    Solver, Step, Target, Times, Transform, TransformKind,
 };
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};

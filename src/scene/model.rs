@@ -4,7 +4,9 @@
 //! degrees. Names are in upper case unless the deck quotes them. Maps and lists keep the order of the deck.
 
 use super::behavior::Behavior;
+use super::choice::choices;
 use super::diagnostic::Diagnostic;
+use super::label::Label;
 use super::orientation::Orientation;
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
@@ -20,13 +22,13 @@ pub struct Scene {
     /// The text under `*HEADING`.
     pub heading: String,
     /// Nodes by number.
-    pub nodes: IndexMap<u64, Node>,
+    pub nodes: IndexMap<Label, Node>,
     /// Node sets by name.
     pub node_sets: IndexMap<String, Set>,
     /// Connector elements by number.
-    pub connectors: IndexMap<u64, ConnectorElement>,
+    pub connectors: IndexMap<Label, ConnectorElement>,
     /// Masses, rotary inertias, springs and dashpots by element number.
-    pub point_elements: IndexMap<u64, PointElement>,
+    pub point_elements: IndexMap<Label, PointElement>,
     /// Element sets by name.
     pub element_sets: IndexMap<String, Set>,
     /// Orientations by name.
@@ -122,7 +124,7 @@ pub struct Node {
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Set {
     /// The members that the scene has, each once: ascending, or as written when the set is UNSORTED.
-    pub labels: Vec<u64>,
+    pub labels: Vec<Label>,
     /// Members that are elements of types that the scene does not have.
     pub unmodelled: u64,
     /// Where it was first defined.
@@ -147,9 +149,9 @@ pub struct ConnectorElement {
     /// The space it lives in.
     pub dimension: Dimension,
     /// The first node; none is the ground, which sits at the initial position of the other node.
-    pub a: Option<u64>,
+    pub a: Option<Label>,
     /// The second node; none is the ground.
-    pub b: Option<u64>,
+    pub b: Option<Label>,
     /// The place of its section in [`Scene::connector_sections`].
     pub section: usize,
     /// Where it was read.
@@ -223,9 +225,9 @@ pub struct PointElement {
     /// Its kind.
     pub kind: PointKind,
     /// The first, or only, node.
-    pub node: u64,
+    pub node: Label,
     /// The second node.
-    pub second: Option<u64>,
+    pub second: Option<Label>,
     /// Where it was read.
     #[serde(skip)]
     pub span: Span,
@@ -302,7 +304,7 @@ pub struct Mpc {
     /// Its type.
     pub kind: MpcKind,
     /// Its nodes in the order of the deck; the first is the dependent one.
-    pub nodes: Vec<u64>,
+    pub nodes: Vec<Label>,
     /// The data line.
     #[serde(skip)]
     pub span: Span,
@@ -345,18 +347,6 @@ pub struct Discrete {
     pub rows: Vec<Vec<Option<f64>>>,
 }
 
-/// How the axes of a `*TRANSFORM` are given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TransformKind {
-    /// a on the local X′ axis, b in the X′Y′ plane, both as vectors from the global origin.
-    Rectangular,
-    /// a and b on the axis; 1 radial, 2 tangential, 3 axial.
-    Cylindrical,
-    /// a the centre, b on the polar axis; 1 radial, 2 circumferential, 3 meridional.
-    Spherical,
-}
-
 /// `*TRANSFORM`: axes in which loads and boundary conditions of nodes are expressed.
 #[derive(Debug, Clone, Serialize)]
 pub struct Transform {
@@ -370,15 +360,109 @@ pub struct Transform {
     pub b: [f64; 3],
 }
 
+choices! {
+    /// How an amplitude is given.
+    pub enum AmplitudeDefinition {
+        /// Pairs of time and value, linear between them.
+        Tabular = "TABULAR",
+        /// Values at equal intervals.
+        EquallySpaced = "EQUALLY SPACED",
+        /// A Fourier series.
+        Periodic = "PERIODIC",
+        /// A product of two sines.
+        Modulated = "MODULATED",
+        /// An exponential decay.
+        Decay = "DECAY",
+        /// Pairs of time and value, with polynomials of fifth degree between them.
+        SmoothStep = "SMOOTH STEP",
+        /// Determined by the solution.
+        SolutionDependent = "SOLUTION DEPENDENT",
+        /// Determined by another program.
+        Actuator = "ACTUATOR",
+        /// Underwater explosion.
+        Bubble = "BUBBLE",
+        /// A response spectrum.
+        Spectrum = "SPECTRUM",
+        /// A power spectral density.
+        PsdDefinition = "PSD DEFINITION",
+        /// A user subroutine.
+        User = "USER",
+    }
+
+    /// The time that an amplitude counts.
+    pub enum AmplitudeTime {
+        /// From the beginning of each step.
+        StepTime = "STEP TIME",
+        /// From the beginning of the analysis.
+        TotalTime = "TOTAL TIME",
+    }
+
+    /// What the values of an amplitude are.
+    pub enum AmplitudeValue {
+        /// Factors of the magnitude.
+        Relative = "RELATIVE",
+        /// The magnitude itself.
+        Absolute = "ABSOLUTE",
+    }
+
+    /// How loads without an amplitude change during a step.
+    pub enum DefaultAmplitude {
+        /// Linearly, from the value before.
+        Ramp = "RAMP",
+        /// At once.
+        Step = "STEP",
+    }
+
+    /// How the axes of a `*TRANSFORM` are given.
+    pub enum TransformKind {
+        /// a on the local X′ axis, b in the X′Y′ plane, both as vectors from the global origin.
+        Rectangular = "R",
+        /// a and b on the axis; 1 radial, 2 tangential, 3 axial.
+        Cylindrical = "C",
+        /// a the centre, b on the polar axis; 1 radial, 2 circumferential, 3 meridional.
+        Spherical = "S",
+    }
+
+    /// What is prescribed.
+    #[derive(Default)]
+    pub enum MotionType {
+        /// Displacement or rotation, from the initial state.
+        #[default]
+        Displacement = "DISPLACEMENT",
+        /// Velocity.
+        Velocity = "VELOCITY",
+        /// Acceleration.
+        Acceleration = "ACCELERATION",
+    }
+
+    /// Does an option add to those of earlier steps or replace them?
+    #[derive(Default)]
+    pub enum Operation {
+        /// Earlier ones stay.
+        #[default]
+        Modify = "MOD",
+        /// Earlier ones are removed.
+        New = "NEW",
+    }
+}
+
+impl AmplitudeDefinition {
+    /// Are its data pairs of time and value?
+    #[must_use]
+    pub fn has_pairs(self) -> bool {
+        matches!(self, Self::Tabular | Self::SmoothStep)
+    }
+}
+
 /// `*AMPLITUDE`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Amplitude {
-    /// `DEFINITION=`, such as TABULAR.
-    pub definition: &'static str,
-    /// `TIME=` STEP TIME or TOTAL TIME.
-    pub time: Option<&'static str>,
-    /// `VALUE=` RELATIVE or ABSOLUTE.
-    pub value: Option<&'static str>,
+    /// `DEFINITION=`.
+    pub definition: AmplitudeDefinition,
+    /// `TIME=`; none is the step time.
+    pub time: Option<AmplitudeTime>,
+    /// `VALUE=`; none is relative.
+    pub value: Option<AmplitudeValue>,
     /// `SMOOTH=`: the fraction of an interval that is smoothed.
     pub smooth: Option<f64>,
     /// `FIXED INTERVAL=` of equally spaced values.
@@ -397,33 +481,9 @@ pub struct Amplitude {
 #[serde(rename_all = "snake_case")]
 pub enum Target {
     /// One node or element.
-    Label(u64),
+    Label(Label),
     /// A set.
     Set(String),
-}
-
-/// What is prescribed.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MotionType {
-    /// Displacement or rotation, from the initial state.
-    #[default]
-    Displacement,
-    /// Velocity.
-    Velocity,
-    /// Acceleration.
-    Acceleration,
-}
-
-/// Does an option add to those of earlier steps or replace them?
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Operation {
-    /// `OP=MOD`: earlier ones stay.
-    #[default]
-    Modify,
-    /// `OP=NEW`: earlier ones are removed.
-    New,
 }
 
 /// How a motion or load is applied.
@@ -565,8 +625,8 @@ pub struct Step {
     pub perturbation: bool,
     /// The largest number of increments.
     pub increments: Option<u64>,
-    /// `AMPLITUDE=` RAMP or STEP, for what has no amplitude of its own.
-    pub default_amplitude: Option<&'static str>,
+    /// `AMPLITUDE=`, for what has no amplitude of its own; none leaves it to the procedure.
+    pub default_amplitude: Option<DefaultAmplitude>,
     /// What it does.
     pub procedure: Option<Procedure>,
     /// Boundary conditions.

@@ -1,6 +1,7 @@
 //! `*ORIENTATION`: three orthonormal directions at a point.
 
 use super::diagnostic::{Code, Diagnostic, Result};
+use super::label::Label;
 use super::model::Scene;
 use super::span::Span;
 use serde::Serialize;
@@ -46,11 +47,11 @@ pub enum Definition {
     /// Nodes of the scene.
     Nodes {
         /// The first point.
-        a: u64,
+        a: Label,
         /// The second point.
-        b: u64,
+        b: Label,
         /// The origin; none is the global origin.
-        c: Option<u64>,
+        c: Option<Label>,
     },
     /// Nodes of the element, counted from 1.
     OffsetToNodes {
@@ -174,7 +175,7 @@ impl Orientation {
             Definition::None => Ok([[0.0; 3]; 3]),
             Definition::Coordinates { a, b, c } => Ok([*a, *b, *c]),
             Definition::Nodes { a, b, c } => {
-                let node = |label: u64| {
+                let node = |label: Label| {
                     scene.nodes.get(&label).map(|node| node.coordinates).ok_or_else(|| {
                         let message = format!("orientation {name} uses node {label}, which is not defined");
                         Diagnostic::error(Code::UnknownNode, self.span, message, "this orientation")

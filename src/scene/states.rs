@@ -12,6 +12,7 @@
 //! "rotation": [0, 0, 7.5]}}}]}`, with the names of [`NodeMotion`]; `rotation` or `quaternion`.
 
 use super::diagnostic::{Code, Diagnostic, Result, suggest};
+use super::label::{Label, LabelError};
 use super::lexer::{NotANumber, parse_number};
 use super::model::Scene;
 use super::span::Span;
@@ -20,6 +21,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use std::cell::Cell;
 use std::collections::BTreeMap;
+use std::io;
 use std::path::Path;
 
 /// The longest rotation vector, in radians: beyond it a double resolves less than 1e-8 rad.
@@ -77,7 +79,7 @@ pub struct State {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
     /// Motions by node number. A node that is not in it is at rest in its initial place.
-    pub nodes: BTreeMap<u64, NodeMotion>,
+    pub nodes: BTreeMap<Label, NodeMotion>,
 }
 
 /// States in order.
@@ -173,7 +175,15 @@ impl Fault {
     }
 }
 
-fn check_node(node: u64, scene: &Scene, state: &State) -> Result<(), Fault> {
+/// A node, as states name it.
+fn label(text: &str) -> Result<Label, Fault> {
+    text.parse().map_err(|error: LabelError| {
+        let remedy = "write the node number in digits, and in an assembly INSTANCE.NUMBER";
+        Fault::new(Code::StatesMalformedNumber, error.to_string(), remedy)
+    })
+}
+
+fn check_node(node: Label, scene: &Scene, state: &State) -> Result<(), Fault> {
     if !scene.nodes.contains_key(&node) {
         let remedy = format!("use the node numbers of {}", scene.name);
         return Err(Fault::new(Code::StatesUnknownNode, format!("there is no node {node}"), remedy));
@@ -222,13 +232,14 @@ const COLUMNS: [&str; 28] = [
 ];
 
 fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
-    let text_bytes = text.as_bytes();
+    // A comment that ends the file without a line break would be read as an empty row.
+    let lines = io::Read::chain(text.as_bytes(), b"\n".as_slice());
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .flexible(true)
-        .from_reader(text_bytes);
+        .from_reader(lines);
     let malformed = |error: &csv::Error| {
         let span = error.position().map(place).unwrap_or_default();
         Diagnostic::error(Code::StatesMalformed, span, format!("malformed CSV: {error}"), "here")
@@ -270,7 +281,7 @@ fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
             _ => states.push((number, State { time, nodes: BTreeMap::new() })),
         }
         let Some((_, state)) = states.last_mut() else { continue };
-        let Some(node) = row.integer("node")? else {
+        let Some(node) = row.label("node")? else {
             return Err(Diagnostic::error(
                 Code::StatesMalformedNumber,
                 span,
@@ -393,6 +404,11 @@ impl CsvRow<'_> {
             )
             .help("write digits only")
         })
+    }
+
+    fn label(&self, column: &str) -> Result<Option<Label>> {
+        let Some(field) = self.field(column) else { return Ok(None) };
+        label(field).map(Some).map_err(|fault| fault.at(self.place(column), &format!("column {column}")))
     }
 
     /// The numbers of several columns; none when all of them are empty or absent.
@@ -648,12 +664,7 @@ impl<'de> Visitor<'de> for JsonNodes<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
         let mut state = State::default();
         while let Some(key) = map.next_key::<String>()? {
-            let Ok(node) = key.parse::<u64>() else {
-                let message = format!("`{key}` is not a node number");
-                let fault =
-                    Fault::new(Code::StatesMalformedNumber, message, "name each motion by the node number");
-                return Err(self.0.stop(fault));
-            };
+            let node = label(&key).map_err(|fault| self.0.stop(fault))?;
             check_node(node, self.0.scene, &state).map_err(|fault| self.0.stop(fault))?;
             let motion: JsonMotion = map.next_value()?;
             let rotation =

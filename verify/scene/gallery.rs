@@ -3,6 +3,7 @@
 //! The equations are written here in other words than in scripts/gallery_states.py: constraints on positions,
 //! rotation matrices and forces, not solutions.
 
+use super::n;
 use pintle::scene::{Example, GALLERY, Law, MpcKind, NodeMotion, Procedure, Rotation, Scene, Solver, State};
 use std::f64::consts::{PI, TAU};
 
@@ -15,8 +16,8 @@ fn example(name: &str) -> (Scene, Vec<State>) {
 }
 
 fn position(scene: &Scene, state: &State, node: u64) -> [f64; 3] {
-    let start = scene.nodes[&node].coordinates;
-    let motion = state.nodes.get(&node).copied().unwrap_or_default();
+    let start = scene.nodes[&n(node)].coordinates;
+    let motion = state.nodes.get(&n(node)).copied().unwrap_or_default();
     std::array::from_fn(|k| start[k] + motion.displacement[k])
 }
 
@@ -73,8 +74,8 @@ fn hinge_pendulum_reads_as_written() {
     assert_eq!(scene.heading, "hinge pendulum: node 1 ground, node 2 pin on body, node 3 mass centre");
     assert_eq!((scene.nodes.len(), scene.connectors.len(), scene.point_elements.len()), (3, 2, 2));
     assert_eq!(scene.node_sets["GROUND"].labels, [1]);
-    let connector = scene.connectors[&101];
-    assert_eq!((connector.a, connector.b), (Some(1), Some(2)));
+    let connector = scene.connectors[&n(101)];
+    assert_eq!((connector.a, connector.b), (Some(n(1)), Some(n(2))));
     let section = scene.section(&connector).unwrap();
     assert_eq!(section.type_names[0].value, "HINGE");
     assert_eq!(section.orientation_a.as_ref().unwrap().value, "HAXIS");
@@ -105,7 +106,7 @@ fn hinge_pendulum_reads_as_written() {
 
     let mut last = -1.0;
     for state in &states {
-        let body = state.nodes[&3];
+        let body = state.nodes[&n(3)];
         let phi = vector(&body)[2];
         assert!(phi > last);
         last = phi;
@@ -118,7 +119,7 @@ fn hinge_pendulum_reads_as_written() {
         close(dot(body.acceleration, at), -rate * rate, 1e-13 * rate * rate, "centripetal acceleration");
         let tangential = at[0] * body.acceleration[1] - at[1] * body.acceleration[0];
         close(tangential, body.angular_acceleration[2], 1e-12, "tangential acceleration");
-        assert_eq!(vector(&state.nodes[&2]), vector(&body));
+        assert_eq!(vector(&state.nodes[&n(2)]), vector(&body));
     }
     assert_eq!(states.len(), 25);
     close(last, 3.0 * TAU, 1e-14, "three turns");
@@ -129,7 +130,7 @@ fn hinge_pendulum_reads_as_written() {
 fn slider_crank_satisfies_its_joints() {
     let (scene, states) = example("slider_crank");
     assert_eq!((scene.nodes.len(), scene.connectors.len(), scene.connector_sections.len()), (7, 6, 6));
-    let slide = scene.section(&scene.connectors[&106]).unwrap();
+    let slide = scene.section(&scene.connectors[&n(106)]).unwrap();
     let behavior = scene.behavior(slide).unwrap();
     let [friction] = behavior.friction.as_slice() else { panic!("{behavior:?}") };
     let json = serde_json::to_value(friction).unwrap();
@@ -142,7 +143,7 @@ fn slider_crank_satisfies_its_joints() {
     let Some(Procedure::Static(times)) = &scene.steps[0].procedure else { panic!("{:?}", scene.steps) };
     assert_eq!((times.initial, times.total), (Some(0.01), Some(1.0)));
 
-    let rod = distance(scene.nodes[&5].coordinates, scene.nodes[&4].coordinates);
+    let rod = distance(scene.nodes[&n(5)].coordinates, scene.nodes[&n(4)].coordinates);
     for state in &states {
         let at = |node| position(&scene, state, node);
         assert_eq!(at(3), at(4));
@@ -150,12 +151,12 @@ fn slider_crank_satisfies_its_joints() {
         close(distance(at(2), at(3)), 0.2, 1e-16, "crank");
         close(distance(at(4), at(5)), rod, 2e-16, "rod");
         assert_eq!((at(6)[1], at(6)[2]), (0.0, 0.0));
-        let (crank, turn) = (vector(&state.nodes[&3])[2], vector(&state.nodes[&4])[2]);
+        let (crank, turn) = (vector(&state.nodes[&n(3)])[2], vector(&state.nodes[&n(4)])[2]);
         close(at(5)[0] - at(4)[0], rod * turn.cos(), 2e-16, "rod angle, along");
         close(at(5)[1] - at(4)[1], rod * turn.sin(), 2e-16, "rod angle, across");
         close(at(3)[1], 0.2 * crank.sin(), 1e-16, "crank angle");
         // The slider moves as a point of the rod: v5 = v4 + ω × (x5 − x4), a5 = a4 + α × r − ω² r.
-        let (from, to) = (state.nodes[&4], state.nodes[&5]);
+        let (from, to) = (state.nodes[&n(4)], state.nodes[&n(5)]);
         let (w, alpha) = (from.angular_velocity[2], from.angular_acceleration[2]);
         let r = [at(5)[0] - at(4)[0], at(5)[1] - at(4)[1]];
         close(to.velocity[0], from.velocity[0] - w * r[1], 1e-14, "v1");
@@ -165,11 +166,11 @@ fn slider_crank_satisfies_its_joints() {
     }
     let angles = [(6, 0.5 * PI, -0.23431), (12, PI, -0.4), (18, 1.5 * PI, -0.23431), (24, TAU, 0.0)];
     for (index, angle, travel) in angles {
-        assert_eq!(vector(&states[index].nodes[&2])[2], angle);
-        close(states[index].nodes[&6].displacement[0], travel, 5e-6, "travel of the slider");
+        assert_eq!(vector(&states[index].nodes[&n(2)])[2], angle);
+        close(states[index].nodes[&n(6)].displacement[0], travel, 5e-6, "travel of the slider");
     }
-    assert_eq!(states[6].nodes[&3].displacement, [-0.2, 0.2, 0.0]);
-    assert_eq!(states[12].nodes[&6].displacement[0], -0.4);
+    assert_eq!(states[6].nodes[&n(3)].displacement, [-0.2, 0.2, 0.0]);
+    assert_eq!(states[12].nodes[&n(6)].displacement[0], -0.4);
 }
 
 #[test]
@@ -177,9 +178,9 @@ fn slider_crank_satisfies_its_joints() {
 fn seat_belt_is_in_equilibrium() {
     let (scene, states) = example("seat_belt");
     assert_eq!((scene.nodes.len(), scene.connectors.len()), (5, 4));
-    let retractor = scene.section(&scene.connectors[&102]).unwrap();
+    let retractor = scene.section(&scene.connectors[&n(102)]).unwrap();
     assert_eq!(retractor.section_data, [Some(50.0)]);
-    let belt = scene.section(&scene.connectors[&103]).unwrap();
+    let belt = scene.section(&scene.connectors[&n(103)]).unwrap();
     assert!(belt.orientation_a.is_none() && belt.orientation_b.is_none());
     assert_eq!(belt.section_data, [Some(0.06), Some(1.5707963)]);
     let elasticity = &scene.behavior(belt).unwrap().elasticity[0];
@@ -192,18 +193,18 @@ fn seat_belt_is_in_equilibrium() {
     assert_eq!((flow.degrees_of_freedom.as_slice(), flow.magnitude), ([10].as_slice(), 0.0));
 
     for state in &states {
-        let flow = |node| state.nodes.get(&node).map_or(0.0, |motion| motion.flow);
-        let turn = vector(&state.nodes[&1])[2];
+        let flow = |node| state.nodes.get(&n(node)).map_or(0.0, |motion| motion.flow);
+        let turn = vector(&state.nodes[&n(1)])[2];
         close(turn, 50.0 * flow(10), 1e-15, "retractor");
         close(
-            state.nodes[&1].angular_velocity[2],
-            50.0 * state.nodes[&10].flow_velocity,
+            state.nodes[&n(1)].angular_velocity[2],
+            50.0 * state.nodes[&n(10)].flow_velocity,
             1e-15,
             "retractor rate",
         );
         let tension = |a, b| {
             let length = distance(position(&scene, state, a), position(&scene, state, b));
-            let start = distance(scene.nodes[&a].coordinates, scene.nodes[&b].coordinates);
+            let start = distance(scene.nodes[&n(a)].coordinates, scene.nodes[&n(b)].coordinates);
             1e5 * (length / (start + flow(a) - flow(b)) - 1.0)
         };
         let (first, second) = (tension(10, 20), tension(20, 30));
@@ -211,22 +212,25 @@ fn seat_belt_is_in_equilibrium() {
         close(first, 5.0 * turn * 50.0, 1e-10, "drum spring");
     }
     let last = states.last().unwrap();
-    close(last.nodes[&10].flow, 0.07937, 5e-6, "flow");
-    close(vector(&last.nodes[&1])[2], 3.9685, 5e-5, "drum");
-    assert_eq!(last.nodes[&30].displacement, [0.1, 0.0, 0.0]);
+    close(last.nodes[&n(10)].flow, 0.07937, 5e-6, "flow");
+    close(vector(&last.nodes[&n(1)])[2], 3.9685, 5e-5, "drum");
+    assert_eq!(last.nodes[&n(30)].displacement, [0.1, 0.0, 0.0]);
 }
 
 #[test]
 fn revolute_mpc_holds_through_its_turns() {
     let (scene, states) = example("revolute_mpc");
     let kinds: Vec<_> = scene.mpcs.iter().map(|mpc| (mpc.kind.clone(), mpc.nodes.clone())).collect();
-    assert_eq!(kinds, [(MpcKind::Revolute, vec![10, 20, 30]), (MpcKind::Pin, vec![10, 20])]);
+    assert_eq!(
+        kinds,
+        [(MpcKind::Revolute, [10, 20, 30].map(n).to_vec()), (MpcKind::Pin, [10, 20].map(n).to_vec())]
+    );
     assert_eq!(scene.springs[0].degrees_of_freedom, [6]);
     let axis = [2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0];
     let triad = scene.orientations["AXIS"].triad("AXIS", &scene, [0.0; 3], &[]).unwrap();
     close(distance(triad[0], axis), 0.0, 2e-16, "e1 is the axis of the joint");
     for state in &states {
-        let (dependent, master, joint) = (state.nodes[&10], state.nodes[&20], state.nodes[&30]);
+        let (dependent, master, joint) = (state.nodes[&n(10)], state.nodes[&n(20)], state.nodes[&n(30)]);
         assert_eq!((dependent.displacement, dependent.velocity), (master.displacement, master.velocity));
         let Rotation::Quaternion(q) = dependent.rotation else { panic!("{dependent:?}") };
         let phi = vector(&joint)[2];
@@ -240,7 +244,7 @@ fn revolute_mpc_holds_through_its_turns() {
             close(dependent.angular_velocity[i], spin, 1e-13, "ω_S = ω_M + φ′ a");
         }
     }
-    close(vector(&states[32].nodes[&30])[2], 2.9 * TAU, 1e-14, "2.9 turns of the joint");
-    let turned = vector(&states[32].nodes[&20]);
+    close(vector(&states[32].nodes[&n(30)])[2], 2.9 * TAU, 1e-14, "2.9 turns of the joint");
+    let turned = vector(&states[32].nodes[&n(20)]);
     close(dot(turned, turned).sqrt(), 1.5 * TAU, 1e-14, "one and a half turns of the master");
 }

@@ -1,8 +1,10 @@
 //! How decks are read: syntax, sets, orientations, behaviours, steps; and any text without a panic.
 
+use super::n;
 use pintle::scene::{
-    Affected, Code, Dimension, End, FrictionKind, FrictionLaw, GALLERY, Law, MpcKind, Operation, Procedure,
-    Scene, Solver, Source, Target, Triad,
+    Affected, Basis, Code, DamageEvolutionKind, DampingKind, Dimension, End, Extrapolation, FrictionKind,
+    FrictionLaw, GALLERY, HardeningDefinition, Integration, Law, MpcKind, Operation, Operator,
+    PotentialFunction, PotentialOperator, Procedure, Scene, Solver, Source, Target, Triad,
 };
 use proptest::prelude::*;
 
@@ -16,13 +18,13 @@ fn syntax_is_that_of_decks() {
         "** a comment\r\n*Heading\r\n free text, with \"a quote\r\n*node , nset = All\r\n 1, 0, 0\r\n 2,1.D0,,+2.5d-1,\r\n\r\n*Element,\r\n** between\r\n type=conn3d2,\r\n elset=\"My Set, 1\"\r\n101, 1,\r\n102, , 2\r\n*Orientation, name=\"Datum csys-1\"\r\n 1., 0., 0., 0., 1., 0.\r\n*Connector  Section, elset=\"My Set, 1\"\r\nAlign, Join,\r\n\"Datum csys-1\",\r\n*ENDSTEPPING, foo\r\n1,2\r\n3\r\n",
     );
     assert_eq!(scene.heading, "free text, with \"a quote");
-    assert_eq!(scene.nodes[&1].coordinates, [0.0; 3]);
-    assert_eq!(scene.nodes[&2].coordinates, [1.0, 0.0, 0.25]);
+    assert_eq!(scene.nodes[&n(1)].coordinates, [0.0; 3]);
+    assert_eq!(scene.nodes[&n(2)].coordinates, [1.0, 0.0, 0.25]);
     assert_eq!(scene.node_sets["ALL"].labels, [1, 2]);
     assert_eq!(scene.element_sets["My Set, 1"].labels, [101, 102]);
-    let [first, second] = [scene.connectors[&101], scene.connectors[&102]];
-    assert_eq!((first.a, first.b, first.dimension), (Some(1), None, Dimension::Three));
-    assert_eq!((second.a, second.b), (None, Some(2)));
+    let [first, second] = [scene.connectors[&n(101)], scene.connectors[&n(102)]];
+    assert_eq!((first.a, first.b, first.dimension), (Some(n(1)), None, Dimension::Three));
+    assert_eq!((second.a, second.b), (None, Some(n(2))));
     assert_eq!(scene.position(&second, End::A), Some([1.0, 0.0, 0.25]));
     assert_eq!(scene.position(&first, End::B), Some([0.0; 3]));
     let section = scene.section(&first).unwrap();
@@ -31,14 +33,14 @@ fn syntax_is_that_of_decks() {
     assert_eq!(section.orientation_a.as_ref().unwrap().value, "Datum csys-1");
     let skipped = scene.skipped.keywords["ENDSTEPPING"];
     assert_eq!((skipped.count, skipped.data_lines, skipped.first_line), (1, 2, 19));
-    assert_eq!(scene.nodes[&2].span.line(), 6);
+    assert_eq!(scene.nodes[&n(2)].span.line(), 6);
 }
 
 #[test]
 fn a_byte_order_mark_and_other_encodings_in_comments_do_not_matter() {
     let mut bytes = b"\xef\xbb\xbf*HEADING\n caf\xe9\n** d\xe9but\n*NODE\n1, 2.\n*FILM\n\xff\n".to_vec();
     let scene = Scene::parse_bytes("deck.inp", &bytes).unwrap();
-    assert_eq!(scene.nodes[&1].coordinates, [2.0, 0.0, 0.0]);
+    assert_eq!(scene.nodes[&n(1)].coordinates, [2.0, 0.0, 0.0]);
     let error = Scene::parse("deck.inp", "\u{feff}*NODE, SET=N\n").unwrap_err();
     assert_eq!((error.code(), error.span().start(), error.span().end()), (Code::UnknownParameter, 10, 15));
     bytes.extend_from_slice(b"*NODE\n1, 3.\n");
@@ -71,7 +73,7 @@ fn other_elements_are_counted_and_known_to_sets() {
         "*NODE\n1\n*ELEMENT, TYPE=C3D20R, ELSET=SOLID\n1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,\n16, 17, 18, 19, 20\n2, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,\n16, 17, 18, 19, 20\n*ELEMENT, TYPE=MASS, ELSET=POINT\n7, 1\n*ELSET, ELSET=BOTH\nSOLID, POINT, 2\n*SOLID SECTION, ELSET=SOLID, MATERIAL=STEEL\n*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1E5, 0.3\n*MATERIAL, NAME=IRON\n",
     );
     let both = &scene.element_sets["BOTH"];
-    assert_eq!((both.labels.as_slice(), both.unmodelled), ([7].as_slice(), 3));
+    assert_eq!((both.labels.as_slice(), both.unmodelled), ([n(7)].as_slice(), 3));
     let solid = scene.skipped.element_types["C3D20R"];
     assert_eq!((solid.count, solid.data_lines, solid.first_line), (2, 4, 3));
     assert_eq!(scene.skipped.keywords["MATERIAL"].count, 2);
@@ -82,7 +84,7 @@ fn other_elements_are_counted_and_known_to_sets() {
 #[test]
 fn the_ends_of_a_connector_stand_where_their_nodes_do() {
     let scene = read(&format!("{MESH}*ELSET, ELSET=E\n"));
-    let connector = scene.connectors[&101];
+    let connector = scene.connectors[&n(101)];
     assert_eq!(scene.position(&connector, End::A), Some([0.0; 3]));
     assert_eq!(scene.position(&connector, End::B), Some([1.0, 0.0, 0.0]));
 }
@@ -90,9 +92,9 @@ fn the_ends_of_a_connector_stand_where_their_nodes_do() {
 #[test]
 fn cylindrical_nodes_are_exact_at_right_angles() {
     let scene = read("*NODE, SYSTEM=C\n1, 2., 90., 3.\n2, 2., -180., 0.\n3, 1., 30., 0.\n");
-    assert_eq!(scene.nodes[&1].coordinates, [0.0, 2.0, 3.0]);
-    assert_eq!(scene.nodes[&2].coordinates, [-2.0, 0.0, 0.0]);
-    let [x, y, _] = scene.nodes[&3].coordinates;
+    assert_eq!(scene.nodes[&n(1)].coordinates, [0.0, 2.0, 3.0]);
+    assert_eq!(scene.nodes[&n(2)].coordinates, [-2.0, 0.0, 0.0]);
+    let [x, y, _] = scene.nodes[&n(3)].coordinates;
     assert!((x - 0.75f64.sqrt()).abs() < 2e-16 && (y - 0.5).abs() < 2e-16);
 }
 
@@ -100,7 +102,7 @@ fn triad(definition: &str, point: [f64; 3]) -> Triad {
     let scene = read(&format!(
         "*NODE\n1, 1., 1., 1.\n2, 1., 1., 3.\n3, 1., 4., 1.\n4, 2., 1., 1.\n*ORIENTATION, NAME=O, {definition}\n"
     ));
-    let nodes = [scene.nodes[&1].coordinates, scene.nodes[&3].coordinates];
+    let nodes = [scene.nodes[&n(1)].coordinates, scene.nodes[&n(3)].coordinates];
     scene.orientations["O"]
         .triad("O", &scene, point, &nodes)
         .unwrap_or_else(|error| panic!("{}", error.render(110, false)))
@@ -255,10 +257,10 @@ NORMAL, 2., 1., MACAULEY, 0.1, -1.
     let section = &scene.connector_sections[0];
     assert_eq!((section.elimination, section.controls.as_ref().unwrap().value.as_str()), (Some(true), "SC"));
     let behavior = &scene.behaviors["B"];
-    assert_eq!(behavior.table.extrapolation, Some("LINEAR"));
+    assert_eq!(behavior.table.extrapolation, Some(Extrapolation::Linear));
     assert_eq!(
         (behavior.table.regularize, behavior.table.rtol, behavior.integration),
-        (Some("OFF"), Some(0.05), Some("EXPLICIT"))
+        (Some(false), Some(0.05), Some(Integration::Explicit))
     );
     assert_eq!(behavior.constitutive_reference, [Some(1.5), None, None, Some(90.0), None, None]);
     let Law::Coupled { unsymmetric: true, frequency: false, rows } = &behavior.elasticity[0].law else {
@@ -274,14 +276,14 @@ NORMAL, 2., 1., MACAULEY, 0.1, -1.
     else {
         panic!()
     };
-    assert_eq!((independent.basis, independent.components.as_slice()), ("POSITION", [1, 4].as_slice()));
+    assert_eq!((independent.basis, independent.components.as_slice()), (Basis::Position, [1, 4].as_slice()));
     assert_eq!(rows[1].values, [Some(5.0), Some(1.0), Some(0.5)]);
     assert_eq!(behavior.elasticity[3].law, Law::Rigid { components: vec![5, 6] });
-    assert_eq!(behavior.damping[0].kind, "STRUCTURAL");
+    assert_eq!(behavior.damping[0].kind, DampingKind::Structural);
     let terms = &behavior.derived_components["NORMAL"];
     assert_eq!(
         (terms.len(), terms[0].operator, terms[1].operator, terms[1].sign),
-        (2, "NORM", "MACAULEY SUM", -1.0)
+        (2, Operator::Norm, Operator::MacauleySum, -1.0)
     );
     let FrictionKind::User {
         component: None,
@@ -293,10 +295,16 @@ NORMAL, 2., 1., MACAULEY, 0.1, -1.
     else {
         panic!("{:?}", behavior.friction[0])
     };
-    assert_eq!((potential.operator, potential.exponent, potential.terms.len()), ("MAX", 1.0, 2));
+    assert_eq!(
+        (potential.operator, potential.exponent, potential.terms.len()),
+        (PotentialOperator::Max, 1.0, 2)
+    );
     let term = &potential.terms[1];
     assert_eq!(term.source.value, Source::Derived("NORMAL".to_owned()));
-    assert_eq!((term.scale, term.function, term.shift, term.sign), (2.0, "MACAULEY", 0.1, -1.0));
+    assert_eq!(
+        (term.scale, term.function, term.shift, term.sign),
+        (2.0, PotentialFunction::Macauley, 0.1, -1.0)
+    );
     assert_eq!(force.value, Source::Derived("NORMAL".to_owned()));
     assert_eq!(rows[0][..2], [None, Some(0.5)]);
     let coefficient = behavior.friction[0].coefficient.as_ref().unwrap();
@@ -309,11 +317,14 @@ NORMAL, 2., 1., MACAULEY, 0.1, -1.
     assert_eq!(rows[1].values, [Some(0.2), Some(1.0), None]);
     let hardening = &behavior.plasticity[0].hardening;
     assert_eq!(
-        (hardening[0].columns, hardening[1].definition),
-        (["F0", "Q_inf", "b"].as_slice(), "HALF CYCLE")
+        (hardening[0].definition.columns(), hardening[1].definition),
+        (["F0", "Q_inf", "b"].as_slice(), HardeningDefinition::HalfCycle)
     );
     let evolution = behavior.damage[0].evolution.as_ref().unwrap();
-    assert_eq!((evolution.kind, evolution.affected.as_slice()), ("ENERGY", [1, 2].as_slice()));
+    assert_eq!(
+        (evolution.kind, evolution.affected.as_slice()),
+        (DamageEvolutionKind::Energy, [1, 2].as_slice())
+    );
     let lock = &behavior.locks[0];
     assert_eq!(
         (lock.locked, lock.limits[0].lower_position, lock.limits[0].upper_position),
@@ -341,7 +352,11 @@ fn constraints_take_nodes_and_sets() {
     let all: Vec<_> = scene.mpcs.iter().map(|mpc| (mpc.kind.clone(), mpc.nodes.clone())).collect();
     assert_eq!(
         all,
-        [(MpcKind::Tie, vec![1, 3]), (MpcKind::Tie, vec![2, 3]), (MpcKind::Universal, vec![1, 2, 3, 2]),]
+        [
+            (MpcKind::Tie, [1, 3].map(n).to_vec()),
+            (MpcKind::Tie, [2, 3].map(n).to_vec()),
+            (MpcKind::Universal, [1, 2, 3, 2].map(n).to_vec()),
+        ]
     );
 }
 
@@ -360,7 +375,7 @@ fn steps_keep_what_acts_in_them() {
     let Some(Procedure::Dynamic { explicit: true, times }) = &first.procedure else { panic!("{first:?}") };
     assert_eq!((times.initial, times.total), (None, Some(0.5)));
     assert_eq!(first.connector_loads[0].applied.operation, Operation::New);
-    assert_eq!(first.connector_loads[0].target.value, Target::Label(101));
+    assert_eq!(first.connector_loads[0].target.value, Target::Label(n(101)));
     assert!(first.concentrated_loads[0].applied.follower);
     assert_eq!(second.procedure, Some(Procedure::Other("ANNEAL".to_owned())));
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);

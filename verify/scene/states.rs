@@ -1,5 +1,6 @@
 //! Files of states: columns, groups, both formats, bit by bit.
 
+use super::n;
 use pintle::scene::{GALLERY, NodeMotion, Rotation, Scene, State, StateFile};
 use proptest::prelude::*;
 
@@ -18,9 +19,9 @@ fn columns_come_in_any_order_and_default_to_zero() {
         angular_velocity: [0.0, 1.5, 0.0],
         ..NodeMotion::default()
     };
-    assert_eq!(first.nodes[&2], moved);
-    assert_eq!(first.nodes[&1], NodeMotion { flow_acceleration: -2e-3, ..NodeMotion::default() });
-    assert_eq!(second.nodes[&1], NodeMotion::default());
+    assert_eq!(first.nodes[&n(2)], moved);
+    assert_eq!(first.nodes[&n(1)], NodeMotion { flow_acceleration: -2e-3, ..NodeMotion::default() });
+    assert_eq!(second.nodes[&n(1)], NodeMotion::default());
 }
 
 #[test]
@@ -28,6 +29,13 @@ fn without_numbers_of_states_there_is_one() {
     let file = StateFile::parse_csv("s.csv", "node,u1\n1,1\n2,2\n", &scene()).unwrap();
     assert_eq!(file.states.len(), 1);
     assert_eq!(file.states[0].time, None);
+}
+
+/// Found by fuzzing: it was taken for a row.
+#[test]
+fn a_comment_may_end_the_file() {
+    let file = StateFile::parse_csv("s.csv", "node,u1\n1,1\n# end", &scene()).unwrap();
+    assert_eq!(file.states[0].nodes.len(), 1);
 }
 
 #[test]
@@ -72,7 +80,7 @@ proptest! {
             flow_velocity: values[11],
             flow_acceleration: values[12],
         };
-        let file = StateFile { states: vec![State { time: Some(values[0]), nodes: [(2, motion)].into() }] };
+        let file = StateFile { states: vec![State { time: Some(values[0]), nodes: [(n(2), motion)].into() }] };
         let scene = scene();
         let json = file.to_json().unwrap();
         let back = StateFile::parse_json("s.json", &json, &scene).unwrap();

@@ -4,10 +4,13 @@ use super::mesh::not_negative;
 use super::table::{self, no_rows, raw, records, rows};
 use super::{Deck, Host, misplaced};
 use crate::scene::behavior::{
-    Affected, Behavior, Damage, DamageEvolution, Damping, DerivedTerm, Elasticity, Failure, Friction,
-    FrictionCoefficient, FrictionKind, FrictionLaw, Hardening, Independent, Law, Limits, Lock, Plasticity,
-    Potential, PotentialTerm, Row, Source, Stop, TableOptions,
+    Affected, Behavior, Damage, DamageCriterion, DamageEvolution, DamageEvolutionKind, Damping, DampingKind,
+    Degradation, DerivedTerm, Elasticity, Failure, Friction, FrictionCoefficient, FrictionKind, FrictionLaw,
+    Hardening, HardeningDefinition, HardeningKind, Independent, Law, Limits, Lock, Operator, Plasticity,
+    Potential, PotentialFunction, PotentialOperator, PotentialTerm, Row, Softening, Source, Stop,
+    TableOptions,
 };
+use crate::scene::choice::Choice;
 use crate::scene::diagnostic::{Code, Diagnostic, Result};
 use crate::scene::lexer::{Data, Item, Keyword, normal};
 use crate::scene::span::{Span, Spanned};
@@ -19,7 +22,7 @@ pub(super) fn behavior(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     }
     let behavior = Behavior {
         table: table_options(keyword)?,
-        integration: keyword.choice("INTEGRATION", &["IMPLICIT", "EXPLICIT"])?,
+        integration: keyword.choice("INTEGRATION")?,
         span: keyword.span,
         ..Behavior::default()
     };
@@ -30,8 +33,8 @@ pub(super) fn behavior(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 fn table_options(keyword: &Keyword) -> Result<TableOptions> {
     Ok(TableOptions {
-        extrapolation: keyword.choice("EXTRAPOLATION", &["CONSTANT", "LINEAR"])?,
-        regularize: keyword.choice("REGULARIZE", &["ON", "OFF"])?,
+        extrapolation: keyword.choice("EXTRAPOLATION")?,
+        regularize: keyword.switch("REGULARIZE")?,
         rtol: keyword.number("RTOL")?,
     })
 }
@@ -94,7 +97,7 @@ fn component_line(deck: &mut Deck<'_>, keyword: &Keyword, what: &str) -> Result<
 }
 
 fn independent(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<Option<Independent>> {
-    let basis = keyword.choice("INDEPENDENT COMPONENTS", &["POSITION", "CONSTITUTIVE MOTION"])?;
+    let basis = keyword.choice("INDEPENDENT COMPONENTS")?;
     basis
         .map(|basis| {
             let components = component_line(deck, keyword, "independent component numbers")?;
@@ -133,9 +136,12 @@ fn law(deck: &mut Deck<'_>, keyword: &Keyword, coefficient: &str, motion: &str) 
     if nonlinear {
         let component = keyword.need_component()?;
         let independent = independent(deck, keyword)?;
-        let motions = independent.as_ref().map_or(1, |independent| independent.components.len());
+        // A damping force depends on the velocity of its own component in any case.
+        let own = independent.is_none() || keyword.name == "CONNECTOR DAMPING";
         let mut columns = vec!["the force"];
-        columns.resize(1 + motions, motion);
+        columns.extend(own.then_some(motion));
+        let listed = independent.as_ref().map_or(0, |independent| independent.components.len());
+        columns.resize(columns.len() + listed, "the independent component");
         let (first, rows) = spanned_rows(deck, header, &columns, columns.len(), fields)?;
         if independent.is_none() {
             check_order(&rows, 1, motion, &first)?;
@@ -158,7 +164,7 @@ fn law(deck: &mut Deck<'_>, keyword: &Keyword, coefficient: &str, motion: &str) 
 }
 
 fn flag(keyword: &Keyword, parameter: &str) -> Result<bool> {
-    Ok(keyword.has(parameter) && keyword.choice(parameter, &["ON", "OFF"])? != Some("OFF"))
+    Ok(keyword.has(parameter) && keyword.switch(parameter)? != Some(false))
 }
 
 /// Rows with the place of each.
@@ -214,8 +220,13 @@ pub(super) fn elasticity(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 pub(super) fn damping(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     deck.host = Host::None;
-    let kind = keyword.choice("TYPE", &["VISCOUS", "STRUCTURAL"])?.unwrap_or("VISCOUS");
+    let kind = keyword.choice("TYPE")?.unwrap_or(DampingKind::Viscous);
     let law = law(deck, keyword, "the damping coefficient", "the velocity")?;
+    if kind == DampingKind::Structural && matches!(law, Law::Nonlinear { .. } | Law::Rigid { .. }) {
+        let message = "structural damping is linear";
+        return Err(Diagnostic::error(Code::ConflictingParameters, keyword.span, message, "this keyword")
+            .help("remove NONLINEAR or RIGID, or TYPE=STRUCTURAL"));
+    }
     let damping = Damping { kind, law, table: table_options(keyword)?, span: keyword.span };
     deck.behavior(keyword)?.damping.push(damping);
     Ok(())
@@ -370,8 +381,8 @@ pub(super) fn derived_component(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
         components.len() + independent.as_ref().map_or(0, |independent| independent.components.len());
     let records = records(&mut deck.lexer, columns + 1 + fields)?;
     let term = DerivedTerm {
-        operator: keyword.choice("OPERATOR", &["NORM", "SUM", "MACAULEY SUM"])?.unwrap_or("NORM"),
-        sign: if keyword.choice("SIGN", &["POSITIVE", "NEGATIVE"])? == Some("NEGATIVE") { -1.0 } else { 1.0 },
+        operator: keyword.choice("OPERATOR")?.unwrap_or(Operator::Norm),
+        sign: if keyword.word("SIGN", &["POSITIVE", "NEGATIVE"])? == Some("NEGATIVE") { -1.0 } else { 1.0 },
         components,
         independent,
         rows: records.into_iter().map(|record| record.row(columns)).collect(),
@@ -389,8 +400,7 @@ pub(super) fn potential(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         let source = item_source(&items.need("a component or derived component")?)?;
         let scale = items.number()?.unwrap_or(1.0);
         let exponent = items.number()?;
-        let function =
-            items.maybe().map(|item| item.choice("H", &["ABS", "MACAULEY", "NONE"])).transpose()?;
+        let function = items.maybe().map(|item| item.choice("H")).transpose()?.flatten();
         let shift = items.number()?.unwrap_or(0.0);
         let sign = match items.maybe() {
             None => 1.0,
@@ -410,14 +420,14 @@ pub(super) fn potential(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             return Err(Diagnostic::error(Code::NumberOutOfRange, line.span, message, "R must not be 0")
                 .help("leave R empty for 1"));
         }
-        let function = function.unwrap_or("ABS");
+        let function = function.unwrap_or(PotentialFunction::Abs);
         terms.push(PotentialTerm { source, scale, exponent, function, shift, sign });
     }
     if terms.is_empty() {
         return Err(no_rows((&keyword.name, keyword.span), &["a component or derived component"]));
     }
     let potential = Potential {
-        operator: keyword.choice("OPERATOR", &["SUM", "MAX"])?.unwrap_or("SUM"),
+        operator: keyword.choice("OPERATOR")?.unwrap_or(PotentialOperator::Sum),
         exponent: keyword.number("EXPONENT")?.unwrap_or(2.0),
         terms,
         span: keyword.span,
@@ -464,20 +474,13 @@ pub(super) fn hardening(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         return Err(misplaced(keyword, "*CONNECTOR PLASTICITY"));
     }
     let fields = keyword.dependencies()?;
-    let definitions = ["TABULAR", "EXPONENTIAL LAW", "HALF CYCLE", "STABILIZED", "PARAMETERS"];
-    let kind = keyword.choice("TYPE", &["ISOTROPIC", "KINEMATIC"])?.unwrap_or("ISOTROPIC");
-    let default = if kind == "ISOTROPIC" { "TABULAR" } else { "HALF CYCLE" };
-    let definition = keyword.choice("DEFINITION", &definitions)?.unwrap_or(default);
-    let (columns, needed): (&'static [&'static str], usize) = match definition {
-        "EXPONENTIAL LAW" => (&["F0", "Q_inf", "b"], 3),
-        "HALF CYCLE" => (&["force", "plastic motion"], 2),
-        "STABILIZED" => (&["force", "plastic motion", "motion range"], 2),
-        "PARAMETERS" => (&["F0", "C", "gamma"], 2),
-        _ => (&["force", "plastic motion", "rate"], 2),
-    };
-    let isotropic = matches!(definition, "TABULAR" | "EXPONENTIAL LAW");
-    if isotropic != (kind == "ISOTROPIC") {
-        let message = format!("{kind} hardening has no definition {definition}");
+    let kind = keyword.choice("TYPE")?.unwrap_or(HardeningKind::Isotropic);
+    let definition = keyword.choice("DEFINITION")?.unwrap_or(match kind {
+        HardeningKind::Isotropic => HardeningDefinition::Tabular,
+        HardeningKind::Kinematic => HardeningDefinition::HalfCycle,
+    });
+    if definition.kind() != kind {
+        let message = format!("{} hardening has no definition {}", kind.spelling(), definition.spelling());
         return Err(Diagnostic::error(Code::ConflictingParameters, keyword.span, message, "TYPE and DEFINITION")
             .help("ISOTROPIC takes TABULAR or EXPONENTIAL LAW, KINEMATIC takes HALF CYCLE, STABILIZED or PARAMETERS"));
     }
@@ -485,9 +488,14 @@ pub(super) fn hardening(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         kind,
         definition,
         rate_filter: keyword.number("RATE FILTER FACTOR")?,
-        rate_interpolation: keyword.choice("RATE INTERPOLATION", &["LINEAR", "LOGARITHMIC"])?,
-        columns,
-        rows: rows(&mut deck.lexer, (&keyword.name, keyword.span), columns, needed, fields)?,
+        rate_interpolation: keyword.choice("RATE INTERPOLATION")?,
+        rows: rows(
+            &mut deck.lexer,
+            (&keyword.name, keyword.span),
+            definition.columns(),
+            definition.needed_columns(),
+            fields,
+        )?,
         table: table_options(keyword)?,
     };
     match deck.behavior(keyword)?.plasticity.last_mut() {
@@ -499,12 +507,12 @@ pub(super) fn hardening(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 pub(super) fn damage_initiation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let fields = keyword.dependencies()?;
-    let criterion = keyword.choice("CRITERION", &["FORCE", "MOTION", "PLASTIC MOTION"])?.unwrap_or("FORCE");
+    let criterion = keyword.choice("CRITERION")?.unwrap_or(DamageCriterion::Force);
     let records = records(&mut deck.lexer, 4 + fields)?;
     if records.is_empty() {
         return Err(no_rows((&keyword.name, keyword.span), &["lower limit", "upper limit"]));
     }
-    if criterion != "PLASTIC MOTION" {
+    if criterion != DamageCriterion::PlasticMotion {
         for record in &records {
             let at = |index: usize| record.values.get(index).copied().flatten();
             check_limits(at(0), at(1), "limit", record.span)?;
@@ -516,7 +524,7 @@ pub(super) fn damage_initiation(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
         potential: None,
         rows: records.into_iter().map(|record| record.values).collect(),
         rate_filter: keyword.number("RATE FILTER FACTOR")?,
-        rate_interpolation: keyword.choice("RATE INTERPOLATION", &["LINEAR", "LOGARITHMIC"])?,
+        rate_interpolation: keyword.choice("RATE INTERPOLATION")?,
         evolution: None,
         table: table_options(keyword)?,
         span: keyword.span,
@@ -541,9 +549,9 @@ pub(super) fn damage_evolution(deck: &mut Deck<'_>, keyword: &Keyword) -> Result
         return Err(no_rows((&keyword.name, keyword.span), &["the motion or energy at failure"]));
     }
     let evolution = DamageEvolution {
-        kind: keyword.choice("TYPE", &["MOTION", "ENERGY"])?.unwrap_or("MOTION"),
-        softening: keyword.choice("SOFTENING", &["LINEAR", "EXPONENTIAL", "TABULAR"])?.unwrap_or("LINEAR"),
-        degradation: keyword.choice("DEGRADATION", &["MAXIMUM", "MULTIPLICATIVE"])?.unwrap_or("MAXIMUM"),
+        kind: keyword.choice("TYPE")?.unwrap_or(DamageEvolutionKind::Motion),
+        softening: keyword.choice("SOFTENING")?.unwrap_or(Softening::Linear),
+        degradation: keyword.choice("DEGRADATION")?.unwrap_or(Degradation::Maximum),
         affected,
         potential: None,
         rows,

@@ -11,7 +11,7 @@ pub(super) fn section(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let element_set = keyword.need_name("ELSET")?;
     let behavior = keyword.name_of("BEHAVIOR")?;
     let controls = keyword.name_of("CONTROLS")?;
-    let elimination = keyword.choice("ELIMINATION", &["NO", "YES"])?.map(|choice| choice == "YES");
+    let elimination = keyword.word("ELIMINATION", &["NO", "YES"])?.map(|choice| choice == "YES");
     let type_names = match deck.lexer.data()? {
         Some(line) => type_names(&line)?,
         None => {

@@ -5,45 +5,23 @@ use super::{Deck, misplaced};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::lexer::{Item, Keyword, normal};
 use crate::scene::model::{
-    Amplitude, Application, Boundary, ConcentratedLoad, ConnectorLoad, ConnectorMotion, DistributedLoad,
-    MotionType, Operation, OutputRequest, Procedure, Solver, Step, Target, Times,
+    Amplitude, AmplitudeDefinition, Application, Boundary, ConcentratedLoad, ConnectorLoad, ConnectorMotion,
+    DistributedLoad, MotionType, OutputRequest, Procedure, Solver, Step, Target, Times,
 };
 use crate::scene::span::Spanned;
 use indexmap::IndexMap;
 
-/// The values of `DEFINITION=` on `*AMPLITUDE`.
-pub(super) const AMPLITUDES: &[&str] = &[
-    "TABULAR",
-    "EQUALLY SPACED",
-    "PERIODIC",
-    "MODULATED",
-    "DECAY",
-    "SMOOTH STEP",
-    "SOLUTION DEPENDENT",
-    "ACTUATOR",
-    "BUBBLE",
-    "SPECTRUM",
-    "PSD DEFINITION",
-    "USER",
-];
-
 /// A number or a set.
 pub(super) fn target(item: &Item<'_>, what: &str) -> Result<Spanned<Target>> {
-    let target = if item.is_integer() || item.looks_numeric() {
-        Target::Label(item.label(what)?)
-    } else {
-        Target::Set(item.name()?.value)
-    };
+    let target =
+        if item.is_label() { Target::Label(item.label(what)?) } else { Target::Set(item.name()?.value) };
     Ok(Spanned::new(target, item.span))
 }
 
 fn application(keyword: &Keyword) -> Result<Application> {
     Ok(Application {
         amplitude: keyword.name_of("AMPLITUDE")?,
-        operation: match keyword.choice("OP", &["MOD", "NEW"])? {
-            Some("NEW") => Operation::New,
-            _ => Operation::Modify,
-        },
+        operation: keyword.choice("OP")?.unwrap_or_default(),
         fixed: keyword.has("FIXED"),
         user: keyword.has("USER"),
         follower: keyword.has("FOLLOWER")
@@ -54,11 +32,7 @@ fn application(keyword: &Keyword) -> Result<Application> {
 }
 
 fn motion_type(keyword: &Keyword) -> Result<MotionType> {
-    Ok(match keyword.choice("TYPE", &["DISPLACEMENT", "VELOCITY", "ACCELERATION"])? {
-        Some("VELOCITY") => MotionType::Velocity,
-        Some("ACCELERATION") => MotionType::Acceleration,
-        _ => MotionType::Displacement,
-    })
+    Ok(keyword.choice("TYPE")?.unwrap_or_default())
 }
 
 /// The step that is being read; the stage of the keyword has been checked.
@@ -229,8 +203,8 @@ pub(super) fn amplitude(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     if let Some(first) = deck.scene.amplitudes.get(&name.value) {
         return Err(keyword.duplicate(&name, first.span));
     }
-    let definition = keyword.choice("DEFINITION", AMPLITUDES)?.unwrap_or("TABULAR");
-    let pairs = matches!(definition, "TABULAR" | "SMOOTH STEP");
+    let definition = keyword.choice("DEFINITION")?.unwrap_or(AmplitudeDefinition::Tabular);
+    let pairs = definition.has_pairs();
     let mut data = Vec::new();
     let mut place = keyword.span;
     let mut before: Option<f64> = None;
@@ -260,8 +234,8 @@ pub(super) fn amplitude(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     }
     let amplitude = Amplitude {
         definition,
-        time: keyword.choice("TIME", &["STEP TIME", "TOTAL TIME"])?,
-        value: keyword.choice("VALUE", &["RELATIVE", "ABSOLUTE"])?,
+        time: keyword.choice("TIME")?,
+        value: keyword.choice("VALUE")?,
         smooth: keyword.number("SMOOTH")?,
         fixed_interval: keyword.number("FIXED INTERVAL")?,
         begin: keyword.number("BEGIN")?,
@@ -285,7 +259,7 @@ pub(super) fn step(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         name: keyword.name_of("NAME")?.map(|name| name.value),
         nlgeom,
         perturbation: keyword.has("PERTURBATION"),
-        default_amplitude: keyword.choice("AMPLITUDE", &["RAMP", "STEP"])?,
+        default_amplitude: keyword.choice("AMPLITUDE")?,
         increments: keyword.get("INC").map(|value| value.integer("INC")).transpose()?,
         span: keyword.span,
         ..Step::default()

@@ -1,8 +1,18 @@
 //! The keywords that are understood: where they may stand, and which parameters they take.
 
 use super::{Deck, behavior, connector, history, mesh};
+use crate::scene::behavior::{
+    Basis, DamageCriterion, DamageEvolutionKind, DampingKind, Degradation, Extrapolation,
+    HardeningDefinition, HardeningKind, Integration, Operator, PotentialOperator, RateInterpolation,
+    Softening,
+};
+use crate::scene::choice::Choice;
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::lexer::Keyword;
+use crate::scene::model::{
+    AmplitudeDefinition, AmplitudeTime, AmplitudeValue, DefaultAmplitude, MotionType, Operation,
+    TransformKind,
+};
 use std::collections::HashSet;
 
 /// Where a keyword may stand.
@@ -113,15 +123,16 @@ use Stage::{Both, History, Model};
 use Takes::{Component, Count, Flag, FlagOr, FlagOrText, Name, Number, One, Text};
 
 const ON_OFF: Takes = One(&["ON", "OFF"]);
-const EXTRAPOLATION: Parameter = may("EXTRAPOLATION", One(&["CONSTANT", "LINEAR"]));
+const EXTRAPOLATION: Parameter = may("EXTRAPOLATION", One(Extrapolation::SPELLINGS));
 const REGULARIZE: Parameter = may("REGULARIZE", ON_OFF);
 const RTOL: Parameter = may("RTOL", Number);
 const DEPENDENCIES: Parameter = may("DEPENDENCIES", Count);
+const INDEPENDENT_COMPONENTS: Parameter = may("INDEPENDENT COMPONENTS", One(Basis::SPELLINGS));
 const COMPONENT: Parameter = may("COMPONENT", Component);
 const AMPLITUDE: Parameter = may("AMPLITUDE", Name);
-const OPERATION: Parameter = may("OP", One(&["MOD", "NEW"]));
+const OPERATION: Parameter = may("OP", One(Operation::SPELLINGS));
 const LOAD_CASE: Parameter = may("LOAD CASE", Count);
-const MOTION_TYPE: Parameter = may("TYPE", One(&["DISPLACEMENT", "VELOCITY", "ACCELERATION"]));
+const MOTION_TYPE: Parameter = may("TYPE", One(MotionType::SPELLINGS));
 
 /// Every keyword that is understood.
 pub(super) static RULES: &[Rule] = &[
@@ -181,7 +192,7 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "TRANSFORM",
         Model,
-        &[need("NSET", Name), may("TYPE", One(&["R", "C", "S"]))],
+        &[need("NSET", Name), may("TYPE", One(TransformKind::SPELLINGS))],
         "one line: Xa, Ya, Za, Xb, Yb, Zb",
         mesh::transform,
     ),
@@ -238,7 +249,7 @@ pub(super) static RULES: &[Rule] = &[
         &[
             need("NAME", Name),
             EXTRAPOLATION,
-            may("INTEGRATION", One(&["IMPLICIT", "EXPLICIT"])),
+            may("INTEGRATION", One(Integration::SPELLINGS)),
             REGULARIZE,
             RTOL,
         ],
@@ -259,7 +270,7 @@ pub(super) static RULES: &[Rule] = &[
             may("RIGID", Flag),
             may("UNSYMM", Flag),
             may("FREQUENCY DEPENDENCE", FlagOr(&["ON", "OFF"])),
-            may("INDEPENDENT COMPONENTS", One(&["POSITION", "CONSTITUTIVE MOTION"])),
+            INDEPENDENT_COMPONENTS,
             DEPENDENCIES,
             EXTRAPOLATION,
             REGULARIZE,
@@ -273,10 +284,10 @@ pub(super) static RULES: &[Rule] = &[
         &[
             COMPONENT,
             may("NONLINEAR", Flag),
-            may("TYPE", One(&["VISCOUS", "STRUCTURAL"])),
+            may("TYPE", One(DampingKind::SPELLINGS)),
             may("UNSYMM", Flag),
             may("FREQUENCY DEPENDENCE", FlagOr(&["ON", "OFF"])),
-            may("INDEPENDENT COMPONENTS", One(&["POSITION", "CONSTITUTIVE MOTION"])),
+            INDEPENDENT_COMPONENTS,
             DEPENDENCIES,
             EXTRAPOLATION,
             REGULARIZE,
@@ -292,7 +303,7 @@ pub(super) static RULES: &[Rule] = &[
             COMPONENT,
             may("CONTACT FORCE", Text),
             may("STICK STIFFNESS", Number),
-            may("INDEPENDENT COMPONENTS", One(&["POSITION", "CONSTITUTIVE MOTION"])),
+            INDEPENDENT_COMPONENTS,
             DEPENDENCIES,
             EXTRAPOLATION,
             REGULARIZE,
@@ -317,9 +328,9 @@ pub(super) static RULES: &[Rule] = &[
         "CONNECTOR DERIVED COMPONENT",
         &[
             need("NAME", Name),
-            may("OPERATOR", One(&["NORM", "SUM", "MACAULEY SUM"])),
+            may("OPERATOR", One(Operator::SPELLINGS)),
             may("SIGN", One(&["POSITIVE", "NEGATIVE"])),
-            may("INDEPENDENT COMPONENTS", One(&["POSITION", "CONSTITUTIVE MOTION"])),
+            INDEPENDENT_COMPONENTS,
             DEPENDENCIES,
             EXTRAPOLATION,
             REGULARIZE,
@@ -330,7 +341,7 @@ pub(super) static RULES: &[Rule] = &[
     ),
     suboption(
         "CONNECTOR POTENTIAL",
-        &[may("OPERATOR", One(&["SUM", "MAX"])), may("EXPONENT", Number)],
+        &[may("OPERATOR", One(PotentialOperator::SPELLINGS)), may("EXPONENT", Number)],
         "each line is: component or derived component, R, α, H, shift, sign",
         behavior::potential,
     ),
@@ -338,10 +349,10 @@ pub(super) static RULES: &[Rule] = &[
     suboption(
         "CONNECTOR HARDENING",
         &[
-            may("TYPE", One(&["ISOTROPIC", "KINEMATIC"])),
-            may("DEFINITION", One(&["TABULAR", "EXPONENTIAL LAW", "HALF CYCLE", "STABILIZED", "PARAMETERS"])),
+            may("TYPE", One(HardeningKind::SPELLINGS)),
+            may("DEFINITION", One(HardeningDefinition::SPELLINGS)),
             may("RATE FILTER FACTOR", Number),
-            may("RATE INTERPOLATION", One(&["LINEAR", "LOGARITHMIC"])),
+            may("RATE INTERPOLATION", One(RateInterpolation::SPELLINGS)),
             DEPENDENCIES,
             EXTRAPOLATION,
             REGULARIZE,
@@ -354,9 +365,9 @@ pub(super) static RULES: &[Rule] = &[
         "CONNECTOR DAMAGE INITIATION",
         &[
             COMPONENT,
-            may("CRITERION", One(&["FORCE", "MOTION", "PLASTIC MOTION"])),
+            may("CRITERION", One(DamageCriterion::SPELLINGS)),
             may("RATE FILTER FACTOR", Number),
-            may("RATE INTERPOLATION", One(&["LINEAR", "LOGARITHMIC"])),
+            may("RATE INTERPOLATION", One(RateInterpolation::SPELLINGS)),
             DEPENDENCIES,
             EXTRAPOLATION,
             REGULARIZE,
@@ -368,9 +379,9 @@ pub(super) static RULES: &[Rule] = &[
     suboption(
         "CONNECTOR DAMAGE EVOLUTION",
         &[
-            may("TYPE", One(&["MOTION", "ENERGY"])),
-            may("SOFTENING", One(&["LINEAR", "EXPONENTIAL", "TABULAR"])),
-            may("DEGRADATION", One(&["MAXIMUM", "MULTIPLICATIVE"])),
+            may("TYPE", One(DamageEvolutionKind::SPELLINGS)),
+            may("SOFTENING", One(Softening::SPELLINGS)),
+            may("DEGRADATION", One(Degradation::SPELLINGS)),
             may("AFFECTED COMPONENTS", Flag),
             DEPENDENCIES,
             EXTRAPOLATION,
@@ -454,9 +465,9 @@ pub(super) static RULES: &[Rule] = &[
         Model,
         &[
             need("NAME", Name),
-            may("DEFINITION", One(history::AMPLITUDES)),
-            may("TIME", One(&["STEP TIME", "TOTAL TIME"])),
-            may("VALUE", One(&["RELATIVE", "ABSOLUTE"])),
+            may("DEFINITION", One(AmplitudeDefinition::SPELLINGS)),
+            may("TIME", One(AmplitudeTime::SPELLINGS)),
+            may("VALUE", One(AmplitudeValue::SPELLINGS)),
             may("SMOOTH", Number),
             may("FIXED INTERVAL", Number),
             may("BEGIN", Number),
@@ -472,7 +483,7 @@ pub(super) static RULES: &[Rule] = &[
             may("NLGEOM", FlagOr(&["YES", "NO"])),
             may("INC", Count),
             may("PERTURBATION", Flag),
-            may("AMPLITUDE", One(&["RAMP", "STEP"])),
+            may("AMPLITUDE", One(DefaultAmplitude::SPELLINGS)),
             may("UNSYMM", One(&["YES", "NO"])),
             may("EXTRAPOLATION", Text),
             may("CONVERT SDI", One(&["YES", "NO"])),
@@ -688,7 +699,7 @@ impl Parameter {
             Number => value.number().map(|_| ()),
             Count => value.integer(self.name).map(|_| ()),
             Component => value.component().map(|_| ()),
-            One(choices) | FlagOr(choices) => value.choice(self.name, choices).map(|_| ()),
+            One(choices) | FlagOr(choices) => value.word(self.name, choices).map(|_| ()),
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::sets::SetBuilder;
 use super::{Deck, table};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
+use crate::scene::label::Label;
 use crate::scene::lexer::{Data, Item, Items, Keyword};
 use crate::scene::model::{
     ConnectorElement, Dimension, Discrete, Mass, Node, PointElement, PointKind, RotaryInertia, Transform,
@@ -25,7 +26,7 @@ pub(super) fn heading(deck: &mut Deck<'_>, _: &Keyword) -> Result<()> {
 pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     reject_input(keyword)?;
     let set = keyword.name_of("NSET")?;
-    let system = keyword.choice("SYSTEM", &["R", "C", "S"])?.unwrap_or("R");
+    let system = keyword.word("SYSTEM", &["R", "C", "S"])?.unwrap_or("R");
     if system == "S" {
         let message = "spherical coordinates of nodes are not supported";
         return Err(Diagnostic::error(Code::BadParameterValue, keyword.span, message, "SYSTEM=S")
@@ -35,7 +36,7 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         set.map(|name| deck.node_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span)));
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
-        let label = items.need("the node number")?.label("the node number")?;
+        let label = items.need("the node number")?.label_number("the node number")?;
         let mut coordinates = [0.0; 3];
         for coordinate in &mut coordinates {
             *coordinate = items.number()?.unwrap_or(0.0);
@@ -49,7 +50,7 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             let (sine, cosine) = sin_cos_degrees(angle);
             coordinates = [radius * cosine, radius * sine, z];
         }
-        match deck.scene.nodes.entry(label) {
+        match deck.scene.nodes.entry(label.into()) {
             Entry::Vacant(place) => {
                 place.insert(Node { coordinates, span: line.span });
             }
@@ -109,7 +110,7 @@ fn members(
         }
         for item in line.items().filter(|item| !item.text.is_empty()) {
             if item.is_integer() {
-                set.push(item.label(what)?, item.span);
+                set.push(item.label_number(what)?, item.span);
             } else if item.looks_numeric() {
                 item.integer(what)?;
             } else {
@@ -122,8 +123,8 @@ fn members(
 
 fn range(line: &Data<'_>, set: &mut SetBuilder, what: &str) -> Result<()> {
     let mut items = line.items();
-    let first = items.need(&format!("{what} to begin with"))?.label(what)?;
-    let last = items.need(&format!("{what} to end with"))?.label(what)?;
+    let first = items.need(&format!("{what} to begin with"))?.label_number(what)?;
+    let last = items.need(&format!("{what} to end with"))?.label_number(what)?;
     let step = items.maybe().map_or(Ok(1), |item| item.integer("the increment"))?;
     items.end("first, last and increment")?;
     let error = |message: String, remedy: &str| {
@@ -205,31 +206,31 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             lines += 1;
             continue;
         }
-        let label = items.need("the element number")?.label("the element number")?;
+        let label = items.need("the element number")?.label_number("the element number")?;
         match &kind {
             ElementType::Connector(dimension) => {
                 let element = connector(*dimension, items, &line)?;
-                let first = deck.scene.point_elements.get(&label).map(|element| element.span);
+                let first = deck.scene.point_elements.get(&Label::from(label)).map(|element| element.span);
                 let first = first.or_else(|| {
-                    let known = deck.scene.connectors.get(&label)?;
+                    let known = deck.scene.connectors.get(&Label::from(label))?;
                     let same =
                         (known.dimension, known.a, known.b) == (element.dimension, element.a, element.b);
                     (!same).then_some(known.span)
                 });
                 check_first(label, first, line.span)?;
-                deck.scene.connectors.entry(label).or_insert(element);
+                deck.scene.connectors.entry(label.into()).or_insert(element);
             }
             ElementType::Point(kind) => {
                 let element = point(*kind, items, &line)?;
-                let first = deck.scene.connectors.get(&label).map(|element| element.span);
+                let first = deck.scene.connectors.get(&Label::from(label)).map(|element| element.span);
                 let first = first.or_else(|| {
-                    let known = deck.scene.point_elements.get(&label)?;
+                    let known = deck.scene.point_elements.get(&Label::from(label))?;
                     let same = (known.kind, known.node, known.second)
                         == (element.kind, element.node, element.second);
                     (!same).then_some(known.span)
                 });
                 check_first(label, first, line.span)?;
-                deck.scene.point_elements.entry(label).or_insert(element);
+                deck.scene.point_elements.entry(label.into()).or_insert(element);
             }
             ElementType::Other(_) => {
                 deck.other_elements.push(label);
@@ -253,7 +254,7 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 }
 
 /// A number that an element of another definition has already.
-pub(super) fn duplicate_element(label: u64, first: Option<u32>, span: Span) -> Diagnostic {
+pub(super) fn duplicate_element(label: Label, first: Option<u32>, span: Span) -> Diagnostic {
     let message = format!("element {label} is defined twice, and differently");
     let place = first.map_or_else(
         || "also an element of a skipped type".to_owned(),
@@ -263,7 +264,7 @@ pub(super) fn duplicate_element(label: u64, first: Option<u32>, span: Span) -> D
 }
 
 fn check_first(label: u64, first: Option<Span>, span: Span) -> Result<()> {
-    first.map_or(Ok(()), |first| Err(duplicate_element(label, Some(first.line()), span)))
+    first.map_or(Ok(()), |first| Err(duplicate_element(label.into(), Some(first.line()), span)))
 }
 
 fn connector(dimension: Dimension, mut items: Items<'_>, line: &Data<'_>) -> Result<ConnectorElement> {
@@ -322,10 +323,10 @@ pub(super) fn orientation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> 
         ("S", System::Spherical),
         ("USER", System::User),
     ];
-    let system = keyword.choice("SYSTEM", &systems.map(|(name, _)| name))?;
+    let system = keyword.word("SYSTEM", &systems.map(|(name, _)| name))?;
     let system =
         systems.into_iter().find(|(name, _)| Some(*name) == system).map_or(System::Rectangular, |(_, s)| s);
-    let definition = keyword.choice("DEFINITION", &["COORDINATES", "NODES", "OFFSET TO NODES"])?;
+    let definition = keyword.word("DEFINITION", &["COORDINATES", "NODES", "OFFSET TO NODES"])?;
     let definition = if system == System::User {
         Definition::None
     } else {
@@ -374,14 +375,16 @@ fn points(line: &Data<'_>, definition: &str) -> Result<Definition> {
         items.end("the coordinates of points a, b and c")?;
         return Ok(Definition::Coordinates { a, b, c });
     }
-    let a = items.need("point a")?.label("the node number")?;
-    let b = items.need("point b")?.label("the node number")?;
-    let c = items.maybe().map(|item| item.label("the node number")).transpose()?;
+    let (a, b) = (items.need("point a")?, items.need("point b")?);
+    let c = items.maybe();
     items.end("the nodes a, b and c")?;
+    let what = "the node number";
     Ok(if definition == "NODES" {
-        Definition::Nodes { a, b, c }
+        let node = |item: Item<'_>| item.label(what);
+        Definition::Nodes { a: node(a)?, b: node(b)?, c: c.map(node).transpose()? }
     } else {
-        Definition::OffsetToNodes { a, b, c }
+        let count = |item: Item<'_>| item.label_number(what);
+        Definition::OffsetToNodes { a: count(a)?, b: count(b)?, c: c.map(count).transpose()? }
     })
 }
 
@@ -404,11 +407,7 @@ fn vector(items: &mut Items<'_>, what: &str) -> Result<[f64; 3]> {
 
 pub(super) fn transform(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let node_set = keyword.need_name("NSET")?;
-    let kind = match keyword.choice("TYPE", &["R", "C", "S"])? {
-        Some("C") => TransformKind::Cylindrical,
-        Some("S") => TransformKind::Spherical,
-        _ => TransformKind::Rectangular,
-    };
+    let kind = keyword.choice("TYPE")?.unwrap_or(TransformKind::Rectangular);
     let Some(line) = deck.lexer.row()? else {
         return Err(table::no_rows((&keyword.name, keyword.span), &["Xa", "Ya", "Za", "Xb", "Yb", "Zb"]));
     };

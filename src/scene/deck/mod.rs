@@ -13,6 +13,7 @@ mod sets;
 mod table;
 
 use super::behavior::Behavior;
+use super::choice::Choice;
 use super::diagnostic::{Code, Diagnostic, Result, nearest};
 use super::lexer::{Keyword, Lexer, Value};
 use super::model::{MAX_WARNINGS, Scene, Step};
@@ -308,8 +309,17 @@ impl Keyword {
         self.component("COMPONENT")?.ok_or_else(|| self.missing("COMPONENT"))
     }
 
-    fn choice(&self, parameter: &str, choices: &[&'static str]) -> Result<Option<&'static str>> {
-        self.get(parameter).map(|value| value.choice(parameter, choices)).transpose()
+    fn word(&self, parameter: &str, words: &[&'static str]) -> Result<Option<&'static str>> {
+        self.get(parameter).map(|value| value.word(parameter, words)).transpose()
+    }
+
+    fn choice<C: Choice>(&self, parameter: &str) -> Result<Option<C>> {
+        Ok(self.word(parameter, C::SPELLINGS)?.and_then(C::of_spelling))
+    }
+
+    /// ON or OFF.
+    fn switch(&self, parameter: &str) -> Result<Option<bool>> {
+        Ok(self.word(parameter, &["ON", "OFF"])?.map(|word| word == "ON"))
     }
 
     /// `DEPENDENCIES=`: the number of field variables in a table.

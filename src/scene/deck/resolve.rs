@@ -6,6 +6,7 @@ use super::mesh::duplicate_element;
 use super::sets::{self, Kind, Member, unknown_set};
 use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::scene::label::Label;
 use crate::scene::model::{Discrete, End, Mpc, MpcKind, PointKind, Scene, Set, Target};
 use crate::scene::span::{Span, Spanned};
 
@@ -29,7 +30,7 @@ fn undefined(kind: Kind) -> impl Fn() -> String {
     }
 }
 
-fn unknown(kind: Kind, label: u64, span: Span) -> Diagnostic {
+fn unknown(kind: Kind, label: Label, span: Span) -> Diagnostic {
     let name = kind.name();
     let message = format!("there is no {name} {label}");
     Diagnostic::error(kind.unknown(), span, message, "not defined").help(undefined(kind)())
@@ -43,7 +44,7 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
     let points = scene.point_elements.iter();
     let points = points.map(|(&label, element)| (label, element.span, [Some(element.node), element.second]));
     for (label, span, nodes) in connectors.chain(points) {
-        if deck.other_elements.contains(label) {
+        if deck.other_elements.contains(label.number()) {
             return Err(duplicate_element(label, None, span));
         }
         for node in nodes.into_iter().flatten() {
@@ -60,9 +61,12 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
 fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
     let scene = &deck.scene;
     let mut warnings = Vec::new();
-    let node = |label| if scene.nodes.contains_key(&label) { Member::Modelled } else { Member::Unknown };
-    let element = |label| {
-        if scene.connectors.contains_key(&label) || scene.point_elements.contains_key(&label) {
+    let node = |label: u64| {
+        if scene.nodes.contains_key(&Label::from(label)) { Member::Modelled } else { Member::Unknown }
+    };
+    let element = |label: u64| {
+        let known = Label::from(label);
+        if scene.connectors.contains_key(&known) || scene.point_elements.contains_key(&known) {
             Member::Modelled
         } else if deck.other_elements.contains(label) {
             Member::Unmodelled
@@ -329,7 +333,7 @@ fn node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
     scene.node_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Node, name, names()))
 }
 
-fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<u64>> {
+fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<Label>> {
     match &target.value {
         Target::Label(label) if scene.nodes.contains_key(label) => Ok(vec![*label]),
         Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
@@ -364,8 +368,8 @@ fn mpcs(scene: &Scene, raw: &[RawMpc]) -> Result<Vec<Mpc>> {
                 );
             }
             for index in 0..count {
-                let at = |members: &Vec<u64>| members.get(index).or(members.first()).copied();
-                let chosen: Vec<u64> = nodes.iter().filter_map(at).collect();
+                let at = |members: &Vec<Label>| members.get(index).or(members.first()).copied();
+                let chosen: Vec<Label> = nodes.iter().filter_map(at).collect();
                 if chosen.first().is_some_and(|dependent| chosen[1..].contains(dependent)) {
                     return bad(
                         format!("node {} is constrained to itself", chosen[0]),
@@ -388,7 +392,7 @@ fn actuation(deck: &Deck<'_>) -> Result<()> {
         check_name(name.as_ref(), &scene.amplitudes, "amplitude", "AMPLITUDE", Code::UnknownAmplitude)
     };
     let connectors = |target: &Spanned<Target>| {
-        let named = |label: &u64| scene.connectors.contains_key(label);
+        let named = |label: &Label| scene.connectors.contains_key(label);
         let wrong = |what: String| {
             let message = format!("{what} cannot be driven or loaded by component");
             Err(Diagnostic::error(Code::WrongElementType, target.span, message, "not a connector")
@@ -436,7 +440,7 @@ fn actuation(deck: &Deck<'_>) -> Result<()> {
                 Some(Spanned { value: Target::Label(label), span }) => {
                     let known = scene.connectors.contains_key(label)
                         || scene.point_elements.contains_key(label)
-                        || deck.other_elements.contains(*label);
+                        || deck.other_elements.contains(label.number());
                     if !known {
                         return Err(unknown(Kind::Element, *label, *span));
                     }

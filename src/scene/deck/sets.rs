@@ -220,7 +220,7 @@ fn expand(
     let (mut found, mut gaps, mut label) = (0_u64, 0_u64, first);
     while label <= last {
         match member(label) {
-            Member::Modelled => set.labels.push(label),
+            Member::Modelled => set.labels.push(label.into()),
             Member::Unmodelled => set.unmodelled += 1,
             Member::Unknown if generated => gaps += 1,
             Member::Unknown => {

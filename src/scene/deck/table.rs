@@ -30,7 +30,7 @@ impl Record {
         let rest = values.split_off(columns.min(values.len()));
         values.resize(columns, None);
         let mut rest = rest.into_iter();
-        Row { values, temperature: rest.next().flatten(), fields: rest.collect() }
+        Row { values, temperature: rest.next().flatten(), fields: rest.collect(), span: self.span }
     }
 }
 
