@@ -2,7 +2,7 @@
 //! there is compared with what the declaration says.
 
 use super::bound::{Bound, U};
-use super::case::{Case, Step, turn};
+use super::case::{Case, Step, carried, turn};
 use super::quantity::{Numbers, Quantity, product};
 use super::sample::{Draw, Motion, about_1, about_3, cube_orientations, definition, pair};
 use super::truth::Truth;
@@ -232,6 +232,31 @@ pub fn near(
     step.state.acceleration = draw.rates(1.0);
     let name = format!("{} {distance:e} from {}", connection.name, set.at);
     Some(Case { name, definition, start: None, path: vec![step], length: 1.0 })
+}
+
+/// Random states near the singular sets of a type: 1e-1 to 1e-12 away, from either side, from any direction, with both nodes
+/// turned besides. Nothing for a type that has no singular set.
+pub fn random_near(connection: &ConnectionType, draw: &mut Draw) -> Option<Case> {
+    let measures: Vec<Measure> = connection
+        .slots
+        .iter()
+        .filter_map(|slot| slot.position())
+        .filter(|measure| measure.singular_set().is_some())
+        .collect();
+    let measure = *measures.get(draw.below(measures.len()))?;
+    let sign = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
+    let distance = sign * 10.0_f64.powf(-draw.between(1.0, 12.0));
+    // A strain has no other side.
+    let distance = if measure == Measure::Strain { distance.abs() } else { distance };
+    let azimuth = draw.between(-PI, PI);
+    let mut case = near(connection, measure, distance, azimuth, draw)?;
+    // Turned together, exactly: entries change places and signs.
+    let cubes = cube_orientations();
+    let together = cubes[draw.below(cubes.len())];
+    for step in &mut case.path {
+        step.state.pair = carried(&step.state.pair, &together, [0.0; 3]);
+    }
+    Some(case)
 }
 
 /// φ of length 2π − distance, reached in steps.

@@ -11,7 +11,7 @@ use super::quantity::{Numbers, Quantity, product};
 use super::sample::{Draw, Extent, cases, random_case};
 use super::truth::Truth;
 use super::verdict::{Finding, Judgement, Score, Surroundings, Verdict, judge, try_mutants};
-use crate::catalog::{ConnectionType, TABLE};
+use crate::catalog::{ConnectionType, Slot, TABLE};
 use crate::measure::Unit;
 use crate::node::DOFS;
 use rayon::prelude::*;
@@ -23,6 +23,8 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Settings {
     /// States per type for the oracles on doubles.
     pub states: usize,
+    /// States per type near its singular sets, besides.
+    pub near_singular_states: usize,
     /// States per type for the oracles on 237 bits, chosen to cover the regions.
     pub wide_states: usize,
     /// The oracles asked.
@@ -36,7 +38,8 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            states: 1000,
+            states: 800,
+            near_singular_states: 200,
             wide_states: 30,
             oracles: Oracle::ALL.into(),
             seed: "pintle".into(),
@@ -282,24 +285,23 @@ fn spread(count: usize, wanted: usize) -> BTreeSet<usize> {
 
 fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let regions = cases(connection, Extent::Full);
-    let wide = spread(regions.len(), settings.wide_states);
-    let count = settings.states.max(regions.len());
-    let checks = gather((0..count).into_par_iter().map(|i| {
-        let drawn;
-        let case = match regions.get(i) {
-            Some(case) => case,
-            None => {
-                let draw = &mut Draw::new(&format!("{} {} {i}", settings.seed, connection.name));
-                drawn = random_case(connection, draw);
-                match &drawn {
-                    Some(case) => case,
-                    None => return Vec::new(),
-                }
-            }
+    let has_singular_set = |slot: &Slot| slot.position().is_some_and(|m| m.singular_set().is_some());
+    let near = if connection.slots.iter().any(has_singular_set) { settings.near_singular_states } else { 0 };
+    // Most of the wide states cover the regions, the others lie near singular sets.
+    let near_wide = if near > 0 { settings.wide_states / 4 } else { 0 };
+    let regular = settings.states.max(regions.len());
+    let mut wide = spread(regions.len(), settings.wide_states - near_wide);
+    wide.extend(spread(near, near_wide).into_iter().map(|i| regular + i));
+    let count = regular + near;
+    let mut checks = gather((0..count).into_par_iter().map(|i| {
+        let draw = &mut Draw::new(&format!("{} {} {i}", settings.seed, connection.name));
+        let drawn = match regions.get(i) {
+            Some(case) => Some(case.clone()),
+            None if i < regular => random_case(connection, draw),
+            None => atlas::random_near(connection, draw),
         };
-        audit_case(case, settings, wide.contains(&i), i)
+        drawn.map_or_else(Vec::new, |case| audit_case(&case, settings, wide.contains(&i), i))
     }));
-    let mut checks = checks;
     for law in [Invariant::Start, Invariant::Turns] {
         let demands = invariant::of_type(connection, law);
         if !demands.is_empty() {

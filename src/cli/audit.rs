@@ -24,6 +24,9 @@ pub(crate) struct Audit {
     /// States per type for the oracles on doubles
     #[arg(long, value_name = "COUNT", default_value_t = Settings::default().states)]
     states: usize,
+    /// States per type near its singular sets, besides
+    #[arg(long, value_name = "COUNT", default_value_t = Settings::default().near_singular_states)]
+    near_singular_states: usize,
     /// States per type for the oracles on 237 bits
     #[arg(long, value_name = "COUNT", default_value_t = Settings::default().wide_states)]
     wide_states: usize,
@@ -54,6 +57,7 @@ fn oracle(name: &str) -> Result<Oracle, String> {
 pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     let mut settings = Settings {
         states: arguments.states,
+        near_singular_states: arguments.near_singular_states,
         wide_states: arguments.wide_states,
         seed: arguments.seed.clone(),
         ..Settings::default()
