@@ -54,6 +54,8 @@ impl Default for Settings {
 pub enum Against {
     /// An oracle's.
     Oracle(Oracle),
+    /// Differences of the candidate's own values.
+    Own,
     /// Each other, by a law.
     Law(Invariant),
 }
@@ -63,6 +65,7 @@ impl Against {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Oracle(oracle) => oracle.name(),
+            Self::Own => "differences of its own values",
             Self::Law(law) => law.name(),
         }
     }
@@ -93,7 +96,7 @@ pub struct Check {
 }
 
 impl Check {
-    fn new(quantity: Option<Quantity>, against: Against) -> Self {
+    pub(super) fn new(quantity: Option<Quantity>, against: Against) -> Self {
         Self {
             quantity,
             against,
@@ -107,7 +110,21 @@ impl Check {
         }
     }
 
-    fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
+    /// An entry that must be there and is not.
+    pub(super) fn missing(&mut self, entry: String, case: &Case) {
+        let worst = Finding {
+            entry: format!("{entry} is missing"),
+            at: (0, 0),
+            got: f64::NAN,
+            want: f64::NAN,
+            tolerance: 0.0,
+            units: f64::INFINITY,
+            one_sided: None,
+        };
+        self.add(Judgement { verdict: Verdict::Wrong, worst: Some(worst), compared: 1 }, Score::default(), case);
+    }
+
+    pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
         *self.states.entry(judgement.verdict).or_default() += 1;
         self.compared += judgement.compared as u64;
         let severer = judgement.verdict > self.verdict;
@@ -160,14 +177,15 @@ pub struct Subject {
 }
 
 impl Subject {
-    fn new(name: String, connection: &ConnectionType, cases: u64, mut checks: Vec<Check>) -> Self {
+    pub(super) fn new(name: String, connection: &ConnectionType, cases: u64, mut checks: Vec<Check>) -> Self {
         for check in &mut checks {
             check.score.finish();
         }
         let certificate = certificate(connection);
-        let witnessed = Quantity::ALL.into_iter().all(|quantity| {
+        let judged: BTreeSet<Quantity> = checks.iter().filter_map(|check| check.quantity).collect();
+        let witnessed = !judged.is_empty() && judged.iter().all(|quantity| {
             checks.iter().any(|check| {
-                check.quantity == Some(quantity)
+                check.quantity == Some(*quantity)
                     && check.compared > 0
                     && matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
             })
@@ -348,23 +366,26 @@ fn finding(demand: &invariant::Demand, units: f64, got: f64) -> Finding {
     }
 }
 
-/// The checks of many cases, in the order in which they first occur, whatever the number of threads.
+/// The checks of many cases, whatever the number of threads.
 fn gather(cases: impl IndexedParallelIterator<Item = Vec<Check>>) -> Vec<Check> {
     let all: Vec<Vec<Check>> = cases.collect();
-    let mut order: Vec<Check> = Vec::new();
-    let mut place: BTreeMap<(Option<Quantity>, Against), usize> = BTreeMap::new();
-    for check in all.into_iter().flatten() {
-        let key = (check.quantity, check.against);
-        match place.get(&key) {
-            Some(at) => order[*at].merge(check),
-            None => {
-                place.insert(key, order.len());
-                order.push(check);
-            }
+    let mut found = Vec::new();
+    for checks in all {
+        checks_of(&mut found, checks);
+    }
+    found.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
+    found
+}
+
+/// Adds the checks of one case to those of others.
+pub(super) fn checks_of(found: &mut Vec<Check>, checks: Vec<Check>) {
+    for check in checks {
+        let same = found.iter_mut().find(|known| (known.quantity, known.against) == (check.quantity, check.against));
+        match same {
+            Some(known) => known.merge(check),
+            None => found.push(check),
         }
     }
-    order.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
-    order
 }
 
 /// How often, among the states on doubles only, mutants and laws are tried.
@@ -377,7 +398,7 @@ pub fn audit_case(case: &Case, settings: &Settings, wide: bool, index: usize) ->
 }
 
 /// Judges numbers, the product's or another's, at the end of a case.
-pub(super) fn judge_numbers(
+fn judge_numbers(
     case: &Case,
     numbers: &Numbers<f64>,
     narrow: &Narrow,

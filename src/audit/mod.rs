@@ -15,21 +15,28 @@
 
 pub mod atlas;
 pub mod bound;
+mod candidate;
 pub mod case;
 pub mod certificate;
+pub mod counterexample;
 mod engine;
+mod hex;
 pub mod invariant;
 pub mod mutant;
 pub mod oracle;
 pub mod quantity;
 pub mod sample;
+pub mod shrink;
 pub mod truth;
 pub mod verdict;
 
 pub use atlas::Approach;
 pub use bound::{Bound, C, U};
+pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
+pub use counterexample::CounterExample;
 pub use engine::{Against, Check, Report, Settings, Subject, audit_case, audit_catalogue, audit_cases};
+pub use hex::Hex;
 pub use invariant::Invariant;
 pub use oracle::Oracle;
 pub use quantity::{Entries, Numbers, Quantity};

@@ -119,6 +119,11 @@ pub struct Answer {
 }
 
 impl Answer {
+    /// Doubles that are taken for exact.
+    pub fn of(oracle: Oracle, numbers: &Entries<f64>) -> Self {
+        Self::sharp(oracle, numbers.map(|_, _, x| Wide::from_f64(x)))
+    }
+
     fn sharp(oracle: Oracle, numbers: Entries<Wide>) -> Self {
         // 45 digits or more, against a tolerance of 16.
         let error = numbers.map(|_, _, _| 0.0);
@@ -204,48 +209,14 @@ impl Narrow {
         Answer { oracle: Oracle::NodalDual, numbers, error }
     }
 
-    /// First derivatives by central differences on doubles: the best of a ladder of steps, the error estimated from its
-    /// neighbours and from the rounding of the values.
+    /// First derivatives by central differences on doubles: the best of a ladder of steps, none of which leads over a singular
+    /// set.
     pub fn differences(&self, bound: &Bound) -> Answer {
-        const LADDER: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
-        // No step leads over a singular set.
         let near = self.nearness();
-        let mut numbers: Components<Vec<Wide>> = [const { None }; 6];
-        let mut errors: Components<Vec<f64>> = [const { None }; 6];
-        for k in (0..6).filter(|k| self.connector.differentiated(*k).is_some_and(|m| !m.is_one_form())) {
-            numbers[k] = Some(vec![Wide::from_f64(0.0); DOFS]);
-            errors[k] = Some(vec![0.0; DOFS]);
-        }
-        for j in (0..DOFS).filter(|j| self.connector.active()[*j]) {
-            let size = dof_size(j, self.length);
-            let estimates = LADDER.map(|h| {
-                let h = h * near;
-                let along = |sign: f64| {
-                    let mut by = [0.0; DOFS];
-                    by[j] = sign * h * size;
-                    self.values(&by)
-                };
-                let (plus, minus) = (along(1.0), along(-1.0));
-                std::array::from_fn::<_, 6, _>(|k| Some((plus[k]? - minus[k]?) / (2.0 * h * size)))
-            });
-            for k in 0..6 {
-                let (Some(numbers), Some(errors)) = (&mut numbers[k], &mut errors[k]) else { continue };
-                let scale = bound.scale(Quantity::Value, k, 0) + bound.scale(Quantity::FirstDerivatives, k, j) * size;
-                let mut best = (0.0, f64::INFINITY);
-                for (i, pair) in estimates.windows(2).enumerate() {
-                    let (Some(coarse), Some(fine)) = (pair[0][k], pair[1][k]) else { continue };
-                    // The finer truncates a hundredth of what the coarser does; what is left of the difference is rounding.
-                    let rounding = 16.0 * U * scale / (LADDER[i + 1] * near * size);
-                    let error = (coarse - fine).abs() + rounding;
-                    if error < best.1 {
-                        best = (fine, error);
-                    }
-                }
-                numbers[j] = Wide::from_f64(best.0);
-                errors[j] = best.1;
-            }
-        }
-        Answer { oracle: Oracle::Differences, numbers: Entries(numbers), error: Entries(errors) }
+        let has_function = |k| self.connector.differentiated(k).is_some_and(|m| !m.is_one_form());
+        let size = |j: usize| dof_size(j, self.length) * near;
+        let components = std::array::from_fn(has_function);
+        central_differences(|by| self.values(by), components, &size, self.connector.active(), bound)
     }
 
     /// Σ_jk v_j w_k ∂²f/∂q_j∂q_k of every component, by hyper-dual numbers in the nodal degrees of freedom.
@@ -266,6 +237,51 @@ impl Narrow {
     pub const fn active(&self) -> &[bool; DOFS] {
         self.connector.active()
     }
+}
+
+/// Central differences of a function of the nodal degrees of freedom on doubles: the best of a ladder of steps h·`size`(j), the
+/// error estimated from its neighbours and from the rounding of the values.
+pub fn central_differences(
+    values: impl Fn(&[f64; DOFS]) -> Components<f64>,
+    components: [bool; 6],
+    size: &dyn Fn(usize) -> f64,
+    active: &[bool; DOFS],
+    bound: &Bound,
+) -> Answer {
+    const LADDER: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
+    let mut numbers: Components<Vec<Wide>> =
+        components.map(|is| is.then(|| vec![Wide::from_f64(0.0); DOFS]));
+    let mut errors: Components<Vec<f64>> = components.map(|is| is.then(|| vec![0.0; DOFS]));
+    for j in (0..DOFS).filter(|j| active[*j]) {
+        let estimates = LADDER.map(|h| {
+            let h = h * size(j);
+            let along = |sign: f64| {
+                let mut by = [0.0; DOFS];
+                by[j] = sign * h;
+                values(&by)
+            };
+            let (plus, minus) = (along(1.0), along(-1.0));
+            std::array::from_fn::<_, 6, _>(|k| Some((plus[k]? - minus[k]?) / (2.0 * h)))
+        });
+        for k in 0..6 {
+            let (Some(numbers), Some(errors)) = (&mut numbers[k], &mut errors[k]) else { continue };
+            let scale =
+                bound.scale(Quantity::Value, k, 0) + bound.scale(Quantity::FirstDerivatives, k, j) * size(j);
+            let mut best = (f64::NAN, f64::INFINITY);
+            for (i, pair) in estimates.windows(2).enumerate() {
+                let (Some(coarse), Some(fine)) = (pair[0][k], pair[1][k]) else { continue };
+                // The finer truncates a hundredth of what the coarser does; what is left of the difference is rounding.
+                let rounding = 16.0 * U * scale / (LADDER[i + 1] * size(j));
+                let error = (coarse - fine).abs() + rounding;
+                if error < best.1 {
+                    best = (fine, error);
+                }
+            }
+            numbers[j] = Wide::from_f64(best.0);
+            errors[j] = best.1;
+        }
+    }
+    Answer { oracle: Oracle::Differences, numbers: Entries(numbers), error: Entries(errors) }
 }
 
 /// The order at which the remainder f(q + hv) − f(q) − h ∂f·v vanishes, for a row that is to be judged.
