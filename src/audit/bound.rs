@@ -26,7 +26,7 @@ pub const U: f64 = 1.0 / 9_007_199_254_740_992.0;
 
 /// C, stated in every report: how many roundings of the conditioned scale are allowed. The worst ever measured over the
 /// catalogue is in `verify/audit.rs`.
-pub const C: f64 = 8.0;
+pub const C: f64 = 4.0;
 
 /// Tolerances and scales of everything that is judged at one state.
 #[derive(Clone, Debug, Default)]

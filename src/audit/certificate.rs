@@ -14,8 +14,15 @@ use std::sync::LazyLock;
 pub struct Certificate {
     /// States at which JAX, with formulas of its own, gives the same values, rates, rows and second derivatives.
     pub jax_states: u64,
-    /// Fields of the manual's summary table that were typed a second time and agree.
-    pub manual_fields: u64,
+    /// The page of the manual whose summary was typed a second time and agrees; it says what of it could not be read.
+    pub manual_page: String,
+}
+
+impl Certificate {
+    /// Whether all that the declaration says was read in the manual.
+    pub fn is_declaration_read(&self) -> bool {
+        !self.manual_page.is_empty() && !self.manual_page.contains("unread")
+    }
 }
 
 static CERTIFICATES: LazyLock<BTreeMap<String, Certificate>> =
@@ -35,6 +42,6 @@ pub fn certificate(connection: &ConnectionType) -> Option<Certificate> {
     let (t, r) = (CERTIFICATES.get(translational.name)?, CERTIFICATES.get(rotational.name)?);
     Some(Certificate {
         jax_states: t.jax_states.min(r.jax_states),
-        manual_fields: t.manual_fields.min(r.manual_fields),
+        manual_page: format!("{} + {}", t.manual_page, r.manual_page),
     })
 }

@@ -84,7 +84,9 @@ pub struct Check {
     pub states: BTreeMap<Verdict, u64>,
     /// Entries compared.
     pub compared: u64,
-    /// The entry nearest to, or farthest beyond, its tolerance.
+    /// The largest error in units of its tolerance, at any state.
+    pub largest: f64,
+    /// The entry that decided the verdict: nearest to, or farthest beyond, its tolerance.
     pub worst: Option<Finding>,
     /// The state at which it was found.
     pub worst_state: Option<String>,
@@ -103,6 +105,7 @@ impl Check {
             verdict: Verdict::Pass,
             states: BTreeMap::new(),
             compared: 0,
+            largest: 0.0,
             worst: None,
             worst_state: None,
             score: Score::default(),
@@ -129,6 +132,7 @@ impl Check {
         self.compared += judgement.compared as u64;
         let severer = judgement.verdict > self.verdict;
         let units = |finding: &Option<Finding>| finding.as_ref().map_or(-1.0, |f| f.units);
+        self.largest = self.largest.max(units(&judgement.worst));
         if severer || (judgement.verdict == self.verdict && units(&judgement.worst) > units(&self.worst)) {
             self.worst = judgement.worst;
             self.worst_state = Some(case.name.clone());
@@ -146,6 +150,7 @@ impl Check {
         }
         self.compared += other.compared;
         let units = |finding: &Option<Finding>| finding.as_ref().map_or(-1.0, |f| f.units);
+        self.largest = self.largest.max(other.largest);
         let severer = other.verdict > self.verdict;
         if severer || (other.verdict == self.verdict && units(&other.worst) > units(&self.worst)) {
             self.worst = other.worst;
@@ -198,13 +203,13 @@ impl Subject {
         let derivative = of(|against| !matches!(against, Against::Law(Invariant::Sparsity)));
         let declaration = of(is_declared);
         let proven = |is: bool| if is { Verdict::Pass } else { Verdict::Undecided };
-        let has = |count: fn(&Certificate) -> u64| certificate.as_ref().is_some_and(|c| count(c) > 0);
+        let has = |is: fn(&Certificate) -> bool| certificate.as_ref().is_some_and(is);
         Self {
             name,
             cases,
             derivative: if witnessed { derivative } else { derivative.max(Verdict::Undecided) },
-            formula: proven(has(|c| c.jax_states)),
-            declaration: declaration.max(proven(has(|c| c.manual_fields))),
+            formula: proven(has(|c| c.jax_states > 0)),
+            declaration: declaration.max(proven(has(Certificate::is_declaration_read))),
             checks,
             certificate,
         }
@@ -459,7 +464,7 @@ fn judge_numbers(
             let proves = nearness > 0.0 && (wide || index.is_multiple_of(SOMETIMES));
             let score = if proves {
                 let made = made.get_or_insert_with(|| make(quantity));
-                try_mutants(quantity, got, &answer, &bound, made)
+                try_mutants(quantity, got, &answer, &bound, &|i| quantity.entry_size(i, case.length), made)
             } else {
                 Score::default()
             };

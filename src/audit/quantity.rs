@@ -1,6 +1,6 @@
 //! What is judged: the numbers of one evaluation, each with a name.
 
-use super::case::Case;
+use super::case::{Case, dof_size};
 use crate::catalog::COMPONENT;
 use crate::connector::{Components, Evaluation, Output, Request};
 use crate::node::{DOF, DOFS};
@@ -44,6 +44,15 @@ impl Quantity {
             Self::Value | Self::Rate | Self::Acceleration => 1,
             Self::FirstDerivatives => DOFS,
             Self::SecondDerivatives => DOFS * DOFS,
+        }
+    }
+
+    /// The size of the degrees of freedom of entry `i`: s_j, or s_j s_k.
+    pub fn entry_size(self, i: usize, length: f64) -> f64 {
+        match self {
+            Self::FirstDerivatives => dof_size(i, length),
+            Self::SecondDerivatives => dof_size(i / DOFS, length) * dof_size(i % DOFS, length),
+            Self::Value | Self::Rate | Self::Acceleration => 1.0,
         }
     }
 

@@ -15,7 +15,7 @@ pub fn shrink(case: &Case, fails: &dyn Fn(&Case) -> bool) -> Case {
     if !fails(&best) {
         return best;
     }
-    let mut attempt = |best: &mut Case, changed: Case| {
+    let attempt = |best: &mut Case, changed: Case| {
         let kept = fails(&changed);
         if kept {
             *best = changed;

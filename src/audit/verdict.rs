@@ -53,6 +53,11 @@ impl Verdict {
         }
     }
 
+    /// The verdict as a headline: a state that is ill-conditioned passes.
+    pub const fn headline(self) -> Self {
+        if matches!(self, Self::IllConditioned) { Self::Pass } else { self }
+    }
+
     /// Whether it is a verified mismatch.
     pub const fn is_mismatch(self) -> bool {
         matches!(self, Self::UnstableFormula | Self::Wrong | Self::Invalid)
@@ -196,7 +201,7 @@ pub struct Score {
     pub survived: u64,
     /// The mistakes that survived, with an entry each.
     pub survivors: BTreeMap<String, String>,
-    /// The smallest δ for which every entry × (1 + δ) was noticed: the worst of all states.
+    /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states.
     pub detectable: f64,
     /// The same at the median state.
     pub detectable_median: f64,
@@ -231,18 +236,28 @@ impl Score {
     }
 }
 
-/// Tries every mutant on the same comparison.
+/// Entries smaller than this part of the largest of their row, in units of the degrees of freedom, do not count for the smallest
+/// error that is noticed: what is left of a cancellation has no relative error of its own.
+const SIGNIFICANT: f64 = 1e-3;
+
+/// Tries every mutant on the same comparison; `size` is the unit of an entry's degrees of freedom.
 pub fn try_mutants(
     quantity: Quantity,
     got: &Entries<f64>,
     answer: &Answer,
     bound: &Bound,
+    size: &dyn Fn(usize) -> f64,
     mutants: &[Mutant],
 ) -> Score {
     let mut score = Score::default();
     // The smallest ladder step from which on every entry was noticed.
     let mut missed = 0.0_f64;
     let mut smallest = f64::INFINITY;
+    let entry_size = size;
+    let mut largest = [0.0_f64; 6];
+    for (k, i, x) in got.iter() {
+        largest[k] = largest[k].max(x.abs() * entry_size(i));
+    }
     let answered = |(k, _, _): &(usize, usize, f64)| answer.numbers.0[*k].is_some();
     for mutant in mutants.iter().filter(|mutant| mutant.changes.iter().any(answered)) {
         let mut change = 0.0_f64;
@@ -259,9 +274,10 @@ pub fn try_mutants(
             change = change.max(if moved == 0.0 { 0.0 } else { moved / allowed });
             noticed |= units(*x, want, allowed) > 1.0;
         }
-        if let Mistake::Scaled(delta) = mutant.mistake {
+        if let (Mistake::Scaled(delta), Some((k, i, _))) = (mutant.mistake, mutant.changes.first()) {
             smallest = smallest.min(delta);
-            if !noticed && change > 0.0 {
+            let size = got.get(*k, *i).unwrap_or(0.0).abs() * entry_size(*i);
+            if !noticed && size >= SIGNIFICANT * largest[*k] {
                 missed = missed.max(delta);
             }
         }

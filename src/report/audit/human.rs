@@ -32,6 +32,12 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     }
     writeln!(out)?;
     subjects(out, report)?;
+    for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
+        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
+        for line in wrap(&format!("{}: declaration undecided: {page}", subject.name), width.saturating_sub(2)) {
+            writeln!(out, "  {}", styled(DIM, line))?;
+        }
+    }
     for subject in &report.subjects {
         let telling = subject.checks.iter().filter(|check| {
             verbose || check.verdict > Verdict::IllConditioned || check.score.survived > 0
@@ -54,13 +60,14 @@ fn count(n: usize, noun: &str) -> String {
 }
 
 fn word(verdict: Verdict) -> String {
+    let verdict = verdict.headline();
     if verdict.is_mismatch() { styled(CARE, verdict.name()) } else { verdict.name().to_string() }
 }
 
 /// The worst error of the sharp oracles in units of the tolerance.
 fn worst(subject: &Subject, quantity: Quantity) -> String {
     let of_it = subject.checks.iter().filter(|check| check.quantity == Some(quantity) && is_sharp(check));
-    let units = of_it.filter_map(|check| Some(check.worst.as_ref()?.units)).fold(None, |most: Option<f64>, x| {
+    let units = of_it.map(|check| check.largest).fold(None, |most: Option<f64>, x| {
         Some(most.map_or(x, |most| most.max(x)))
     });
     units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))
