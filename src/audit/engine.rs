@@ -4,11 +4,13 @@ use super::atlas::{self, Approach, truth_to_f64};
 use super::bound::{Bound, C};
 use super::case::Case;
 use super::certificate::{Certificate, certificate};
+use super::counterexample::CounterExample;
 use super::invariant::{self, Context, Invariant};
 use super::mutant::{self, Mistake, Mutant, mutants};
 use super::oracle::{Narrow, Oracle, WideAnswers, remainders};
 use super::quantity::{Numbers, Quantity, product};
 use super::sample::{Draw, Extent, cases, random_case};
+use super::shrink::shrink;
 use super::truth::Truth;
 use super::verdict::{Finding, Judgement, Score, Surroundings, Verdict, judge, try_mutants};
 use crate::catalog::{ConnectionType, Slot, TABLE};
@@ -252,6 +254,30 @@ impl Report {
     pub fn survivors(&self) -> u64 {
         let checks = self.subjects.iter().flat_map(|subject| &subject.checks);
         checks.map(|check| check.score.survived).sum()
+    }
+
+    /// A counter-example for every failed check of an oracle, by file name, shrunk to the simplest values that still fail.
+    pub fn counter_examples(&self) -> Vec<(String, CounterExample)> {
+        let mut found = Vec::new();
+        for subject in &self.subjects {
+            let failed = subject.checks.iter().filter(|check| check.verdict.is_mismatch());
+            for (i, check) in failed.enumerate() {
+                let Some(case) = &check.failing else { continue };
+                let same = |case: &Case| {
+                    let checks = audit_case(case, &self.settings, true, 0);
+                    checks.into_iter().find(|other| {
+                        (other.quantity, other.against) == (check.quantity, check.against)
+                            && other.verdict == check.verdict
+                    })
+                };
+                let small = shrink(case, &|case| same(case).is_some());
+                let example = CounterExample::of(same(&small).as_ref().unwrap_or(check), &subject.name);
+                let words: String =
+                    subject.name.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
+                found.extend(example.map(|example| (format!("{words}-{i}.json"), example)));
+            }
+        }
+        found
     }
 
     /// Entries compared in all.

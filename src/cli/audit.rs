@@ -5,7 +5,9 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle::audit::{Oracle, Report, Settings, audit_catalogue};
 use pintle::report::audit as report;
+use std::fs;
 use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 
 /// How an audit is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -36,6 +38,9 @@ pub(crate) struct Audit {
     /// Only these oracles, separated by commas: wide-differences, wide-dual, taylor, nodal-dual, hyper-dual, differences
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = oracle)]
     oracles: Vec<Oracle>,
+    /// Write a counter-example for every mismatch into this folder, for `pintle replay`
+    #[arg(long, value_name = "FOLDER")]
+    counter_examples: Option<PathBuf>,
     /// Exit with 3 where something is undecided
     #[arg(long)]
     strict: bool,
@@ -74,15 +79,32 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         bar.set_message(name.to_string());
     });
     bar.finish_and_clear();
-    write(arguments, &report)?;
-    verdict(arguments, &report)
+    write(arguments.format, arguments.verbose, &report)?;
+    if let Some(folder) = &arguments.counter_examples {
+        save(folder, &report)?;
+    }
+    verdict(arguments.strict, &report)
 }
 
-fn write(arguments: &Audit, found: &Report) -> Result<(), Failure> {
-    match arguments.format {
+/// Writes the counter-examples of a report, shrunk to the simplest values that still fail.
+fn save(folder: &Path, report: &Report) -> Result<(), Failure> {
+    let cannot = |error: &dyn std::fmt::Display| {
+        Failure::Input(format!("cannot write counter-examples to {}: {error}", folder.display()))
+    };
+    fs::create_dir_all(folder).map_err(|error| cannot(&error))?;
+    for (name, example) in report.counter_examples() {
+        let text = serde_json::to_string_pretty(&example).map_err(|error| cannot(&error))?;
+        fs::write(folder.join(name), text + "\n").map_err(|error| cannot(&error))?;
+    }
+    Ok(())
+}
+
+/// Writes a report.
+pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Result<(), Failure> {
+    match format {
         AuditFormat::Human => {
             let mut out = BufWriter::new(anstream::stdout().lock());
-            report::human(&mut out, found, page_width(&io::stdout()), arguments.verbose)?;
+            report::human(&mut out, found, page_width(&io::stdout()), verbose)?;
             Ok(out.flush()?)
         }
         AuditFormat::Json => {
@@ -98,7 +120,8 @@ fn write(arguments: &Audit, found: &Report) -> Result<(), Failure> {
     }
 }
 
-fn verdict(arguments: &Audit, report: &Report) -> Result<(), Failure> {
+/// The exit code of a report.
+pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
     if report.survivors() > 0 {
         return Err(Failure::SelfTest);
     }
@@ -108,7 +131,7 @@ fn verdict(arguments: &Audit, report: &Report) -> Result<(), Failure> {
     if report.compared() == 0 {
         return Err(Failure::Nothing("no number was compared".into()));
     }
-    if arguments.strict && report.undecided() > 0 {
+    if strict && report.undecided() > 0 {
         return Err(Failure::Undecided);
     }
     Ok(())

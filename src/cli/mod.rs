@@ -3,6 +3,7 @@
 pub(crate) mod audit;
 pub(crate) mod eval;
 mod failure;
+pub(crate) mod replay;
 mod show;
 
 pub(crate) use failure::Failure;
@@ -19,7 +20,8 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "pintle", version, arg_required_else_help = true, max_term_width = 100)]
 #[command(after_help = "\
-Exit codes: 0 all right, 2 usage, 4 nothing was evaluated, 6 bad input, 70 internal error.
+Exit codes: 0 all right, 1 a number is wrong, 2 usage, 3 undecided (--strict), 4 nothing was evaluated,
+5 the self-test failed, 6 bad input, 70 internal error.
 Results go to stdout, everything else to stderr. NO_COLOR is respected.")]
 pub(crate) struct Cli {
     #[command(subcommand)]
@@ -36,6 +38,8 @@ pub(crate) enum Command {
     Eval(Box<Eval>),
     /// Audit the catalogue: is every number right, and would an error have been noticed?
     Audit(audit::Audit),
+    /// Judge the state of a counter-example again
+    Replay(replay::Replay),
     /// Panic, to test the report of an internal error
     #[cfg(debug_assertions)]
     #[command(hide = true)]
