@@ -27,6 +27,8 @@ pub mod oracle;
 pub mod quantity;
 pub mod sample;
 pub mod shrink;
+#[cfg(feature = "proptest")]
+pub mod strategies;
 pub mod truth;
 pub mod verdict;
 
