@@ -9,6 +9,7 @@ mod golden; // what JAX computes by other formulas
 mod laws; // what holds for every connection type
 mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are
+mod plane; // the two-dimensional forms
 mod rules; // what a connector section may do
 mod scene; // what decks and state files mean
 mod states; // where laws are tried

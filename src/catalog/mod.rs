@@ -364,6 +364,24 @@ impl ConnectionType {
         })
     }
 
+    /// The two-dimensional form: u3, ur1 and ur2 do not exist. Of a SLIPRING the flow at a, its component 3, is then read at the
+    /// node, as degree of freedom 10.
+    ///
+    /// ```
+    /// use pintle::catalog::{ConnectionType, Slot};
+    /// let slot = ConnectionType::named("SLOT", None).unwrap().in_plane();
+    /// assert_eq!(slot.component_list(Slot::is_constrained), "u2");
+    /// ```
+    pub fn in_plane(&self) -> Self {
+        let mut form = self.clone();
+        for (k, slot) in form.slots.iter_mut().enumerate() {
+            if !PLANAR_COMPONENTS.contains(&k) {
+                *slot = Slot::Absent;
+            }
+        }
+        form
+    }
+
     fn find(name: &str) -> Result<&'static Self, NameError> {
         let name = name.trim();
         TABLE
