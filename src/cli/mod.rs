@@ -196,13 +196,16 @@ Examples:
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
 
-/// The width of a page: that of the terminal, or 100.
+/// The width of a page: that of the terminal; elsewhere the environment's COLUMNS, or 100.
 fn page_width(stream: &impl IsTerminal) -> usize {
     const DEFAULT: usize = 100;
-    if !stream.is_terminal() {
-        return DEFAULT;
+    const LEAST: usize = 40;
+    let terminal = stream.is_terminal().then(terminal_size::terminal_size).flatten();
+    if let Some((width, _)) = terminal {
+        return usize::from(width.0).max(LEAST);
     }
-    terminal_size::terminal_size().map_or(DEFAULT, |(width, _)| usize::from(width.0).max(40))
+    let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.trim().parse().ok());
+    columns.map_or(DEFAULT, |columns: usize| columns.clamp(LEAST, 1000))
 }
 
 /// `pintle list`.
