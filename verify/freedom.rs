@@ -273,7 +273,8 @@ fn connectors_on_one_pair_of_nodes_add_up() {
         element(8, "J", "CARTESIAN"),
         element(9, "R", "CARTESIAN").replace("\nO,", "\nQ,")
     );
-    let (pair, result) = evaluate(&text, motion, 2);
+    let (pair, result) =
+        evaluate(&text, "node,u1,u2,u3,ur1,ur2,ur3\n1,0.1,0.2,-0.1,0.3,0.4,-0.2\n2,-0.2,0.1,0.2,,,\n", 2);
     let mut check = Check::of("rows by hand");
     let draw = &mut Draw::new("shared");
     let force = draw.vector(1.0);

@@ -123,13 +123,13 @@ pub(crate) struct Eval {
 
 const EVAL_HELP: &str = "\
 States: a table (.csv) or a document (.json); examples below. They are evaluated
-  in order and numbered from 0, with --resume on from those before. Lengths in
+  in order, and called by their numbers in the file, the column state or the
+  name number; without, from 0, with --resume on from those before. Lengths in
   the unit of the deck, angles in rad, all components global. What is missing
   or empty is 0: a node that a state leaves out is at rest in its initial place.
   CSV: the first line names the columns, in any order; lines that begin with #
   are comments. Only node is needed.
-    state              rows of one number form one state; it must not decrease,
-                       and serves for nothing else
+    state              rows of one number form one state; it must not decrease
     time               the same in all rows of a state
     node               the node number
     u1 u2 u3           displacement from the initial position
