@@ -185,8 +185,9 @@ A file of two states, as CSV and as JSON:
   1,0.5,3,0.2,,
 
   {\"schema\": \"pintle-states/1\", \"states\": [
-    {\"time\": 0, \"nodes\": {\"2\": {\"angular_velocity\": [0, 0, 15]}}},
-    {\"time\": 0.5, \"nodes\": {
+    {\"number\": 0, \"time\": 0, \"nodes\": {
+      \"2\": {\"angular_velocity\": [0, 0, 15]}}},
+    {\"number\": 1, \"time\": 0.5, \"nodes\": {
       \"2\": {\"displacement\": [0.1, 0, 0], \"rotation\": [0, 0, 7.5],
             \"angular_velocity\": [0, 0, 15]},
       \"3\": {\"displacement\": [0.2, 0, 0]}}}]}
