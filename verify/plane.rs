@@ -3,7 +3,7 @@
 
 use crate::laws::{Check, Scales, functions};
 use crate::states::{Draw, definition, pair, types};
-use pintle::catalog::{Availability, ConnectionType, PLANAR_COMPONENTS, Slot, TABLE};
+use pintle::catalog::{Availability, ConnectionType, PLANE, Slot, TABLE};
 use pintle::connector::{
     Branch, Components, Connector, Definition, Evaluation, Increment, Request, State, Tally,
 };
@@ -73,7 +73,7 @@ fn the_plane_is_the_manuals() {
 }
 
 /// The degrees of freedom of the plane, in their order: x, y, θ and Ψ of a, then of b.
-const PLANE: [usize; 8] = [0, 1, 5, 6, 7, 8, 12, 13];
+const FREEDOMS: [usize; 8] = [0, 1, 5, 6, 7, 8, 12, 13];
 
 /// A connector in the plane, and where it goes.
 struct Case {
@@ -207,7 +207,8 @@ fn everywhere(mut judge: impl FnMut(&Case, &mut Draw)) {
 }
 
 fn plane_rates(draw: &mut Draw) -> [[f64; DOFS]; 2] {
-    [(); 2].map(|()| std::array::from_fn(|j| if PLANE.contains(&j) { draw.between(-1.0, 1.0) } else { 0.0 }))
+    [(); 2]
+        .map(|()| std::array::from_fn(|j| if FREEDOMS.contains(&j) { draw.between(-1.0, 1.0) } else { 0.0 }))
 }
 
 /// Values, rows, second derivatives and rates are those of the formulas of the plane.
@@ -238,9 +239,9 @@ fn the_plane_by_its_own_formulas() {
             let (gradient, hessian) = (dual.gradient(), dual.hessian());
             let mut row = [0.0; DOFS];
             let mut square = [[0.0; DOFS]; DOFS];
-            for (i, j) in PLANE.into_iter().enumerate() {
+            for (i, j) in FREEDOMS.into_iter().enumerate() {
                 row[j] = gradient[i];
-                for (n, m) in PLANE.into_iter().enumerate() {
+                for (n, m) in FREEDOMS.into_iter().enumerate() {
                     square[j][m] = hessian[i][n];
                 }
             }
@@ -294,7 +295,7 @@ fn the_plane_is_part_of_space() {
         let space = case.evaluate(&Definition { planar: false, ..case.definition.clone() }, &rates);
         for k in 0..6 {
             let place = format!("{}, component {}", case.name, k + 1);
-            let kept = PLANAR_COMPONENTS.contains(&k);
+            let kept = PLANE[k];
             let outputs = |e: &Evaluation<f64>| {
                 [
                     e.position[k],
