@@ -92,6 +92,16 @@ pub(crate) const LAWS: &[Law] = &[
     law("carried forces", 16.0),
     // The formulas take the triads to be orthonormal, which they are to a few roundings.
     law("rows by hand", 8.0),
+    law("mpc, value", 3.0),
+    law("mpc, first derivatives", 3.0),
+    law("mpc, second derivatives", 2.0),
+    law("mpc, rates from rows", 3.0),
+    law("mpc, rates in time", 3.0),
+    law("mpc, rigid motion", 8.0),
+    law("mpc, turns", 3.0),
+    law("mpc, compositions", 8.0),
+    law("mpc, allowed motions", 4.0),
+    law("mpc, as connectors", 16.0),
 ];
 
 /// What 237-bit numbers leave of an identity, over its scale: 71 digits less the triads' distance from orthonormal, which is that of

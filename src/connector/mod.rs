@@ -13,7 +13,7 @@ mod request;
 pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
 pub(crate) use derivatives::Differentiation;
-pub(crate) use flags::{CERTAIN_INCREMENT, ILL_CONDITIONED};
+pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
 pub use request::{Mask, Output, Request, Tally};
 
