@@ -442,7 +442,7 @@ impl<'de> Visitor<'de> for JsonForces<'_> {
         let Self { context, sign } = self;
         let mut found = BTreeMap::new();
         while let Some(key) = map.next_key::<String>()? {
-            let element = states::label(&key).map_err(|fault| context.stop(fault))?;
+            let element = states::label(&key, "element").map_err(|fault| context.stop(fault))?;
             check_element(element, context.scene, &found).map_err(|fault| context.stop(fault))?;
             found.insert(element, map.next_value_seed(JsonElement { context, sign })?);
         }

@@ -181,10 +181,10 @@ impl Fault {
     }
 }
 
-/// A node, as states name it.
-pub(super) fn label(text: &str) -> Result<Label, Fault> {
+/// A node or element, as files name it.
+pub(super) fn label(text: &str, what: &str) -> Result<Label, Fault> {
     text.parse().map_err(|error: LabelError| {
-        let remedy = "write the number in digits, and in an assembly INSTANCE.NUMBER";
+        let remedy = format!("write the {what} number in digits, and in an assembly INSTANCE.NUMBER");
         Fault::new(Code::StatesMalformedNumber, error.to_string(), remedy)
     })
 }
@@ -468,7 +468,7 @@ impl CsvRow<'_> {
 
     pub(super) fn label(&self, column: &str) -> Result<Option<Label>> {
         let Some(field) = self.field(column) else { return Ok(None) };
-        label(field).map(Some).map_err(|fault| fault.at(self.place(column), &format!("column {column}")))
+        label(field, column).map(Some).map_err(|fault| fault.at(self.place(column), &format!("column {column}")))
     }
 
     /// The numbers of several columns; none when all of them are empty or absent.
@@ -745,7 +745,7 @@ impl<'de> Visitor<'de> for JsonNodes<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
         let mut state = State::default();
         while let Some(key) = map.next_key::<String>()? {
-            let node = label(&key).map_err(|fault| self.0.stop(fault))?;
+            let node = label(&key, "node").map_err(|fault| self.0.stop(fault))?;
             check_node(node, self.0.scene, &state).map_err(|fault| self.0.stop(fault))?;
             let motion: JsonMotion = map.next_value()?;
             let rotation =
