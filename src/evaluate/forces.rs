@@ -44,7 +44,8 @@ impl Model {
     pub fn check_forces(&self, states: &[SceneState], first: u64, file: &str) -> Result<(), Diagnostic> {
         let elements: HashMap<Label, &ConnectorElement> =
             self.connectors.iter().map(|element| (element.label, element)).collect();
-        for (number, state) in (first..).zip(states) {
+        for (counted, state) in (first..).zip(states) {
+            let number = state.number.unwrap_or(counted);
             for (label, given) in &state.forces {
                 let Some(element) = elements.get(label) else { continue };
                 let Err(Fault { code, message, remedy }) = component_forces(&element.connector, given) else {

@@ -6,8 +6,8 @@
 //! to be given. Components that a connector does not have may be 0.
 //!
 //! # CSV
-//! The first line names the columns, in any order and case: `element`, `state` (as `eval` numbers the states) or `time`, and names of
-//! forces. Every force of an element that is named must be there.
+//! The first line names the columns, in any order and case: `element`, `state` (the number of the state: its own, or counted from 0) or
+//! `time`, and names of forces. Every force of an element that is named must be there.
 //!
 //! # JSON
 //! `{"schema": "pintle-forces/1", "states": [{"state": 0, "forces": {"101": {"f1": 2.5, "m2": -0.1}}}]}`, with `state` or `time`. A
@@ -24,7 +24,7 @@ use super::states::{self, Context, CsvRow, Fault, State};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 use std::path::Path;
 
@@ -205,16 +205,18 @@ impl ForceFile {
         Ok(Self { name: name.to_string(), groups })
     }
 
-    /// Gives the forces to the states they belong to; the first of these has the number `first`.
+    /// Gives the forces to the states they belong to; states without numbers of their own count from `first`.
     ///
     /// # Errors
     /// Forces of a state that there is not, of a time that no state or several have, or of a state that has forces already.
     pub fn attach(&self, states: &mut [State], first: u64) -> Result<()> {
+        let known = Known::of(states, first);
         for group in &self.groups {
-            let index = self.index(group, states, first)?;
+            let index = self.index(group, states, &known)?;
             let Some(state) = states.get_mut(index) else { continue };
             if !state.forces.is_empty() {
-                let message = format!("state {} is given forces twice", first + index as u64);
+                let number = state.number.unwrap_or(first + index as u64);
+                let message = format!("state {number} is given forces twice");
                 let remedy = "keep one of them: in the file of states or in that of forces, once";
                 return Err(self.fail(Code::ForcesRepeatedElement, group, message, remedy));
             }
@@ -232,62 +234,87 @@ impl ForceFile {
         Diagnostic::error(code, group.span, message, "here").help(remedy).in_file(&self.name)
     }
 
-    fn index(&self, group: &Group, states: &[State], first: u64) -> Result<usize> {
+    fn index(&self, group: &Group, states: &[State], known: &Known) -> Result<usize> {
         let fail =
             |message: String, remedy: &str| Err(self.fail(Code::ForcesUnknownState, group, message, remedy));
-        let numbers = "give the numbers of the states, as `pintle eval` prints them, in `state`";
+        let remedy = "give the numbers of the states, as `pintle eval` prints them, in `state`";
         match (group.state, group.time) {
             (Some(number), _) => {
-                let index = number.checked_sub(first).and_then(|index| usize::try_from(index).ok());
-                let Some(index) = index.filter(|index| *index < states.len()) else {
-                    let last = first + (states.len() as u64).saturating_sub(1);
-                    return fail(
-                        format!("forces of state {number}: the states are {first} to {last}"),
-                        numbers,
-                    );
+                let Some(index) = known.numbers.get(&number).copied() else {
+                    let [lowest, highest] = known.range();
+                    let message = format!("forces of state {number}: the states are {lowest} to {highest}");
+                    return fail(message, remedy);
                 };
                 match (group.time, states.get(index).and_then(|state| state.time)) {
-                    (Some(given), Some(time)) if !same_time(given, time, states) => fail(
+                    (Some(given), Some(time)) if (given - time).abs() > known.tolerance(given) => fail(
                         format!("forces of state {number} at time {given}, which is at {time}"),
                         "leave out `time` or `state`, or correct one of them",
                     ),
                     _ => Ok(index),
                 }
             }
-            (None, Some(given)) => {
-                let of_time = |state: &State| state.time.is_some_and(|time| same_time(given, time, states));
-                let found: Vec<usize> = (0..states.len()).filter(|index| of_time(&states[*index])).collect();
-                match found[..] {
-                    [index] => Ok(index),
-                    [] => fail(format!("no state has the time {given} of these forces"), numbers),
-                    _ => {
-                        fail(format!("{} states have the time {given} of these forces", found.len()), numbers)
-                    }
+            (None, Some(given)) => match known.at(given) {
+                [(_, index)] => Ok(*index),
+                [] => fail(format!("no state has the time {given} of these forces"), remedy),
+                several => {
+                    fail(format!("{} states have the time {given} of these forces", several.len()), remedy)
                 }
-            }
+            },
             (None, None) if states.len() == 1 => Ok(0),
             (None, None) => {
-                fail(format!("forces without a state, and there are {} states", states.len()), numbers)
+                fail(format!("forces without a state, and there are {} states", states.len()), remedy)
             }
         }
     }
 }
 
-fn same_time(one: f64, other: f64, states: &[State]) -> bool {
-    let largest =
-        states.iter().filter_map(|state| state.time).fold(one.abs(), |most, time| most.max(time.abs()));
-    (one - other).abs() <= SAME_TIME * largest
+/// The states by number and by time.
+struct Known {
+    numbers: HashMap<u64, usize>,
+    /// In order of time.
+    times: Vec<(f64, usize)>,
+}
+
+impl Known {
+    fn of(states: &[State], first: u64) -> Self {
+        let numbered = (first..).zip(states).enumerate();
+        let numbers = numbered.map(|(index, (counted, state))| (state.number.unwrap_or(counted), index));
+        let timed = states.iter().enumerate();
+        let mut times: Vec<(f64, usize)> =
+            timed.filter_map(|(index, state)| Some((state.time?, index))).collect();
+        times.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+        Self { numbers: numbers.collect(), times }
+    }
+
+    fn range(&self) -> [u64; 2] {
+        [self.numbers.keys().min(), self.numbers.keys().max()]
+            .map(|number| number.copied().unwrap_or_default())
+    }
+
+    fn tolerance(&self, given: f64) -> f64 {
+        let ends = [self.times.first(), self.times.last()].into_iter().flatten();
+        SAME_TIME * ends.fold(given.abs(), |most, (time, _)| most.max(time.abs()))
+    }
+
+    fn at(&self, given: f64) -> &[(f64, usize)] {
+        let tolerance = self.tolerance(given);
+        let from = self.times.partition_point(|(time, _)| *time < given - tolerance);
+        let to = self.times.partition_point(|(time, _)| *time <= given + tolerance);
+        self.times.get(from..to).unwrap_or_default()
+    }
 }
 
 fn csv_groups(text: &str, scene: &Scene, sign: ForceSign) -> Result<Vec<Group>> {
     let mut groups: Vec<Group> = Vec::new();
+    let mut seen: HashSet<(Option<u64>, Option<u64>)> = HashSet::new();
     let known = || KEYS.into_iter().chain(NAMES.iter().map(|(name, _)| *name));
     let find = |field: &str| known().find(|known| known.eq_ignore_ascii_case(field));
     states::csv_rows(text, &known().collect::<Vec<_>>(), find, "element", |row: &CsvRow<'_>| {
         let (state, time) = (row.integer("state")?, row.number("time")?);
         let is_same = groups.last().is_some_and(|last| last.state == state && last.time == time);
         if !is_same {
-            if groups.iter().any(|group| group.state == state && (state.is_some() || group.time == time)) {
+            let key = (state, time.filter(|_| state.is_none()).map(f64::to_bits));
+            if !seen.insert(key) {
                 let message = "rows of one state are apart, or have different times";
                 return Err(Diagnostic::error(Code::StatesOrder, row.span(), message, "this row")
                     .help("put the rows of a state together, all with its number and time"));
