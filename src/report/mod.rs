@@ -17,7 +17,8 @@ mod number;
 mod words;
 
 pub use block::{
-    Block, Column, Derivative, HingeFacts, Kind, MpcFacts, Row, Value, flag_in_words, flags_in_words,
+    Block, Column, Derivative, HingeFacts, Kind, MpcFacts, Nodal, NodalForce, Row, Value, flag_in_words,
+    flags_in_words,
 };
 pub use evaluation::{Format, Subject, Unevaluated, unevaluated};
 pub use words::{NOTATION, ROWS, SIGNS};
