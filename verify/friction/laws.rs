@@ -45,7 +45,7 @@ fn histories_obey_the_law_and_make_no_energy() {
                     // Scale factors that move with positions make a force do work by themselves.
                     numbers.position = [0.5, -0.4, 0.0, 0.2, 0.1, 0.0];
                     let outcome = friction.update(&state, &numbers.input(), Branch::Decided);
-                    let scale = outcome.limit + outcome.trial.abs() + f64::MIN_POSITIVE;
+                    let scale = (outcome.limit + outcome.trial.abs()).max(1e-290);
                     let violation = outcome.criterion / (U * scale);
                     worst = worst.max(violation);
                     assert!(violation <= gate("violation"), "{name} {law}: Φ = {violation} u\n{outcome:?}");

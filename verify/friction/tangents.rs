@@ -36,11 +36,14 @@ fn moved(numbers: &Numbers, input: usize, h: f64) -> Input<'static, Wide> {
 #[test]
 fn tangents_are_those_of_differences() {
     let mut draw = Draw::new("friction tangents");
-    let mut criteria: Vec<(String, Criterion)> =
-        predefined(&mut draw, false).into_iter().map(|(name, i, _, c)| (format!("{name} {i}"), c)).collect();
+    let mut criteria: Vec<(String, Criterion)> = predefined(&mut draw, false)
+        .into_iter()
+        .step_by(2)
+        .map(|(name, i, _, c)| (format!("{name} {i}"), c))
+        .collect();
     criteria.extend(users().into_iter().map(|(name, c)| (name.to_string(), c)));
     let mut met: BTreeMap<String, usize> = BTreeMap::new();
-    let mut worst = 0.0_f64;
+    let mut worst = (0.0_f64, String::new());
     for (name, criterion) in &criteria {
         for (law, coefficient) in coefficients() {
             for stiffness in [StickStiffness::Given(40.0), StickStiffness::ElasticSlip(0.02)] {
@@ -92,7 +95,12 @@ fn tangents_are_those_of_differences() {
                                 .fold(partials[i].duration.abs() * 0.1, |most: f64, x| most.max(x.abs()));
                             let scale = row + force_size + if j == 12 { 10.0 * exact.abs() } else { 0.0 };
                             let error = (given - exact).abs() / (U * scale);
-                            worst = worst.max(error);
+                            if error > worst.0 {
+                                worst = (
+                                    error,
+                                    format!("{name}, {law}, {stiffness:?}: ∂{i}/∂{j} {:?}", outcome.flags),
+                                );
+                            }
                             assert!(
                                 error <= gate("tangents"),
                                 "{name}, {law}, {stiffness:?}, step {step}: ∂{i}/∂{j} = {given} not {exact} ({error} u)\n{outcome:?}"
@@ -112,10 +120,15 @@ fn tangents_are_those_of_differences() {
             }
         }
     }
-    println!("worst {worst} u; {met:?}");
-    for kind in
-        ["predefined Stick", "predefined Slip", "user Stick", "user Slip", "user Free", "along traction"]
-    {
+    println!("worst {worst:?}; {met:?}");
+    for kind in [
+        "predefined Stick",
+        "predefined Slip",
+        "user Stick",
+        "user Slip",
+        "predefined Free",
+        "along traction",
+    ] {
         assert!(met.contains_key(kind), "no {kind}: {met:?}");
     }
 }
