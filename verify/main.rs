@@ -6,6 +6,7 @@ mod cli; // the command line
 mod closed; // rows derived by hand
 mod faults; // what is said about every faulty input
 mod freedom; // which degrees of freedom nodes have
+mod friction; // what sticks and slips
 mod fuzzing; // what holds of any bytes whatever
 mod golden; // what JAX computes by other formulas
 mod laws; // what holds for every connection type
