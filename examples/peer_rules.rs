@@ -66,8 +66,14 @@ impl Subject {
     }
 }
 
-const RULES: [&str; 6] =
-    ["pintle", "gradcheck, slow", "gradcheck, fast", "Ceres", "DifferentiationInterfaceTest", "JAX check_grads"];
+const RULES: [&str; 6] = [
+    "pintle",
+    "gradcheck, slow",
+    "gradcheck, fast",
+    "Ceres",
+    "DifferentiationInterfaceTest",
+    "JAX check_grads",
+];
 
 /// Whether each rule calls the Jacobian wrong.
 struct Judges<'a> {
@@ -87,7 +93,8 @@ impl Judges<'_> {
         let entries: Vec<(usize, usize, f64)> = rows.iter().collect();
         let ours = entries.iter().any(|(k, i, x)| {
             let Some(want) = self.truth.get(*k, *i) else { return false };
-            !((pintle::scalar::Wide::from_f64(*x) - want).abs().to_f64() <= self.bound.tolerance(quantity, *k, *i))
+            !((pintle::scalar::Wide::from_f64(*x) - want).abs().to_f64()
+                <= self.bound.tolerance(quantity, *k, *i))
         });
         // torch.autograd.gradcheck: eps 1e-6, |a − n| > atol + rtol |n| with atol 1e-5, rtol 1e-3, entry by entry.
         let slow = entries.iter().any(|(k, i, x)| {
@@ -237,12 +244,17 @@ fn functions() -> impl Iterator<Item = &'static ConnectionType> {
 fn main() {
     let draw = &mut Draw::new("peer rules");
     let mut of = |region: Region| -> Vec<Case> {
-        functions().flat_map(|connection| (0..3).filter_map(|_| draw_case(connection, region, draw)).collect::<Vec<_>>()).collect()
+        functions()
+            .flat_map(|connection| {
+                (0..3).filter_map(|_| draw_case(connection, region, draw)).collect::<Vec<_>>()
+            })
+            .collect()
     };
     print("Both nodes turned and moved, lengths of 1", &run(&of(Region::Aligned)));
     print("The same in millimetres (lengths of 1000)", &run(&of(Region::Long(1e3))));
     let draw = &mut Draw::new("peer rules, near");
-    let near: Vec<Case> =
-        functions().flat_map(|c| (0..3).filter_map(|_| atlas::random_near(c, draw)).collect::<Vec<_>>()).collect();
+    let near: Vec<Case> = functions()
+        .flat_map(|c| (0..3).filter_map(|_| atlas::random_near(c, draw)).collect::<Vec<_>>())
+        .collect();
     print("1e-1 to 1e-12 from a singular set", &run(&near));
 }

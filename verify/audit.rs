@@ -7,8 +7,8 @@ use pintle::audit::quantity::{Entries, product};
 use pintle::audit::sample::{Draw, Extent, Region, cases, draw_case};
 use pintle::audit::shrink::shrink;
 use pintle::audit::{
-    Against, Bound, Candidate, Case, CounterExample, Hex, Numbers, Oracle, Quantity, Report, Settings, Verdict,
-    atlas, audit_catalogue, invariant,
+    Against, Bound, Candidate, Case, CounterExample, Hex, Numbers, Oracle, Quantity, Report, Settings,
+    Verdict, atlas, audit_catalogue, invariant,
 };
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Connector, Definition, Increment, NodalRow, Request, State, Tally};
@@ -53,7 +53,8 @@ fn the_catalogue_passes() {
 /// The same audit on one thread and on three is the same, number by number.
 #[test]
 fn threads_do_not_matter() {
-    let settings = Settings { states: 20, near_singular_states: 5, wide_states: 1, atlas: false, ..Settings::default() };
+    let settings =
+        Settings { states: 20, near_singular_states: 5, wide_states: 1, atlas: false, ..Settings::default() };
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let report = pool.install(|| audit_catalogue(&settings, &silent));
@@ -169,8 +170,13 @@ fn mistakes_are_beyond_the_tolerance() {
             for quantity in Quantity::ALL {
                 let entries = numbers.entries(quantity);
                 let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
-                let scene =
-                    Scene { numbers: &numbers, case: &case, units: [None; 6], turns: [0.0; 6], scale: &scale };
+                let scene = Scene {
+                    numbers: &numbers,
+                    case: &case,
+                    units: [None; 6],
+                    turns: [0.0; 6],
+                    scale: &scale,
+                };
                 let largest: Vec<f64> = (0..6)
                     .map(|k| entries.0[k].iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs())))
                     .collect();
@@ -230,7 +236,11 @@ fn units_and_axes_do_not_change_the_verdict() {
                     let y = little.entries(quantity).get(k, i).unwrap();
                     let [t, s] = [bound.tolerance(quantity, k, i), fine.tolerance(quantity, k, i)];
                     // A power of two, or the numbers are zero.
-                    assert!(x * s == y * t || (x - y * t / s).abs() <= 1e-12 * x.abs(), "{}: {x} {y} {t} {s}", case.name);
+                    assert!(
+                        x * s == y * t || (x - y * t / s).abs() <= 1e-12 * x.abs(),
+                        "{}: {x} {y} {t} {s}",
+                        case.name
+                    );
                 }
             }
         }
@@ -279,7 +289,11 @@ fn a_counter_example_is_shrunk_while_it_fails() {
     assert!(fails(&small));
     assert_eq!(small.last().unwrap().state.pair.b.triad, identity::<f64>());
     let simple = |x: &f64| [0.0, 1.0, -1.0, 0.5, -0.5].contains(x);
-    assert!(small.definition.initial.reference.iter().all(simple), "{:?}", small.definition.initial.reference);
+    assert!(
+        small.definition.initial.reference.iter().all(simple),
+        "{:?}",
+        small.definition.initial.reference
+    );
     assert!(small.last().unwrap().state.velocity.iter().all(|x| *x == 0.0));
 }
 

@@ -114,8 +114,10 @@ fn rung(case: &Case, k: usize, distance: f64) -> Option<Rung> {
         }
         worst
     };
-    let steepness =
-        numbers.entries(Quantity::FirstDerivatives).0[k].iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let steepness = numbers.entries(Quantity::FirstDerivatives).0[k]
+        .iter()
+        .flatten()
+        .fold(0.0_f64, |most, x| most.max(x.abs()));
     Some(Rung {
         distance,
         value_error: errors(Quantity::Value).0,
@@ -141,7 +143,8 @@ fn classify(
     rungs: &[Rung],
     measure: Measure,
 ) -> Option<SingularClass> {
-    let steepness = |distance: f64| rungs.iter().find(|rung| rung.distance == distance).map(|rung| rung.steepness);
+    let steepness =
+        |distance: f64| rungs.iter().find(|rung| rung.distance == distance).map(|rung| rung.steepness);
     if steepness(1e-6)? > BOUNDED * steepness(1e-2)? {
         return Some(SingularClass::TrueSingularity);
     }

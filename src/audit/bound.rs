@@ -50,8 +50,9 @@ impl Bound {
         for k in 0..6 {
             let Some(value) = truth.entries(Quantity::Value).get(k, 0) else { continue };
             let first = |j: usize| truth.entries(Quantity::FirstDerivatives).get(k, j).unwrap_or(0.0);
-            let second =
-                |j: usize, l: usize| truth.entries(Quantity::SecondDerivatives).get(k, j * DOFS + l).unwrap_or(0.0);
+            let second = |j: usize, l: usize| {
+                truth.entries(Quantity::SecondDerivatives).get(k, j * DOFS + l).unwrap_or(0.0)
+            };
             let f = (0..DOFS).fold(value.abs(), |sum, j| sum + first(j).abs() * size[j]);
             let bent: [f64; DOFS] =
                 std::array::from_fn(|j| (0..DOFS).map(|l| second(j, l).abs() * size[l]).sum());

@@ -141,10 +141,9 @@ impl<'a> Candidate<'a> {
         let Some(product) = super::quantity::product(case) else { return checks };
         let truth = if wide { Truth::of(case) } else { None };
         let answers = truth.as_ref().map(WideAnswers::of);
-        let trusted = answers.as_ref().map_or_else(
-            || product.clone(),
-            |answers| super::atlas::truth_to_f64(&answers.differences),
-        );
+        let trusted = answers
+            .as_ref()
+            .map_or_else(|| product.clone(), |answers| super::atlas::truth_to_f64(&answers.differences));
         let nearness = narrow.nearness();
         let bound =
             Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);

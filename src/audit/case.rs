@@ -128,8 +128,7 @@ pub fn exact_state<R: Real>(state: &State<f64>) -> State<R> {
 
 /// The same branch on another real number, exactly.
 pub fn exact_branch<R: Real>(branch: &Branch<f64>) -> Branch<R> {
-    let exact =
-        |t: Turns<f64>| Turns { turns: R::from_f64(t.turns), principal: R::from_f64(t.principal) };
+    let exact = |t: Turns<f64>| Turns { turns: R::from_f64(t.turns), principal: R::from_f64(t.principal) };
     Branch {
         turns: branch.turns.map(exact),
         torsion: exact(branch.torsion),

@@ -227,8 +227,11 @@ impl BranchValues {
         const WANTED: usize = 7;
         let found = self.turns.len();
         let count = ReplayError::Count { what: "turns", found, wanted: WANTED };
-        let all: Vec<Turns<f64>> =
-            self.turns.iter().map(|[turns, principal]| Turns { turns: turns.0, principal: principal.0 }).collect();
+        let all: Vec<Turns<f64>> = self
+            .turns
+            .iter()
+            .map(|[turns, principal]| Turns { turns: turns.0, principal: principal.0 })
+            .collect();
         let all: [Turns<f64>; WANTED] = all.try_into().map_err(|_| count)?;
         let [t1, t2, t3, t4, t5, t6, torsion] = all;
         Ok(Branch {

@@ -126,7 +126,11 @@ impl Check {
             units: f64::INFINITY,
             one_sided: None,
         };
-        self.add(Judgement { verdict: Verdict::Wrong, worst: Some(worst), compared: 1 }, Score::default(), case);
+        self.add(
+            Judgement { verdict: Verdict::Wrong, worst: Some(worst), compared: 1 },
+            Score::default(),
+            case,
+        );
     }
 
     pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
@@ -190,13 +194,14 @@ impl Subject {
         }
         let certificate = certificate(connection);
         let judged: BTreeSet<Quantity> = checks.iter().filter_map(|check| check.quantity).collect();
-        let witnessed = !judged.is_empty() && judged.iter().all(|quantity| {
-            checks.iter().any(|check| {
-                check.quantity == Some(*quantity)
-                    && check.compared > 0
-                    && matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
-            })
-        });
+        let witnessed = !judged.is_empty()
+            && judged.iter().all(|quantity| {
+                checks.iter().any(|check| {
+                    check.quantity == Some(*quantity)
+                        && check.compared > 0
+                        && matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
+                })
+            });
         let of = |wanted: fn(Against) -> bool| {
             let chosen = checks.iter().filter(|check| wanted(check.against));
             chosen.map(|check| check.verdict).max().unwrap_or(Verdict::Pass)
@@ -272,8 +277,11 @@ impl Report {
                 };
                 let small = shrink(case, &|case| same(case).is_some());
                 let example = CounterExample::of(same(&small).as_ref().unwrap_or(check), &subject.name);
-                let words: String =
-                    subject.name.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
+                let words: String = subject
+                    .name
+                    .chars()
+                    .map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
+                    .collect();
                 found.extend(example.map(|example| (format!("{words}-{i}.json"), example)));
             }
         }
@@ -312,9 +320,12 @@ pub fn audit_cases(
         .filter_map(|(name, cases)| {
             let connection = &cases.first()?.definition.connection;
             let wide = spread(cases.len(), settings.wide_states);
-            let checks = gather(cases.par_iter().enumerate().map(|(i, case)| {
-                audit_case(case, settings, wide.contains(&i), i)
-            }));
+            let checks = gather(
+                cases
+                    .par_iter()
+                    .enumerate()
+                    .map(|(i, case)| audit_case(case, settings, wide.contains(&i), i)),
+            );
             progress(name);
             Some(Subject::new(name.clone(), connection, cases.len() as u64, checks))
         })
@@ -372,7 +383,11 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
     }
     check.states.insert(check.verdict, 1);
     for demand in demands {
-        for wrong in [demand.offset + std::f64::consts::PI, demand.offset - std::f64::consts::TAU, -demand.offset - 1e-6] {
+        for wrong in [
+            demand.offset + std::f64::consts::PI,
+            demand.offset - std::f64::consts::TAU,
+            -demand.offset - 1e-6,
+        ] {
             let mutated = invariant::Demand { offset: wrong, ..demand.clone() };
             if mutated.units(&none, &[]) > 1.0 {
                 check.score.killed += 1;
@@ -411,7 +426,8 @@ fn gather(cases: impl IndexedParallelIterator<Item = Vec<Check>>) -> Vec<Check> 
 /// Adds the checks of one case to those of others.
 pub(super) fn checks_of(found: &mut Vec<Check>, checks: Vec<Check>) {
     for check in checks {
-        let same = found.iter_mut().find(|known| (known.quantity, known.against) == (check.quantity, check.against));
+        let same =
+            found.iter_mut().find(|known| (known.quantity, known.against) == (check.quantity, check.against));
         match same {
             Some(known) => known.merge(check),
             None => found.push(check),
@@ -448,8 +464,7 @@ fn judge_numbers(
         Some(answers) => truth_to_f64(&answers.dual),
         None => numbers.clone(),
     };
-    let bound =
-        Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+    let bound = Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
     let scale = |quantity: Quantity| {
         let bound = &bound;
         move |k: usize, i: usize| bound.scale(quantity, k, i)
@@ -523,7 +538,13 @@ fn direction(draw: &mut Draw, length: f64, active: &[bool; DOFS]) -> [f64; DOFS]
     v
 }
 
-fn taylor(case: &Case, numbers: &Numbers<f64>, truth: &Truth, bound: &Bound, draw: &mut Draw) -> Option<Check> {
+fn taylor(
+    case: &Case,
+    numbers: &Numbers<f64>,
+    truth: &Truth,
+    bound: &Bound,
+    draw: &mut Draw,
+) -> Option<Check> {
     let quantity = Quantity::FirstDerivatives;
     let mut active = [false; DOFS];
     for j in truth.active() {

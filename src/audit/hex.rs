@@ -66,12 +66,15 @@ impl std::str::FromStr for Hex {
             return Err(fail());
         }
         let lead = u64::from_str_radix(whole, 16).map_err(|_| fail())?;
-        let tail = if fraction.is_empty() { 0 } else { u64::from_str_radix(fraction, 16).map_err(|_| fail())? };
+        let tail =
+            if fraction.is_empty() { 0 } else { u64::from_str_radix(fraction, 16).map_err(|_| fail())? };
         let tail = tail << (4 * (13 - fraction.len()));
         let magnitude = match (lead, power) {
             (0, _) if tail == 0 => 0.0,
             (0, p) if p == 1 - BIAS => f64::from_bits(tail),
-            (1, p) if (1 - BIAS..=BIAS).contains(&p) => f64::from_bits(((p + BIAS) as u64) << FRACTION_BITS | tail),
+            (1, p) if (1 - BIAS..=BIAS).contains(&p) => {
+                f64::from_bits(((p + BIAS) as u64) << FRACTION_BITS | tail)
+            }
             _ => return Err(fail()),
         };
         Ok(Self(if negative { -magnitude } else { magnitude }))

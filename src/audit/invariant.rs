@@ -99,7 +99,8 @@ impl Demand {
     pub fn units(&self, numbers: &Numbers<f64>, changed: &[(Quantity, usize, usize, f64)]) -> f64 {
         let mut sum = self.offset;
         for (quantity, k, i, c) in &self.terms {
-            let new = changed.iter().find(|(q, l, j, _)| q == quantity && l == k && j == i).map(|change| change.3);
+            let new =
+                changed.iter().find(|(q, l, j, _)| q == quantity && l == k && j == i).map(|change| change.3);
             sum += c * new.or_else(|| numbers.entries(*quantity).get(*k, *i)).unwrap_or(f64::NAN);
         }
         let error = (sum - self.want).abs();
@@ -190,7 +191,9 @@ impl<'a> Context<'a> {
     /// Both ends of the connector move: rows of a grounded one are not those of a free pair.
     fn is_free(&self) -> bool {
         let active = self.connector.active();
-        self.case.definition.moves == [true; 2] && (0..3).all(|i| active[i] == active[i + DOFS / 2]) && !self.case.definition.planar
+        self.case.definition.moves == [true; 2]
+            && (0..3).all(|i| active[i] == active[i + DOFS / 2])
+            && !self.case.definition.planar
     }
 
     fn rigid_modes(&self) -> Vec<Demand> {
@@ -206,13 +209,21 @@ impl<'a> Context<'a> {
             for i in 0..3 {
                 let first = Quantity::FirstDerivatives;
                 let terms = vec![(first, k, node::XA + i, 1.0), (first, k, node::XB + i, 1.0)];
-                found.push(self.sum(terms, 0.0, format!("∂{} along a translation", crate::catalog::COMPONENT[k])));
+                found.push(self.sum(
+                    terms,
+                    0.0,
+                    format!("∂{} along a translation", crate::catalog::COMPONENT[k]),
+                ));
                 let mut axis = [0.0; 3];
                 axis[i] = 1.0;
                 let arm = cross(axis, separation);
                 let mut terms = vec![(first, k, node::THETA_A + i, 1.0), (first, k, node::THETA_B + i, 1.0)];
                 terms.extend((0..3).map(|j| (first, k, node::XB + j, arm[j])));
-                found.push(self.sum(terms, 0.0, format!("∂{} along a rotation", crate::catalog::COMPONENT[k])));
+                found.push(self.sum(
+                    terms,
+                    0.0,
+                    format!("∂{} along a rotation", crate::catalog::COMPONENT[k]),
+                ));
             }
         }
         found
@@ -278,7 +289,9 @@ impl<'a> Context<'a> {
             let name = crate::catalog::COMPONENT[k];
             let row = |rates: &NodalRow<f64>| {
                 let rates = *rates;
-                (0..DOFS).map(move |j| (Quantity::FirstDerivatives, k, j, -rates[j])).filter(|term| term.3 != 0.0)
+                (0..DOFS)
+                    .map(move |j| (Quantity::FirstDerivatives, k, j, -rates[j]))
+                    .filter(|term| term.3 != 0.0)
             };
             let mut terms = vec![(Quantity::Rate, k, 0, 1.0)];
             terms.extend(row(v));
@@ -305,7 +318,11 @@ impl<'a> Context<'a> {
                 for l in 0..j {
                     let second = Quantity::SecondDerivatives;
                     let terms = vec![(second, k, j * DOFS + l, 1.0), (second, k, l * DOFS + j, -1.0)];
-                    found.push(self.sum(terms, 0.0, format!("symmetry of {}", second.entry_name(k, j * DOFS + l))));
+                    found.push(self.sum(
+                        terms,
+                        0.0,
+                        format!("symmetry of {}", second.entry_name(k, j * DOFS + l)),
+                    ));
                 }
             }
         }
@@ -368,8 +385,10 @@ impl<'a> Context<'a> {
                 let mut demand = self.sum(terms, sign * row[(j + DOFS / 2) % DOFS], what);
                 // The rotation vector's components are taken along a's directions before and b's after.
                 let block = j - j % 7 % 3;
-                let vector: f64 =
-                    (0..3).filter(|i| block + i < DOFS).map(|i| self.tolerance(Quantity::FirstDerivatives, k, block + i)).sum();
+                let vector: f64 = (0..3)
+                    .filter(|i| block + i < DOFS)
+                    .map(|i| self.tolerance(Quantity::FirstDerivatives, k, block + i))
+                    .sum();
                 demand.allowed = 2.0 * demand.allowed.max(vector);
                 found.push(demand);
             }
@@ -397,7 +416,9 @@ impl<'a> Context<'a> {
     }
 
     fn halves(&self) -> Vec<Demand> {
-        let [Some(translational), Some(rotational)] = self.case.definition.connection.halves else { return Vec::new() };
+        let [Some(translational), Some(rotational)] = self.case.definition.connection.halves else {
+            return Vec::new();
+        };
         let half = |half, range: std::ops::Range<usize>| {
             let connection = ConnectionType::basic(half);
             let mut definition = self.case.definition.clone();
@@ -405,8 +426,7 @@ impl<'a> Context<'a> {
             let connector = Connector::<f64>::new(&definition);
             let mut tally = Tally::default();
             let start = Case { definition, ..self.case.clone() }.branch_before(&connector);
-            let evaluation =
-                connector.evaluate(&self.state, &self.increment, &start, &request(), &mut tally);
+            let evaluation = connector.evaluate(&self.state, &self.increment, &start, &request(), &mut tally);
             self.same(&Numbers::of(&evaluation), range, "of its half")
         };
         let mut found = half(translational, 0..3);
@@ -430,7 +450,8 @@ impl<'a> Context<'a> {
             only[k] = true;
             let asked = Request::new(&[Output::CU, Output::RES], only, 1);
             let mut tally = Tally::default();
-            let part = self.connector.evaluate(&self.state, &self.increment, &self.before, &asked, &mut tally);
+            let part =
+                self.connector.evaluate(&self.state, &self.increment, &self.before, &asked, &mut tally);
             found.extend(self.same(&Numbers::of(&part), k..k + 1, "asked for alone"));
         }
         found
@@ -518,24 +539,30 @@ fn turns(connection: &ConnectionType) -> Vec<Demand> {
 
 /// Judges a list of demands: the worst, in units of what is allowed.
 pub fn worst<'a>(numbers: &Numbers<f64>, demands: &'a [Demand]) -> Option<(&'a Demand, f64)> {
-    demands
-        .iter()
-        .map(|demand| (demand, demand.units(numbers, &[])))
-        .max_by(|x, y| x.1.total_cmp(&y.1))
+    demands.iter().map(|demand| (demand, demand.units(numbers, &[]))).max_by(|x, y| x.1.total_cmp(&y.1))
 }
 
 /// Which mutants of a quantity a law notices. A law need not notice them all: the oracles do; it must notice some.
-pub fn try_mutants(quantity: Quantity, numbers: &Numbers<f64>, demands: &[Demand], mutants: &[Mutant]) -> Score {
+pub fn try_mutants(
+    quantity: Quantity,
+    numbers: &Numbers<f64>,
+    demands: &[Demand],
+    mutants: &[Mutant],
+) -> Score {
     let mut score = Score::default();
     for mutant in mutants {
         let changed: Vec<(Quantity, usize, usize, f64)> =
             mutant.changes.iter().map(|(k, i, x)| (quantity, *k, *i, *x)).collect();
         let touches = |demand: &Demand| {
-            demand.terms.iter().any(|(q, k, i, _)| {
-                *q == quantity && mutant.changes.iter().any(|(l, j, _)| l == k && j == i)
-            })
+            demand
+                .terms
+                .iter()
+                .any(|(q, k, i, _)| *q == quantity && mutant.changes.iter().any(|(l, j, _)| l == k && j == i))
         };
-        let noticed = demands.iter().filter(|demand| touches(demand)).any(|demand| demand.units(numbers, &changed) > 1.0);
+        let noticed = demands
+            .iter()
+            .filter(|demand| touches(demand))
+            .any(|demand| demand.units(numbers, &changed) > 1.0);
         if noticed {
             score.killed += 1;
         } else {

@@ -37,7 +37,7 @@ pub use bound::{Bound, C, U};
 pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
 pub use counterexample::CounterExample;
-pub use engine::{Against, Check, Report, Settings, Subject, audit_case, audit_catalogue, audit_cases};
+pub use engine::{Against, Check, Report, Settings, Subject, audit_case, audit_cases, audit_catalogue};
 pub use hex::Hex;
 pub use invariant::Invariant;
 pub use oracle::Oracle;

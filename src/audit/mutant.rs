@@ -94,7 +94,9 @@ impl Mutant {
     pub fn applied(&self, entries: &Entries<f64>) -> Entries<f64> {
         let mut changed = entries.clone();
         for (k, i, x) in &self.changes {
-            if let Some(entry) = changed.0.get_mut(*k).and_then(Option::as_mut).and_then(|all| all.get_mut(*i)) {
+            if let Some(entry) =
+                changed.0.get_mut(*k).and_then(Option::as_mut).and_then(|all| all.get_mut(*i))
+            {
                 *entry = *x;
             }
         }
@@ -279,7 +281,10 @@ fn matrix_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
         add(Mistake::BlockTransposed, all(&|i, j| at(j, i)));
         add(Mistake::NodesSwapped, all(&|i, j| at((i + half) % DOFS, (j + half) % DOFS)));
         let turns = |j: usize| matches!(j % half, 3..=5);
-        add(Mistake::RotationHalved, all(&|i, j| if turns(i) && turns(j) { at(i, j) / 2.0 } else { at(i, j) }));
+        add(
+            Mistake::RotationHalved,
+            all(&|i, j| if turns(i) && turns(j) { at(i, j) / 2.0 } else { at(i, j) }),
+        );
         let (Some(pair), Some(row)) = (&pair, &first.0[k]) else { continue };
         let mut missing: Vec<f64> = matrix.clone();
         for (i, j, term) in second_variation(row, pair) {

@@ -66,8 +66,12 @@ impl Oracle {
     /// One line on what it does.
     pub const fn meaning(self) -> &'static str {
         match self {
-            Self::WideDifferences => "central differences on 237-bit numbers, 45 digits for first derivatives",
-            Self::WideDual => "the product's dual numbers over 237-bit numbers: rounding apart from derivative",
+            Self::WideDifferences => {
+                "central differences on 237-bit numbers, 45 digits for first derivatives"
+            }
+            Self::WideDual => {
+                "the product's dual numbers over 237-bit numbers: rounding apart from derivative"
+            }
             Self::Taylor => "order of the Taylor remainder along random directions, on 237-bit numbers",
             Self::NodalDual => "dual numbers in the nodal degrees of freedom, without the relative pair",
             Self::HyperDual => "hyper-dual numbers along random directions of the nodes",
@@ -249,8 +253,7 @@ pub fn central_differences(
     bound: &Bound,
 ) -> Answer {
     const LADDER: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
-    let mut numbers: Components<Vec<Wide>> =
-        components.map(|is| is.then(|| vec![Wide::from_f64(0.0); DOFS]));
+    let mut numbers: Components<Vec<Wide>> = components.map(|is| is.then(|| vec![Wide::from_f64(0.0); DOFS]));
     let mut errors: Components<Vec<f64>> = components.map(|is| is.then(|| vec![0.0; DOFS]));
     for j in (0..DOFS).filter(|j| active[*j]) {
         let estimates = LADDER.map(|h| {
@@ -308,15 +311,18 @@ pub fn remainders(truth: &Truth, rows: &Entries<f64>, bound: &Bound, v: &[f64; D
     let mut found = Vec::new();
     for k in 0..6 {
         let (Some(row), Some(still)) = (&rows.0[k], still[k]) else { continue };
-        let slope = row.iter().zip(v).fold(Wide::from_f64(0.0), |sum, (r, v)| {
-            sum + Wide::from_f64(*r) * Wide::from_f64(*v)
-        });
+        let slope = row
+            .iter()
+            .zip(v)
+            .fold(Wide::from_f64(0.0), |sum, (r, v)| sum + Wide::from_f64(*r) * Wide::from_f64(*v));
         let allowed: f64 =
             (0..DOFS).map(|j| bound.tolerance(Quantity::FirstDerivatives, k, j) * v[j].abs()).sum();
         let over_h: Vec<f64> = steps
             .iter()
             .zip(&moved)
-            .filter_map(|(h, moved)| Some((((moved[k]? - still) / Wide::from_f64(*h)) - slope).abs().to_f64()))
+            .filter_map(|(h, moved)| {
+                Some((((moved[k]? - still) / Wide::from_f64(*h)) - slope).abs().to_f64())
+            })
             .collect();
         // The order, from the steps whose remainder stands clear of what rounding of the row allows.
         let clear: Vec<(f64, f64)> = steps

@@ -129,7 +129,9 @@ impl<T: Copy> Numbers<T> {
         Self([
             both(&evaluation.residual, &evaluation.displacement),
             Entries(std::array::from_fn(|k| evaluation.jacobian[k].map(|row| row.to_vec()))),
-            Entries(std::array::from_fn(|k| evaluation.hessian[k].as_ref().map(|h| h.as_flattened().to_vec()))),
+            Entries(std::array::from_fn(|k| {
+                evaluation.hessian[k].as_ref().map(|h| h.as_flattened().to_vec())
+            })),
             both(&evaluation.residual_rate, &evaluation.velocity),
             both(&evaluation.residual_acceleration, &evaluation.acceleration),
         ])
@@ -148,11 +150,7 @@ impl<T: Copy> Numbers<T> {
 
 /// What is asked of a connector for [`Numbers`].
 pub fn request() -> Request {
-    Request::new(
-        &[Output::CU, Output::CV, Output::CA, Output::RES, Output::RESV, Output::RESA],
-        [true; 6],
-        2,
-    )
+    Request::new(&[Output::CU, Output::CV, Output::CA, Output::RES, Output::RESV, Output::RESA], [true; 6], 2)
 }
 
 /// What the product gives at the end of a case; `None` for an empty path.

@@ -92,7 +92,10 @@ fn weight(case: &Case) -> u32 {
         .into_iter()
         .chain(case.path.last().map(|step| &step.state.pair))
         .flat_map(|pair| [&pair.a.triad, &pair.b.triad])
-        .map(|triad| triad.as_flattened().iter().map(|x| bits_of(*x)).sum::<u32>() + u32::from(*triad != identity::<f64>()))
+        .map(|triad| {
+            triad.as_flattened().iter().map(|x| bits_of(*x)).sum::<u32>()
+                + u32::from(*triad != identity::<f64>())
+        })
         .sum();
     plain + triads
 }

@@ -37,10 +37,11 @@ fn vector(size: f64) -> impl Strategy<Value = Vector<f64>> {
 }
 
 /// Both nodes turned by up to `most` rad about any axis, b besides against a, and moved by up to half the length.
-pub fn motion(length: f64, most: f64, steps: usize) -> impl Strategy<Value = Motion> {
+pub fn motion(length: f64, most: f64, steps: usize) -> impl Strategy<Value = Motion> + use<> {
     let reach = most / 3.0_f64.sqrt();
     let flow = -0.2 * length..=0.2 * length;
-    let parts = (vector(reach), vector(reach), vector(0.5 * length), vector(0.5 * length), flow.clone(), flow);
+    let parts =
+        (vector(reach), vector(reach), vector(0.5 * length), vector(0.5 * length), flow.clone(), flow);
     parts.prop_map(move |(common, spin, a, b, flow_a, flow_b)| Motion {
         common,
         spin,
@@ -55,20 +56,19 @@ fn length_of(definition: &Definition) -> f64 {
     if length > 0.0 { length } else { 1.0 }
 }
 
-fn case(
+fn case<M: Strategy<Value = Motion>>(
     definition: &Definition,
-    motion: impl Strategy<Value = Motion>,
+    motion: M,
     what: &'static str,
-) -> impl Strategy<Value = Case> {
+) -> impl Strategy<Value = Case> + use<M> {
     let length = length_of(definition);
     let definition = definition.clone();
     let rates = uniform14(-1.0..=1.0_f64);
     (motion, rates.clone(), rates).prop_map(move |(motion, velocity, acceleration)| {
         let mut path = motion.path(&definition.initial);
         if let Some(end) = path.last_mut() {
-            let sized = |rates: [f64; DOFS]| {
-                std::array::from_fn(|j| rates[j] * super::case::dof_size(j, length))
-            };
+            let sized =
+                |rates: [f64; DOFS]| std::array::from_fn(|j| rates[j] * super::case::dof_size(j, length));
             end.state.velocity = sized(velocity);
             end.state.acceleration = sized(acceleration);
         }

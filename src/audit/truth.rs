@@ -72,7 +72,8 @@ impl Truth {
             flow: [by[node::PSI_A], by[node::PSI_B]],
         };
         let after = self.connector.advance(&state, &increment, &self.branch);
-        (after.accumulated - self.branch.accumulated) + (after.accumulated_rest - self.branch.accumulated_rest)
+        (after.accumulated - self.branch.accumulated)
+            + (after.accumulated_rest - self.branch.accumulated_rest)
     }
 
     fn along(j: usize, h: Wide) -> NodalRow<Wide> {
@@ -215,9 +216,7 @@ impl Truth {
         let (at, i) = if k < 3 { (node::XA, k) } else { (node::THETA_A, k - 3) };
         let triad = &self.state.pair.b.triad;
         [&self.state.velocity, &self.state.acceleration].map(|rates| {
-            (0..3).fold(Wide::zero(), |sum, j| {
-                sum + (rates[at + DOFS / 2 + j] - rates[at + j]) * triad[j][i]
-            })
+            (0..3).fold(Wide::zero(), |sum, j| sum + (rates[at + DOFS / 2 + j] - rates[at + j]) * triad[j][i])
         })
     }
 

@@ -130,7 +130,12 @@ fn units(got: f64, want: Wide, allowed: f64) -> f64 {
 }
 
 /// Judges the entries of one quantity.
-pub fn judge(quantity: Quantity, got: &Entries<f64>, answer: &Answer, around: &Surroundings<'_>) -> Judgement {
+pub fn judge(
+    quantity: Quantity,
+    got: &Entries<f64>,
+    answer: &Answer,
+    around: &Surroundings<'_>,
+) -> Judgement {
     let mut worst: Option<Finding> = None;
     let mut compared = 0;
     let mut coarse = false;
@@ -182,9 +187,10 @@ fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Ve
     }
     let scale = around.bound.scale(quantity, k, i);
     let error = (worst.got - worst.want).abs();
-    let proven = around.exact.and_then(|exact| exact.get(k, i)).is_some_and(|exact| {
-        units(worst.want, exact, worst.tolerance.max(f64::MIN_POSITIVE)) < 1.0 + EXACT
-    });
+    let proven = around
+        .exact
+        .and_then(|exact| exact.get(k, i))
+        .is_some_and(|exact| units(worst.want, exact, worst.tolerance.max(f64::MIN_POSITIVE)) < 1.0 + EXACT);
     if proven && error <= LOST_DIGITS * scale { Verdict::UnstableFormula } else { Verdict::Wrong }
 }
 

@@ -345,7 +345,9 @@ impl Connector<f64> {
         std::array::from_fn(|k| {
             let row = self.rows[k]?;
             if row.differentiated.is_one_form() {
-                return Some(self.active_only(row.differentiated.one_form(&state.pair.a.triad, &self.section)));
+                return Some(
+                    self.active_only(row.differentiated.one_form(&state.pair.a.triad, &self.section)),
+                );
             }
             Some(self.active_only(values[k]?.gradient()))
         })
@@ -362,7 +364,11 @@ impl Connector<f64> {
         let (v, w) = (self.active_only(*v), self.active_only(*w));
         let seeds: [HyperDual<f64>; DOFS] = std::array::from_fn(|j| HyperDual::new(0.0, v[j], w[j], 0.0));
         let values = self.on_moved_nodes(state, branch, &seeds);
-        std::array::from_fn(|k| values[k].filter(|_| !self.rows[k].is_some_and(|r| r.differentiated.is_one_form())).map(|x| x.eps1eps2))
+        std::array::from_fn(|k| {
+            values[k]
+                .filter(|_| !self.rows[k].is_some_and(|r| r.differentiated.is_one_form()))
+                .map(|x| x.eps1eps2)
+        })
     }
 
     fn on_moved_nodes<S: Scalar<Real = f64>>(

@@ -1,10 +1,10 @@
 //! Regions of configuration space, and a case drawn from each.
 
+use super::Draw;
 use super::domain::{
     Turning, aligned, angle_at_start, is_in_table, misaligned, needs_length, needs_tilt, spin_axis, turning,
     turns_shafts_over,
 };
-use super::Draw;
 use crate::audit::case::{Case, Step, turn};
 use crate::catalog::ConnectionType;
 use crate::connector::Definition;

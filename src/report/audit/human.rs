@@ -34,14 +34,16 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     subjects(out, report)?;
     for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
         let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
-        for line in wrap(&format!("{}: declaration undecided: {page}", subject.name), width.saturating_sub(2)) {
+        for line in wrap(&format!("{}: declaration undecided: {page}", subject.name), width.saturating_sub(2))
+        {
             writeln!(out, "  {}", styled(DIM, line))?;
         }
     }
     for subject in &report.subjects {
-        let telling = subject.checks.iter().filter(|check| {
-            verbose || check.verdict > Verdict::IllConditioned || check.score.survived > 0
-        });
+        let telling = subject
+            .checks
+            .iter()
+            .filter(|check| verbose || check.verdict > Verdict::IllConditioned || check.score.survived > 0);
         let mut first = true;
         for check in telling {
             if std::mem::take(&mut first) {
@@ -67,9 +69,9 @@ fn word(verdict: Verdict) -> String {
 /// The worst error of the sharp oracles in units of the tolerance.
 fn worst(subject: &Subject, quantity: Quantity) -> String {
     let of_it = subject.checks.iter().filter(|check| check.quantity == Some(quantity) && is_sharp(check));
-    let units = of_it.map(|check| check.largest).fold(None, |most: Option<f64>, x| {
-        Some(most.map_or(x, |most| most.max(x)))
-    });
+    let units = of_it
+        .map(|check| check.largest)
+        .fold(None, |most: Option<f64>, x| Some(most.map_or(x, |most| most.max(x))));
     units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))
 }
 
@@ -100,14 +102,16 @@ fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
             row
         })
         .collect();
-    let heading = [
-        "connector", "derivative", "formula", "declaration", "states", "f", "∂f", "∂²f", "ḟ", "f̈", "δ seen",
-    ];
+    let heading =
+        ["connector", "derivative", "formula", "declaration", "states", "f", "∂f", "∂²f", "ḟ", "f̈", "δ seen"];
     write!(out, "{}", table(&heading, &rows))?;
     writeln!(
         out,
         "{}",
-        styled(DIM, "f … f̈: worst error in units of its tolerance; δ seen: the smallest relative error of an entry that the check notices, median")
+        styled(
+            DIM,
+            "f … f̈: worst error in units of its tolerance; δ seen: the smallest relative error of an entry that the check notices, median"
+        )
     )
 }
 
