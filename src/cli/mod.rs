@@ -1,7 +1,9 @@
 //! The command line: its definition, and what each command does.
 
+pub(crate) mod audit;
 pub(crate) mod eval;
 mod failure;
+pub(crate) mod replay;
 mod show;
 
 pub(crate) use failure::Failure;
@@ -19,7 +21,8 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "pintle", version, arg_required_else_help = true, max_term_width = 100)]
 #[command(after_help = "\
-Exit codes: 0 all right, 2 usage, 4 nothing was evaluated, 6 bad input, 70 internal error.
+Exit codes: 0 all right, 1 a number is wrong, 2 usage, 3 undecided (--strict), 4 nothing was evaluated,
+5 the self-test failed, 6 bad input, 70 internal error.
 Results go to stdout, everything else to stderr. NO_COLOR is respected.")]
 pub(crate) struct Cli {
     #[command(subcommand)]
@@ -34,6 +37,10 @@ pub(crate) enum Command {
     Explain(Explain),
     /// Evaluate the connectors of a scene: positions, displacements, rates, residuals, derivatives
     Eval(Box<Eval>),
+    /// Audit the catalogue: is every number right, and would an error have been noticed?
+    Audit(audit::Audit),
+    /// Judge the state of a counter-example again
+    Replay(replay::Replay),
     /// Panic, to test the report of an internal error
     #[cfg(debug_assertions)]
     #[command(hide = true)]
@@ -82,6 +89,16 @@ pub(crate) enum EvalFormat {
     Csv,
 }
 
+/// What a positive force means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Sign {
+    /// Every force resists growth of its component, so that CTF = CEF + CVF + CSF + CRF − CCF
+    #[default]
+    Internal,
+    /// Forces of constrained components are those applied at node b to enforce the constraint: minus the internal ones
+    ConstraintsOnB,
+}
+
 #[derive(Debug, Args)]
 #[command(after_long_help = EVAL_HELP)]
 pub(crate) struct Eval {
@@ -91,6 +108,12 @@ pub(crate) struct Eval {
     /// States of the nodes (.csv or .json), evaluated in order; without it, the initial state
     #[arg(long, value_name = "FILE", requires = "scene")]
     states: Option<PathBuf>,
+    /// Component forces of connectors (.csv or .json), as an FE code exports them: gives nodal forces (see below)
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    forces: Option<PathBuf>,
+    /// What a positive force of a constrained component means in the file of forces
+    #[arg(long, value_enum, default_value_t, requires = "forces")]
+    force_sign: Sign,
     /// Outputs, separated by commas, such as CU,CPR1,RES (see below); ALL; NONE for derivatives only
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     outputs: Vec<String>,
@@ -124,13 +147,13 @@ pub(crate) struct Eval {
 
 const EVAL_HELP: &str = "\
 States: a table (.csv) or a document (.json); examples below. They are evaluated
-  in order and numbered from 0, with --resume on from those before. Lengths in
+  in order, and called by their numbers in the file, the column state or the
+  name number; without, from 0, with --resume on from those before. Lengths in
   the unit of the deck, angles in rad, all components global. What is missing
   or empty is 0: a node that a state leaves out is at rest in its initial place.
   CSV: the first line names the columns, in any order; lines that begin with #
   are comments. Only node is needed.
-    state              rows of one number form one state; it must not decrease,
-                       and serves for nothing else
+    state              rows of one number form one state; it must not decrease
     time               the same in all rows of a state
     node               the node number; INSTANCE.NUMBER in an assembly, CRANK-1.5
     u1 u2 u3           displacement from the initial position
@@ -152,6 +175,17 @@ States: a table (.csv) or a document (.json); examples below. They are evaluated
   ar3. Where a state leaves out the node, or gives it a quaternion, the angle is
   what the rotations imply.
 
+Forces (--forces): a table (.csv) or a document (.json), or \"forces\" beside
+  \"nodes\" in a JSON file of states. Names are f1 f2 f3 m1 m2 m3 or, the same,
+  CTF1 to CTM3, the total force; CRF1 to CRM3 is accepted for constrained
+  components. An element that is named must be given all its forces; those of
+  components that it does not have may be 0. Elements and states that are not
+  named have no nodal forces. Columns of CSV: element, state (numbered from 0)
+  or time, and the forces. JSON: {\"schema\": \"pintle-forces/1\", \"states\":
+  [{\"state\": 0, \"forces\": {\"101\": {\"f1\": 2.5, \"m2\": 0}}}]}. Signs are internal:
+  positive resists growth of the component; --force-sign constraints-on-b takes
+  those of constrained components as applied at node b.
+
 Outputs:
   CP, CU, CCU    position; displacement from the initial position; from the
                  constitutive reference
@@ -159,12 +193,20 @@ Outputs:
   RES, RESV      residual of each constrained component, and its rate J q̇
   RESB, RESA     J̇ q̇, and the acceleration J q̈ + J̇ q̇ of the residual
   CSLST          stop status, 1 at a limit
+  CTF, PM        given component forces; moments by which the printed formula
+                 gives the same moment, where that is another one
+  LM             multipliers of the equations enforced (those of RES)
+  NF             nodal forces, residual-side: rows transposed × forces; those of
+                 the ground are its reactions; NF4 is the part of m1
+  KG, DNF        geometric stiffness Σ f ∂²c; derivative of the nodal forces at
+                 constant component forces, rotations spatial
   TURNS, MARGIN  whole turns counted; distance to the nearest singular point
   CU names all components, CUR the rotations, CU1 to CU3 and CUR1 to CUR3 one
   of them; likewise CP, CCU, CV, CA. The others take 1 to 6: RES4 is that of
   ur1. Derivatives are taken of every component named.
   Without --outputs: CP, CU, RES; CV and CA if a state has rates; CSLST if a
-  connector has stops; in every format. What is not asked for is not computed.
+  connector has stops; CTF, PM, NF if forces are given; in every format. What is
+  not asked for is not computed.
 
 Tables: a number that needs an exponent and is below 1e-10 of the largest in
   its table is shown with 4 digits: it is rounding, or nearly so.
@@ -187,8 +229,9 @@ A file of two states, as CSV and as JSON:
   1,0.5,3,0.2,,
 
   {\"schema\": \"pintle-states/1\", \"states\": [
-    {\"time\": 0, \"nodes\": {\"2\": {\"angular_velocity\": [0, 0, 15]}}},
-    {\"time\": 0.5, \"nodes\": {
+    {\"number\": 0, \"time\": 0, \"nodes\": {
+      \"2\": {\"angular_velocity\": [0, 0, 15]}}},
+    {\"number\": 1, \"time\": 0.5, \"nodes\": {
       \"2\": {\"displacement\": [0.1, 0, 0], \"rotation\": [0, 0, 7.5],
             \"angular_velocity\": [0, 0, 15]},
       \"3\": {\"displacement\": [0.2, 0, 0]}}}]}
@@ -198,13 +241,16 @@ Examples:
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
 
-/// The width of a page: that of the terminal, or 100.
+/// The width of a page: that of the terminal; elsewhere the environment's COLUMNS, or 100.
 fn page_width(stream: &impl IsTerminal) -> usize {
     const DEFAULT: usize = 100;
-    if !stream.is_terminal() {
-        return DEFAULT;
+    const LEAST: usize = 40;
+    let terminal = stream.is_terminal().then(terminal_size::terminal_size).flatten();
+    if let Some((width, _)) = terminal {
+        return usize::from(width.0).max(LEAST);
     }
-    terminal_size::terminal_size().map_or(DEFAULT, |(width, _)| usize::from(width.0).max(40))
+    let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.trim().parse().ok());
+    columns.map_or(DEFAULT, |columns: usize| columns.clamp(LEAST, 1000))
 }
 
 /// `pintle list`.

@@ -8,6 +8,7 @@
 /// The suboptions of `*CONNECTOR BEHAVIOR` that are evaluated; of all others `pintle eval` says that they were read and are not.
 pub const SUBOPTIONS: &[&str] = &["CONNECTOR CONSTITUTIVE REFERENCE", "CONNECTOR STOP"];
 
+mod forces;
 mod model;
 mod mpc;
 mod outputs;
@@ -17,6 +18,7 @@ mod rules;
 mod sequence;
 mod shared;
 
+pub use forces::ForceResult;
 pub use model::{ConnectorElement, Model};
 pub use mpc::{MpcElement, MpcResult};
 pub use outputs::{OutputError, request};

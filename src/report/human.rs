@@ -25,6 +25,7 @@ pub struct Style {
 pub struct Human<'w> {
     out: &'w mut dyn Write,
     style: Style,
+    first: u64,
     last: u64,
     scenes: u64,
 }
@@ -42,7 +43,7 @@ const NAMES: usize = 26;
 impl<'w> Human<'w> {
     /// Tables on a stream.
     pub fn new(out: &'w mut dyn Write, style: Style) -> Self {
-        Self { out, style, last: 0, scenes: 0 }
+        Self { out, style, first: 0, last: 0, scenes: 0 }
     }
 
     fn number(&self, value: f64) -> String {
@@ -183,6 +184,44 @@ impl<'w> Human<'w> {
         Ok(())
     }
 
+    /// Nodal forces by node, and the entries of their derivatives.
+    fn nodal(&mut self, block: &Block<'_>) -> io::Result<()> {
+        let forces = &block.nodal.forces;
+        let largest_force = largest(forces.iter().map(|force| force.force));
+        for group in forces.chunk_by(|one, other| one.role == other.role) {
+            let Some(first) = group.first() else { continue };
+            let title = match first.node {
+                Some(node) => format!("  node {node} ({})", first.role),
+                None => format!("  ground ({})", first.role),
+            };
+            let columns: Vec<(String, Vec<String>)> = group
+                .iter()
+                .map(|force| (force.name.to_string(), vec![self.beside(force.force, largest_force)]))
+                .collect();
+            self.columns(&title, &["nodal force".to_string()], &columns)?;
+        }
+        for (output, matrix) in block.nodal.matrices() {
+            let largest = largest(matrix.iter().flatten().copied());
+            let names: Vec<String> = block.columns.iter().map(|column| column.name.to_string()).collect();
+            let columns: Vec<(String, Vec<String>)> = (0..names.len())
+                .filter(|j| matrix.iter().any(|row| row[*j] != 0.0))
+                .map(|j| {
+                    let entry = |row: &Vec<f64>| match row[j] {
+                        0.0 => "·".to_string(),
+                        entry => self.beside(entry, largest),
+                    };
+                    (format!("∂{}", names[j]), matrix.iter().map(entry).collect())
+                })
+                .collect();
+            if columns.is_empty() {
+                writeln!(self.out, "  {}: every entry is 0", output.name())?;
+            } else {
+                self.columns(&format!("  {}", output.name()), &names, &columns)?;
+            }
+        }
+        Ok(())
+    }
+
     fn hessian(&mut self, block: &Block<'_>) -> io::Result<()> {
         let mut entries = Vec::new();
         let all = block.derivatives.iter().flat_map(|row| row.hessian.iter().flatten().flatten());
@@ -276,8 +315,7 @@ const fn heading(output: Output) -> &'static str {
 
 /// Which states are shown, where not all are.
 fn shown(subject: &Subject<'_>) -> String {
-    let last = subject.first + subject.states as u64 - 1;
-    if subject.shown.contains(&(subject.first..=last)) {
+    if subject.shown.contains(&(subject.first..=subject.last)) {
         return String::new();
     }
     let range = |range: &RangeInclusive<u64>| {
@@ -305,7 +343,7 @@ impl Format for Human<'_> {
             writeln!(self.out)?;
         }
         self.scenes += 1;
-        self.last = subject.first + subject.states as u64 - 1;
+        (self.first, self.last) = (subject.first, subject.last);
         let scene = subject.scene;
         writeln!(self.out, "{}", styled(BOLD, &scene.name))?;
         for line in scene.heading.lines().map(str::trim).filter(|line| !line.is_empty()) {
@@ -328,8 +366,8 @@ impl Format for Human<'_> {
 
     fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
         let time = time.map(|time| format!(", t = {}", self.number(time))).unwrap_or_default();
-        let last = self.last;
-        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of 0 … {last}{time} ──")))
+        let (first, last) = (self.first, self.last);
+        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of {first} … {last}{time} ──")))
     }
 
     fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
@@ -371,6 +409,7 @@ impl Format for Human<'_> {
                 format!("margin of {name}: {} {unit} to {}", self.number(margin.distance), margin.set.at);
             writeln!(self.out, "  {}", styled(DIM, text))?;
         }
+        self.nodal(block)?;
         self.jacobian(block)?;
         self.hessian(block)?;
         for text in flags_in_words(&block.flags) {
