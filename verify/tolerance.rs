@@ -102,6 +102,10 @@ pub(crate) const LAWS: &[Law] = &[
     law("mpc, compositions", 8.0),
     law("mpc, allowed motions", 4.0),
     law("mpc, as connectors", 16.0),
+    law("mpc, forces", 8.0),
+    law("mpc, power", 4.0),
+    law("mpc, stiffness", 3.0),
+    law("mpc, elimination", 4.0),
 ];
 
 /// What 237-bit numbers leave of an identity, over its scale: 71 digits less the triads' distance from orthonormal, which is that of
