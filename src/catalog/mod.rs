@@ -7,9 +7,14 @@
 //! To add a type: write its half or its slots in `table.rs` (and a new [`Measure`] if none fits), then its double entries:
 //! a row in `verify/manual.rs` and one in `scripts/reference.py`. A test fails while either is missing.
 
+mod friction;
 mod rules;
 mod table;
 
+pub use friction::{
+    Contact, ContactTerm, CrossAxis, Factor, Friction, FrictionConstant, FrictionCriterion,
+    FrictionParameter, Load, PLANE, Quantity, SPATIAL, Traction,
+};
 pub use rules::{Breach, Facts, Procedure, Rule};
 pub use table::TABLE;
 
@@ -187,37 +192,6 @@ pub enum Availability {
     Never,
     /// Everywhere but in an Explicit analysis.
     StandardOnly,
-}
-
-/// A parameter of predefined friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct FrictionParameter {
-    /// The manual's symbol: R_r, L, F_C^int.
-    pub symbol: &'static str,
-    /// Whether it must be given.
-    pub required: bool,
-}
-
-/// One criterion of predefined friction, Φ = P(f) − μ F_N ≤ 0 with F_N = |F_C + F_C^int|.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct FrictionCriterion {
-    /// P, the magnitude of the tangential tractions.
-    pub tangential: &'static str,
-    /// F_C, the contact force (or moment).
-    pub contact: &'static str,
-    /// The output in which the friction force appears.
-    pub output: &'static str,
-}
-
-/// Predefined friction of a type.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Friction {
-    /// Parameters in the order of the data line of `*CONNECTOR FRICTION, PREDEFINED`.
-    pub parameters: &'static [FrictionParameter],
-    /// Its criteria.
-    pub criteria: &'static [FrictionCriterion],
-    /// How well the formulas are documented.
-    pub evidence: Evidence,
 }
 
 /// A basic translational or rotational type: half of a connector.

@@ -4,8 +4,8 @@ use super::layout::{self, BOLD, DIM, styled};
 use super::list::{is_measured, names};
 use super::words::{self, NOTATION, ROWS, SIGNS};
 use crate::catalog::{
-    Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, FORCE, FrictionCriterion,
-    OrientationRule, Slot,
+    Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, FORCE, Friction, OrientationRule,
+    PLANE, SPATIAL, Slot,
 };
 use crate::measure::{SingularSet, Unit};
 use crate::scene::Code;
@@ -30,7 +30,7 @@ pub struct Explanation {
     notation: &'static str,
     components: Vec<Component>,
     forces: Vec<&'static str>,
-    friction: Vec<FrictionCriterion>,
+    friction: Vec<Criterion>,
     two_dimensional_form: String,
     three_dimensional: Availability,
     two_dimensional: Availability,
@@ -41,6 +41,35 @@ pub struct Explanation {
     remarks: Vec<&'static str>,
     sources: Vec<&'static str>,
     evidence: Vec<Tag>,
+}
+
+/// A criterion of predefined friction, Φ = P − μ |F_C + F_C^int| ≤ 0.
+#[derive(Debug, Serialize)]
+struct Criterion {
+    tangential: String,
+    contact: String,
+    output: &'static str,
+    /// P and F_C in two dimensions, where the type can be used there.
+    two_dimensional: Option<[String; 2]>,
+}
+
+fn criteria(friction: &Friction, is_planar: bool) -> Vec<Criterion> {
+    let formulas = |criterion: &crate::catalog::FrictionCriterion, present| {
+        [criterion.tangential_formula(friction, present), criterion.contact_formula(friction, present)]
+    };
+    friction
+        .criteria
+        .iter()
+        .map(|criterion| {
+            let [tangential, contact] = formulas(criterion, SPATIAL);
+            Criterion {
+                tangential,
+                contact,
+                output: criterion.output,
+                two_dimensional: is_planar.then(|| formulas(criterion, PLANE)),
+            }
+        })
+        .collect()
 }
 
 /// A field of the manual's summary table.
@@ -117,7 +146,10 @@ impl Explanation {
             notation: NOTATION,
             components: (0..6).filter_map(|k| component(connection, k)).collect(),
             forces: some(&connection.forces),
-            friction: connection.friction.map(|friction| friction.criteria.to_vec()).unwrap_or_default(),
+            friction: connection
+                .friction
+                .map(|friction| criteria(&friction, connection.planar != Availability::Never))
+                .unwrap_or_default(),
             two_dimensional_form: two_dimensional(connection),
             three_dimensional: connection.availability,
             two_dimensional: connection.planar,
@@ -291,15 +323,27 @@ fn summary(connection: &ConnectionType) -> Vec<Field> {
     field(
         "Contact force for predefined friction",
         connection.friction.map_or_else(none, |friction| {
-            let criteria: Vec<String> = friction
-                .criteria
-                .iter()
+            let all: Vec<String> = criteria(&friction, connection.planar != Availability::Never)
+                .into_iter()
                 .map(|criterion| {
-                    let FrictionCriterion { tangential, contact, output } = criterion;
-                    format!("F_C = {contact}, against P = {tangential} ({output})")
+                    let Criterion { tangential, contact, output, two_dimensional } = criterion;
+                    let plane = match two_dimensional {
+                        Some([p, c]) if p != tangential || c != contact => {
+                            format!("; in two dimensions F_C = {c}, against P = {p}")
+                        }
+                        _ => String::new(),
+                    };
+                    format!("F_C = {contact}, against P = {tangential} ({output}){plane}")
                 })
                 .collect();
-            tagged(&criteria.join("; "), friction.evidence)
+            let constants = friction
+                .constants
+                .iter()
+                .map(|constant| format!("; {} = {}, {}", constant.symbol, constant.value, constant.meaning));
+            let unused =
+                friction.unused_parameters().map(|symbol| format!("; {symbol} is read and not used"));
+            let notes: String = constants.chain(unused).collect();
+            tagged(&format!("{}{notes}", all.join("; ")), friction.evidence)
         }),
     );
     field(
