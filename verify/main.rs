@@ -6,6 +6,7 @@ mod closed; // rows derived by hand
 mod faults; // what is said about every faulty input
 mod fuzzing; // what holds of any bytes whatever
 mod golden; // what JAX computes by other formulas
+mod golden_mpc; // the same of multi-point constraints
 mod laws; // what holds for every connection type
 mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are

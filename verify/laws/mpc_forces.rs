@@ -325,3 +325,76 @@ fn elimination_is_exact() {
     }
     check.finish();
 }
+
+/// Springs and dashpots to ground on the angle of a hinge: moments, their stiffness, damping and energy as differences on 237-bit
+/// numbers, over a history that goes through turns.
+#[test]
+fn springs_on_hinges() {
+    use pintle::behavior::Conditions;
+    use pintle::evaluate::{Model, Plan, Selection, Sequence};
+    use pintle::report::unevaluated;
+    use pintle::scene::{NodeMotion, Rotation, Scene, State as SceneState};
+
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 0., 0., 1.\n4, 1., 0., 0.\n*MPC\nUNIVERSAL, 1, 2, 3, 4\n\
+                *ELEMENT, TYPE=SPRING1, ELSET=K\n11, 3\n*SPRING, ELSET=K\n6\n2.5\n\
+                *ELEMENT, TYPE=SPRING1, ELSET=T\n12, 4\n\
+                *SPRING, ELSET=T, NONLINEAR\n6\n-3., -1.\n0., 0.\n1., 0.5\n4., 1.\n\
+                *ELEMENT, TYPE=DASHPOT1, ELSET=C\n13, 3\n*DASHPOT, ELSET=C, NONLINEAR\n6\n-2., -1.\n0., 0.\n6., 1.\n\
+                *ELEMENT, TYPE=SPRING1, ELSET=OTHER\n14, 3\n*SPRING, ELSET=OTHER\n5\n9.\n";
+    let scene = Scene::parse("springs.inp", deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let plan = Plan::compile(&model, &Selection::All, Request::everything(0)).unwrap();
+    let mut sequence = Sequence::new(&model, &plan);
+    let left: Vec<_> =
+        unevaluated(&scene, &model).into_iter().map(|note| (note.count, note.details)).collect();
+    assert_eq!(left, [(1, vec!["SPRING1: 1".to_string()])]);
+    let mut check = Check::of("mpc, springs");
+    let conditions = Conditions::default();
+    for n in 0..40 {
+        let (first, second, rate) =
+            (0.4 * f64::from(n), 0.03 * f64::from(n) - 0.6, 0.1 * f64::from(n) - 2.05);
+        let motion = |angle: f64, rate: f64| NodeMotion {
+            rotation: Rotation::Vector([0.0, 0.0, angle]),
+            angular_velocity: [0.0, 0.0, rate],
+            ..NodeMotion::default()
+        };
+        let mut state = SceneState::default();
+        let [of_first, of_second] = [[0.0, 0.0, first], [second, 0.0, 0.0]].map(pintle::so3::exp);
+        let rotation = Rotation::Quaternion(pintle::so3::compose(of_first, of_second));
+        let names: Vec<_> = scene.nodes.keys().copied().collect();
+        state.nodes.insert(names[0], NodeMotion { rotation, ..NodeMotion::default() });
+        // The first angle is given, the second is what the rotations imply.
+        state.nodes.insert(names[2], motion(first, rate));
+        let step = sequence.step(&state);
+        let [on_first, on_second] = step.mpcs[0].moments.map(|moments| moments.unwrap().unwrap());
+        for (i, (got, angle)) in [(on_first, first), (on_second, second)].into_iter().enumerate() {
+            let ground = &model.mpcs[0].ground[i];
+            let h = Wide::from_f64(1e-20);
+            let at = Wide::from_f64(angle);
+            let energy = |x: Wide| ground.energy(x, &conditions).unwrap();
+            let spring = |x: Wide| ground.spring(x, &conditions).unwrap();
+            let place = |what: &str| format!("state {n}, angle {}, {what}", i + 1);
+            let size = 4.0 * (1.0 + angle.abs());
+            check.compare(|| place("moment"), got.spring, (energy(at + h) - energy(at - h)) / (h + h), size);
+            check.compare(
+                || place("stiffness"),
+                got.stiffness,
+                (spring(at + h) - spring(at - h)) / (h + h),
+                6.0,
+            );
+            check.compare(|| place("energy"), got.energy, energy(at), size * (1.0 + angle.abs()));
+        }
+        check.against(|| format!("state {n}, k φ"), on_first.spring, 2.5 * first, 2.5 * (1.0 + first));
+        let c = if rate < 0.0 { 2.0 } else { 6.0 };
+        let damped = if rate < -1.0 {
+            (-2.0, 0.0)
+        } else if rate > 1.0 {
+            (6.0, 0.0)
+        } else {
+            (c * rate, c)
+        };
+        check.against(|| format!("state {n}, dashpot"), on_first.dashpot.unwrap(), damped.0, 6.0);
+        check.against(|| format!("state {n}, damping"), on_first.damping.unwrap(), damped.1, 6.0);
+    }
+    check.finish();
+}
