@@ -17,7 +17,7 @@ mod shared;
 
 pub use forces::ForceResult;
 pub use model::{ConnectorElement, Model};
-pub use mpc::{MpcElement, MpcResult};
+pub use mpc::{HingeMoments, MpcElement, MpcResult};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
 pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};
