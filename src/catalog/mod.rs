@@ -25,9 +25,6 @@ use std::borrow::Cow;
 /// The names of the components of relative motion, in order.
 pub const COMPONENT: [&str; 6] = ["u1", "u2", "u3", "ur1", "ur2", "ur3"];
 
-/// The components (0-based) that a two-dimensional element has: u1, u2 and ur3.
-pub const PLANAR_COMPONENTS: [usize; 3] = [0, 1, 5];
-
 /// The names of the conjugate forces and moments, in order.
 pub const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
 
@@ -393,6 +390,24 @@ impl ConnectionType {
             Some(rotational) => Self::pair(becomes, rotational),
             None => Self::basic(becomes),
         })
+    }
+
+    /// The two-dimensional form: u3, ur1 and ur2 do not exist. Of a SLIPRING the flow at a, its component 3, is then read at the
+    /// node, as degree of freedom 10.
+    ///
+    /// ```
+    /// use pintle::catalog::{ConnectionType, Slot};
+    /// let slot = ConnectionType::named("SLOT", None).unwrap().in_plane();
+    /// assert_eq!(slot.component_list(Slot::is_constrained), "u2");
+    /// ```
+    pub fn in_plane(&self) -> Self {
+        let mut form = self.clone();
+        for (k, slot) in form.slots.iter_mut().enumerate() {
+            if !PLANE[k] {
+                *slot = Slot::Absent;
+            }
+        }
+        form
     }
 
     fn find(name: &str) -> Result<&'static Self, NameError> {
