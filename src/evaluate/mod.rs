@@ -5,6 +5,9 @@
 //! what is to be computed, and of the nodes that need it. [`Sequence`] walks through states in order, one at a time,
 //! committing every branch as it goes.
 
+/// The suboptions of `*CONNECTOR BEHAVIOR` that are evaluated; of all others `pintle eval` says that they were read and are not.
+pub const SUBOPTIONS: &[&str] = &["CONNECTOR CONSTITUTIVE REFERENCE", "CONNECTOR STOP"];
+
 mod model;
 mod mpc;
 mod outputs;

@@ -235,7 +235,13 @@ impl<'w> Human<'w> {
         if notes.is_empty() {
             return Ok(());
         }
-        let list: Vec<String> = notes.iter().map(|note| format!("{} {}", note.count, note.what)).collect();
+        let list: Vec<String> = notes
+            .iter()
+            .map(|Unevaluated { count, what, names, .. }| match names.as_slice() {
+                [] => format!("{count} {what}"),
+                names => format!("{count} {what} ({})", names.join(", ")),
+            })
+            .collect();
         let text = format!("read, not evaluated: {}", list.join(", "));
         for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
             writeln!(self.out, "  {}", styled(DIM, line))?;

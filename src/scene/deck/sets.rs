@@ -1,10 +1,11 @@
 //! Sets while they are read, and what they contain once everything is known.
 
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
+use crate::scene::label::{Instance, Label};
 use crate::scene::model::Set;
 use crate::scene::span::{Span, Spanned};
 use indexmap::IndexMap;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// The largest number of members of a GENERATE range, and of all sets of a deck together.
 pub const MAX_MEMBERS: u64 = 10_000_000;
@@ -64,9 +65,11 @@ pub(super) struct SetBuilder {
 #[derive(Debug, Clone)]
 enum Entry {
     /// Written as `GENERATE` or as numbers one after the other.
-    Range { first: u64, last: u64, step: u64, generated: bool, span: Span },
+    Range { instance: Option<Instance>, first: u64, last: u64, step: u64, generated: bool, span: Span },
     /// Another set.
     Set(Spanned<String>),
+    /// The nodes of an element set.
+    NodesOf(Spanned<String>),
 }
 
 impl SetBuilder {
@@ -79,35 +82,64 @@ impl SetBuilder {
     }
 
     /// One member. Numbers that follow each other on one line share an entry.
-    pub(super) fn push(&mut self, label: u64, span: Span) {
-        if let Some(Entry::Range { last, step: 1, generated: false, span: place, .. }) =
-            self.entries.last_mut()
-            && place.line() == span.line()
-            && last.checked_add(1) == Some(label)
-        {
-            *last = label;
-            return;
-        }
-        self.entries.push(Entry::Range { first: label, last: label, step: 1, generated: false, span });
+    pub(super) fn push(&mut self, label: Label, span: Span) {
+        self.push_one(label, span, |place| (place.file(), place.line()) == (span.file(), span.line()));
     }
 
     /// A member that is defined by the same line; numbers that follow each other share an entry.
     pub(super) fn push_defined(&mut self, label: u64, span: Span) {
-        if let Some(Entry::Range { last, step: 1, generated: false, .. }) = self.entries.last_mut()
-            && last.checked_add(1) == Some(label)
-        {
-            *last = label;
-            return;
-        }
-        self.entries.push(Entry::Range { first: label, last: label, step: 1, generated: false, span });
+        self.push_one(label.into(), span, |_| true);
     }
 
-    pub(super) fn push_range(&mut self, first: u64, last: u64, step: u64, span: Span) {
-        self.entries.push(Entry::Range { first, last, step, generated: true, span });
+    fn push_one(&mut self, label: Label, span: Span, joins: impl Fn(Span) -> bool) {
+        let number = label.number();
+        if let Some(Entry::Range { instance, last, step: 1, generated: false, span: place, .. }) =
+            self.entries.last_mut()
+            && *instance == label.instance()
+            && joins(*place)
+            && last.checked_add(1) == Some(number)
+        {
+            *last = number;
+            return;
+        }
+        let (instance, generated) = (label.instance(), false);
+        self.entries.push(Entry::Range { instance, first: number, last: number, step: 1, generated, span });
+    }
+
+    pub(super) fn push_range(
+        &mut self,
+        instance: Option<Instance>,
+        (first, last, step): (u64, u64, u64),
+        span: Span,
+    ) {
+        self.entries.push(Entry::Range { instance, first, last, step, generated: true, span });
     }
 
     pub(super) fn push_set(&mut self, name: Spanned<String>) {
         self.entries.push(Entry::Set(name));
+    }
+
+    pub(super) fn push_nodes_of(&mut self, name: Spanned<String>) {
+        self.entries.push(Entry::NodesOf(name));
+    }
+
+    /// The set of a part as one of its instance.
+    pub(super) fn within(mut self, within: Instance) -> Self {
+        for entry in &mut self.entries {
+            match entry {
+                Entry::Range { instance, .. } => {
+                    instance.get_or_insert(within);
+                }
+                Entry::Set(name) | Entry::NodesOf(name) => name.value = within.scoped(&name.value),
+            }
+        }
+        self
+    }
+
+    /// What two definitions of one set list together.
+    pub(super) fn extend(&mut self, other: Self) {
+        self.entries.extend(other.entries);
+        self.unsorted |= other.unsorted;
     }
 }
 
@@ -144,11 +176,46 @@ impl LabelRanges {
     }
 }
 
+/// Numbers of which nothing else is kept, by instance.
+#[derive(Debug, Clone, Default)]
+pub(super) struct OtherElements(HashMap<Option<Instance>, LabelRanges>);
+
+impl OtherElements {
+    pub(super) fn push(&mut self, number: u64) {
+        self.0.entry(None).or_default().push(number);
+    }
+
+    /// Takes those of a part as those of its instance.
+    pub(super) fn place(&mut self, mut of_part: Self, instance: Instance) {
+        if let Some(ranges) = of_part.0.remove(&None) {
+            self.0.insert(Some(instance), ranges);
+        }
+    }
+
+    /// The same before they are sorted, for the numbers of this level.
+    pub(super) fn contains_unsorted(&self, number: u64) -> bool {
+        let ranges = self.0.get(&None).map(|ranges| ranges.ranges.as_slice()).unwrap_or_default();
+        ranges.iter().any(|(first, last)| (*first..=*last).contains(&number))
+    }
+
+    pub(super) fn sort(&mut self) {
+        self.0.values_mut().for_each(LabelRanges::sort);
+    }
+
+    pub(super) fn contains(&self, label: Label) -> bool {
+        self.0.get(&label.instance()).is_some_and(|ranges| ranges.contains(label.number()))
+    }
+}
+
+/// The nodes of the elements of a set: they are needed by node sets that are given by element sets.
+pub(super) type NodesOf<'a> = &'a dyn Fn(&Spanned<String>, &mut Set) -> Result<()>;
+
 /// The members of all sets of one kind. Sets may name sets that are defined later.
 pub(super) fn resolve(
     kind: Kind,
     builders: &IndexMap<String, SetBuilder>,
-    member: impl Fn(u64) -> Member,
+    member: impl Fn(Label) -> Member,
+    nodes_of: NodesOf<'_>,
     hint: &dyn Fn() -> String,
     warn: &mut dyn FnMut(Diagnostic),
 ) -> Result<IndexMap<String, Set>> {
@@ -166,7 +233,27 @@ pub(super) fn resolve(
                         set.unmodelled += inner.unmodelled;
                     }
                 }
-                &Entry::Range { first, last, step, generated, span } => {
+                Entry::NodesOf(elements) => {
+                    let before = set.unmodelled;
+                    nodes_of(elements, &mut set)?;
+                    if set.unmodelled > before {
+                        let count = set.unmodelled - before;
+                        let message = format!(
+                            "{count} elements of set {} are of types that are not read",
+                            elements.value
+                        );
+                        warn(
+                            Diagnostic::warning(
+                                Code::NodesOfSkipped,
+                                elements.span,
+                                message,
+                                format!("set {name} lacks their nodes"),
+                            )
+                            .help("list the nodes themselves if a connector or a constraint needs them"),
+                        );
+                    }
+                }
+                &Entry::Range { instance, first, last, step, generated, span } => {
                     listed += (last - first) / step + 1;
                     if listed > MAX_LISTED {
                         let message =
@@ -179,7 +266,15 @@ pub(super) fn resolve(
                         )
                         .help("remove sets that no connector needs"));
                     }
-                    expand(kind, (first, last, step, generated), span, &member, hint, &mut set, warn)?;
+                    expand(
+                        kind,
+                        (Label::of(instance, first), last, step, generated),
+                        span,
+                        &member,
+                        hint,
+                        &mut set,
+                        warn,
+                    )?;
                 }
             }
             if total + set.labels.len() as u64 > MAX_MEMBERS {
@@ -194,6 +289,7 @@ pub(super) fn resolve(
                 .help("remove sets that no connector needs"));
             }
         }
+        set.unsorted = builder.unsorted;
         if builder.unsorted {
             let mut seen = HashSet::with_capacity(set.labels.len());
             set.labels.retain(|label| seen.insert(*label));
@@ -209,18 +305,19 @@ pub(super) fn resolve(
 
 fn expand(
     kind: Kind,
-    (first, last, step, generated): (u64, u64, u64, bool),
+    (first, last, step, generated): (Label, u64, u64, bool),
     span: Span,
-    member: &impl Fn(u64) -> Member,
+    member: &impl Fn(Label) -> Member,
     hint: &dyn Fn() -> String,
     set: &mut Set,
     warn: &mut dyn FnMut(Diagnostic),
 ) -> Result<()> {
     let name = kind.name();
-    let (mut found, mut gaps, mut label) = (0_u64, 0_u64, first);
-    while label <= last {
+    let (mut found, mut gaps, mut number) = (0_u64, 0_u64, first.number());
+    while number <= last {
+        let label = Label::of(first.instance(), number);
         match member(label) {
-            Member::Modelled => set.labels.push(label.into()),
+            Member::Modelled => set.labels.push(label),
             Member::Unmodelled => set.unmodelled += 1,
             Member::Unknown if generated => gaps += 1,
             Member::Unknown => {
@@ -231,8 +328,9 @@ fn expand(
             }
         }
         found += 1;
-        label += step;
+        number += step;
     }
+    let last = Label::of(first.instance(), last);
     if found == gaps && gaps > 0 {
         let message = format!("no {name} from {first} to {last} is defined");
         return Err(Diagnostic::error(kind.unknown(), span, message, format!("no such {name}s")).help(hint()));
@@ -262,7 +360,7 @@ fn order(kind: Kind, builders: &IndexMap<String, SetBuilder>) -> Result<Vec<usiz
             let inner = builder.entries.iter().enumerate().skip(entry);
             let inner = inner.filter_map(|(at, entry)| match entry {
                 Entry::Set(name) => Some((at, name)),
-                Entry::Range { .. } => None,
+                Entry::Range { .. } | Entry::NodesOf(_) => None,
             });
             let mut next = None;
             for (at, name) in inner {
@@ -317,7 +415,7 @@ pub(super) fn unknown_set<'a>(
         Kind::Element => ("element", "*ELSET, ELSET"),
     };
     let message = format!("there is no {kind_name} set {}", name.value);
-    let remedy = suggest(&name.value, names, || format!("define it by {keyword}={}", name.value));
+    let remedy = suggest_scoped(&name.value, names, || format!("define it by {keyword}={}", name.value));
     Diagnostic::error(kind.unknown_set(), name.span, message, "not defined").help(remedy)
 }
 
