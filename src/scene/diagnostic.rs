@@ -139,6 +139,8 @@ codes! {
     FrictionParameters = "rule::friction-parameters": "More or fewer parameters of predefined friction than the connection type takes.";
     SectionDataUnused = "rule::section-data-unused": "Section data for a connection type that takes none, or less.";
     ConvertedInStandard = "rule::converted-in-standard": "The connection type is another one in a Standard analysis, and is evaluated as such. A warning.";
+    DofEliminated = "rule::dof-eliminated": "A degree of freedom is made dependent by two multi-point constraints, or by one and prescribed besides.";
+    MpcAxes = "rule::mpc-axes": "The axes of an MPC UNIVERSAL are not orthogonal, or parallel. A warning.";
     CoincidentNodes = "rule::coincident-nodes": "A length or direction is needed, and the nodes coincide initially.";
     ZRectangularNotInExplicit = "rule::z-rectangular-not-in-explicit": "An orientation with SYSTEM=Z RECTANGULAR in an Explicit analysis.";
     DirectionNotInExplicit = "rule::direction-not-in-explicit": "An orientation cannot stand in for the direction between coincident nodes in an Explicit analysis. A warning.";

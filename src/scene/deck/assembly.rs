@@ -28,6 +28,17 @@ pub(super) struct Level {
     rotation_targets: Vec<Target>,
 }
 
+impl Level {
+    /// The number of nodes, elements, sets and constraints, which an instance copies.
+    fn size(&self) -> u64 {
+        let Scene { nodes, connectors, point_elements, orientations, .. } = &self.scene;
+        let entries = |sets: &IndexMap<String, SetBuilder>| sets.values().map(SetBuilder::len).sum::<usize>();
+        let of_sets = entries(&self.node_sets) + entries(&self.element_sets);
+        let others = self.mpcs.len() + self.other_rotations.len() + self.rotation_targets.len();
+        (nodes.len() + connectors.len() + point_elements.len() + orientations.len() + of_sets + others) as u64
+    }
+}
+
 /// A part that instances may use.
 #[derive(Debug)]
 pub(super) struct Part {
@@ -488,8 +499,11 @@ pub(super) fn instance(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         });
         return Err(Diagnostic::error(Code::UnknownPart, part.span, message, "not defined").help(remedy));
     };
+    // The first instance of a part is as large as its lines; further ones are larger than theirs.
+    let copied = if known.used { known.level.size() } else { 0 };
     known.used = true;
     let level = known.level.clone();
+    deck.count_generated(copied, keyword.span)?;
     deck.enter(level);
     let instance = Instance::named(&name.value);
     deck.assembly.instances.insert(name.value, keyword.span);

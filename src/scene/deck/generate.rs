@@ -12,12 +12,13 @@ use indexmap::map::Entry;
 
 impl Deck<'_> {
     /// Counts what is generated, so that no line of a deck can ask for more than a deck may have.
-    fn count_generated(&mut self, count: u64, span: Span) -> Result<()> {
+    pub(super) fn count_generated(&mut self, count: u64, span: Span) -> Result<()> {
         self.generated = self.generated.saturating_add(count);
         if self.generated <= MAX_MEMBERS {
             return Ok(());
         }
-        let message = format!("more than {MAX_MEMBERS} nodes and elements are generated");
+        let message =
+            format!("more than {MAX_MEMBERS} nodes, elements and sets are generated, or copied by instances");
         Err(Diagnostic::error(Code::GenerateRange, span, message, "up to this line")
             .help("check the numbers on this line, or split the model"))
     }

@@ -3,12 +3,13 @@
 use super::Deck;
 use super::connector::RawMpc;
 use super::mesh::duplicate_element;
-use super::sets::{self, Kind, Member, unknown_set};
+use super::sets::{self, InOrder, Kind, Known, Member, OtherElements, unknown_set};
 use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
 use crate::scene::label::Label;
 use crate::scene::model::{Discrete, End, Mpc, PointKind, Scene, Set, Target, TransformKind};
 use crate::scene::span::{Span, Spanned};
+use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
 
 pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
@@ -63,9 +64,11 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
 fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
     let scene = &deck.scene;
     let mut warnings = Vec::new();
-    let node = |label| if scene.nodes.contains_key(&label) { Member::Modelled } else { Member::Unknown };
+    let nodes = InOrder::new(&scene.nodes);
+    let node = |label| if nodes.contains(label) { Member::Modelled } else { Member::Unknown };
+    let (connectors, points) = (InOrder::new(&scene.connectors), InOrder::new(&scene.point_elements));
     let element = |label| {
-        if scene.connectors.contains_key(&label) || scene.point_elements.contains_key(&label) {
+        if connectors.contains(label) || points.contains(label) {
             Member::Modelled
         } else if deck.other_elements.contains(label) {
             Member::Unmodelled
@@ -75,8 +78,15 @@ fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
     };
     let mut warn = |warning| warnings.push(warning);
     let hint = undefined(Kind::Element);
+    let elements = Known {
+        member: &element,
+        count: scene.connectors.len() + scene.point_elements.len(),
+        labels: &|| scene.connectors.keys().chain(scene.point_elements.keys()).copied().collect(),
+        sorted: OnceCell::new(),
+        other: &deck.other_elements,
+    };
     let element_sets =
-        sets::resolve(Kind::Element, &deck.element_sets, element, &|_, _| Ok(()), &hint, &mut warn)?;
+        sets::resolve(Kind::Element, &deck.element_sets, &elements, &|_, _| Ok(()), &hint, &mut warn)?;
     let nodes_of = |name: &Spanned<String>, set: &mut Set| {
         let Some(elements) = element_sets.get(&name.value) else {
             return Err(unknown_set(Kind::Element, name, element_sets.keys().map(String::as_str)));
@@ -86,11 +96,18 @@ fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
             let point = scene.point_elements.get(label).map(|element| [Some(element.node), element.second]);
             set.labels.extend(connector.or(point).into_iter().flatten().flatten());
         }
-        set.unmodelled += elements.unmodelled;
+        set.unmodelled = set.unmodelled.saturating_add(elements.unmodelled);
         Ok(())
     };
     let hint = undefined(Kind::Node);
-    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, node, &nodes_of, &hint, &mut warn)?;
+    let known = Known {
+        member: &node,
+        count: scene.nodes.len(),
+        labels: &|| scene.nodes.keys().copied().collect(),
+        sorted: OnceCell::new(),
+        other: &OtherElements::default(),
+    };
+    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, &known, &nodes_of, &hint, &mut warn)?;
     (deck.scene.node_sets, deck.scene.element_sets) = (node_sets, element_sets);
     warnings.into_iter().for_each(|warning| deck.warn(warning));
     Ok(())
