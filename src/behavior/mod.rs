@@ -8,12 +8,17 @@
 //! |---|---|
 //! | [`table`] | what lies between the rows of a table? |
 //! | [`elasticity`], [`damping`] | which forces follow from displacements and velocities? |
-//! | [`amplitude`] | how does what is prescribed change in time? |
+//! | [`amplitude`], [`drive`] | how does what is prescribed change in time? |
+//! | [`limits`] | when does a component lock or fail? |
+//! | [`state`] | what of all that holds at one state, after its history? |
 
 pub mod amplitude;
 pub mod damping;
+pub mod drive;
 pub mod elasticity;
 mod law;
+pub mod limits;
+pub mod state;
 pub mod table;
 
 pub use law::ForceKink;
@@ -74,6 +79,44 @@ pub enum Unknown {
     Field(usize),
     /// A rigid elasticity: motions do not tell its force.
     Rigid,
+    /// It depends on the time, which the state does not give.
+    Time,
+    /// It is a velocity formed from increments, and the time since the previous state is not known, or zero.
+    TimeStep,
+    /// The time lies after the last step whose length is known.
+    AfterSteps,
+    /// It is counted from where the component was at the beginning of a step, and no state was given there.
+    StepBeginning,
+    /// A subroutine, another program or the solution gives it.
+    External,
+    /// A reaction: motions do not tell it, and no total force is given.
+    Reaction,
+    /// It rests on another part that is not known.
+    Part,
+}
+
+impl Unknown {
+    /// Why, in words.
+    pub fn in_words(self) -> String {
+        match self {
+            Self::Temperature => "it depends on the temperature, which is not given".to_string(),
+            Self::Field(field) => format!("it depends on field variable {field}, which is not given"),
+            Self::Rigid => "its elasticity is rigid: motions do not tell the force".to_string(),
+            Self::Time => "it depends on the time, which the state does not give".to_string(),
+            Self::TimeStep => {
+                "its velocity is an increment over a time step, which is not known or zero".to_string()
+            }
+            Self::AfterSteps => "the time lies after the last step whose length is known".to_string(),
+            Self::StepBeginning => {
+                "it counts from the beginning of a step, and no state was given there".to_string()
+            }
+            Self::External => "a subroutine, another program or the solution gives it".to_string(),
+            Self::Reaction => {
+                "it is a reaction: motions do not tell it, and no total force is given".to_string()
+            }
+            Self::Part => "a part of it is not known".to_string(),
+        }
+    }
 }
 
 /// The forces of one kind: of the components that have one, unless it is not known.

@@ -33,6 +33,15 @@ pub enum StopStatus {
 }
 
 impl StopStatus {
+    /// Whether a position is at a stop.
+    pub fn at(stop: &Stop, position: f64) -> Self {
+        match *stop {
+            Stop { lower: Some(lower), .. } if position <= lower => Self::AtLower,
+            Stop { upper: Some(upper), .. } if position >= upper => Self::AtUpper,
+            _ => Self::Free,
+        }
+    }
+
     /// The value of CSLST: 1 at a limit, else 0.
     pub const fn flag(self) -> u8 {
         match self {
@@ -146,14 +155,7 @@ const CERTAIN_TURNS: f64 = 0.1;
 impl Connector<f64> {
     /// Whether stops are reached at the given positions.
     pub fn stop_status(&self, position: &Components<f64>) -> Components<StopStatus> {
-        [0, 1, 2, 3, 4, 5].map(|k| {
-            let (stop, position) = (self.stops[k]?, position[k]?);
-            Some(match stop {
-                Stop { lower: Some(lower), .. } if position <= lower => StopStatus::AtLower,
-                Stop { upper: Some(upper), .. } if position >= upper => StopStatus::AtUpper,
-                _ => StopStatus::Free,
-            })
-        })
+        [0, 1, 2, 3, 4, 5].map(|k| Some(StopStatus::at(&self.stops[k]?, position[k]?)))
     }
 
     /// The stops.
