@@ -11,6 +11,7 @@ use super::orientation::Orientation;
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// A model: nodes, connectors and what acts on them.
 ///
@@ -29,6 +30,9 @@ pub struct Scene {
     pub connectors: IndexMap<Label, ConnectorElement>,
     /// Masses, rotary inertias, springs and dashpots by element number.
     pub point_elements: IndexMap<Label, PointElement>,
+    /// The nodes of connectors that elements and constraints which are not read give rotational degrees of freedom.
+    #[serde(skip_serializing_if = "BTreeSet::is_empty")]
+    pub rotating_nodes: BTreeSet<Label>,
     /// Element sets by name.
     pub element_sets: IndexMap<String, Set>,
     /// Orientations by name.

@@ -51,11 +51,13 @@ pub(super) fn constitutive_reference(deck: &mut Deck<'_>, keyword: &Keyword) -> 
         *value = items.number()?;
     }
     items.end("three lengths and three angles in degrees")?;
+    let place = line.span;
     let behavior = deck.behavior(keyword)?;
     if behavior.constitutive_reference != [None; 6] {
         return Err(repeated(keyword, "a second constitutive reference"));
     }
     behavior.constitutive_reference = reference;
+    behavior.constitutive_reference_span = place;
     Ok(())
 }
 
