@@ -28,6 +28,18 @@ pub enum Passed {
     UpperForce,
 }
 
+impl Passed {
+    /// The limit, in words.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Self::LowerPosition => "lower position",
+            Self::UpperPosition => "upper position",
+            Self::LowerForce => "lower force",
+            Self::UpperForce => "upper force",
+        }
+    }
+}
+
 /// Whether a criterion is met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {

@@ -93,28 +93,28 @@ pub enum Unknown {
     Reaction,
     /// It rests on another part that is not known.
     Part,
+    /// Friction acts on the component, and is not evaluated.
+    Friction,
+    /// Plasticity or damage acts on the component, and is not evaluated.
+    Inelastic,
 }
 
 impl Unknown {
     /// Why, in words.
-    pub fn in_words(self) -> String {
+    pub const fn in_words(self) -> &'static str {
         match self {
-            Self::Temperature => "it depends on the temperature, which is not given".to_string(),
-            Self::Field(field) => format!("it depends on field variable {field}, which is not given"),
-            Self::Rigid => "its elasticity is rigid: motions do not tell the force".to_string(),
-            Self::Time => "it depends on the time, which the state does not give".to_string(),
-            Self::TimeStep => {
-                "its velocity is an increment over a time step, which is not known or zero".to_string()
-            }
-            Self::AfterSteps => "the time lies after the last step whose length is known".to_string(),
-            Self::StepBeginning => {
-                "it counts from the beginning of a step, and no state was given there".to_string()
-            }
-            Self::External => "a subroutine, another program or the solution gives it".to_string(),
-            Self::Reaction => {
-                "it is a reaction: motions do not tell it, and no total force is given".to_string()
-            }
-            Self::Part => "a part of it is not known".to_string(),
+            Self::Temperature => "it depends on the temperature, which is not given",
+            Self::Field(_) => "it depends on a field variable that is not given",
+            Self::Rigid => "its elasticity is rigid, and no total force is given",
+            Self::Time => "it depends on the time, which the state does not give",
+            Self::TimeStep => "its velocity is an increment over a time step that is not known, or zero",
+            Self::AfterSteps => "the time lies after the last step whose length is known",
+            Self::StepBeginning => "it counts from the beginning of a step, and no state was given there",
+            Self::External => "a subroutine, another program or the solution gives it",
+            Self::Reaction => "motions do not tell a reaction, and no total force is given",
+            Self::Part => "a part of it is not known",
+            Self::Friction => "friction acts on the component, and is not evaluated",
+            Self::Inelastic => "plasticity or damage acts on the component, and is not evaluated",
         }
     }
 }

@@ -17,7 +17,7 @@ use super::{Conditions, ForceKink, Forces, Motion, Unknown};
 use crate::catalog::ConnectionType;
 use crate::connector::{Components, Mask, Stop, StopStatus};
 use crate::scalar::{Differentiable, Scalar, Seeded};
-use crate::scene::{self, Diagnostic, MotionType};
+use crate::scene::{self, Diagnostic, FrictionKind, MotionType};
 use num_dual::Dual2_64;
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +35,10 @@ pub struct Behavior {
     stops: Components<Stop>,
     available: Mask,
     constrained: Mask,
+    /// The components on which friction acts.
+    slips: Mask,
+    /// The components on which plasticity or damage acts.
+    inelastic: Mask,
 }
 
 /// What the states up to now decide about the next.
@@ -82,7 +86,9 @@ pub struct Kinematics<'a> {
 }
 
 /// The slopes of Σ CEF + CVF: 6×6 blocks ∂F_i/∂x_j.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// Serialised, the rows and columns are those of u1, u2, u3, ur1, ur2, ur3.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tangent<R> {
     /// ∂F_i/∂u_j at constant velocity.
     pub displacement: [[R; 6]; 6],
@@ -107,6 +113,9 @@ impl<R: Differentiable> Tangent<R> {
         total
     }
 }
+
+/// How far a given force may differ from the sum of its parts, relative to them: files of forces have six digits or so.
+const PRINTED: f64 = 1e-5;
 
 /// Something that happened at a state, or needs care.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -226,6 +235,8 @@ impl Behavior {
             stops,
             available,
             constrained,
+            slips: rubbing(given, available),
+            inelastic: inelastic(given, available),
         })
     }
 
@@ -239,6 +250,13 @@ impl Behavior {
         }
     }
 
+    /// Whether there is nothing that acts or is said of a component.
+    pub fn is_empty(&self) -> bool {
+        let acts = [self.elasticity.components(), self.damping.components()].as_flattened().contains(&true);
+        let acts = acts || [self.slips, self.inelastic].as_flattened().contains(&true);
+        !acts && self.locks.is_empty() && self.failures.is_empty() && self.stops.iter().all(Option::is_none)
+    }
+
     /// Whether the history matters: locks, failures, and velocities from increments follow it.
     pub fn has_history(&self) -> bool {
         !self.locks.is_empty() || !self.failures.is_empty() || self.damping.components().contains(&true)
@@ -247,6 +265,18 @@ impl Behavior {
     /// The components whose motion the behaviour depends on.
     pub const fn available(&self) -> Mask {
         self.available
+    }
+
+    /// The components whose positions stops, locks and failures ask for, or may freeze.
+    pub fn limited(&self) -> Mask {
+        let criteria = self.locks.iter().chain(&self.failures);
+        let mut limited = [0, 1, 2, 3, 4, 5].map(|k| self.stops[k].is_some());
+        for criterion in criteria {
+            for k in 0..6 {
+                limited[k] |= k == criterion.component || criterion.affected[k];
+            }
+        }
+        limited
     }
 
     /// CEF + CVF on any scalar: the function whose derivatives are the tangent. Unknown parts are left out.
@@ -316,10 +346,14 @@ impl Behavior {
             constitutive: value(now.constitutive),
             velocity: value(&velocity),
         };
-        let elastic = self.elasticity.forces(&motion, conditions);
+        let mut elastic = self.elasticity.forces(&motion, conditions);
+        for k in (0..6).filter(|k| self.inelastic[*k]) {
+            (elastic.value[k], elastic.unknown[k]) = (None, Some(Unknown::Inelastic));
+        }
         let mut viscous = self.damping.forces(&motion, conditions);
         for k in (0..6).filter(|k| self.damping.components()[*k]) {
-            if now.velocities == Velocities::Increments && time_step.is_none() && viscous.value[k].is_some() {
+            let is_known = (0..6).all(|j| !self.available[j] || velocity[j].is_some());
+            if !is_known && viscous.value[k].is_some() {
                 (viscous.value[k], viscous.unknown[k]) = (None, Some(Unknown::TimeStep));
             }
         }
@@ -354,9 +388,16 @@ impl Behavior {
         }
         self.fail(now, conditions, &mut outcome, &mut events);
         self.lock(now, conditions, &mut outcome, &mut events);
+        // The total of a component that has failed since is not what it was compared with.
+        events.retain(
+            |event| !matches!(event, Event::OutOfBalance { component, .. } if outcome.failed[*component]),
+        );
         for k in (0..6).filter(|k| !outcome.failed[*k]) {
             outcome.residual[k] = self.residual(k, now, &velocity, prescribed[k], &outcome.history);
             self.check_stop(k, now.position[k], &outcome, &mut events);
+            if outcome.locked[k] {
+                outcome.held[k] = Some(StopStatus::Locked);
+            }
         }
         let is_known = |kink: &ForceKink<f64>| !outcome.failed[kink.component];
         let kinks = self.elasticity.kinks(&motion, conditions).into_iter();
@@ -378,8 +419,9 @@ impl Behavior {
         match now.velocities {
             Velocities::Rates => *now.velocity,
             Velocities::Increments => [0, 1, 2, 3, 4, 5].map(|k| {
-                let before = history.displacement[k].unwrap_or(0.0);
-                Some((now.displacement[k]? - before) / time_step?)
+                let change = now.displacement[k]? - history.displacement[k].unwrap_or(0.0);
+                // What has not moved has no velocity, however long that took.
+                if change == 0.0 { Some(0.0) } else { Some(change / time_step?) }
             }),
         }
     }
@@ -441,17 +483,22 @@ impl Behavior {
         let parts = [&outcome.elastic, &outcome.viscous];
         let rigid = self.elasticity.rigid()[k];
         let is_missing = parts.iter().any(|part| part.unknown[k].is_some_and(|why| why != Unknown::Rigid));
-        let missing = is_missing || outcome.load.unknown[k].is_some();
+        let missing = is_missing || outcome.load.unknown[k].is_some() || self.slips[k];
         let sum: f64 =
             parts.iter().filter_map(|part| part.value[k]).sum::<f64>() - outcome.load.value[k].unwrap_or(0.0);
+        let scale: f64 =
+            parts.iter().chain(&[&outcome.load]).filter_map(|part| part.value[k]).map(f64::abs).sum();
         let (total, reaction) = match (is_held, given) {
-            _ if missing => (given.ok_or(Unknown::Part), Err(Unknown::Part)),
+            _ if missing => {
+                let why = if self.slips[k] { Unknown::Friction } else { Unknown::Part };
+                (given.ok_or(why), Err(why))
+            }
             (true, Some(given)) => (Ok(given), Ok(given - sum)),
             (true, None) => (Err(Unknown::Reaction), Err(Unknown::Reaction)),
             (false, _) => (Ok(sum), Ok(0.0)),
         };
         if let (false, false, Some(given)) = (is_held, missing, given)
-            && given != sum
+            && (given - sum).abs() > PRINTED * (given.abs() + scale)
         {
             events.push(Event::OutOfBalance { component: k, by: given - sum });
         }
@@ -585,11 +632,11 @@ impl Behavior {
             return;
         };
         let (limit, sign) = match status {
-            StopStatus::Free => return,
+            StopStatus::Free | StopStatus::Locked => return,
             StopStatus::AtLower => (stop.lower, -1.0),
             StopStatus::AtUpper => (stop.upper, 1.0),
         };
-        let by = limit.map_or(0.0, |limit| sign * (position - limit));
+        let by = limit.map_or(0.0, |limit: f64| sign * (position - limit));
         if by > 0.0 {
             events.push(Event::BeyondStop { component: k, by });
         }
@@ -601,6 +648,47 @@ impl Behavior {
         {
             events.push(Event::StopPulls { component: k, reaction });
         }
+    }
+}
+
+/// The components on which friction acts: predefined friction, and a potential, may act on all available ones.
+fn rubbing(given: &scene::Behavior, available: Mask) -> Mask {
+    let mut mask = [false; 6];
+    for friction in &given.friction {
+        match friction.kind {
+            FrictionKind::User { component: Some(component), .. } => add(&mut mask, component),
+            _ => mask = available,
+        }
+    }
+    mask
+}
+
+/// The components on which plasticity or damage acts: a coupled one acts on all available ones.
+fn inelastic(given: &scene::Behavior, available: Mask) -> Mask {
+    let mut mask = [false; 6];
+    let plastic = given.plasticity.iter().map(|plasticity| plasticity.component);
+    // Without an evolution damage stays 0.
+    let evolving =
+        given.damage.iter().filter_map(|damage| Some((damage.component, damage.evolution.as_ref()?)));
+    let mut damaged = Vec::new();
+    for (component, evolution) in evolving {
+        damaged.extend(evolution.affected.iter().copied().map(Some));
+        if evolution.affected.is_empty() {
+            damaged.push(component);
+        }
+    }
+    for component in plastic.chain(damaged) {
+        match component {
+            Some(component) => add(&mut mask, component),
+            None => mask = available,
+        }
+    }
+    mask
+}
+
+fn add(mask: &mut Mask, component: u8) {
+    if let Some(place) = mask.get_mut(usize::from(component).wrapping_sub(1)) {
+        *place = true;
     }
 }
 

@@ -1,8 +1,9 @@
 //! `pintle eval`.
 
 use super::{Eval, EvalFormat, Failure, Show, page_width};
+use pintle::behavior::state::Velocities;
 use pintle::connector::{Flag, Output, Request};
-use pintle::evaluate::{Branches, Item, Model, Plan, Selection, Sequence, request};
+use pintle::evaluate::{Branches, ElementBehavior, Item, Model, Plan, Selection, Sequence, request};
 use pintle::report::{self, Block, Format, Subject};
 use pintle::scene::{Diagnostic, Example, GALLERY, Scene, State, StateFile};
 use serde::{Deserialize, Serialize};
@@ -52,7 +53,9 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
         match arguments.format {
             EvalFormat::Csv => {
                 let outputs = request.outputs().collect();
-                let mut format = report::csv::Csv::new(&mut out, outputs, request.order);
+                let has_slopes = request.outputs().any(|output| output == Output::TANGENT);
+                let order = request.order.max(u8::from(has_slopes));
+                let mut format = report::csv::Csv::new(&mut out, outputs, order);
                 walk(arguments, &loaded, &request, &mut format)?;
                 drop(format);
                 Ok(out.flush()?)
@@ -128,8 +131,20 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     let stops = |loaded: &Loaded| {
         loaded.model.connectors.iter().any(|element| element.connector.stops().iter().any(Option::is_some))
     };
-    if loaded.iter().any(stops) {
+    let elements = || loaded.iter().flat_map(|loaded| &loaded.model.connectors);
+    let acts =
+        |what: fn(&ElementBehavior) -> bool| elements().filter_map(|one| one.behavior.as_deref()).any(what);
+    if loaded.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
         outputs.push(Output::CSLST);
+    }
+    for (output, is_there) in [
+        (Output::CEF, acts(|one| one.behavior.elasticity.components().contains(&true))),
+        (Output::CVF, acts(|one| one.behavior.damping.components().contains(&true))),
+        (Output::CCF, acts(|one| one.drives.loads.iter().any(Option::is_some))),
+        (Output::CFAILST, acts(|one| !one.behavior.failures.is_empty())),
+        (Output::DRIVEN, acts(|one| one.drives.motions.iter().any(Option::is_some))),
+    ] {
+        outputs.extend(is_there.then_some(output));
     }
     Ok(Request::new(&outputs, [true; 6], order))
 }
@@ -183,6 +198,9 @@ fn walk(
     for (Loaded { scene, states, model }, (plan, branches, shown)) in loaded.iter().zip(&walks) {
         let mut sequence = Sequence::resume(model, plan, branches.clone());
         let first = branches.states;
+        if !states.iter().any(moves) {
+            sequence.set_velocities(Velocities::Increments);
+        }
         format.scene(&Subject { scene, model, plan, states: states.len(), shown, first })?;
         for state in states {
             let index = sequence.branches().states;

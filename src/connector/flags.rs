@@ -20,7 +20,7 @@ pub struct Stop {
     pub upper: Option<f64>,
 }
 
-/// Whether a stop is reached (output CSLST).
+/// Whether a stop is reached, or a lock closed (output CSLST).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopStatus {
@@ -30,6 +30,8 @@ pub enum StopStatus {
     AtLower,
     /// At or above the upper limit: 1.
     AtUpper,
+    /// Held by a lock: 1.
+    Locked,
 }
 
 impl StopStatus {
@@ -46,7 +48,7 @@ impl StopStatus {
     pub const fn flag(self) -> u8 {
         match self {
             Self::Free => 0,
-            Self::AtLower | Self::AtUpper => 1,
+            Self::AtLower | Self::AtUpper | Self::Locked => 1,
         }
     }
 }
@@ -106,6 +108,70 @@ pub enum Flag {
         /// `u3`, `ur1` or `ur2`, by what moved.
         component: &'static str,
     },
+    /// A force is asked for and not known.
+    NotKnown {
+        /// The component.
+        component: &'static str,
+        /// The output.
+        quantity: &'static str,
+        /// Why, in words.
+        why: &'static str,
+    },
+    /// A force whose slope jumps here: at a row of a table, or where it starts to act.
+    ForceKink {
+        /// The component.
+        component: &'static str,
+        /// Where the slopes meet.
+        at: f64,
+        /// The slope below.
+        left: f64,
+        /// The slope above.
+        right: f64,
+    },
+    /// A position lies beyond its stop.
+    BeyondStop {
+        /// The component.
+        component: &'static str,
+        /// How far.
+        by: f64,
+    },
+    /// The reaction at a stop pulls: nothing holds the component there.
+    StopPulls {
+        /// The component.
+        component: &'static str,
+        /// CRF.
+        reaction: f64,
+    },
+    /// A limit was passed, and a lock closed.
+    Locked {
+        /// The component whose limit it is.
+        component: &'static str,
+        /// The limit.
+        limit: &'static str,
+    },
+    /// A limit was passed, and a failure released components.
+    Failed {
+        /// The component whose limit it is.
+        component: &'static str,
+        /// The limit.
+        limit: &'static str,
+    },
+    /// A lock or failure has a limit that could not be checked.
+    Undecided {
+        /// The component whose limit it is.
+        component: &'static str,
+        /// `lock` or `failure`.
+        criterion: &'static str,
+        /// Why, in words.
+        why: &'static str,
+    },
+    /// The total force given for a component that nothing holds differs from the sum of its parts.
+    OutOfBalance {
+        /// The component.
+        component: &'static str,
+        /// Given minus sum.
+        by: f64,
+    },
 }
 
 impl Flag {
@@ -118,6 +184,14 @@ impl Flag {
             Self::LargeIncrement { .. } => "large-increment",
             Self::PathDependent { .. } => "path-dependent",
             Self::OutOfPlane { .. } => "out-of-plane",
+            Self::NotKnown { .. } => "not-known",
+            Self::ForceKink { .. } => "force-kink",
+            Self::BeyondStop { .. } => "beyond-stop",
+            Self::StopPulls { .. } => "stop-pulls",
+            Self::Locked { .. } => "locked",
+            Self::Failed { .. } => "failed",
+            Self::Undecided { .. } => "undecided",
+            Self::OutOfBalance { .. } => "out-of-balance",
         }
     }
 
@@ -129,7 +203,15 @@ impl Flag {
             | Self::NotFinite { component, .. }
             | Self::LargeIncrement { component, .. }
             | Self::PathDependent { component, .. }
-            | Self::OutOfPlane { component } => component,
+            | Self::OutOfPlane { component }
+            | Self::NotKnown { component, .. }
+            | Self::ForceKink { component, .. }
+            | Self::BeyondStop { component, .. }
+            | Self::StopPulls { component, .. }
+            | Self::Locked { component, .. }
+            | Self::Failed { component, .. }
+            | Self::Undecided { component, .. }
+            | Self::OutOfBalance { component, .. } => component,
         }
     }
 }

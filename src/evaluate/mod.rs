@@ -13,7 +13,7 @@ mod rules;
 mod sequence;
 mod shared;
 
-pub use model::{ConnectorElement, Joint, Model};
+pub use model::{ConnectorElement, ElementBehavior, Joint, Model};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
 pub use sequence::{Branches, ConnectorResult, Item, JointResult, Sequence, StepResult};

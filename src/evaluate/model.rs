@@ -1,6 +1,8 @@
 //! A scene with its connection types, triads and constraints resolved.
 
 use super::{plane, rules, shared};
+use crate::behavior::drive::{Drives, Schedule, drives};
+use crate::behavior::state::Behavior;
 use crate::catalog::{ConnectionType, Evidence, NameError, Orientation};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
@@ -8,6 +10,7 @@ use crate::mpc::Revolute;
 use crate::node::{End, Node, Pair};
 use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, MpcKind, NodeFreedom, Scene, Solver};
 use crate::vector::{self, Matrix, column, identity, sub};
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -26,6 +29,19 @@ pub struct ConnectorElement {
     pub definition: Definition,
     /// The connector.
     pub connector: Connector<f64>,
+    /// Its behaviour, where it has one, or motions or loads.
+    pub behavior: Option<Arc<ElementBehavior>>,
+}
+
+/// The behaviour of a connector, and what is prescribed for it.
+#[derive(Clone, Debug, Default)]
+pub struct ElementBehavior {
+    /// Springs, dampers, locks …, shared by all connectors of a section.
+    pub behavior: Arc<Behavior>,
+    /// Motions and loads.
+    pub drives: Drives,
+    /// A number that tells this behaviour from others: saved histories belong to it.
+    pub identity: u64,
 }
 
 /// A revolute-joint MPC, ready to be evaluated.
@@ -46,6 +62,8 @@ pub struct Model {
     pub joints: Vec<Joint>,
     /// The MPCs that are kept and not evaluated, by type, with their number.
     pub other_mpcs: BTreeMap<String, usize>,
+    /// The steps in time.
+    pub schedule: Schedule,
     /// Element sets: the connectors in each, by index.
     pub sets: BTreeMap<String, Vec<usize>>,
     /// Rules broken that warn instead of refusing.
@@ -62,6 +80,10 @@ impl Model {
         let mut model = Self::default();
         let mut types: HashMap<usize, Arc<ConnectionType>> = HashMap::new();
         let actions = rules::actions(scene);
+        model.schedule = Schedule::new(scene);
+        let mut drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
+            .map_err(|error| error.in_file(&scene.name))?;
+        let mut behaviors: HashMap<(usize, bool), (Arc<Behavior>, u64)> = HashMap::new();
         let mut warned = HashSet::new();
         let freedom = NodeFreedom::of(scene);
         for (label, element) in &scene.connectors {
@@ -153,7 +175,23 @@ impl Model {
                 moves: moving.map(|node| node.is_some()),
                 rotates: moving.map(|node| node.is_some_and(|node| freedom.rotates(node))),
             };
+            let drives = drives.remove(label).unwrap_or_default();
+            let (behavior, identity) = match behavior {
+                Some(given) => match behaviors.entry((element.section, facts.planar)) {
+                    Entry::Occupied(known) => known.get().clone(),
+                    Entry::Vacant(place) => {
+                        let is_explicit = scene.solver == Some(Solver::Explicit);
+                        let behavior = Behavior::new(given, connection, facts.planar, is_explicit)
+                            .map_err(|error| error.in_file(&scene.name))?;
+                        place.insert((Arc::new(behavior), fingerprint(given))).clone()
+                    }
+                },
+                None => (Arc::new(Behavior::none(connection, facts.planar)), 0),
+            };
+            let has_any = !(behavior.is_empty() && drives.is_empty());
+            let behavior = has_any.then(|| Arc::new(ElementBehavior { behavior, drives, identity }));
             model.connectors.push(ConnectorElement {
+                behavior,
                 label: *label,
                 nodes: moving,
                 triads: [triad_a, triad_b],
@@ -221,6 +259,13 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
         };
         Diagnostic::error(Code::UnknownConnectionType, span, error.to_string(), "this type").help(remedy)
     })
+}
+
+/// A number that tells a behaviour from others: FNV-1a over what the deck says.
+fn fingerprint(behavior: &crate::scene::Behavior) -> u64 {
+    let text = serde_json::to_string(behavior).unwrap_or_default();
+    let step = |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
 impl ConnectorElement {

@@ -1,9 +1,13 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
-use super::model::{ConnectorElement, Joint, Model};
+use super::model::{ConnectorElement, ElementBehavior, Joint, Model};
 use super::plan::Plan;
+use crate::behavior::drive::Prescribed;
+use crate::behavior::state::{Event, History, Kinematics, Outcome, Tangent, Velocities};
+use crate::behavior::{Conditions, ForceKink};
+use crate::catalog::COMPONENT;
 use crate::connector::{
-    Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
+    Branch, Components, Evaluation, Flag, Increment, Mask, Output, Request, State, StopStatus, Tally, Turns,
 };
 use crate::measure::Margin;
 use crate::mpc;
@@ -73,26 +77,35 @@ struct Saved {
     reference: Vector<f64>,
     triads: [Matrix<f64>; 2],
     branch: Branch<f64>,
+    /// What the behaviour has decided, and the number that tells it from others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    behavior: Option<(u64, History)>,
 }
 
 impl Saved {
-    fn new(element: &ConnectorElement, branch: Branch<f64>) -> Self {
+    fn new(element: &ConnectorElement, branch: Branch<f64>, behavior: Option<History>) -> Self {
+        let identity = element.behavior.as_ref().map_or(0, |behavior| behavior.identity);
         Self {
             connection: element.connector.connection().name.to_string(),
             nodes: element.nodes,
             reference: element.reference,
             triads: element.triads,
             branch,
+            behavior: behavior.map(|history| (identity, history)),
         }
     }
 
     /// What differs from the element, in words.
     fn difference(&self, element: &ConnectorElement) -> Option<String> {
-        let now = Self::new(element, self.branch);
+        let now = Self::new(element, self.branch, Some(History::default()));
         let label = element.label;
         if self.connection != now.connection {
             let (saved, now) = (&self.connection, &now.connection);
             return Some(format!("the branch of connector {label} was saved for {saved}, and it is {now}"));
+        }
+        let identity = |saved: &Self| saved.behavior.as_ref().map(|(identity, _)| *identity);
+        if identity(self).is_some_and(|identity_then| Some(identity_then) != identity(&now)) {
+            return Some(format!("the history of connector {label} was saved for another behaviour"));
         }
         let place = (self.nodes, self.reference, self.triads) != (now.nodes, now.reference, now.triads);
         place.then(|| {
@@ -155,6 +168,10 @@ pub struct ConnectorResult {
     pub margins: Components<Margin>,
     /// What needs care.
     pub flags: Vec<Flag>,
+    /// Forces and what else follows from behaviour, motions and loads, where it was needed.
+    pub behavior: Option<Box<Outcome>>,
+    /// TANGENT.
+    pub tangent: Option<Box<Tangent<f64>>>,
 }
 
 /// One revolute-joint MPC at one state.
@@ -201,12 +218,38 @@ pub struct Sequence<'a> {
     plan: &'a Plan,
     branches: Branches,
     tally: Tally,
+    velocities: Velocities,
+    conditions: Conditions,
+    forces: BTreeMap<Label, Components<f64>>,
 }
 
 impl<'a> Sequence<'a> {
     /// A walk that starts from the initial state of the model.
     pub fn new(model: &'a Model, plan: &'a Plan) -> Self {
-        Self { model, plan, branches: Branches::default(), tally: Tally::default() }
+        Self {
+            model,
+            plan,
+            branches: Branches::default(),
+            tally: Tally::default(),
+            velocities: Velocities::default(),
+            conditions: Conditions::default(),
+            forces: BTreeMap::new(),
+        }
+    }
+
+    /// Where the velocities of damping come from: the rates of the states, unless they are said to be increments.
+    pub const fn set_velocities(&mut self, velocities: Velocities) {
+        self.velocities = velocities;
+    }
+
+    /// The temperature and field variables of the states that follow.
+    pub fn set_conditions(&mut self, conditions: Conditions) {
+        self.conditions = conditions;
+    }
+
+    /// The total forces (CTF) of connectors at the states that follow, by element number: reactions follow from them.
+    pub fn set_forces(&mut self, forces: BTreeMap<Label, Components<f64>>) {
+        self.forces = forces;
     }
 
     /// A walk that continues where another stopped.
@@ -278,7 +321,7 @@ impl<'a> Sequence<'a> {
         for index in &self.plan.connectors {
             let element = &self.model.connectors[*index];
             let ends = element.nodes.map(at);
-            take(Item::Connector(Box::new(self.connector(*index, element, &ends, request))))?;
+            take(Item::Connector(Box::new(self.connector(*index, element, &ends, (request, state.time)))))?;
         }
         for index in &self.plan.joints {
             let nodes = self.model.joints[*index].nodes.map(|label| at(Some(label)));
@@ -293,7 +336,7 @@ impl<'a> Sequence<'a> {
         index: usize,
         element: &ConnectorElement,
         ends: &[Moved; 2],
-        request: &Request,
+        (request, time): (&Request, Option<f64>),
     ) -> ConnectorResult {
         let node = |end: usize| Node {
             displacement: ends[end].displacement,
@@ -319,17 +362,67 @@ impl<'a> Sequence<'a> {
         let connector = &element.connector;
         let known = self.branches.connectors.get(&element.label);
         let before = known.map_or_else(|| connector.initial_branch(), |saved| saved.branch);
-        let evaluation = connector.evaluate(&state, &increment, &before, request, &mut self.tally);
+        let behavior = element.behavior.as_deref().filter(|behavior| behavior.is_needed(request));
+        let needed = behavior.map(|behavior| behavior.request(request));
+        let mut evaluation = connector.evaluate(
+            &state,
+            &increment,
+            &before,
+            needed.as_ref().unwrap_or(request),
+            &mut self.tally,
+        );
         let mut stops = connector.stop_status(&evaluation.position);
         for (k, status) in stops.iter_mut().enumerate() {
             *status = status.filter(|_| request.wants(Output::CSLST, k));
         }
         let margins = connector.margins(&state, &evaluation.branch, request.components());
-        let flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
+        let mut flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
         let after = evaluation.branch;
-        let saved = self.branches.connectors.entry(element.label);
-        saved.and_modify(|saved| saved.branch = after).or_insert_with(|| Saved::new(element, after));
-        ConnectorResult { index, evaluation, stops, margins, flags }
+        let outcome = behavior.map(|behavior| {
+            let now = Kinematics {
+                position: &evaluation.position,
+                displacement: &evaluation.displacement,
+                constitutive: &evaluation.constitutive,
+                velocity: &evaluation.velocity,
+                acceleration: &evaluation.acceleration,
+                time,
+                velocities: self.velocities,
+            };
+            let none = History::default();
+            let history =
+                known.and_then(|saved| saved.behavior.as_ref()).map_or(&none, |(_, history)| history);
+            let given = self.forces.get(&element.label).copied().unwrap_or_default();
+            let driven = (&behavior.drives, &self.model.schedule);
+            behavior.behavior.at(&now, &given, driven, &self.conditions, history)
+        });
+        let mut tangent = None;
+        if let (Some(behavior), Some(outcome)) = (behavior, &outcome) {
+            for k in (0..6).filter(|k| request.wants(Output::CSLST, *k)) {
+                stops[k] = outcome.held[k];
+            }
+            for (k, residual) in outcome.residual.iter().enumerate() {
+                let Some([position, rate, second]) = residual else { continue };
+                let put = |place: &mut Option<f64>, output, value: Option<f64>| {
+                    if request.wants(output, k) {
+                        *place = value;
+                    }
+                };
+                put(&mut evaluation.residual[k], Output::RES, *position);
+                put(&mut evaluation.residual_rate[k], Output::RESV, *rate);
+                put(&mut evaluation.residual_acceleration[k], Output::RESA, *second);
+            }
+            flags.extend(outcome.events.iter().map(|event| flag(*event)));
+            flags.extend(not_known(outcome, request));
+            if wants(request, Output::TANGENT) {
+                let Outcome { motion, time_step, failed, .. } = outcome;
+                let slopes = behavior.behavior.tangent(motion, &self.conditions, *time_step, *failed);
+                tangent = Some(Box::new(slopes));
+            }
+        }
+        let history = outcome.as_ref().map(|outcome| outcome.history.clone());
+        self.branches.connectors.insert(element.label, Saved::new(element, after, history));
+        let behavior = outcome.map(Box::new);
+        ConnectorResult { index, evaluation, stops, margins, flags, behavior, tangent }
     }
 
     fn joint(&mut self, index: usize, [slave, master, joint]: &[Moved; 3], request: &Request) -> JointResult {
@@ -354,6 +447,100 @@ impl<'a> Sequence<'a> {
         let flags = element.constraint.flags(&state, &before, whole, &evaluation);
         JointResult { index, evaluation, given: joint.sixth, misalignment, flags }
     }
+}
+
+impl ElementBehavior {
+    /// Whether anything of the behaviour has to be computed for a request, or for the states that follow.
+    fn is_needed(&self, request: &Request) -> bool {
+        let Self { behavior, drives, .. } = self;
+        let is_driven = drives.motions.iter().any(Option::is_some);
+        let holds = is_driven || !behavior.locks.is_empty() || behavior.elasticity.rigid().contains(&true);
+        let is_asked = request.outputs().any(|output| match output {
+            Output::RES | Output::RESV | Output::RESA => holds,
+            Output::CSLST => true,
+            other => other.is_of_behavior(),
+        });
+        is_asked || behavior.has_history() || is_driven
+    }
+
+    /// The request with what the behaviour is a function of, as values.
+    fn request(&self, request: &Request) -> Request {
+        let Self { behavior, drives, .. } = self;
+        let has = |mask: Mask| mask.contains(&true);
+        let is_damped = has(behavior.damping.components());
+        let has_laws = is_damped || has(behavior.elasticity.components());
+        let driven = [0, 1, 2, 3, 4, 5].map(|k| drives.motions[k].is_some());
+        let held = [0, 1, 2, 3, 4, 5].map(|k| driven[k] || behavior.limited()[k]);
+        let of = |is: bool, mask: Mask| mask.map(|one| one && is);
+        let all = behavior.available();
+        let mut needed = request.clone();
+        for (output, mask) in [
+            (Output::CP, behavior.limited()),
+            (Output::CP, of(has_laws, all)),
+            (Output::CCU, of(has_laws, all)),
+            (Output::CU, of(is_damped, all)),
+            (Output::CU, driven),
+            (Output::CV, of(is_damped, all)),
+            (Output::CV, of(wants(request, Output::RESV), held)),
+            (Output::CA, of(wants(request, Output::RESA), held)),
+        ] {
+            needed.add_values(output, mask);
+        }
+        needed
+    }
+}
+
+/// Whether an output is wanted of any component.
+fn wants(request: &Request, output: Output) -> bool {
+    (0..6).any(|k| request.wants(output, k))
+}
+
+/// An event as a flag.
+fn flag(event: Event) -> Flag {
+    let name = |k: usize| COMPONENT[k];
+    match event {
+        Event::Kink(ForceKink { component, kink }) => {
+            Flag::ForceKink { component: name(component), at: kink.at, left: kink.left, right: kink.right }
+        }
+        Event::BeyondStop { component, by } => Flag::BeyondStop { component: name(component), by },
+        Event::StopPulls { component, reaction } => Flag::StopPulls { component: name(component), reaction },
+        Event::Locked { component, by } => Flag::Locked { component: name(component), limit: by.in_words() },
+        Event::Failed { component, by } => Flag::Failed { component: name(component), limit: by.in_words() },
+        Event::Undecided { component, is_failure, why } => Flag::Undecided {
+            component: name(component),
+            criterion: if is_failure { "failure" } else { "lock" },
+            why: why.in_words(),
+        },
+        Event::OutOfBalance { component, by } => Flag::OutOfBalance { component: name(component), by },
+    }
+}
+
+/// The forces that are asked for and not known.
+fn not_known(outcome: &Outcome, request: &Request) -> Vec<Flag> {
+    let mut flags = Vec::new();
+    for (k, component) in COMPONENT.into_iter().enumerate() {
+        for (output, forces) in [
+            (Output::CTF, &outcome.total),
+            (Output::CEF, &outcome.elastic),
+            (Output::CVF, &outcome.viscous),
+            (Output::CRF, &outcome.reaction),
+            (Output::CCF, &outcome.load),
+        ] {
+            if let (true, Some(unknown)) = (request.wants(output, k), forces.unknown[k]) {
+                flags.push(Flag::NotKnown { component, quantity: output.name(), why: unknown.in_words() });
+            }
+        }
+        if let (true, Some(Prescribed::Unknown(_, unknown))) =
+            (request.wants(Output::DRIVEN, k), outcome.prescribed[k])
+        {
+            flags.push(Flag::NotKnown {
+                component,
+                quantity: Output::DRIVEN.name(),
+                why: unknown.in_words(),
+            });
+        }
+    }
+    flags
 }
 
 /// What saved branches call a joint: its place among the MPCs, and its nodes.

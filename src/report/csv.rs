@@ -5,7 +5,7 @@
 //! first derivative that is not zero (`dof_2` empty) and each second derivative that is not zero, ∂²/∂dof_1∂dof_2.
 //! `flags` names what needs care, on the lines of the component. Numbers read back to the same double.
 
-use super::block::{Block, Column, Kind, Value, node_name};
+use super::block::{Block, Column, Kind, Value, node_name, slopes};
 use super::evaluation::{Format, Subject};
 use super::words;
 use crate::connector::{Flag, Output, Tally};
@@ -134,6 +134,13 @@ impl Format for Csv<'_> {
             if self.order > 0 {
                 cells.extend([const { String::new() }; 5]);
             }
+            self.line(&cells)?;
+        }
+        for (force, motion, slope) in block.tangent.iter().flat_map(slopes) {
+            let mut cells = self.start(block, force, "", "");
+            cells.extend(self.outputs.iter().map(|_| String::new()));
+            cells.extend([motion, "", "", ""].map(String::from));
+            cells.push(exact(slope));
             self.line(&cells)?;
         }
         for row in &block.derivatives {

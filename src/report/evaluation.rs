@@ -3,7 +3,7 @@
 use super::block::Block;
 use crate::connector::Tally;
 use crate::evaluate::{Model, Plan};
-use crate::scene::{Scene, Skipped, SkippedItem, Step};
+use crate::scene::{Behavior, DampingKind, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions};
 use indexmap::IndexMap;
 use std::io;
 use std::ops::RangeInclusive;
@@ -70,13 +70,13 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
         .iter()
         .filter_map(|(name, behavior)| {
             let parts: Vec<String> = [
-                (behavior.elasticity.len(), "elasticity"),
-                (behavior.damping.len(), "damping"),
+                (
+                    behavior.damping.iter().filter(|damping| damping.kind == DampingKind::Structural).count(),
+                    "structural damping (a complex stiffness, in harmonic response only)",
+                ),
                 (behavior.friction.len(), "friction"),
                 (behavior.plasticity.len(), "plasticity"),
                 (behavior.damage.len(), "damage"),
-                (behavior.locks.len(), "lock"),
-                (behavior.failures.len(), "failure"),
             ]
             .into_iter()
             .filter(|(count, _)| *count > 0)
@@ -86,6 +86,20 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
         })
         .collect();
     add(behaviors.len() as u64, ["connector behaviour", "connector behaviours"], behaviors);
+    let is_regularized = |behavior: &Behavior| {
+        let laws = behavior.elasticity.iter().map(|law| (&law.law, &law.table));
+        let laws = laws.chain(behavior.damping.iter().map(|law| (&law.law, &law.table)));
+        let is_on = |table: &TableOptions| table.regularize.or(behavior.table.regularize) != Some(false);
+        laws.filter(|(law, _)| matches!(law, Law::Nonlinear { .. })).any(|(_, table)| is_on(table))
+    };
+    let regularized: Vec<String> = match scene.solver {
+        Some(Solver::Explicit) => {
+            let names = scene.behaviors.iter().filter(|(_, behavior)| is_regularized(behavior));
+            names.map(|(name, _)| format!("{name}: the rows are used as they are given")).collect()
+        }
+        _ => Vec::new(),
+    };
+    add(regularized.len() as u64, ["regularisation of tables", "regularisations of tables"], regularized);
     let others: Vec<String> =
         model.other_mpcs.iter().map(|(name, count)| format!("{name}: {count}")).collect();
     add(model.other_mpcs.values().sum::<usize>() as u64, ["MPC", "MPCs"], others);
@@ -103,11 +117,6 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
             scene.boundaries.len() + in_steps(|step| step.boundaries.len()),
             ["boundary condition", "boundary conditions"],
         ),
-        (
-            scene.connector_motions.len() + in_steps(|step| step.connector_motions.len()),
-            ["connector motion", "connector motions"],
-        ),
-        (in_steps(|step| step.connector_loads.len()), ["connector load", "connector loads"]),
         (
             in_steps(|step| step.concentrated_loads.len() + step.distributed_loads.len()),
             ["nodal or distributed load", "nodal or distributed loads"],

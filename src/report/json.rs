@@ -115,6 +115,9 @@ impl Serialize for Block<'_> {
         if self.derivatives.iter().any(|row| row.hessian.is_some()) {
             map.serialize_entry("hessian", &named(&self.derivatives, |row| (row.component, &row.hessian)))?;
         }
+        if let Some(tangent) = &self.tangent {
+            map.serialize_entry("tangent", tangent)?;
+        }
         if let Some(branch) = &self.branch {
             map.serialize_entry("branch", branch)?;
         }
