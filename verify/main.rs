@@ -1,6 +1,7 @@
 //! The tests, in one binary: each module asks one question of the whole.
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod behavior; // forces that follow from motions
 mod cli; // the command line
 mod closed; // rows derived by hand
 mod faults; // what is said about every faulty input

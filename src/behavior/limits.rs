@@ -7,7 +7,7 @@
 //! *Standard and Explicit.* A failure in Standard is triggered by, and releases, available components only; `RELEASE=ALL` releases those.
 //! In Explicit constrained components may trigger it and are released too. A scene without steps counts as Standard.
 
-use super::law::{component_of, extrapolation};
+use super::law::extrapolation;
 use super::table::Table;
 use super::{Conditions, Unknown};
 use crate::connector::{Components, Mask};
@@ -67,7 +67,7 @@ const LIMITS: [Passed; 4] =
 
 impl Criterion {
     fn new(
-        component: usize,
+        component: u8,
         affected: Mask,
         limits: &[scene::Limits],
         options: [&TableOptions; 2],
@@ -95,31 +95,23 @@ impl Criterion {
                 .collect();
             *table = Some(Table::new(&rows, 1, &[], extrapolation(options))?);
         }
+        let component = usize::from(component).saturating_sub(1).min(5);
         Ok(Self { component, affected, limits: tables })
     }
 
-    /// A lock, for a type with these available and constrained components.
+    /// A lock, for a type with these available components.
     ///
     /// # Errors
-    /// A component that the type does not have; one to be locked that is not available; limits out of order.
-    pub fn lock(
-        given: &scene::Lock,
-        [available, constrained]: [Mask; 2],
-        defaults: &TableOptions,
-    ) -> Result<Self, Diagnostic> {
-        let present = [0, 1, 2, 3, 4, 5].map(|k| available[k] || constrained[k]);
-        let component = component_of(given.component, present, given.span)?;
-        let affected = match given.locked {
-            Affected::All => available,
-            Affected::Component(component) => only(component_of(component, available, given.span)?),
-        };
-        Self::new(component, affected, &given.limits, [&given.table, defaults], given.span)
+    /// Limits out of order, or incomplete.
+    pub fn lock(given: &scene::Lock, available: Mask, defaults: &TableOptions) -> Result<Self, Diagnostic> {
+        let affected = affected(given.locked, available);
+        Self::new(given.component, affected, &given.limits, [&given.table, defaults], given.span)
     }
 
     /// A failure, for a type with these available and constrained components.
     ///
     /// # Errors
-    /// A component that the type does not have or that cannot trigger, or be released, in this solver; limits out of order.
+    /// Limits out of order, or incomplete.
     pub fn failure(
         given: &scene::Failure,
         [available, constrained]: [Mask; 2],
@@ -127,13 +119,9 @@ impl Criterion {
         defaults: &TableOptions,
     ) -> Result<Self, Diagnostic> {
         let reach = [0, 1, 2, 3, 4, 5].map(|k| available[k] || (is_explicit && constrained[k]));
-        let component = component_of(given.component, reach, given.span)?;
-        let affected = match given.released {
-            Affected::All => reach,
-            Affected::Component(component) => only(component_of(component, reach, given.span)?),
-        };
+        let affected = affected(given.released, reach);
         let options = TableOptions::default();
-        Self::new(component, affected, &given.limits, [&options, defaults], given.span)
+        Self::new(given.component, affected, &given.limits, [&options, defaults], given.span)
     }
 
     /// Whether any limit refers to the force.
@@ -176,6 +164,12 @@ impl Criterion {
     }
 }
 
-fn only(component: usize) -> Mask {
-    [0, 1, 2, 3, 4, 5].map(|k| k == component)
+/// The components that a criterion can act on, of those named: the rules of the catalogue warn of the others.
+fn affected(named: Affected, reach: Mask) -> Mask {
+    match named {
+        Affected::All => reach,
+        Affected::Component(component) => {
+            [0, 1, 2, 3, 4, 5].map(|k| reach[k] && k + 1 == usize::from(component))
+        }
+    }
 }

@@ -224,7 +224,7 @@ impl Behavior {
         }
         let masks = [available, constrained];
         let defaults = &given.table;
-        let locks = given.locks.iter().map(|lock| Criterion::lock(lock, masks, defaults));
+        let locks = given.locks.iter().map(|lock| Criterion::lock(lock, available, defaults));
         let failures =
             given.failures.iter().map(|failure| Criterion::failure(failure, masks, is_explicit, defaults));
         Ok(Self {
@@ -255,6 +255,11 @@ impl Behavior {
         let acts = [self.elasticity.components(), self.damping.components()].as_flattened().contains(&true);
         let acts = acts || [self.slips, self.inelastic].as_flattened().contains(&true);
         !acts && self.locks.is_empty() && self.failures.is_empty() && self.stops.iter().all(Option::is_none)
+    }
+
+    /// Whether there are stops.
+    pub fn has_stops(&self) -> bool {
+        self.stops.iter().any(Option::is_some)
     }
 
     /// Whether the history matters: locks, failures, and velocities from increments follow it.

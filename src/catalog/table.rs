@@ -3,11 +3,12 @@
 use super::Availability::{Always, ExplicitOnly, Never, StandardOnly};
 use super::Condition::{Held, Zero, ZeroOrHeld};
 use super::Evidence::{D, P, R, S};
+use super::Loading::{AlongA, Conjugate, FrozenAxis, Tension};
 use super::Orientation::{Ignored, Optional, Required};
 use super::Slot::{Absent, Available, Constrained, Measured};
 use super::{
     Class, ConnectionType, Evidence, Friction, FrictionCriterion, FrictionParameter, Half, Orientation,
-    OrientationRule,
+    OrientationRule, PrintedMoment,
 };
 use crate::measure::Measure::{
     Cardan, ComponentFlexion, Cosine, Distance, Euler, Flexion, Flow, FlowConversion, Misalignment, Position,
@@ -32,6 +33,8 @@ const TRANSLATIONAL: Half = Half {
     name: "",
     class: Class::BasicTranslational,
     slots: [Absent; 3],
+    loading: [Conjugate; 3],
+    printed: None,
     orientation: [rule(Required, D), rule(Ignored, D)],
     planar: Always,
     availability: Always,
@@ -168,6 +171,8 @@ static ALIGN: Half = Half {
         Constrained(Cardan(2), Zero(Misalignment(2))),
         Constrained(Cardan(3), Zero(Misalignment(3))),
     ],
+    loading: [FrozenAxis(1), FrozenAxis(2), FrozenAxis(3)],
+    printed: Some((PrintedMoment::AlongA, D)),
     orientation: [rule(Optional, D), rule(Optional, D)],
     planar: Always,
     forces: "m = m1 e1a + m2 e2a + m3 e3a",
@@ -233,6 +238,7 @@ static FLOW_CONVERTER: Half = Half {
 static PROJECTION_FLEXION_TORSION: Half = Half {
     name: "PROJECTION FLEXION-TORSION",
     slots: [Available(ComponentFlexion(1)), Available(ComponentFlexion(2)), Available(Torsion)],
+    printed: Some((PrintedMoment::Midway, P)),
     forces: "for moderate flexion m = m1 e1 + m2 e2 + m3 e3",
     source: "connection type PROJECTION FLEXION-TORSION, Description; formulas ours",
     note: "Regular without flexion, unlike FLEXION-TORSION; the directions e1, e2, e3 lie midway between those of a and b.",
@@ -246,6 +252,8 @@ static REVOLUTE: Half = Half {
         Constrained(Cardan(2), ZeroOrHeld(Cosine(1, 3))),
         Constrained(Cardan(3), ZeroOrHeld(Cosine(1, 2))),
     ],
+    loading: [Conjugate, AlongA(2), AlongA(3)],
+    printed: Some((PrintedMoment::AlongA, S)),
     orientation: [rule(Required, S), rule(Optional, S)],
     forces: "m = m2 e2a + m3 e3a, m_revolute = m1 e1a",
     source: "seed REVOLUTE, Description and Summary (decisions D-1, D-2)",
@@ -256,6 +264,7 @@ static REVOLUTE: Half = Half {
 static ROTATION: Half = Half {
     name: "ROTATION",
     slots: [Available(RotationVector(1)), Available(RotationVector(2)), Available(RotationVector(3))],
+    printed: Some((PrintedMoment::AlongA, S)),
     orientation: [rule(Optional, S), rule(Optional, S)],
     planar: Always,
     forces: "m_i = M·eia as printed; work-conjugate: M = A H⁻ᵀ m (decision D-6)",
@@ -279,6 +288,7 @@ static ROTATION_ACCELEROMETER: Half = Half {
 static UNIVERSAL: Half = Half {
     name: "UNIVERSAL",
     slots: [Available(Cardan(1)), Constrained(Cardan(2), ZeroOrHeld(Cosine(1, 3))), Available(Cardan(3))],
+    printed: Some((PrintedMoment::CardanAxes, D)),
     forces: "m = m2 (cos α e2a + sin α e3a), m_universal = m1 e1a + m3 e3b",
     source: "connection type UNIVERSAL, Description and Summary (decision D-5)",
     note: "The shafts are e2a and e2b. A second Cardan angle that is not zero initially is kept.",
@@ -417,6 +427,8 @@ pub static TABLE: &[ConnectionType] = &[
         class: Class::Complex,
         halves: [None, None],
         slots: [Available(Strain), Available(Flow(2)), Measured(Flow(1)), Absent, Absent, Absent],
+        loading: [Tension, Conjugate, Conjugate, Conjugate, Conjugate, Conjugate],
+        printed: None,
         orientation: [rule(Ignored, P), rule(Ignored, P)],
         planar: StandardOnly,
         availability: Always,

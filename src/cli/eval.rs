@@ -132,8 +132,7 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
         loaded.model.connectors.iter().any(|element| element.connector.stops().iter().any(Option::is_some))
     };
     let elements = || loaded.iter().flat_map(|loaded| &loaded.model.connectors);
-    let acts =
-        |what: fn(&ElementBehavior) -> bool| elements().filter_map(|one| one.behavior.as_deref()).any(what);
+    let acts = |what: fn(&ElementBehavior) -> bool| elements().any(|one| what(&one.behavior));
     if loaded.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
         outputs.push(Output::CSLST);
     }
@@ -182,8 +181,8 @@ fn walk(
     for Loaded { scene, states, model } in loaded {
         let plan = Plan::compile(model, &selection, request.clone())
             .map_err(|error| Failure::Usage(error.to_string()))?;
-        if plan.connectors.is_empty() && plan.joints.is_empty() && arguments.scene.is_some() {
-            let message = format!("{} has no connector element and no revolute-joint MPC", scene.name);
+        if plan.connectors.is_empty() && plan.mpcs.is_empty() && arguments.scene.is_some() {
+            let message = format!("{} has no connector element and no MPC that is evaluated", scene.name);
             return Err(Failure::Nothing(message));
         }
         let branches = match &arguments.resume {
@@ -210,18 +209,20 @@ fn walk(
                 sequence.visit(state, |item| {
                     let block = match &item {
                         Item::Connector(result) => Block::of_connector(model, request, result),
-                        Item::Joint(result) => Block::of_joint(model, request, result),
+                        Item::Mpc(result) => Block::of_mpc(model, request, result),
                     };
-                    evaluated += u64::from(!block.is_empty());
-                    care.see(index, &block.title(), &block.flags);
+                    evaluated += u64::from(block.has_numbers());
+                    care.see(index, &title(model, &item), &block.flags);
                     format.block(&block)
                 })?;
                 format.end_state()?;
             } else {
                 sequence.pass(state, |item| -> Result<(), Failure> {
-                    if let Item::Connector(result) = &item {
-                        care.see(index, &model.connectors[result.index].title(), &result.flags);
-                    }
+                    let flags = match &item {
+                        Item::Connector(result) => &result.flags,
+                        Item::Mpc(result) => &result.flags,
+                    };
+                    care.see(index, &title(model, &item), flags);
                     Ok(())
                 })?;
             }
@@ -238,6 +239,14 @@ fn walk(
         return Err(Failure::Nothing("no connector has an output of those asked for".into()));
     }
     Ok(())
+}
+
+/// What a result is of: `HINGE 101`, `MPC REVOLUTE 10-20-30`.
+fn title(model: &Model, item: &Item) -> String {
+    match item {
+        Item::Connector(result) => model.connectors[result.index].title(),
+        Item::Mpc(result) => model.mpcs[result.index].title(),
+    }
 }
 
 impl Care {

@@ -7,8 +7,9 @@ mod show;
 pub(crate) use failure::Failure;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use pintle::catalog::{ConnectionType, NameError};
-use pintle::report::{explain, list, mpc};
+use pintle::catalog::{ConnectionType, NameError, TABLE};
+use pintle::mpc;
+use pintle::report::{self, explain, list};
 use pintle::scene::Code;
 use show::Show;
 use std::io::{self, BufWriter, IsTerminal, Write};
@@ -27,9 +28,9 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// List the connection types
+    /// List the connection types and multi-point constraints
     List(List),
-    /// Explain a connection type, the revolute-joint MPC, or the code of a diagnostic
+    /// Explain a connection type, a multi-point constraint (MPC), or the code of a diagnostic
     Explain(Explain),
     /// Evaluate the connectors of a scene: positions, displacements, rates, residuals, derivatives
     Eval(Box<Eval>),
@@ -58,7 +59,7 @@ pub(crate) struct List {
 
 #[derive(Debug, Args)]
 pub(crate) struct Explain {
-    /// A connection type such as REVOLUTE, in any case; MPC; or the code of a diagnostic such as deck::unknown-node
+    /// A connection type such as REVOLUTE, in any case; MPC or MPC REVOLUTE; or the code of a diagnostic such as deck::unknown-node
     #[arg(value_name = "TYPE|MPC|CODE")]
     name: String,
     /// A second type: a basic translational and a basic rotational type make a pair
@@ -146,9 +147,10 @@ States: a table (.csv) or a document (.json); examples below. They are evaluated
   JSON: the same by node number, under the names displacement, rotation or
   quaternion, velocity, angular_velocity, acceleration, angular_acceleration,
   flow, flow_velocity, flow_acceleration.
-  The joint angle φJ of an MPC REVOLUTE, degree of freedom 6 of its third node,
-  is ur3 of that node, with the rates vr3 and ar3. Where a state leaves out the
-  node, or gives it a quaternion, φJ is what the rotations imply.
+  The angles of the hinges of an MPC REVOLUTE or UNIVERSAL, degree of freedom 6
+  of its third and fourth node, are ur3 of those nodes, with the rates vr3 and
+  ar3. Where a state leaves out the node, or gives it a quaternion, the angle is
+  what the rotations imply.
 
 Outputs:
   CP, CU, CCU    position; displacement from the initial position; from the
@@ -226,6 +228,20 @@ pub(crate) fn list(arguments: &List) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
+/// `pintle explain MPC`.
+fn explain_mpc(
+    out: &mut impl Write,
+    kind: Option<mpc::Kind>,
+    format: PageFormat,
+    width: usize,
+) -> Result<(), Failure> {
+    match format {
+        PageFormat::Human => report::mpc::human(out, kind, width)?,
+        PageFormat::Json => report::mpc::json(out, kind)?,
+    }
+    Ok(out.flush()?)
+}
+
 /// `pintle explain`.
 pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let mut out = BufWriter::new(anstream::stdout().lock());
@@ -240,16 +256,22 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let second = arguments.second.as_deref().unwrap_or_default();
     let words = format!("{} {second}", arguments.name).to_ascii_uppercase();
     match words.split_whitespace().collect::<Vec<_>>()[..] {
-        ["MPC"] | ["MPC", "REVOLUTE"] => {
-            match arguments.format {
-                PageFormat::Human => mpc::human(&mut out, width)?,
-                PageFormat::Json => mpc::json(&mut out)?,
-            }
-            return Ok(out.flush()?);
+        ["MPC"] => return explain_mpc(&mut out, None, arguments.format, width),
+        ["MPC", name] => {
+            let Some(kind) = mpc::Kind::named(name) else {
+                let names = mpc::TABLE.map(|entry| entry.name).join(", ");
+                return Err(Failure::Usage(format!(
+                    "the MPCs that are evaluated, and explained, are {names}"
+                )));
+            };
+            return explain_mpc(&mut out, Some(kind), arguments.format, width);
         }
-        ["MPC", ..] => {
-            let message = "of the MPCs only the type REVOLUTE is evaluated, and explained";
-            return Err(Failure::Usage(message.to_string()));
+        ["MPC", ..] => return Err(Failure::Usage("an MPC has one type: MPC REVOLUTE".to_string())),
+        // A name that no connection type has.
+        [name] if !TABLE.iter().any(|entry| entry.name == name) => {
+            if let Some(kind) = mpc::Kind::named(name) {
+                return explain_mpc(&mut out, Some(kind), arguments.format, width);
+            }
         }
         _ => {}
     }

@@ -5,7 +5,9 @@
 //! what is to be computed, and of the nodes that need it. [`Sequence`] walks through states in order, one at a time,
 //! committing every branch as it goes.
 
+mod behavior;
 mod model;
+mod mpc;
 mod outputs;
 mod plan;
 mod plane;
@@ -13,7 +15,8 @@ mod rules;
 mod sequence;
 mod shared;
 
-pub use model::{ConnectorElement, ElementBehavior, Joint, Model};
+pub use model::{ConnectorElement, ElementBehavior, Model};
+pub use mpc::{MpcElement, MpcResult};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
-pub use sequence::{Branches, ConnectorResult, Item, JointResult, Sequence, StepResult};
+pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};

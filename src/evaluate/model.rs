@@ -1,14 +1,14 @@
 //! A scene with its connection types, triads and constraints resolved.
 
+use super::mpc::MpcElement;
 use super::{plane, rules, shared};
 use crate::behavior::drive::{Drives, Schedule, drives};
 use crate::behavior::state::Behavior;
 use crate::catalog::{ConnectionType, Evidence, NameError, Orientation};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
-use crate::mpc::Revolute;
-use crate::node::{End, Node, Pair};
-use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, MpcKind, NodeFreedom, Scene, Solver};
+use crate::node::{End, Node, PSI_A, PSI_B, Pair};
+use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, NodeFreedom, Scene, Solver};
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -29,8 +29,8 @@ pub struct ConnectorElement {
     pub definition: Definition,
     /// The connector.
     pub connector: Connector<f64>,
-    /// Its behaviour, where it has one, or motions or loads.
-    pub behavior: Option<Arc<ElementBehavior>>,
+    /// Its behaviour, and its motions and loads.
+    pub behavior: Arc<ElementBehavior>,
 }
 
 /// The behaviour of a connector, and what is prescribed for it.
@@ -44,22 +44,13 @@ pub struct ElementBehavior {
     pub identity: u64,
 }
 
-/// A revolute-joint MPC, ready to be evaluated.
-#[derive(Clone, Debug)]
-pub struct Joint {
-    /// The nodes S, M and J.
-    pub nodes: [Label; 3],
-    /// The constraint.
-    pub constraint: Revolute<f64>,
-}
-
 /// A scene, resolved.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Connectors in the order of the scene.
     pub connectors: Vec<ConnectorElement>,
-    /// Revolute-joint MPCs in the order of the scene.
-    pub joints: Vec<Joint>,
+    /// Multi-point constraints in the order of the scene.
+    pub mpcs: Vec<MpcElement>,
     /// The MPCs that are kept and not evaluated, by type, with their number.
     pub other_mpcs: BTreeMap<String, usize>,
     /// The steps in time.
@@ -83,7 +74,7 @@ impl Model {
         model.schedule = Schedule::new(scene);
         let mut drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
             .map_err(|error| error.in_file(&scene.name))?;
-        let mut behaviors: HashMap<(usize, bool), (Arc<Behavior>, u64)> = HashMap::new();
+        let mut behaviors: HashMap<(usize, bool), Arc<ElementBehavior>> = HashMap::new();
         let mut warned = HashSet::new();
         let freedom = NodeFreedom::of(scene);
         for (label, element) in &scene.connectors {
@@ -175,21 +166,28 @@ impl Model {
                 moves: moving.map(|node| node.is_some()),
                 rotates: moving.map(|node| node.is_some_and(|node| freedom.rotates(node))),
             };
-            let drives = drives.remove(label).unwrap_or_default();
-            let (behavior, identity) = match behavior {
-                Some(given) => match behaviors.entry((element.section, facts.planar)) {
-                    Entry::Occupied(known) => known.get().clone(),
-                    Entry::Vacant(place) => {
-                        let is_explicit = scene.solver == Some(Solver::Explicit);
-                        let behavior = Behavior::new(given, connection, facts.planar, is_explicit)
-                            .map_err(|error| error.in_file(&scene.name))?;
-                        place.insert((Arc::new(behavior), fingerprint(given))).clone()
-                    }
-                },
-                None => (Arc::new(Behavior::none(connection, facts.planar)), 0),
+            let shared = match behaviors.entry((element.section, facts.planar)) {
+                Entry::Occupied(known) => Arc::clone(known.get()),
+                Entry::Vacant(place) => {
+                    let is_explicit = scene.solver == Some(Solver::Explicit);
+                    let law = match behavior {
+                        Some(given) => Behavior::new(given, connection, facts.planar, is_explicit)
+                            .map_err(|error| error.in_file(&scene.name))?,
+                        None => Behavior::none(connection, facts.planar),
+                    };
+                    let behavior = Arc::new(law);
+                    let identity = scene.behavior(section).map_or(0, fingerprint);
+                    Arc::clone(place.insert(Arc::new(ElementBehavior {
+                        behavior,
+                        identity,
+                        ..Default::default()
+                    })))
+                }
             };
-            let has_any = !(behavior.is_empty() && drives.is_empty());
-            let behavior = has_any.then(|| Arc::new(ElementBehavior { behavior, drives, identity }));
+            let behavior = match drives.remove(label) {
+                Some(drives) => Arc::new(ElementBehavior { drives, ..(*shared).clone() }),
+                None => shared,
+            };
             model.connectors.push(ConnectorElement {
                 behavior,
                 label: *label,
@@ -209,14 +207,11 @@ impl Model {
     }
 
     fn join(&mut self, scene: &Scene) {
+        let flows: HashSet<Label> = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
         for mpc in &scene.mpcs {
-            match (&mpc.kind, mpc.nodes.as_slice()) {
-                (MpcKind::Revolute, &[slave, master, joint]) => {
-                    let at = |label| scene.nodes.get(&label).map_or([0.0; 3], |node| node.coordinates);
-                    let constraint = Revolute::between(at(master), at(joint));
-                    self.joints.push(Joint { nodes: [slave, master, joint], constraint });
-                }
-                (kind, _) => *self.other_mpcs.entry(kind.name().to_string()).or_default() += 1,
+            match mpc.kind.evaluated() {
+                Some(kind) => self.mpcs.push(MpcElement::new(kind, mpc, scene, |node| flows.contains(&node))),
+                None => *self.other_mpcs.entry(mpc.kind.name().to_string()).or_default() += 1,
             }
         }
     }
@@ -269,6 +264,12 @@ fn fingerprint(behavior: &crate::scene::Behavior) -> u64 {
 }
 
 impl ConnectorElement {
+    /// Its nodes whose material flow enters it.
+    fn flowing(&self) -> impl Iterator<Item = Label> + '_ {
+        let active = self.connector.active();
+        self.nodes.into_iter().zip([PSI_A, PSI_B]).filter_map(move |(node, j)| node.filter(|_| active[j]))
+    }
+
     /// The node at an end, in words: a number or `ground`.
     pub fn node_name(&self, end: End) -> String {
         let node = match end {

@@ -171,7 +171,7 @@ pub(super) fn boundaries(scene: &Scene, freedom: &NodeFreedom, warnings: &mut Ve
 
 /// Multi-point constraints that Explicit does not have.
 pub(super) fn constraints(scene: &Scene) -> Result<(), Diagnostic> {
-    let turning = |kind: &MpcKind| matches!(kind, MpcKind::Revolute | MpcKind::Universal);
+    let turning = |kind: &MpcKind| kind.evaluated().is_some_and(|kind| kind.entry().standard_only);
     match scene.mpcs.iter().find(|mpc| turning(&mpc.kind)) {
         Some(mpc) if scene.solver == Some(Solver::Explicit) => {
             let name = mpc.kind.name();

@@ -1,16 +1,15 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
-use super::model::{ConnectorElement, ElementBehavior, Joint, Model};
+use super::behavior::{flag, not_known, wants};
+use super::model::{ConnectorElement, ElementBehavior, Model};
+use super::mpc::{MpcResult, START};
 use super::plan::Plan;
-use crate::behavior::drive::Prescribed;
+use crate::behavior::Conditions;
 use crate::behavior::state::{Event, History, Kinematics, Outcome, Tangent, Velocities};
-use crate::behavior::{Conditions, ForceKink};
-use crate::catalog::COMPONENT;
 use crate::connector::{
-    Branch, Components, Evaluation, Flag, Increment, Mask, Output, Request, State, StopStatus, Tally, Turns,
+    Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
 };
 use crate::measure::Margin;
-use crate::mpc;
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::scene::{Label, NodeMotion, Rotation, State as SceneState};
@@ -22,18 +21,25 @@ use std::convert::Infallible;
 
 /// A node at one state, its rotation worked out once for all connectors that share it.
 #[derive(Clone, Copy, Debug)]
-struct Moved {
-    displacement: Vector<f64>,
-    rotation: Matrix<f64>,
-    flow: f64,
-    rates: [f64; 7],
-    accelerations: [f64; 7],
+pub(super) struct Moved {
+    pub(super) displacement: Vector<f64>,
+    pub(super) rotation: Matrix<f64>,
+    pub(super) flow: f64,
+    pub(super) rates: [f64; 7],
+    pub(super) accelerations: [f64; 7],
     /// Since the previous state.
-    change: Vector<f64>,
-    whole_turns: Vector<f64>,
+    pub(super) change: Vector<f64>,
+    pub(super) whole_turns: Vector<f64>,
     flow_change: f64,
     /// Component 3 of the rotation as given: degree of freedom 6.
-    sixth: Option<f64>,
+    pub(super) sixth: Option<f64>,
+}
+
+impl Moved {
+    /// The ground.
+    pub(super) const fn still() -> Self {
+        STILL
+    }
 }
 
 const STILL: Moved = Moved {
@@ -65,7 +71,7 @@ pub struct Branches {
     /// The number of states committed.
     pub states: u64,
     connectors: BTreeMap<Label, Saved>,
-    joints: BTreeMap<String, Turns<f64>>,
+    mpcs: BTreeMap<String, [Turns<f64>; 2]>,
     nodes: BTreeMap<Label, Orientation>,
 }
 
@@ -84,7 +90,7 @@ struct Saved {
 
 impl Saved {
     fn new(element: &ConnectorElement, branch: Branch<f64>, behavior: Option<History>) -> Self {
-        let identity = element.behavior.as_ref().map_or(0, |behavior| behavior.identity);
+        let identity = element.behavior.identity;
         Self {
             connection: element.connector.connection().name.to_string(),
             nodes: element.nodes,
@@ -143,9 +149,8 @@ impl Branches {
                 return Err(difference);
             }
         }
-        let joints: BTreeSet<String> =
-            plan.joints.iter().map(|index| joint_key(*index, &model.joints[*index])).collect();
-        if self.states > 0 && !joints.iter().eq(self.joints.keys()) {
+        let mpcs: BTreeSet<String> = plan.mpcs.iter().map(|index| model.mpcs[*index].key(*index)).collect();
+        if self.states > 0 && !mpcs.iter().eq(self.mpcs.keys()) {
             return Err("the MPCs to be evaluated are not those whose branches were saved".to_string());
         }
         if self.states > 0 && !plan.nodes.iter().eq(self.nodes.keys()) {
@@ -174,21 +179,6 @@ pub struct ConnectorResult {
     pub tangent: Option<Box<Tangent<f64>>>,
 }
 
-/// One revolute-joint MPC at one state.
-#[derive(Clone, Debug)]
-pub struct JointResult {
-    /// The index of the joint in the model.
-    pub index: usize,
-    /// The numbers.
-    pub evaluation: mpc::Evaluation<f64>,
-    /// φ_J as the state gives it, where it does.
-    pub given: Option<f64>,
-    /// How far the relative rotation is from being about the axis, in radians.
-    pub misalignment: f64,
-    /// What needs care.
-    pub flags: Vec<Flag>,
-}
-
 /// Everything planned, at one state.
 #[derive(Clone, Debug)]
 pub struct StepResult {
@@ -198,8 +188,8 @@ pub struct StepResult {
     pub time: Option<f64>,
     /// Connectors in the order of the plan.
     pub connectors: Vec<ConnectorResult>,
-    /// Joints in the order of the plan.
-    pub joints: Vec<JointResult>,
+    /// Multi-point constraints in the order of the plan.
+    pub mpcs: Vec<MpcResult>,
 }
 
 /// What a walk hands on at one state.
@@ -207,8 +197,8 @@ pub struct StepResult {
 pub enum Item {
     /// A connector.
     Connector(Box<ConnectorResult>),
-    /// A revolute-joint MPC.
-    Joint(Box<JointResult>),
+    /// A multi-point constraint.
+    Mpc(Box<MpcResult>),
 }
 
 /// A walk through states, holding one of them at a time.
@@ -273,12 +263,12 @@ impl<'a> Sequence<'a> {
             index: self.branches.states,
             time: state.time,
             connectors: Vec::with_capacity(self.plan.connectors.len()),
-            joints: Vec::with_capacity(self.plan.joints.len()),
+            mpcs: Vec::with_capacity(self.plan.mpcs.len()),
         };
         let Ok(()) = self.visit(state, |item| -> Result<(), Infallible> {
             match item {
                 Item::Connector(result) => step.connectors.push(*result),
-                Item::Joint(result) => step.joints.push(*result),
+                Item::Mpc(result) => step.mpcs.push(*result),
             }
             Ok(())
         });
@@ -323,9 +313,14 @@ impl<'a> Sequence<'a> {
             let ends = element.nodes.map(at);
             take(Item::Connector(Box::new(self.connector(*index, element, &ends, (request, state.time)))))?;
         }
-        for index in &self.plan.joints {
-            let nodes = self.model.joints[*index].nodes.map(|label| at(Some(label)));
-            take(Item::Joint(Box::new(self.joint(*index, &nodes, request))))?;
+        for index in &self.plan.mpcs {
+            let element = &self.model.mpcs[*index];
+            let nodes: Vec<Moved> = element.nodes.iter().map(|label| at(Some(*label))).collect();
+            let key = element.key(*index);
+            let before = self.branches.mpcs.get(&key).copied().unwrap_or(START);
+            let result = element.evaluate(*index, &nodes, &before, request, &mut self.tally);
+            self.branches.mpcs.insert(key, result.evaluation.angles);
+            take(Item::Mpc(Box::new(result)))?;
         }
         self.branches.states += 1;
         Ok(())
@@ -362,7 +357,7 @@ impl<'a> Sequence<'a> {
         let connector = &element.connector;
         let known = self.branches.connectors.get(&element.label);
         let before = known.map_or_else(|| connector.initial_branch(), |saved| saved.branch);
-        let behavior = element.behavior.as_deref().filter(|behavior| behavior.is_needed(request));
+        let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request));
         let needed = behavior.map(|behavior| behavior.request(request));
         let mut evaluation = connector.evaluate(
             &state,
@@ -411,142 +406,23 @@ impl<'a> Sequence<'a> {
                 put(&mut evaluation.residual_rate[k], Output::RESV, *rate);
                 put(&mut evaluation.residual_acceleration[k], Output::RESA, *second);
             }
-            flags.extend(outcome.events.iter().map(|event| flag(*event)));
+            let wants_slopes = wants(request, Output::TANGENT);
+            // Where slopes jump matters to those who ask for slopes.
+            let told = outcome.events.iter().filter(|event| wants_slopes || !matches!(event, Event::Kink(_)));
+            flags.extend(told.map(|event| flag(*event)));
             flags.extend(not_known(outcome, request));
-            if wants(request, Output::TANGENT) {
+            if wants_slopes {
                 let Outcome { motion, time_step, failed, .. } = outcome;
                 let slopes = behavior.behavior.tangent(motion, &self.conditions, *time_step, *failed);
                 tangent = Some(Box::new(slopes));
             }
         }
-        let history = outcome.as_ref().map(|outcome| outcome.history.clone());
+        let history = outcome.as_ref().filter(|_| behavior.is_some_and(ElementBehavior::has_history));
+        let history = history.map(|outcome| outcome.history.clone());
         self.branches.connectors.insert(element.label, Saved::new(element, after, history));
         let behavior = outcome.map(Box::new);
         ConnectorResult { index, evaluation, stops, margins, flags, behavior, tangent }
     }
-
-    fn joint(&mut self, index: usize, [slave, master, joint]: &[Moved; 3], request: &Request) -> JointResult {
-        let element = &self.model.joints[index];
-        let combined = |of: fn(&Moved) -> &[f64; 7]| {
-            let (s, m, j) = (of(slave), of(master), of(joint));
-            [s[3], s[4], s[5], m[3], m[4], m[5], j[5]]
-        };
-        let state = mpc::State {
-            slave: slave.rotation,
-            master: master.rotation,
-            joint: joint.sixth,
-            velocity: combined(|node| &node.rates),
-            acceleration: combined(|node| &node.accelerations),
-        };
-        let key = joint_key(index, element);
-        let before = self.branches.joints.get(&key).copied().unwrap_or(Turns { turns: 0.0, principal: 0.0 });
-        let whole = sub(slave.whole_turns, master.whole_turns);
-        let evaluation = element.constraint.evaluate(&state, &before, whole, request, &mut self.tally);
-        self.branches.joints.insert(key, evaluation.angle);
-        let misalignment = element.constraint.misalignment(&state);
-        let flags = element.constraint.flags(&state, &before, whole, &evaluation);
-        JointResult { index, evaluation, given: joint.sixth, misalignment, flags }
-    }
-}
-
-impl ElementBehavior {
-    /// Whether anything of the behaviour has to be computed for a request, or for the states that follow.
-    fn is_needed(&self, request: &Request) -> bool {
-        let Self { behavior, drives, .. } = self;
-        let is_driven = drives.motions.iter().any(Option::is_some);
-        let holds = is_driven || !behavior.locks.is_empty() || behavior.elasticity.rigid().contains(&true);
-        let is_asked = request.outputs().any(|output| match output {
-            Output::RES | Output::RESV | Output::RESA => holds,
-            Output::CSLST => true,
-            other => other.is_of_behavior(),
-        });
-        is_asked || behavior.has_history() || is_driven
-    }
-
-    /// The request with what the behaviour is a function of, as values.
-    fn request(&self, request: &Request) -> Request {
-        let Self { behavior, drives, .. } = self;
-        let has = |mask: Mask| mask.contains(&true);
-        let is_damped = has(behavior.damping.components());
-        let has_laws = is_damped || has(behavior.elasticity.components());
-        let driven = [0, 1, 2, 3, 4, 5].map(|k| drives.motions[k].is_some());
-        let held = [0, 1, 2, 3, 4, 5].map(|k| driven[k] || behavior.limited()[k]);
-        let of = |is: bool, mask: Mask| mask.map(|one| one && is);
-        let all = behavior.available();
-        let mut needed = request.clone();
-        for (output, mask) in [
-            (Output::CP, behavior.limited()),
-            (Output::CP, of(has_laws, all)),
-            (Output::CCU, of(has_laws, all)),
-            (Output::CU, of(is_damped, all)),
-            (Output::CU, driven),
-            (Output::CV, of(is_damped, all)),
-            (Output::CV, of(wants(request, Output::RESV), held)),
-            (Output::CA, of(wants(request, Output::RESA), held)),
-        ] {
-            needed.add_values(output, mask);
-        }
-        needed
-    }
-}
-
-/// Whether an output is wanted of any component.
-fn wants(request: &Request, output: Output) -> bool {
-    (0..6).any(|k| request.wants(output, k))
-}
-
-/// An event as a flag.
-fn flag(event: Event) -> Flag {
-    let name = |k: usize| COMPONENT[k];
-    match event {
-        Event::Kink(ForceKink { component, kink }) => {
-            Flag::ForceKink { component: name(component), at: kink.at, left: kink.left, right: kink.right }
-        }
-        Event::BeyondStop { component, by } => Flag::BeyondStop { component: name(component), by },
-        Event::StopPulls { component, reaction } => Flag::StopPulls { component: name(component), reaction },
-        Event::Locked { component, by } => Flag::Locked { component: name(component), limit: by.in_words() },
-        Event::Failed { component, by } => Flag::Failed { component: name(component), limit: by.in_words() },
-        Event::Undecided { component, is_failure, why } => Flag::Undecided {
-            component: name(component),
-            criterion: if is_failure { "failure" } else { "lock" },
-            why: why.in_words(),
-        },
-        Event::OutOfBalance { component, by } => Flag::OutOfBalance { component: name(component), by },
-    }
-}
-
-/// The forces that are asked for and not known.
-fn not_known(outcome: &Outcome, request: &Request) -> Vec<Flag> {
-    let mut flags = Vec::new();
-    for (k, component) in COMPONENT.into_iter().enumerate() {
-        for (output, forces) in [
-            (Output::CTF, &outcome.total),
-            (Output::CEF, &outcome.elastic),
-            (Output::CVF, &outcome.viscous),
-            (Output::CRF, &outcome.reaction),
-            (Output::CCF, &outcome.load),
-        ] {
-            if let (true, Some(unknown)) = (request.wants(output, k), forces.unknown[k]) {
-                flags.push(Flag::NotKnown { component, quantity: output.name(), why: unknown.in_words() });
-            }
-        }
-        if let (true, Some(Prescribed::Unknown(_, unknown))) =
-            (request.wants(Output::DRIVEN, k), outcome.prescribed[k])
-        {
-            flags.push(Flag::NotKnown {
-                component,
-                quantity: Output::DRIVEN.name(),
-                why: unknown.in_words(),
-            });
-        }
-    }
-    flags
-}
-
-/// What saved branches call a joint: its place among the MPCs, and its nodes.
-fn joint_key(index: usize, joint: &Joint) -> String {
-    let [slave, master, angle] = joint.nodes;
-    format!("{index}:{slave}-{master}-{angle}")
 }
 
 /// A node at its next state: rotation matrix, and increments since the last one.

@@ -1,6 +1,7 @@
-//! `pintle list`: the table of connection types.
+//! `pintle list`: the table of connection types, and that of multi-point constraints.
 
 use super::layout;
+use super::mpc::Listed;
 use super::words;
 use crate::catalog::{
     Availability, COMPONENT, Class, ConnectionType, Evidence, OrientationRule, Slot, TABLE,
@@ -31,6 +32,7 @@ struct Document<'a> {
     schema: &'static str,
     version: &'static str,
     types: Vec<Entry<'a>>,
+    mpcs: Vec<Listed>,
 }
 
 pub(super) fn names(connection: &ConnectionType, condition: impl Fn(Slot) -> bool) -> Vec<&'static str> {
@@ -63,7 +65,7 @@ fn entry(connection: &ConnectionType) -> Entry<'_> {
 /// Those of the stream.
 pub fn json(out: &mut dyn Write) -> io::Result<()> {
     let types = TABLE.iter().map(entry).collect();
-    let document = Document { schema: SCHEMA, version: crate::VERSION, types };
+    let document = Document { schema: SCHEMA, version: crate::VERSION, types, mpcs: Listed::all() };
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
 }
@@ -104,6 +106,12 @@ pub fn human(out: &mut dyn Write, width: usize) -> io::Result<()> {
     let legend = "or. a/b: orientation at the nodes a and b, R required, O optional, I ignored, [P] read in part · (…): output only · \
                   2D, 3D: solvers for CONN2D2 and CONN3D2 · any basic translational type pairs with any basic or \
                   specialised rotational type · `pintle explain TYPE` says more";
+    writeln!(out)?;
+    for line in layout::wrap(legend, width) {
+        writeln!(out, "{}", layout::styled(layout::DIM, line))?;
+    }
+    write!(out, "\n{}", Listed::table())?;
+    let legend = "MPC: multi-point constraints, S dependent, M independent, J nodes of hinges · `pintle explain MPC TYPE` says more";
     writeln!(out)?;
     for line in layout::wrap(legend, width) {
         writeln!(out, "{}", layout::styled(layout::DIM, line))?;
