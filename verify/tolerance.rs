@@ -92,6 +92,10 @@ pub(crate) const LAWS: &[Law] = &[
     law("carried forces", 16.0),
     // The formulas take the triads to be orthonormal, which they are to a few roundings.
     law("rows by hand", 8.0),
+    law("plane, values", 3.0),
+    law("plane, rows", 2.0),
+    law("plane, second derivatives", 2.0),
+    law("plane, rates", 1.0),
     law("mpc, value", 3.0),
     law("mpc, first derivatives", 3.0),
     law("mpc, second derivatives", 2.0),

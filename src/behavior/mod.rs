@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`table`] | what lies between the rows of a table? |
 //! | [`elasticity`], [`damping`] | which forces follow from displacements and velocities? |
+//! | [`friction`] | what sticks, what slips, and with which force? |
 //! | [`amplitude`], [`drive`] | how does what is prescribed change in time? |
 //! | [`limits`] | when does a component lock or fail? |
 //! | [`state`] | what of all that holds at one state, after its history? |
@@ -16,6 +17,7 @@ pub mod amplitude;
 pub mod damping;
 pub mod drive;
 pub mod elasticity;
+pub mod friction;
 mod law;
 pub mod limits;
 pub mod state;

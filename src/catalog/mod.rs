@@ -7,9 +7,14 @@
 //! To add a type: write its half or its slots in `table.rs` (and a new [`Measure`] if none fits), then its double entries:
 //! a row in `verify/manual.rs` and one in `scripts/reference.py`. A test fails while either is missing.
 
+mod friction;
 mod rules;
 mod table;
 
+pub use friction::{
+    Contact, ContactTerm, CrossAxis, Factor, Friction, FrictionConstant, FrictionCriterion,
+    FrictionParameter, Load, PLANE, Quantity, SPATIAL, Traction,
+};
 pub use rules::{Breach, Facts, Procedure, Rule};
 pub use table::TABLE;
 
@@ -19,9 +24,6 @@ use std::borrow::Cow;
 
 /// The names of the components of relative motion, in order.
 pub const COMPONENT: [&str; 6] = ["u1", "u2", "u3", "ur1", "ur2", "ur3"];
-
-/// The components (0-based) that a two-dimensional element has: u1, u2 and ur3.
-pub const PLANAR_COMPONENTS: [usize; 3] = [0, 1, 5];
 
 /// The names of the conjugate forces and moments, in order.
 pub const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
@@ -187,37 +189,6 @@ pub enum Availability {
     Never,
     /// Everywhere but in an Explicit analysis.
     StandardOnly,
-}
-
-/// A parameter of predefined friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct FrictionParameter {
-    /// The manual's symbol: R_r, L, F_C^int.
-    pub symbol: &'static str,
-    /// Whether it must be given.
-    pub required: bool,
-}
-
-/// One criterion of predefined friction, Φ = P(f) − μ F_N ≤ 0 with F_N = |F_C + F_C^int|.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct FrictionCriterion {
-    /// P, the magnitude of the tangential tractions.
-    pub tangential: &'static str,
-    /// F_C, the contact force (or moment).
-    pub contact: &'static str,
-    /// The output in which the friction force appears.
-    pub output: &'static str,
-}
-
-/// Predefined friction of a type.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Friction {
-    /// Parameters in the order of the data line of `*CONNECTOR FRICTION, PREDEFINED`.
-    pub parameters: &'static [FrictionParameter],
-    /// Its criteria.
-    pub criteria: &'static [FrictionCriterion],
-    /// How well the formulas are documented.
-    pub evidence: Evidence,
 }
 
 /// A basic translational or rotational type: half of a connector.
@@ -419,6 +390,24 @@ impl ConnectionType {
             Some(rotational) => Self::pair(becomes, rotational),
             None => Self::basic(becomes),
         })
+    }
+
+    /// The two-dimensional form: u3, ur1 and ur2 do not exist. Of a SLIPRING the flow at a, its component 3, is then read at the
+    /// node, as degree of freedom 10.
+    ///
+    /// ```
+    /// use pintle::catalog::{ConnectionType, Slot};
+    /// let slot = ConnectionType::named("SLOT", None).unwrap().in_plane();
+    /// assert_eq!(slot.component_list(Slot::is_constrained), "u2");
+    /// ```
+    pub fn in_plane(&self) -> Self {
+        let mut form = self.clone();
+        for (k, slot) in form.slots.iter_mut().enumerate() {
+            if !PLANE[k] {
+                *slot = Slot::Absent;
+            }
+        }
+        form
     }
 
     fn find(name: &str) -> Result<&'static Self, NameError> {

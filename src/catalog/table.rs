@@ -2,14 +2,12 @@
 
 use super::Availability::{Always, ExplicitOnly, Never, StandardOnly};
 use super::Condition::{Held, Zero, ZeroOrHeld};
-use super::Evidence::{D, P, R, S};
+use super::Evidence::{D, P, S};
 use super::Loading::{AlongA, Conjugate, FrozenAxis, Tension};
 use super::Orientation::{Ignored, Optional, Required};
 use super::Slot::{Absent, Available, Constrained, Measured};
-use super::{
-    Class, ConnectionType, Evidence, Friction, FrictionCriterion, FrictionParameter, Half, Orientation,
-    OrientationRule, PrintedMoment,
-};
+use super::friction;
+use super::{Class, ConnectionType, Evidence, Half, Orientation, OrientationRule, PrintedMoment};
 use crate::measure::Measure::{
     Cardan, ComponentFlexion, Cosine, Distance, Euler, Flexion, Flow, FlowConversion, Misalignment, Position,
     PositionAtB, ProjectedPosition, RadialDistance, RotationVector, RotationVectorAtB, Strain, Sweep,
@@ -19,14 +17,6 @@ use std::borrow::Cow;
 
 const fn rule(orientation: Orientation, evidence: Evidence) -> OrientationRule {
     OrientationRule { orientation, evidence }
-}
-
-const fn required(symbol: &'static str) -> FrictionParameter {
-    FrictionParameter { symbol, required: true }
-}
-
-const fn optional(symbol: &'static str) -> FrictionParameter {
-    FrictionParameter { symbol, required: false }
 }
 
 const TRANSLATIONAL: Half = Half {
@@ -142,11 +132,7 @@ static SLIDE_PLANE: Half = Half {
     slots: [Constrained(Position(1), Held), Available(Position(2)), Available(Position(3))],
     planar: Never,
     forces: "f = f1 e1a, f_s-p = f2 e2a + f3 e3a",
-    friction: Some(Friction {
-        parameters: &[optional("F_C^int")],
-        criteria: &[FrictionCriterion { tangential: "√(f2² + f3²)", contact: "|f1|", output: "CSFC" }],
-        evidence: S,
-    }),
+    friction: Some(friction::SLIDE_PLANE),
     source: "seed SLIDE-PLANE, Description and Friction; summary in the Analysis Guide 31.1.5",
     ..TRANSLATIONAL
 };
@@ -155,11 +141,7 @@ static SLOT: Half = Half {
     name: "SLOT",
     slots: [Available(Position(1)), Constrained(Position(2), Held), Constrained(Position(3), Held)],
     forces: "f = f2 e2a + f3 e3a, f_slot = f1 e1a",
-    friction: Some(Friction {
-        parameters: &[optional("F_C^int")],
-        criteria: &[FrictionCriterion { tangential: "|f1|", contact: "√(f2² + f3²)", output: "CSF1" }],
-        evidence: D,
-    }),
+    friction: Some(friction::SLOT),
     source: "connection type SLOT, Description and Summary",
     ..TRANSLATIONAL
 };
@@ -330,50 +312,15 @@ pub static TABLE: &[ConnectionType] = &[
         "CYLINDRICAL",
         &SLOT,
         &REVOLUTE,
-        Some(Friction {
-            parameters: &[required("R"), optional("L"), optional("F_C^int")],
-            criteria: &[FrictionCriterion {
-                tangential: "√(f1² + (m1/R)²)",
-                contact: "√(f2² + f3²) + (2/L) √(m2² + m3²)",
-                output: "CSFC",
-            }],
-            evidence: P,
-        }),
+        Some(friction::CYLINDRICAL),
         "connection type CYLINDRICAL",
     ),
-    ConnectionType::assembled(
-        "HINGE",
-        &JOIN,
-        &REVOLUTE,
-        Some(Friction {
-            parameters: &[required("R_p"), optional("R_a"), optional("L_s"), optional("M_C^int")],
-            criteria: &[FrictionCriterion {
-                tangential: "|m1|",
-                contact: "R_a |f1| + R_p (√(f2² + f3²) + (2/L_s) √(m2² + m3²))",
-                output: "CSM1",
-            }],
-            evidence: P,
-        }),
-        "connection type HINGE",
-    ),
+    ConnectionType::assembled("HINGE", &JOIN, &REVOLUTE, Some(friction::HINGE), "connection type HINGE"),
     ConnectionType::assembled(
         "PLANAR",
         &SLIDE_PLANE,
         &REVOLUTE,
-        Some(Friction {
-            parameters: &[optional("R"), optional("F_C^int"), optional("M_C^int")],
-            criteria: &[
-                FrictionCriterion {
-                    tangential: "√(f2² + f3²)",
-                    contact: "|f1| + √(m2² + m3²)/R",
-                    output: "CSFC",
-                },
-                FrictionCriterion {
-                    tangential: "|m1|", contact: "R |f1| + √(m2² + m3²)", output: "CSM1"
-                },
-            ],
-            evidence: R,
-        }),
+        Some(friction::PLANAR),
         "connection type PLANAR (second friction criterion: decision D-11)",
     ),
     ConnectionType::assembled("RETRACTOR", &JOIN, &FLOW_CONVERTER, None, "seed RETRACTOR, Summary"),
@@ -381,44 +328,14 @@ pub static TABLE: &[ConnectionType] = &[
         "TRANSLATOR",
         &SLOT,
         &ALIGN,
-        Some(Friction {
-            parameters: &[optional("R_r"), optional("L"), optional("F_C^int")],
-            criteria: &[FrictionCriterion {
-                tangential: "|f1|",
-                contact: "|m1|/R_r + √(f2² + f3²) + (2/L) √(m2² + m3²)",
-                output: "CSF1",
-            }],
-            evidence: S,
-        }),
+        Some(friction::TRANSLATOR),
         "seed TRANSLATOR, Friction and Summary (decision D-18)",
     ),
     ConnectionType::assembled(
         "UJOINT",
         &JOIN,
         &UNIVERSAL,
-        Some(Friction {
-            parameters: &[
-                required("R_p"),
-                required("L_a"),
-                optional("R_a"),
-                optional("L_s"),
-                optional("M_C1^int"),
-                optional("M_C3^int"),
-            ],
-            criteria: &[
-                FrictionCriterion {
-                    tangential: "|m1|",
-                    contact: "R_a |f·e1a| + R_p (|f − (f·e1a) e1a| + 2|m2|/L_a)",
-                    output: "CSM1",
-                },
-                FrictionCriterion {
-                    tangential: "|m3|",
-                    contact: "R_a |f·e3b| + R_p (|f − (f·e3b) e3b| + 2|m2|/L_a)",
-                    output: "CSM3",
-                },
-            ],
-            evidence: R,
-        }),
+        Some(friction::UJOINT),
         "connection type UJOINT (friction: decision D-13)",
     ),
     ConnectionType::assembled("WELD", &JOIN, &ALIGN, None, "connection type components, WELD"),
@@ -433,15 +350,7 @@ pub static TABLE: &[ConnectionType] = &[
         planar: StandardOnly,
         availability: Always,
         forces: ["f = f1 q, q = d/|d|; flow forces −f1 at a, +f1 at b", ""],
-        friction: Some(Friction {
-            parameters: &[],
-            criteria: &[FrictionCriterion {
-                tangential: "|T2 − T1|",
-                contact: "min(T1, T2) (exp(μ α) − 1)/μ",
-                output: "CSF2",
-            }],
-            evidence: P,
-        }),
+        friction: Some(friction::SLIPRING),
         stops: false,
         flow: [true, true],
         rotations: [false, false],

@@ -189,21 +189,23 @@ fn walk(
             Some(file) => resume(file, model, &plan)?,
             None => Branches::default(),
         };
-        let shown = show.numbers(branches.states, states.len() as u64).map_err(Failure::Usage)?;
-        walks.push((plan, branches, shown));
+        let numbers: Vec<u64> =
+            (branches.states..).zip(states).map(|(counted, state)| state.number.unwrap_or(counted)).collect();
+        let shown = show.among(&numbers).map_err(Failure::Usage)?;
+        walks.push((plan, branches, shown, numbers));
     }
     format.begin()?;
     let mut progress = Progress::new();
-    for (Loaded { scene, states, model }, (plan, branches, shown)) in loaded.iter().zip(&walks) {
+    for (Loaded { scene, states, model }, (plan, branches, shown, numbers)) in loaded.iter().zip(&walks) {
         let mut sequence = Sequence::resume(model, plan, branches.clone());
-        let first = branches.states;
         if !states.iter().any(moves) {
             sequence.set_velocities(Velocities::Increments);
         }
-        format.scene(&Subject { scene, model, plan, states: states.len(), shown, first })?;
-        for state in states {
-            let index = sequence.branches().states;
-            progress.tick(&scene.name, index - first, states.len());
+        let [first, last] =
+            [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
+        format.scene(&Subject { scene, model, plan, states: states.len(), shown, first, last })?;
+        for (done, (state, index)) in states.iter().zip(numbers.iter().copied()).enumerate() {
+            progress.tick(&scene.name, done, states.len());
             if shown.iter().any(|range| range.contains(&index)) {
                 format.state(index, state.time)?;
                 sequence.visit(state, |item| {
@@ -320,7 +322,7 @@ impl Progress {
         }
     }
 
-    fn tick(&mut self, scene: &str, done: u64, states: usize) {
+    fn tick(&mut self, scene: &str, done: usize, states: usize) {
         let last = self.told.unwrap_or(self.begun);
         if self.visible && last.elapsed() > Duration::from_secs(1) {
             self.told = Some(Instant::now());

@@ -124,13 +124,13 @@ pub(crate) struct Eval {
 
 const EVAL_HELP: &str = "\
 States: a table (.csv) or a document (.json); examples below. They are evaluated
-  in order and numbered from 0, with --resume on from those before. Lengths in
+  in order, and called by their numbers in the file, the column state or the
+  name number; without, from 0, with --resume on from those before. Lengths in
   the unit of the deck, angles in rad, all components global. What is missing
   or empty is 0: a node that a state leaves out is at rest in its initial place.
   CSV: the first line names the columns, in any order; lines that begin with #
   are comments. Only node is needed.
-    state              rows of one number form one state; it must not decrease,
-                       and serves for nothing else
+    state              rows of one number form one state; it must not decrease
     time               the same in all rows of a state
     node               the node number
     u1 u2 u3           displacement from the initial position
@@ -198,8 +198,9 @@ A file of two states, as CSV and as JSON:
   1,0.5,3,0.2,,
 
   {\"schema\": \"pintle-states/1\", \"states\": [
-    {\"time\": 0, \"nodes\": {\"2\": {\"angular_velocity\": [0, 0, 15]}}},
-    {\"time\": 0.5, \"nodes\": {
+    {\"number\": 0, \"time\": 0, \"nodes\": {
+      \"2\": {\"angular_velocity\": [0, 0, 15]}}},
+    {\"number\": 1, \"time\": 0.5, \"nodes\": {
       \"2\": {\"displacement\": [0.1, 0, 0], \"rotation\": [0, 0, 7.5],
             \"angular_velocity\": [0, 0, 15]},
       \"3\": {\"displacement\": [0.2, 0, 0]}}}]}
@@ -209,13 +210,16 @@ Examples:
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
 
-/// The width of a page: that of the terminal, or 100.
+/// The width of a page: that of the terminal; elsewhere the environment's COLUMNS, or 100.
 fn page_width(stream: &impl IsTerminal) -> usize {
     const DEFAULT: usize = 100;
-    if !stream.is_terminal() {
-        return DEFAULT;
+    const LEAST: usize = 40;
+    let terminal = stream.is_terminal().then(terminal_size::terminal_size).flatten();
+    if let Some((width, _)) = terminal {
+        return usize::from(width.0).max(LEAST);
     }
-    terminal_size::terminal_size().map_or(DEFAULT, |(width, _)| usize::from(width.0).max(40))
+    let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.trim().parse().ok());
+    columns.map_or(DEFAULT, |columns: usize| columns.clamp(LEAST, 1000))
 }
 
 /// `pintle list`.

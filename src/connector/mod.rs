@@ -17,7 +17,7 @@ pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDI
 pub use flags::{Flag, Stop, StopStatus};
 pub use request::{Mask, Output, Request, Tally};
 
-use crate::catalog::{Condition, ConnectionType, PLANAR_COMPONENTS, Slot};
+use crate::catalog::{Condition, ConnectionType, PLANE, Slot};
 use crate::measure::{History, Measure, Section, Shared, Unit};
 use crate::node::{self, DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::{Differentiable, Real};
@@ -195,7 +195,7 @@ impl<R: Differentiable> Connector<R> {
         let mut history = History { rotation_vector: [zero; 3], euler_sign: one, torsion_turns: zero };
         history.rotation_vector = so3::log(&relative.q);
         let mut shared = Shared::new(&relative, &initial.a.triad, &section, &history);
-        let planar = |k: usize| !definition.planar || PLANAR_COMPONENTS.contains(&k);
+        let planar = |k: usize| !definition.planar || PLANE[k];
         let mut rows = [None; 6];
         let mut references = [None; 6];
         let mut turns = [Turns { turns: zero, principal: zero }; 6];

@@ -25,6 +25,7 @@ pub struct Style {
 pub struct Human<'w> {
     out: &'w mut dyn Write,
     style: Style,
+    first: u64,
     last: u64,
     scenes: u64,
 }
@@ -42,7 +43,7 @@ const NAMES: usize = 26;
 impl<'w> Human<'w> {
     /// Tables on a stream.
     pub fn new(out: &'w mut dyn Write, style: Style) -> Self {
-        Self { out, style, last: 0, scenes: 0 }
+        Self { out, style, first: 0, last: 0, scenes: 0 }
     }
 
     fn number(&self, value: f64) -> String {
@@ -289,8 +290,7 @@ const fn heading(output: Output) -> &'static str {
 
 /// Which states are shown, where not all are.
 fn shown(subject: &Subject<'_>) -> String {
-    let last = subject.first + subject.states as u64 - 1;
-    if subject.shown.contains(&(subject.first..=last)) {
+    if subject.shown.contains(&(subject.first..=subject.last)) {
         return String::new();
     }
     let range = |range: &RangeInclusive<u64>| {
@@ -318,7 +318,7 @@ impl Format for Human<'_> {
             writeln!(self.out)?;
         }
         self.scenes += 1;
-        self.last = subject.first + subject.states as u64 - 1;
+        (self.first, self.last) = (subject.first, subject.last);
         let scene = subject.scene;
         writeln!(self.out, "{}", styled(BOLD, &scene.name))?;
         for line in scene.heading.lines().map(str::trim).filter(|line| !line.is_empty()) {
@@ -341,8 +341,8 @@ impl Format for Human<'_> {
 
     fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
         let time = time.map(|time| format!(", t = {}", self.number(time))).unwrap_or_default();
-        let last = self.last;
-        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of 0 … {last}{time} ──")))
+        let (first, last) = (self.first, self.last);
+        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of {first} … {last}{time} ──")))
     }
 
     fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
