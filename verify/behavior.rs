@@ -41,7 +41,7 @@ fn along_1(states: &[(f64, f64, f64)]) -> Vec<SceneState> {
     let state = |(time, u, v): &(f64, f64, f64)| {
         let motion =
             NodeMotion { displacement: [*u, 0.0, 0.0], velocity: [*v, 0.0, 0.0], ..NodeMotion::default() };
-        SceneState { time: Some(*time), nodes: BTreeMap::from([(2.into(), motion)]) }
+        SceneState { time: Some(*time), nodes: BTreeMap::from([(2.into(), motion)]), ..SceneState::default() }
     };
     states.iter().map(state).collect()
 }
@@ -151,7 +151,7 @@ fn kinks_are_told() {
     let model = model(ALL_AVAILABLE, LAWS[3], "");
     let states = [0.0, 0.25, 0.75, 0.3].map(|u| {
         let motion = NodeMotion { displacement: [0.0, u, 0.0], ..NodeMotion::default() };
-        SceneState { time: None, nodes: BTreeMap::from([(2.into(), motion)]) }
+        SceneState { nodes: BTreeMap::from([(2.into(), motion)]), ..SceneState::default() }
     });
     let results = walk(&model, &states, Velocities::Rates, &[]);
     let slopes: Vec<f64> = results.iter().map(|r| r.tangent.as_ref().unwrap().displacement[1][1]).collect();
@@ -585,7 +585,11 @@ fn a_restored_history_continues() {
                 rotation: Rotation::Vector([numbers.next(), numbers.next(), numbers.next()]),
                 ..NodeMotion::default()
             };
-            SceneState { time: Some(f64::from(i) / 8.0), nodes: BTreeMap::from([(2.into(), motion)]) }
+            SceneState {
+                time: Some(f64::from(i) / 8.0),
+                nodes: BTreeMap::from([(2.into(), motion)]),
+                ..SceneState::default()
+            }
         })
         .collect();
     let text = |sequence: &mut Sequence<'_>, states: &[SceneState]| -> Vec<String> {
