@@ -500,7 +500,11 @@ fn usage_errors() {
         (&["eval", "gallery:slider_crank", "--outputs", "CU4"], 2, "CUR1 to CUR3"),
         (&["eval", "gallery:slider_crank", "--outputs", "CSF"], 2, "not evaluated yet"),
         (&["eval", "gallery:slider_crank", "--outputs", "CTF4"], 2, "CTM1 to CTM3 moments"),
-        (&["eval", "gallery:slider_crank", "--outputs", "CTF"], 4, "nothing was evaluated"),
+        (
+            &["eval", "gallery:slider_crank", "--connector", "102", "--outputs", "CTF"],
+            4,
+            "nothing was evaluated",
+        ),
         (&["eval", "gallery:slider_crank", "--outputs", "MARGN"], 2, "did you mean MARGIN?"),
         (&["eval", "gallery:slider_crank", "--connector", "999"], 2, "999"),
         (&["eval", "gallery:slider_crank", "--show", "25"], 2, "there is no state 25: they are 0 to 24"),
