@@ -10,7 +10,7 @@ use pintle::evaluate::{Branches, ConnectorResult, Model, Plan, Selection, Sequen
 use pintle::force::Want;
 use pintle::node::{DOFS, Node, Pair};
 use pintle::scalar::{Real, Scalar, Seeded, Wide};
-use pintle::scene::{GALLERY, NodeMotion, Rotation, Scene, State as SceneState};
+use pintle::scene::{ElementForces, GALLERY, NodeMotion, Rotation, Scene, State as SceneState};
 use pintle::{so3, vector};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -58,10 +58,10 @@ fn walk(
     sequence.set_velocities(velocities);
     let mut results = Vec::new();
     for (i, state) in states.iter().enumerate() {
-        if let Some(forces) = forces.get(i) {
-            sequence.set_forces(BTreeMap::from([(model.connectors[0].label, *forces)]));
-        }
-        results.extend(sequence.step(state).connectors);
+        let mut state = state.clone();
+        let given = |total: &Components<f64>| ElementForces { total: *total, ..ElementForces::default() };
+        state.forces.extend(forces.get(i).map(|forces| (model.connectors[0].label, given(forces))));
+        results.extend(sequence.step(&state).connectors);
     }
     results
 }

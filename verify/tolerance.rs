@@ -126,3 +126,22 @@ pub(crate) const BEHAVIOR_SLOPE: f64 = 1e-14;
 
 /// The belt's nodal balance, over its tension: the known solution is given with ten digits.
 pub(crate) const BELT_BALANCE: f64 = 1e-9;
+
+/// Friction (`verify/friction.rs`), in roundings of what each test compares.
+const FRICTION: &[Law] = &[
+    // Hypotenuses and their sums, here and there.
+    law("formulas", 8.0),
+    law("gradients", 16.0),
+    law("hessians", 64.0),
+    law("range", 8.0),
+    law("tangents", 256.0),
+    law("forces", 64.0),
+    law("violation", 16.0),
+    law("energy", 16.0),
+    law("JAX", 256.0),
+];
+
+/// What friction is allowed under a name.
+pub(crate) fn friction(name: &str) -> f64 {
+    FRICTION.iter().find(|law| law.name == name).expect(name).units
+}

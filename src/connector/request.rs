@@ -45,11 +45,21 @@ pub enum Output {
     DRIVEN,
     /// Slopes of forces.
     TANGENT,
+    /// Moments as the manual prints them.
+    PM,
+    /// Multipliers of the equations enforced.
+    LM,
+    /// Nodal forces.
+    NF,
+    /// Geometric stiffness.
+    KG,
+    /// Derivative of the nodal forces.
+    DNF,
 }
 
 impl Output {
     /// Every output, in the order of reports.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 25] = [
         Self::CP,
         Self::CU,
         Self::CCU,
@@ -70,6 +80,11 @@ impl Output {
         Self::CFAILST,
         Self::DRIVEN,
         Self::TANGENT,
+        Self::PM,
+        Self::LM,
+        Self::NF,
+        Self::KG,
+        Self::DNF,
     ];
 
     /// The name.
@@ -95,6 +110,11 @@ impl Output {
             Self::CFAILST => "CFAILST",
             Self::DRIVEN => "DRIVEN",
             Self::TANGENT => "TANGENT",
+            Self::PM => "PM",
+            Self::LM => "LM",
+            Self::NF => "NF",
+            Self::KG => "KG",
+            Self::DNF => "DNF",
         }
     }
 
@@ -111,6 +131,17 @@ impl Output {
     /// Whether it follows from behaviour, motions and loads rather than from kinematics.
     pub const fn is_of_behavior(self) -> bool {
         self.is_force() || matches!(self, Self::CFAILST | Self::DRIVEN | Self::TANGENT)
+    }
+
+    /// Whether it follows from component forces.
+    pub const fn is_of_forces(self) -> bool {
+        matches!(self, Self::CTF | Self::PM | Self::LM) || self.is_nodal()
+    }
+
+    /// Whether it belongs to nodal degrees of freedom, rather than to components: asked for of a component, it is the part of that
+    /// component's force.
+    pub const fn is_nodal(self) -> bool {
+        matches!(self, Self::NF | Self::KG | Self::DNF)
     }
 
     /// The power of time by which the unit of the component is divided: 0, 1 or 2.
@@ -145,6 +176,11 @@ impl Output {
             Self::CFAILST => "failure status",
             Self::DRIVEN => "what a connector motion prescribes",
             Self::TANGENT => "slopes of elastic and viscous forces",
+            Self::PM => "moments by which the printed formula gives the exact moment",
+            Self::LM => "multiplier of the equation enforced",
+            Self::NF => "nodal forces, residual-side: transposed rows × component forces",
+            Self::KG => "geometric stiffness Σ f ∂²c",
+            Self::DNF => "derivative ∂NF/∂q at constant component forces",
         }
     }
 }

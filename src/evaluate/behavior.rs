@@ -16,9 +16,14 @@ impl ElementBehavior {
         let is_asked = request.outputs().any(|output| match output {
             Output::RES | Output::RESV | Output::RESA => holds,
             Output::CSLST => behavior.has_stops() || !behavior.locks.is_empty(),
-            other => other.is_of_behavior(),
+            other => other.is_of_behavior() || (other.is_of_forces() && !self.is_empty()),
         });
         is_asked || behavior.has_history() || is_driven
+    }
+
+    /// Whether nothing acts on the connector but its constraints.
+    fn is_empty(&self) -> bool {
+        self.behavior.is_empty() && self.drives.is_empty()
     }
 
     /// Whether the states that follow depend on what happens at this one.

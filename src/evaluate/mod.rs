@@ -6,6 +6,7 @@
 //! committing every branch as it goes.
 
 mod behavior;
+mod forces;
 mod model;
 mod mpc;
 mod outputs;
@@ -15,6 +16,7 @@ mod rules;
 mod sequence;
 mod shared;
 
+pub use forces::ForceResult;
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{MpcElement, MpcResult};
 pub use outputs::{OutputError, request};

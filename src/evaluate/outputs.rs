@@ -2,7 +2,8 @@
 //!
 //! CP, CU, CCU, CV and CA name all components; with R (CPR, CUR …) the rotations; with a digit 1 to 3 one of them (CU1 is u1,
 //! CUR1 is ur1). CTF, CEF, CVF, CRF and CCF name all components; CTF1 to CTF3 are forces, CTM the moments, CTM1 to CTM3 one of
-//! them. CSLST, CFAILST, DRIVEN, TANGENT, RES, RESV, RESB, RESA, TURNS and MARGIN name all components, with a digit 1 to 6 one. ALL
+//! them. CSLST, CFAILST, DRIVEN, TANGENT, RES, RESV, RESB, RESA, TURNS, MARGIN, PM, LM, NF, KG and DNF
+//! name all components, with a digit 1 to 6 one: NF4 is the nodal forces of m1. ALL
 //! is every output, NONE is no output (derivatives only).
 
 use crate::connector::{Mask, Output, Request};
@@ -161,6 +162,8 @@ mod tests {
             ("CTM", "000111"),
             ("CRM3", "000001"),
             ("CFAILST6", "000001"),
+            ("NF4", "000100"),
+            ("PM", "111111"),
         ] {
             assert_eq!(mask(name), expected, "{name}");
         }

@@ -1,6 +1,7 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
 use super::behavior::{flag, not_known, wants};
+use super::forces::{ForceResult, given_forces};
 use super::model::{ConnectorElement, ElementBehavior, Model};
 use super::mpc::{MpcResult, START};
 use super::plan::Plan;
@@ -177,6 +178,8 @@ pub struct ConnectorResult {
     pub behavior: Option<Box<Outcome>>,
     /// TANGENT.
     pub tangent: Option<Box<Tangent<f64>>>,
+    /// What follows from component forces, where they are given and it is asked for.
+    pub forces: Option<Box<ForceResult>>,
 }
 
 /// Everything planned, at one state.
@@ -210,7 +213,6 @@ pub struct Sequence<'a> {
     tally: Tally,
     velocities: Velocities,
     conditions: Conditions,
-    forces: BTreeMap<Label, Components<f64>>,
 }
 
 impl<'a> Sequence<'a> {
@@ -223,7 +225,6 @@ impl<'a> Sequence<'a> {
             tally: Tally::default(),
             velocities: Velocities::default(),
             conditions: Conditions::default(),
-            forces: BTreeMap::new(),
         }
     }
 
@@ -235,11 +236,6 @@ impl<'a> Sequence<'a> {
     /// The temperature and field variables of the states that follow.
     pub fn set_conditions(&mut self, conditions: Conditions) {
         self.conditions = conditions;
-    }
-
-    /// The total forces (CTF) of connectors at the states that follow, by element number: reactions follow from them.
-    pub fn set_forces(&mut self, forces: BTreeMap<Label, Components<f64>>) {
-        self.forces = forces;
     }
 
     /// A walk that continues where another stopped.
@@ -311,7 +307,7 @@ impl<'a> Sequence<'a> {
         for index in &self.plan.connectors {
             let element = &self.model.connectors[*index];
             let ends = element.nodes.map(at);
-            take(Item::Connector(Box::new(self.connector(*index, element, &ends, (request, state.time)))))?;
+            take(Item::Connector(Box::new(self.connector(*index, element, &ends, (request, state)))))?;
         }
         for index in &self.plan.mpcs {
             let element = &self.model.mpcs[*index];
@@ -331,7 +327,7 @@ impl<'a> Sequence<'a> {
         index: usize,
         element: &ConnectorElement,
         ends: &[Moved; 2],
-        (request, time): (&Request, Option<f64>),
+        (request, scene_state): (&Request, &SceneState),
     ) -> ConnectorResult {
         let node = |end: usize| Node {
             displacement: ends[end].displacement,
@@ -373,6 +369,7 @@ impl<'a> Sequence<'a> {
         let margins = connector.margins(&state, &evaluation.branch, request.components());
         let mut flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
         let after = evaluation.branch;
+        let given = given_forces(connector, scene_state, element.label);
         let outcome = behavior.map(|behavior| {
             let now = Kinematics {
                 position: &evaluation.position,
@@ -380,13 +377,13 @@ impl<'a> Sequence<'a> {
                 constitutive: &evaluation.constitutive,
                 velocity: &evaluation.velocity,
                 acceleration: &evaluation.acceleration,
-                time,
+                time: scene_state.time,
                 velocities: self.velocities,
             };
             let none = History::default();
             let history =
                 known.and_then(|saved| saved.behavior.as_ref()).map_or(&none, |(_, history)| history);
-            let given = self.forces.get(&element.label).copied().unwrap_or_default();
+            let given = given.unwrap_or_default();
             let driven = (&behavior.drives, &self.model.schedule);
             behavior.behavior.at(&now, &given, driven, &self.conditions, history)
         });
@@ -417,11 +414,28 @@ impl<'a> Sequence<'a> {
                 tangent = Some(Box::new(slopes));
             }
         }
+        // The total forces that are known: as given, or as the behaviour tells.
+        let known_forces = outcome.as_ref().map(|outcome| {
+            let given = given.unwrap_or_default();
+            [0, 1, 2, 3, 4, 5].map(|k| outcome.total.value[k].or(given[k]))
+        });
+        let total = known_forces.filter(|forces| forces.iter().any(Option::is_some)).or(given);
+        let forces = ForceResult::of(connector, (&state, &after), total, request, &mut self.tally);
+        flags.extend(forces.iter().flat_map(|forces| &forces.flags));
         let history = outcome.as_ref().filter(|_| behavior.is_some_and(ElementBehavior::has_history));
         let history = history.map(|outcome| outcome.history.clone());
         self.branches.connectors.insert(element.label, Saved::new(element, after, history));
         let behavior = outcome.map(Box::new);
-        ConnectorResult { index, evaluation, stops, margins, flags, behavior, tangent }
+        ConnectorResult {
+            index,
+            evaluation,
+            stops,
+            margins,
+            flags,
+            behavior,
+            tangent,
+            forces: forces.map(Box::new),
+        }
     }
 }
 
