@@ -33,7 +33,7 @@ revolute_mpc, 33 states, t = k/16 for k = 0..32.  The master (20) moves by (t/2,
     a quaternion; omega_S = omega_M + phi' a, alpha_S = alpha_M + phi'' a + phi' omega_M x a, a = C_M a0.
     Degree of freedom 6 of node 30 is phi.
 
-parallel_cranks, 25 states, t = k/24, one turn phi(t) = 2 pi t + sin(2 pi t)/4 of both cranks about z, from upright:
+parallel_cranks, 25 states, t = k/24, both cranks turn about z by phi(t) = 6.283185307 t, the motion of the step, from upright:
     x of a tip = the foot of its crank + r (-sin phi, cos phi, 0), r = 0.5; the coupler between the tips does not turn,
     so both its nodes move by r (-sin phi, cos phi - 1, 0).
 """
@@ -207,11 +207,10 @@ def revolute_mpc():
 
 
 def parallel_cranks():
-    r = mpf(0.5)
+    r, turn_of_step = mpf(0.5), mpf(6.283185307)
 
     def state(t):
-        w = 2 * pi
-        phi = (w * t + sin(w * t) / 4, w + w * cos(w * t) / 4, -(w**2) * sin(w * t) / 4)
+        phi = (turn_of_step * t, turn_of_step, mpf(0))
         x, y = circle(r, (pi / 2 + phi[0], phi[1], phi[2]))
         tip = moving([x, minus(y, r), ZERO])
         turn = about_z(phi)
