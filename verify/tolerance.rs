@@ -121,6 +121,27 @@ pub(crate) const WIDE: f64 = 1e-60;
 /// digits plus two roundings of the natural size.
 pub(crate) const GOLDEN: f64 = 4.0;
 
+/// Friction (`verify/friction.rs`), in roundings of what each test compares.
+const FRICTION: &[Law] = &[
+    // Hypotenuses and their sums, here and there.
+    law("formulas", 8.0),
+    law("gradients", 16.0),
+    law("hessians", 64.0),
+    law("range", 8.0),
+    // 168 were measured. Along the edge of a potential the share of the traction that is left comes out of two unlike gradients; and a
+    // limit of 1/20 of the trial traction carries the roundings of the latter.
+    law("tangents", 256.0),
+    law("forces", 64.0),
+    law("violation", 16.0),
+    law("energy", 16.0),
+    law("JAX", 256.0),
+];
+
+/// What friction is allowed under a name.
+pub(crate) fn friction(name: &str) -> f64 {
+    FRICTION.iter().find(|law| law.name == name).expect(name).units
+}
+
 /// Agreement of multi-point constraints with JAX, absolute: lengths, angles and rates of size 1, second derivatives and accelerations
 /// up to 100, both computed in doubles.
 pub(crate) const GOLDEN_MPC: f64 = 2e-13;

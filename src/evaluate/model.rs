@@ -62,17 +62,15 @@ impl Model {
             let connection = match types.get(&element.section) {
                 Some(known) => known,
                 None => {
-                    let mut resolved = resolve(section).map_err(|error| error.in_file(&scene.name))?;
+                    let mut resolved = resolve(section).map_err(|error| error.in_scene(scene))?;
                     if let (Some(Solver::Standard), Some(other)) = (scene.solver, resolved.in_standard()) {
                         let (name, becomes) = (&resolved.name, &other.name);
                         let message = format!("element {label}: {name} is {becomes} in a Standard analysis");
                         let here = format!("by {} [{:?}]", resolved.source[0], Evidence::D);
                         let place = section.type_names.first().map_or(section.span, |name| name.span);
-                        model.warnings.push(
-                            Diagnostic::warning(Code::ConvertedInStandard, place, message, here)
-                                .help(format!("write {becomes}, or use a *DYNAMIC, EXPLICIT step"))
-                                .in_file(&scene.name),
-                        );
+                        let warning = Diagnostic::warning(Code::ConvertedInStandard, place, message, here)
+                            .help(format!("write {becomes}, or use a *DYNAMIC, EXPLICIT step"));
+                        model.warnings.push(warning.in_scene(scene));
                         resolved = other;
                     }
                     types.entry(element.section).or_insert(Arc::new(resolved))
@@ -118,7 +116,7 @@ impl Model {
                 let Some(orientation) = scene.orientations.get(name.value.as_str()) else { return Ok(None) };
                 let directions = orientation
                     .triad(&name.value, scene, ends[end], &nodes)
-                    .map_err(|error| error.in_file(&scene.name))?;
+                    .map_err(|error| error.in_scene(scene))?;
                 Ok(Some(vector::transpose(&directions)))
             };
             let given = [triad(0)?, triad(1)?];

@@ -58,11 +58,23 @@ codes! {
     UnexpectedData = "deck::unexpected-data": "A data line under a keyword that takes none, or takes fewer.";
     MissingKeywords = "deck::missing-keywords": "The deck has no keyword at all.";
 
+    IncludeUnreadable = "deck::include-unreadable": "A file that a deck includes is not there or cannot be opened.";
+    IncludeCycle = "deck::include-cycle": "A file includes itself, directly or through others.";
+    IncludeLimit = "deck::include-limit": "Includes nest too deep, or are too many or too large altogether.";
+
     UnsupportedKeyword = "deck::unsupported-keyword": "A keyword that changes nodes, elements or the deck itself and is not understood; skipping it would give another model.";
     MisspeltKeyword = "deck::misspelt-keyword": "A keyword was skipped that looks like a misspelt one. A warning.";
     MisplacedKeyword = "deck::misplaced-keyword": "A keyword that must follow another one, such as a suboption outside a connector behaviour.";
     ModelDataInStep = "deck::model-data-in-step": "A keyword that defines the model stands after the first *STEP.";
     HistoryOutsideStep = "deck::history-outside-step": "A keyword that belongs to a step stands outside every step.";
+    UnfinishedBlock = "deck::unfinished-block": "A *PART, *INSTANCE or *ASSEMBLY does not end.";
+    MissingAssembly = "deck::missing-assembly": "A deck defines parts and has no *ASSEMBLY, so that it has no model.";
+    UnusedPart = "deck::unused-part": "A part that no instance uses: nothing of it is in the model. A warning.";
+    UnknownPart = "deck::unknown-part": "An instance is one of a part that is not defined above it.";
+    UnknownInstance = "deck::unknown-instance": "An instance is named that is not defined above.";
+    DegenerateRotation = "deck::degenerate-rotation": "The two points of the axis about which an instance is turned coincide.";
+    TwoTransforms = "deck::two-transforms": "A node is in the sets of two *TRANSFORMs.";
+    NodesOfSkipped = "deck::nodes-of-skipped": "A node set takes the nodes of elements of types that are not read, so that it lacks them. A warning, but an error where the set must be complete.";
     UnfinishedStep = "deck::unfinished-step": "A *STEP has no *END STEP.";
     TwoProcedures = "deck::two-procedures": "A step has two procedures.";
     MixedSolvers = "deck::mixed-solvers": "Some steps are explicit dynamics and others are not.";
@@ -149,9 +161,9 @@ codes! {
     NoRotation = "rule::no-rotation": "A rotation is prescribed at a node of a connector that has no rotational degrees of freedom. A warning.";
 
     StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
-    StatesUnknownColumn = "states::unknown-column": "A column of a CSV file of states has a name that is not known.";
-    StatesRepeatedColumn = "states::repeated-column": "Two columns of a CSV file of states have the same name.";
-    StatesMissingColumn = "states::missing-column": "A CSV file of states has no column `node`.";
+    StatesUnknownColumn = "states::unknown-column": "A column of a CSV file of states or forces, or a force in a JSON file, has a name that is not known.";
+    StatesRepeatedColumn = "states::repeated-column": "Two columns of a CSV file of states or forces have the same name or meaning, or a JSON file gives a force twice.";
+    StatesMissingColumn = "states::missing-column": "A CSV file of states has no column `node`, or one of forces no column `element`.";
     StatesUnknownNode = "states::unknown-node": "A state moves a node that the scene does not have.";
     StatesRepeatedNode = "states::repeated-node": "A state gives one node twice.";
     StatesMalformedNumber = "states::malformed-number": "An item is not a number.";
@@ -163,6 +175,14 @@ codes! {
     StatesOutOfPlane = "states::out-of-plane": "A state moves a node of a CONN2D2 element along 3, or turns it about 1 or 2.";
     StatesOrder = "states::order": "The numbers of the states do not increase, or the rows of one state have different times.";
     StatesEmpty = "states::empty": "The file has no state.";
+
+    ForcesUnknownElement = "forces::unknown-element": "Forces are given for a connector element that the scene does not have.";
+    ForcesRepeatedElement = "forces::repeated-element": "A state is given the forces of one element twice.";
+    ForcesUnknownState = "forces::unknown-state": "Forces are given for a state, by number or time, that there is not, or for a time that several states have.";
+    ForcesAbsentComponent = "forces::absent-component": "A force that is not zero is given for a component that the connector does not have, or that has no force.";
+    ForcesMissingComponent = "forces::missing-component": "The force of a component is not given, and those of others of the element are.";
+    ForcesNotATotal = "forces::not-a-total": "Of an available component only the reaction CRF or CRM is given, which is a part of its total force.";
+    ForcesContradiction = "forces::contradiction": "The total force and the reaction of a constrained component are given and differ.";
 }
 
 impl Display for Code {
@@ -189,6 +209,8 @@ struct Parts {
     remedy: String,
     file: String,
     span: Span,
+    /// Another place, of which the label gives the line at its end.
+    other: Option<Span>,
     excerpt: Option<Excerpt>,
 }
 
@@ -207,7 +229,17 @@ impl Diagnostic {
 
     fn new(severity: Severity, code: Code, span: Span, message: String, label: String) -> Self {
         let (remedy, file) = (String::new(), String::new());
-        Self(Box::new(Parts { severity, code, message, label, remedy, file, span, excerpt: None }))
+        Self(Box::new(Parts {
+            severity,
+            code,
+            message,
+            label,
+            remedy,
+            file,
+            span,
+            other: None,
+            excerpt: None,
+        }))
     }
 
     /// The same, with what to do about it.
@@ -224,6 +256,30 @@ impl Diagnostic {
             self.0.file = name.to_owned();
         }
         self
+    }
+
+    /// The same, where the label ends with the line of another place.
+    #[must_use]
+    pub(crate) fn beside(mut self, other: Span) -> Self {
+        self.0.other = Some(other);
+        self
+    }
+
+    /// Names the file, and that of the other place where it is a different one.
+    pub(crate) fn name_files(&mut self, names: &[String]) {
+        let name = |span: Span| names.get(usize::from(span.file())).or(names.first());
+        if self.0.file.is_empty()
+            && let Some(name) = name(self.0.span)
+        {
+            self.0.file.clone_from(name);
+        }
+        if let Some(other) = self.0.other.take()
+            && other.file() != self.0.span.file()
+            && let Some(name) = name(other)
+        {
+            self.0.label.push_str(" of ");
+            self.0.label.push_str(name);
+        }
     }
 
     /// Error or warning.
@@ -452,6 +508,26 @@ pub(crate) fn suggest<'a>(
     otherwise: impl FnOnce() -> String,
 ) -> String {
     nearest(word, candidates).map_or_else(otherwise, |near| format!("did you mean {near}?"))
+}
+
+/// The same for names that belong to instances: one that is called so in an instance is meant before one that is
+/// called almost so.
+pub(crate) fn suggest_scoped<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+    otherwise: impl FnOnce() -> String,
+) -> String {
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let bare = word.rsplit('.').next().unwrap_or(word);
+    let scoped = candidates.iter().find(|candidate| {
+        candidate
+            .strip_suffix(bare)
+            .is_some_and(|rest| rest.ends_with('.') || (rest.is_empty() && bare != word))
+    });
+    match scoped {
+        Some(scoped) => format!("did you mean {scoped}?"),
+        None => suggest(word, candidates, otherwise),
+    }
 }
 
 #[cfg(test)]
