@@ -1,12 +1,15 @@
 //! The tests, in one binary: each module asks one question of the whole.
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod audit; // whether the audit notices what is wrong, and nothing else
 mod cli; // the command line
 mod closed; // rows derived by hand
 mod faults; // what is said about every faulty input
 mod freedom; // which degrees of freedom nodes have
+mod friction; // what sticks and slips
 mod fuzzing; // what holds of any bytes whatever
 mod golden; // what JAX computes by other formulas
+mod golden_mpc; // the same of multi-point constraints
 mod laws; // what holds for every connection type
 mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are

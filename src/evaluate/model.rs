@@ -1,7 +1,7 @@
 //! A scene with its connection types, triads and constraints resolved.
 
 use super::mpc::MpcElement;
-use super::{plane, rules, shared};
+use super::{mpc, plane, rules, shared};
 use crate::catalog::{ConnectionType, Evidence, NameError, Orientation};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
@@ -35,6 +35,8 @@ pub struct Model {
     pub connectors: Vec<ConnectorElement>,
     /// Multi-point constraints in the order of the scene.
     pub mpcs: Vec<MpcElement>,
+    /// The springs and dashpots to ground that act on the angles of their hinges, by element number.
+    pub grounded: HashSet<Label>,
     /// The MPCs that are kept and not evaluated, by type, with their number.
     pub other_mpcs: BTreeMap<String, usize>,
     /// Element sets: the connectors in each, by index.
@@ -154,19 +156,27 @@ impl Model {
         shared::check(scene, &mut model)?;
         rules::boundaries(scene, &freedom, &mut model.warnings);
         rules::constraints(scene)?;
-        model.join(scene);
+        model.join(scene)?;
         model.collect_sets(scene);
         Ok(model)
     }
 
-    fn join(&mut self, scene: &Scene) {
+    fn join(&mut self, scene: &Scene) -> Result<(), Diagnostic> {
         let flows: HashSet<Label> = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
+        let mut joined = Vec::new();
         for mpc in &scene.mpcs {
             match mpc.kind.evaluated() {
-                Some(kind) => self.mpcs.push(MpcElement::new(kind, mpc, scene, |node| flows.contains(&node))),
+                Some(kind) => {
+                    let element = MpcElement::new(kind, mpc, scene, |node| flows.contains(&node));
+                    joined.push((element, mpc.span));
+                }
                 None => *self.other_mpcs.entry(mpc.kind.name().to_string()).or_default() += 1,
             }
         }
+        self.warnings.extend(mpc::check(scene, &joined)?);
+        self.grounded = mpc::ground(scene, &mut joined)?;
+        self.mpcs = joined.into_iter().map(|(element, _)| element).collect();
+        Ok(())
     }
 
     fn collect_sets(&mut self, scene: &Scene) {

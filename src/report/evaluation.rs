@@ -94,12 +94,14 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
         model.other_mpcs.iter().map(|(name, count)| format!("{name}: {count}")).collect();
     add(model.other_mpcs.values().sum::<usize>() as u64, ["MPC", "MPCs"], others);
     let mut kinds: IndexMap<&str, usize> = IndexMap::new();
-    for element in scene.point_elements.values() {
+    let others = scene.point_elements.iter().filter(|(label, _)| !model.grounded.contains(*label));
+    for (_, element) in others {
         *kinds.entry(element.kind.name()).or_default() += 1;
     }
+    let count: usize = kinds.values().sum();
     let kinds: Vec<String> = kinds.into_iter().map(|(name, count)| format!("{name}: {count}")).collect();
     let what = ["mass, spring or dashpot element", "mass, spring or dashpot elements"];
-    add(scene.point_elements.len() as u64, what, kinds);
+    add(count as u64, what, kinds);
     let steps = &scene.steps;
     let in_steps = |count: fn(&Step) -> usize| steps.iter().map(count).sum::<usize>();
     for (count, what) in [

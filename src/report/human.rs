@@ -6,6 +6,7 @@ use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
 use super::words;
 use crate::connector::{Output, Tally};
+use crate::evaluate::HingeMoments;
 use crate::measure::Unit;
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
@@ -184,6 +185,44 @@ impl<'w> Human<'w> {
         Ok(())
     }
 
+    /// Nodal forces by node, and the entries of their derivatives.
+    fn nodal(&mut self, block: &Block<'_>) -> io::Result<()> {
+        let forces = &block.nodal.forces;
+        let largest_force = largest(forces.iter().map(|force| force.force));
+        for group in forces.chunk_by(|one, other| one.role == other.role) {
+            let Some(first) = group.first() else { continue };
+            let title = match first.node {
+                Some(node) => format!("  node {node} ({})", first.role),
+                None => format!("  ground ({})", first.role),
+            };
+            let columns: Vec<(String, Vec<String>)> = group
+                .iter()
+                .map(|force| (force.name.to_string(), vec![self.beside(force.force, largest_force)]))
+                .collect();
+            self.columns(&title, &["nodal force".to_string()], &columns)?;
+        }
+        for (output, matrix) in block.nodal.matrices() {
+            let largest = largest(matrix.iter().flatten().copied());
+            let names: Vec<String> = block.columns.iter().map(|column| column.name.to_string()).collect();
+            let columns: Vec<(String, Vec<String>)> = (0..names.len())
+                .filter(|j| matrix.iter().any(|row| row[*j] != 0.0))
+                .map(|j| {
+                    let entry = |row: &Vec<f64>| match row[j] {
+                        0.0 => "·".to_string(),
+                        entry => self.beside(entry, largest),
+                    };
+                    (format!("∂{}", names[j]), matrix.iter().map(entry).collect())
+                })
+                .collect();
+            if columns.is_empty() {
+                writeln!(self.out, "  {}: every entry is 0", output.name())?;
+            } else {
+                self.columns(&format!("  {}", output.name()), &names, &columns)?;
+            }
+        }
+        Ok(())
+    }
+
     fn hessian(&mut self, block: &Block<'_>) -> io::Result<()> {
         let mut entries = Vec::new();
         let all = block.derivatives.iter().flat_map(|row| row.hessian.iter().flatten().flatten());
@@ -341,7 +380,7 @@ impl Format for Human<'_> {
             let mut texts: Vec<String> = facts
                 .hinges
                 .iter()
-                .map(|HingeFacts { name, given, axis }| {
+                .map(|HingeFacts { name, given, axis, .. }| {
                     let given = given.map(|given| format!("{name} given as {}; ", self.number(given)));
                     let whose =
                         if facts.hinges.len() > 1 { format!("axis of {name}") } else { "axis".into() };
@@ -349,6 +388,27 @@ impl Format for Human<'_> {
                     format!("{}{whose} ({axis})", given.unwrap_or_default())
                 })
                 .collect();
+            for HingeFacts { name, moments, .. } in &facts.hinges {
+                match moments {
+                    Some(Ok(HingeMoments { spring, stiffness, energy, dashpot, damping })) => {
+                        let number = |value: &f64| self.number(*value);
+                        let (spring, stiffness, energy) = (number(spring), number(stiffness), number(energy));
+                        texts.push(format!(
+                            "spring on {name}: moment {spring}, stiffness {stiffness}, energy {energy}"
+                        ));
+                        if let (Some(moment), Some(damping)) = (dashpot, damping) {
+                            let (moment, damping) = (number(moment), number(damping));
+                            texts.push(format!("dashpot on {name}: moment {moment}, damping {damping}"));
+                        }
+                    }
+                    Some(Err(unknown)) => {
+                        texts.push(format!(
+                            "the moments of springs and dashpots on {name} are not known: {unknown:?}"
+                        ));
+                    }
+                    None => {}
+                }
+            }
             if let Some(misalignment) = facts.misalignment {
                 let what = if facts.hinges.len() > 1 {
                     "the angle between the axes is off by"
@@ -371,6 +431,7 @@ impl Format for Human<'_> {
                 format!("margin of {name}: {} {unit} to {}", self.number(margin.distance), margin.set.at);
             writeln!(self.out, "  {}", styled(DIM, text))?;
         }
+        self.nodal(block)?;
         self.jacobian(block)?;
         self.hessian(block)?;
         for text in flags_in_words(&block.flags) {

@@ -115,11 +115,26 @@ impl Serialize for Block<'_> {
         if self.derivatives.iter().any(|row| row.hessian.is_some()) {
             map.serialize_entry("hessian", &named(&self.derivatives, |row| (row.component, &row.hessian)))?;
         }
+        if !self.nodal.forces.is_empty() {
+            map.serialize_entry("nodal_forces", &self.nodal.forces)?;
+        }
+        for (output, matrix) in self.nodal.matrices() {
+            let name = if output == Output::KG { "geometric_stiffness" } else { "nodal_force_derivative" };
+            map.serialize_entry(name, &json!({"dofs": &self.columns, "rows": matrix}))?;
+        }
         if let Some(branch) = &self.branch {
             map.serialize_entry("branch", branch)?;
         }
         if let Some(facts) = &self.mpc {
-            let hinge = |of: &HingeFacts| (of.name, json!({"given": of.given, "axis": of.axis}));
+            let hinge = |of: &HingeFacts| {
+                let mut hinge = json!({"given": of.given, "axis": of.axis});
+                match of.moments {
+                    Some(Ok(moments)) => hinge["moments"] = json!(moments),
+                    Some(Err(unknown)) => hinge["moments"] = json!({"unknown": unknown}),
+                    None => {}
+                }
+                (of.name, hinge)
+            };
             map.serialize_entry("hinges", &named(&facts.hinges, hinge))?;
             map.serialize_entry("misalignment", &facts.misalignment)?;
         }

@@ -5,6 +5,7 @@
 //!   Abaqus-style deck (`.inp`) in one pass. Connection types stay names here; the catalogue says what they mean.
 //! - [`Orientation::triad`] gives the directions e1, e2, e3 at a point.
 //! - [`StateFile`] holds what the nodes do: displacement, total rotation, velocities, accelerations, flow.
+//! - [`ForceFile`] holds component forces of connectors, as FE codes export them.
 //! - [`Diagnostic`] says what is wrong with an input, where, and what to do about it.
 //! - [`GALLERY`] has scenes with states in closed form, embedded in the binary.
 //!
@@ -42,6 +43,7 @@ mod behavior;
 mod choice;
 mod deck;
 mod diagnostic;
+mod forces;
 mod freedom;
 mod gallery;
 mod include;
@@ -62,6 +64,7 @@ pub use behavior::{
 pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
+pub use forces::{ElementForces, ForceFile, ForceSign};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
 pub use include::{Disk, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES, NoFiles};

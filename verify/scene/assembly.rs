@@ -30,7 +30,7 @@ fn results(scene: &Scene, node: &dyn Fn(u64) -> Label) -> String {
     for step in 1..=2_u8 {
         let step = f64::from(step);
         let nodes = [(node(1), motion(step)), (node(4), motion(-0.7 * step))];
-        let result = walk.step(&State { number: None, time: None, nodes: nodes.into() });
+        let result = walk.step(&State { nodes: nodes.into(), ..State::default() });
         for (place, connector) in result.connectors.iter().enumerate() {
             text += &format!("{place}: {:?}\n", connector.evaluation);
         }
