@@ -116,7 +116,7 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     ] {
         add(count as u64, what, Vec::new());
     }
-    let Skipped { keywords, element_types } = &scene.skipped;
+    let Skipped { keywords, element_types, parameters: _, comments: _ } = &scene.skipped;
     let details = keywords.iter().map(|(name, item)| {
         let lines = if item.data_lines == 1 { "line" } else { "lines" };
         format!(

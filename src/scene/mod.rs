@@ -29,6 +29,7 @@ mod behavior;
 mod choice;
 mod deck;
 mod diagnostic;
+mod document;
 mod gallery;
 mod label;
 mod lexer;
@@ -47,6 +48,7 @@ pub use behavior::{
 pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
+pub use document::{Converted, Format, MAX_DOCUMENT, schema};
 pub use gallery::{Example, GALLERY};
 pub use label::{Instance, Label, LabelError};
 pub use lexer::{MAX_LABEL, MAX_LINE};

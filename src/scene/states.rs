@@ -15,7 +15,8 @@ use super::diagnostic::{Code, Diagnostic, Result, suggest};
 use super::label::{Label, LabelError};
 use super::lexer::{NotANumber, parse_number};
 use super::model::Scene;
-use super::span::Span;
+use super::span::{Span, Spanned};
+use schemars::JsonSchema;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
@@ -451,61 +452,111 @@ impl Serialize for StateFile {
 
 impl Serialize for NodeMotion {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        let mut vector = |name: &str, value: &[f64; 3]| {
-            if value.iter().any(|part| part.to_bits() != 0) {
-                map.serialize_entry(name, value)
-            } else {
-                Ok(())
-            }
-        };
-        vector("displacement", &self.displacement)?;
-        if let Rotation::Vector(rotation) = &self.rotation {
-            vector("rotation", rotation)?;
-        }
-        vector("velocity", &self.velocity)?;
-        vector("angular_velocity", &self.angular_velocity)?;
-        vector("acceleration", &self.acceleration)?;
-        vector("angular_acceleration", &self.angular_acceleration)?;
-        if let Rotation::Quaternion(quaternion) = &self.rotation {
-            map.serialize_entry("quaternion", quaternion)?;
-        }
-        let flows = [
-            ("flow", self.flow),
-            ("flow_velocity", self.flow_velocity),
-            ("flow_acceleration", self.flow_acceleration),
-        ];
-        for (name, value) in flows {
-            if value.to_bits() != 0 {
-                map.serialize_entry(name, &value)?;
-            }
-        }
-        map.end()
+        Motion::from(self).serialize(serializer)
     }
 }
 
-/// A motion as JSON writes it.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct JsonMotion {
-    #[serde(default)]
+/// What a node does. Everything is 0 unless given; components are global.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Motion {
+    /// From the initial position.
+    #[serde(skip_serializing_if = "is_zero")]
     displacement: [f64; 3],
+    /// The rotation vector from the initial orientation, radians. Its length may exceed π and counts turns.
+    #[serde(skip_serializing_if = "Option::is_none")]
     rotation: Option<[f64; 3]>,
+    /// Instead of it, a quaternion of norm 1, scalar first; turns are not in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     quaternion: Option<[f64; 4]>,
-    #[serde(default)]
+    /// Time derivative of the displacement.
+    #[serde(skip_serializing_if = "is_zero")]
     velocity: [f64; 3],
-    #[serde(default)]
+    /// Spatial angular velocity.
+    #[serde(skip_serializing_if = "is_zero")]
     angular_velocity: [f64; 3],
-    #[serde(default)]
+    /// Time derivative of the velocity.
+    #[serde(skip_serializing_if = "is_zero")]
     acceleration: [f64; 3],
-    #[serde(default)]
+    /// Spatial angular acceleration.
+    #[serde(skip_serializing_if = "is_zero")]
     angular_acceleration: [f64; 3],
-    #[serde(default)]
+    /// Material flow (degree of freedom 10), a length.
+    #[serde(skip_serializing_if = "vanishes")]
     flow: f64,
-    #[serde(default)]
+    /// Time derivative of the flow.
+    #[serde(skip_serializing_if = "vanishes")]
     flow_velocity: f64,
-    #[serde(default)]
+    /// Second time derivative of the flow.
+    #[serde(skip_serializing_if = "vanishes")]
     flow_acceleration: f64,
+}
+
+/// Nothing is lost when it is left out: −0 is something.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn vanishes(value: &f64) -> bool {
+    value.to_bits() == 0
+}
+
+fn is_zero(vector: &[f64; 3]) -> bool {
+    vector.iter().all(vanishes)
+}
+
+impl From<&NodeMotion> for Motion {
+    fn from(motion: &NodeMotion) -> Self {
+        let (rotation, quaternion) = match motion.rotation {
+            Rotation::Vector(vector) if is_zero(&vector) => (None, None),
+            Rotation::Vector(vector) => (Some(vector), None),
+            Rotation::Quaternion(quaternion) => (None, Some(quaternion)),
+        };
+        Self {
+            displacement: motion.displacement,
+            rotation,
+            quaternion,
+            velocity: motion.velocity,
+            angular_velocity: motion.angular_velocity,
+            acceleration: motion.acceleration,
+            angular_acceleration: motion.angular_acceleration,
+            flow: motion.flow,
+            flow_velocity: motion.flow_velocity,
+            flow_acceleration: motion.flow_acceleration,
+        }
+    }
+}
+
+impl Motion {
+    fn checked(self) -> Result<NodeMotion, Fault> {
+        Ok(NodeMotion {
+            displacement: self.displacement,
+            rotation: rotation(self.rotation, self.quaternion)?,
+            velocity: self.velocity,
+            angular_velocity: self.angular_velocity,
+            acceleration: self.acceleration,
+            angular_acceleration: self.angular_acceleration,
+            flow: self.flow,
+            flow_velocity: self.flow_velocity,
+            flow_acceleration: self.flow_acceleration,
+        })
+    }
+}
+
+/// The states that a scene itself gives; the names of the entries are node numbers.
+pub(super) fn of_scene(
+    states: impl IntoIterator<Item = (Option<f64>, Vec<(Spanned<String>, Motion)>)>,
+    scene: &Scene,
+) -> Result<Vec<State>> {
+    let mut read = Vec::new();
+    for (time, motions) in states {
+        let mut state = State { time, nodes: BTreeMap::new() };
+        for (name, motion) in motions {
+            let node = label(&name.value).and_then(|node| check_node(node, scene, &state).map(|()| node));
+            let motion = node.and_then(|node| motion.checked().map(|motion| (node, motion)));
+            let (node, motion) = motion.map_err(|fault| fault.at(name.span, "this node"))?;
+            state.nodes.insert(node, motion);
+        }
+        read.push(state);
+    }
+    Ok(read)
 }
 
 /// Carries the scene, and the fault of our own that stopped the reading, through serde.
@@ -664,20 +715,8 @@ impl<'de> Visitor<'de> for JsonNodes<'_> {
         while let Some(key) = map.next_key::<String>()? {
             let node = label(&key).map_err(|fault| self.0.stop(fault))?;
             check_node(node, self.0.scene, &state).map_err(|fault| self.0.stop(fault))?;
-            let motion: JsonMotion = map.next_value()?;
-            let rotation =
-                rotation(motion.rotation, motion.quaternion).map_err(|fault| self.0.stop(fault))?;
-            let motion = NodeMotion {
-                displacement: motion.displacement,
-                rotation,
-                velocity: motion.velocity,
-                angular_velocity: motion.angular_velocity,
-                acceleration: motion.acceleration,
-                angular_acceleration: motion.angular_acceleration,
-                flow: motion.flow,
-                flow_velocity: motion.flow_velocity,
-                flow_acceleration: motion.flow_acceleration,
-            };
+            let motion: Motion = map.next_value()?;
+            let motion = motion.checked().map_err(|fault| self.0.stop(fault))?;
             state.nodes.insert(node, motion);
         }
         Ok(state)

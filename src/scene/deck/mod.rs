@@ -11,10 +11,13 @@ mod mesh;
 mod resolve;
 mod sets;
 mod table;
+pub(in crate::scene) mod write;
 
 use super::behavior::Behavior;
 use super::choice::Choice;
 use super::diagnostic::{Code, Diagnostic, Result, nearest};
+use super::document::form::Document;
+use super::document::{self, Format};
 use super::lexer::{Keyword, Lexer, Value};
 use super::model::{MAX_WARNINGS, Scene, Step};
 use super::span::{Span, Spanned};
@@ -28,7 +31,7 @@ use std::path::Path;
 pub use sets::MAX_MEMBERS;
 
 impl Scene {
-    /// Reads a deck from a file.
+    /// Reads a scene from a file: TOML or JSON if its name ends in `.toml` or `.json`, otherwise a deck.
     ///
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
@@ -38,6 +41,10 @@ impl Scene {
         let unreadable = |message: String, remedy: &str| {
             Diagnostic::error(Code::Unreadable, Span::default(), message, "").help(remedy).in_file(&name)
         };
+        let format = Format::of_path(path);
+        if format != Format::Deck && !path.is_dir() {
+            return document::read(path, format);
+        }
         if path.is_dir() {
             return Err(unreadable("a directory, not a deck".to_string(), "name a deck (.inp) in it"));
         }
@@ -71,7 +78,7 @@ impl Scene {
     }
 }
 
-fn finish(result: Result<Scene>, name: &str, attach: impl Fn(&mut [Diagnostic])) -> Result<Scene> {
+pub(super) fn finish(result: Result<Scene>, name: &str, attach: impl Fn(&mut [Diagnostic])) -> Result<Scene> {
     match result {
         Ok(mut scene) => {
             name.clone_into(&mut scene.name);
@@ -88,8 +95,19 @@ fn finish(result: Result<Scene>, name: &str, attach: impl Fn(&mut [Diagnostic]))
 }
 
 fn read(input: &mut dyn BufRead) -> Result<Scene> {
+    scene(Lexer::new(input))
+}
+
+/// The scene of a document that stands for a deck.
+pub(super) fn of_document(document: &Document) -> Result<Scene> {
+    let deck = write::deck(document)?;
+    let mut input = deck.text.as_bytes();
+    scene(Lexer::placed(&mut input, &deck.places))
+}
+
+fn scene(lexer: Lexer<'_>) -> Result<Scene> {
     let mut deck = Deck {
-        lexer: Lexer::new(input),
+        lexer,
         scene: Scene::default(),
         node_sets: IndexMap::new(),
         element_sets: IndexMap::new(),
@@ -115,6 +133,7 @@ fn read(input: &mut dyn BufRead) -> Result<Scene> {
             .help("close the step by *END STEP"));
     }
     resolve::resolve(&mut deck)?;
+    deck.scene.skipped.comments = deck.lexer.comments;
     deck.scene.warnings = deck.warnings;
     Ok(deck.scene)
 }
@@ -163,6 +182,9 @@ impl Deck<'_> {
         }
         self.check_stage(rule, keyword)?;
         rule.check_parameters(keyword)?;
+        for parameter in rule.passed_over(keyword) {
+            self.scene.skipped.count(format!("*{}, {parameter}", rule.name), keyword.span.line());
+        }
         (rule.read)(self, keyword)?;
         match self.lexer.row()? {
             None => Ok(()),
