@@ -4,6 +4,7 @@
 mod cli; // the command line
 mod closed; // rows derived by hand
 mod faults; // what is said about every faulty input
+mod fuzzing; // what holds of any bytes whatever
 mod golden; // what JAX computes by other formulas
 mod laws; // what holds for every connection type
 mod manual; // the manual's summary tables, transcribed apart

@@ -1,3 +1,93 @@
 //! What a connector does besides its kinematics: forces from motions.
+//!
+//! CTF = CEF + CVF + CSF + CRF − CCF: elastic, viscous, friction force, reaction, minus the applied load, each internal (positive
+//! resists growth of its component) but the load, which drives its component. Everything is generic over the scalar: on numbers
+//! with derivatives the same functions give exact tangents.
+//!
+//! | module | question |
+//! |---|---|
+//! | [`table`] | what lies between the rows of a table? |
+//! | [`elasticity`], [`damping`] | which forces follow from displacements and velocities? |
+//! | [`amplitude`] | how does what is prescribed change in time? |
 
+pub mod amplitude;
+pub mod damping;
+pub mod elasticity;
+mod law;
 pub mod table;
+
+pub use law::ForceKink;
+
+use crate::connector::Components;
+use crate::scalar::{Real, Scalar};
+use serde::Serialize;
+use table::Variable;
+
+/// The motion of the available components; zero for the others.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<S> {
+    /// Positions (CP), of all components.
+    pub position: [S; 6],
+    /// Constitutive displacements (CCU).
+    pub constitutive: [S; 6],
+    /// Velocities (CV).
+    pub velocity: [S; 6],
+}
+
+/// What forces depend on besides motions. The default is that nothing of it is known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Conditions {
+    /// The temperature.
+    pub temperature: Option<f64>,
+    /// Field variables, from the first.
+    pub fields: Vec<f64>,
+}
+
+impl Conditions {
+    /// Why a variable of a table has no value; `None` where it has one.
+    fn lacks(&self, variable: Variable) -> Option<Unknown> {
+        match variable {
+            Variable::Temperature if self.temperature.is_none() => Some(Unknown::Temperature),
+            Variable::Field(field) if self.fields.len() <= field => Some(Unknown::Field(field + 1)),
+            _ => None,
+        }
+    }
+
+    /// The value of a variable that is no motion; frequencies are zero.
+    fn of<S: Scalar>(&self, variable: Variable) -> S {
+        let value = match variable {
+            Variable::Temperature => self.temperature,
+            Variable::Field(field) => self.fields.get(field).copied(),
+            Variable::Column(_) => None,
+        };
+        S::from_real(S::Real::from_f64(value.unwrap_or(0.0)))
+    }
+}
+
+/// Why a force is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unknown {
+    /// It depends on the temperature, which is not given.
+    Temperature,
+    /// It depends on this field variable (from 1), which is not given.
+    Field(usize),
+    /// A rigid elasticity: motions do not tell its force.
+    Rigid,
+}
+
+/// The forces of one kind: of the components that have one, unless it is not known.
+#[derive(Clone, Copy, Debug)]
+pub struct Forces<S> {
+    /// The forces; `None` where there is none, or it is not known.
+    pub value: Components<S>,
+    /// Why a force is not known.
+    pub unknown: Components<Unknown>,
+}
+
+impl<S: Copy> Forces<S> {
+    /// No force at all.
+    pub const fn none() -> Self {
+        Self { value: [None; 6], unknown: [None; 6] }
+    }
+}

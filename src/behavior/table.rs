@@ -17,18 +17,8 @@
 //! rows are used as they are given.
 
 use crate::scalar::{Real, Scalar};
-use crate::scene::{Code, Diagnostic, Row, Span};
+use crate::scene::{Code, Diagnostic, Extrapolation, Row, Span};
 use std::cell::Cell;
-
-/// What holds beyond the ends of a table.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Extrapolation {
-    /// The value at the end.
-    #[default]
-    Constant,
-    /// The last segment, continued.
-    Linear,
-}
 
 /// An independent variable of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +67,8 @@ enum Block {
 /// A table.
 ///
 /// ```
-/// use pintle::behavior::table::{Extrapolation, Table};
+/// use pintle::behavior::table::Table;
+/// use pintle::scene::Extrapolation;
 /// use pintle::scalar::Scalar;
 /// let table = Table::curve(&[(-1.0, 0.0), (0.0, 0.0), (1.0, 1.0e5)], Extrapolation::Constant)?;
 /// let slope = num_dual::Dual64::new(0.01, 1.0);
@@ -208,6 +199,34 @@ impl Table {
         kinks
     }
 
+    /// ∫₀ˣ of the dependent value `output` along the first variable, the others being at `rest`: the sum of trapezoids up to the
+    /// last row before x, exact, and from there a polynomial of x. Its derivative at x is [`Table::evaluate`].
+    pub fn integral<S: Scalar>(&self, output: usize, x: S, rest: impl Fn(Variable) -> S) -> S {
+        let Some((first, true)) = self.variables.first().copied() else {
+            return x * self.evaluate(output, rest);
+        };
+        let mut rows = Vec::new();
+        abscissae(&self.root, self.variables.len(), &mut rows);
+        let real = x.real();
+        let zero = S::Real::integer(0);
+        let forward = !less(real, zero);
+        let passed = |row: &f64| {
+            let at = S::Real::from_f64(*row);
+            if forward { *row > 0.0 && less(at, real) } else { *row < 0.0 && less(real, at) }
+        };
+        rows.retain(passed);
+        rows.sort_unstable_by(|a, b| a.abs().total_cmp(&b.abs()));
+        rows.dedup();
+        let value = |x: S| self.evaluate(output, |asked| if asked == first { x } else { rest(asked) });
+        let mut from = S::zero();
+        let mut sum = S::zero();
+        for to in rows.into_iter().map(|row| S::from_real(S::Real::from_f64(row))).chain([x]) {
+            sum = sum + ((to - from) * (value(from) + value(to))).scale(S::Real::ratio(1, 2));
+            from = to;
+        }
+        sum
+    }
+
     fn at<S: Scalar>(
         &self,
         output: usize,
@@ -335,6 +354,16 @@ enum Place {
     Flat(usize),
     /// Along the segment from this row to the next.
     Between(usize),
+}
+
+/// The values of the first variable in all blocks.
+fn abscissae(block: &Block, levels: usize, found: &mut Vec<f64>) {
+    let Block::Along { at, blocks } = block else { return };
+    if levels == 1 {
+        found.extend(at);
+    } else {
+        blocks.iter().for_each(|block| abscissae(block, levels - 1, found));
+    }
 }
 
 fn less<R: Real>(a: R, b: R) -> bool {

@@ -20,6 +20,9 @@ use std::borrow::Cow;
 /// The names of the components of relative motion, in order.
 pub const COMPONENT: [&str; 6] = ["u1", "u2", "u3", "ur1", "ur2", "ur3"];
 
+/// The components (0-based) that a two-dimensional element has: u1, u2 and ur3.
+pub const PLANAR_COMPONENTS: [usize; 3] = [0, 1, 5];
+
 /// The names of the conjugate forces and moments, in order.
 pub const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
 
@@ -197,6 +200,8 @@ pub struct Half {
     pub forces: &'static str,
     /// Predefined friction when used by itself.
     pub friction: Option<Friction>,
+    /// Whether the type gives rotational degrees of freedom to the nodes at which it permits an orientation.
+    pub activates_rotations: bool,
     /// Whether the components are lengths and angles against which stops and references can be given.
     pub stops: bool,
     /// Where the facts come from.
@@ -230,6 +235,9 @@ pub struct ConnectionType {
     pub stops: bool,
     /// Whether degree of freedom 10 is active at a and at b.
     pub flow: [bool; 2],
+    /// Whether the type gives rotational degrees of freedom to a and to b: it does where it permits an orientation, but for JOIN,
+    /// AXIAL and LINK. Without them from elsewhere, a node's directions stay fixed and no moment acts on it.
+    pub rotations: [bool; 2],
     /// Where the facts come from.
     pub source: [&'static str; 2],
     /// Remarks.
@@ -259,6 +267,7 @@ impl ConnectionType {
             friction: half.friction,
             stops: half.stops,
             flow: flow_of(&slots),
+            rotations: rotations_of(half),
             source: [half.source, ""],
             notes: [half.note, ""],
         }
@@ -299,6 +308,7 @@ impl ConnectionType {
             friction,
             stops: t.stops || r.stops,
             flow: flow_of(&slots),
+            rotations: [rotations_of(t)[0] || rotations_of(r)[0], rotations_of(t)[1] || rotations_of(r)[1]],
             source,
             notes: [t.note, r.note],
         }
@@ -473,6 +483,14 @@ const fn both(x: Availability, y: Availability) -> Availability {
         (Availability::StandardOnly, Availability::StandardOnly) => Availability::StandardOnly,
         _ => Availability::Never,
     }
+}
+
+/// The nodes that a half gives rotations.
+const fn rotations_of(half: &Half) -> [bool; 2] {
+    let [a, b] = half.orientation;
+    let permitted =
+        [!matches!(a.orientation, Orientation::Ignored), !matches!(b.orientation, Orientation::Ignored)];
+    [half.activates_rotations && permitted[0], half.activates_rotations && permitted[1]]
 }
 
 const fn flow_of(slots: &[Slot; 6]) -> [bool; 2] {

@@ -1,6 +1,8 @@
 //! What a connector section may not do, by the documented rules of its type.
 
-use super::{Availability, COMPONENT, Class, ConnectionType, Evidence, Orientation, Slot, list};
+use super::{
+    Availability, COMPONENT, Class, ConnectionType, Evidence, Orientation, PLANAR_COMPONENTS, Slot, list,
+};
 use crate::measure::Measure;
 use serde::Serialize;
 
@@ -35,6 +37,26 @@ pub struct Facts {
     pub section_data: usize,
     /// Whether the nodes coincide initially.
     pub coincident: bool,
+    /// Whether an orientation with SYSTEM=Z RECTANGULAR is named.
+    pub z_rectangular: bool,
+    /// Whether section controls are named.
+    pub controls: bool,
+    /// Whether the section says ELIMINATION.
+    pub elimination: bool,
+    /// Whether the behaviour says INTEGRATION.
+    pub integration: bool,
+    /// Whether elasticity or damping depends on frequency.
+    pub frequency: bool,
+    /// Whether elasticity or damping is UNSYMM.
+    pub unsymmetric: bool,
+    /// Whether damping is structural.
+    pub structural_damping: bool,
+    /// The component (0-based) that triggers each failure, and the one that it releases; all where none is named.
+    pub failures: Vec<(usize, Option<usize>)>,
+    /// The component (0-based) that triggers each lock, and the one that it locks; all where none is named.
+    pub locks: Vec<(usize, Option<usize>)>,
+    /// Whether the section data give a contact angle.
+    pub contact_angle: bool,
 }
 
 /// A rule of a connection type.
@@ -63,6 +85,149 @@ pub enum Rule {
     SectionDataUnused,
     /// A length or direction is needed, and the nodes coincide.
     CoincidentNodes,
+    /// SYSTEM=Z RECTANGULAR in an Explicit analysis.
+    ZRectangularNotInExplicit,
+    /// An orientation that would direct a connector between coincident nodes, in an Explicit analysis.
+    DirectionNotInExplicit,
+    /// CONTROLS on a section in an Explicit analysis.
+    ControlsNotInExplicit,
+    /// ELIMINATION on a section in a Standard analysis.
+    EliminationNotInStandard,
+    /// INTEGRATION on a behaviour in a Standard analysis.
+    IntegrationNotInStandard,
+    /// A dependence on frequency in an Explicit analysis.
+    FrequencyNotInExplicit,
+    /// An unsymmetric matrix in an Explicit analysis.
+    UnsymmetricNotInExplicit,
+    /// Structural damping in an Explicit analysis.
+    StructuralDampingNotInExplicit,
+    /// A failure triggered by, or releasing, a component that cannot be.
+    FailureNotAvailable,
+    /// A lock triggered by, or locking, a component that cannot be.
+    LockNotAvailable,
+    /// Friction of a belt whose contact angle is the default of Standard, zero.
+    ContactAngleDefault,
+}
+
+/// What only one of the solvers has.
+struct ProcedureRule {
+    rule: Rule,
+    /// The solver that has it.
+    only: Procedure,
+    /// Whether a connector asks for it.
+    asks: fn(&ConnectionType, &Facts) -> bool,
+    what: &'static str,
+    remedy: &'static str,
+    source: &'static str,
+    evidence: Evidence,
+    harmless: bool,
+}
+
+const PROCEDURE_RULES: &[ProcedureRule] = &[
+    ProcedureRule {
+        rule: Rule::ZRectangularNotInExplicit,
+        only: Procedure::Standard,
+        asks: |_, facts| facts.z_rectangular,
+        what: "an orientation with SYSTEM=Z RECTANGULAR",
+        remedy: "give the same directions by SYSTEM=RECTANGULAR",
+        source: "keyword *ORIENTATION",
+        evidence: Evidence::D,
+        harmless: false,
+    },
+    ProcedureRule {
+        rule: Rule::DirectionNotInExplicit,
+        only: Procedure::Standard,
+        asks: |connection, facts| {
+            connection.is_directed_by_orientation() && facts.orientation.contains(&true) && facts.coincident
+        },
+        what: "the direction that an orientation gives to a connector whose nodes coincide",
+        remedy: "move the nodes apart, or use CARTESIAN; without a direction the force is zero until they separate",
+        source: "connection type AXIAL, Description",
+        evidence: Evidence::D,
+        harmless: true,
+    },
+    ProcedureRule {
+        rule: Rule::ControlsNotInExplicit,
+        only: Procedure::Standard,
+        asks: |_, facts| facts.controls,
+        what: "CONTROLS on *CONNECTOR SECTION",
+        remedy: "remove CONTROLS; it has no effect",
+        source: "keyword *CONNECTOR SECTION",
+        evidence: Evidence::D,
+        harmless: true,
+    },
+    ProcedureRule {
+        rule: Rule::EliminationNotInStandard,
+        only: Procedure::Explicit,
+        asks: |_, facts| facts.elimination,
+        what: "ELIMINATION on *CONNECTOR SECTION",
+        remedy: "remove ELIMINATION; it has no effect",
+        source: "keyword *CONNECTOR SECTION",
+        evidence: Evidence::D,
+        harmless: true,
+    },
+    ProcedureRule {
+        rule: Rule::IntegrationNotInStandard,
+        only: Procedure::Explicit,
+        asks: |_, facts| facts.integration,
+        what: "INTEGRATION on *CONNECTOR BEHAVIOR",
+        remedy: "remove INTEGRATION; it has no effect",
+        source: "keyword *CONNECTOR BEHAVIOR",
+        evidence: Evidence::D,
+        harmless: true,
+    },
+    ProcedureRule {
+        rule: Rule::FrequencyNotInExplicit,
+        only: Procedure::Standard,
+        asks: |_, facts| facts.frequency,
+        what: "elasticity or damping that depends on frequency",
+        remedy: "leave the frequency blank",
+        source: "keywords *CONNECTOR ELASTICITY and *CONNECTOR DAMPING",
+        evidence: Evidence::D,
+        harmless: false,
+    },
+    ProcedureRule {
+        rule: Rule::UnsymmetricNotInExplicit,
+        only: Procedure::Standard,
+        asks: |_, facts| facts.unsymmetric,
+        what: "UNSYMM elasticity or damping",
+        remedy: "give the 21 terms of a symmetric matrix",
+        source: "connector elastic behaviour",
+        evidence: Evidence::D,
+        harmless: false,
+    },
+    ProcedureRule {
+        rule: Rule::StructuralDampingNotInExplicit,
+        only: Procedure::Standard,
+        asks: |_, facts| facts.structural_damping,
+        what: "structural damping",
+        remedy: "use TYPE=VISCOUS; structural damping acts in frequency domain procedures",
+        source: "connector damping behaviour",
+        evidence: Evidence::P,
+        harmless: false,
+    },
+    ProcedureRule {
+        rule: Rule::ContactAngleDefault,
+        only: Procedure::Explicit,
+        asks: |connection, facts| {
+            connection.is_belt() && facts.predefined_friction.is_some() && !facts.contact_angle
+        },
+        what: "a contact angle from the positions of the nodes",
+        remedy: "give the contact angle in radians as item 2 of the section data; the default of Standard is 0, and then there is no friction",
+        source: "connection type SLIPRING, Friction (decision D-26)",
+        evidence: Evidence::P,
+        harmless: true,
+    },
+];
+
+impl Procedure {
+    /// The name of the solver.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Standard => "Standard",
+            Self::Explicit => "Explicit",
+        }
+    }
 }
 
 /// A broken rule: what is wrong, why, and what to do.
@@ -80,6 +245,8 @@ pub struct Breach {
     pub evidence: Evidence,
     /// Whether the scene can be evaluated all the same: what is given is not used.
     pub harmless: bool,
+    /// What it is about, if it is about one: a component (0-based); of an orientation, the node, 0 for a and 1 for b.
+    pub item: Option<usize>,
 }
 
 impl Breach {
@@ -93,9 +260,12 @@ impl ConnectionType {
     /// The documented rules that a connector of this type breaks.
     pub fn breaches(&self, facts: &Facts) -> Vec<Breach> {
         let mut found = Vec::new();
-        let mut breach = |rule, message: String, remedy: String, evidence, harmless| {
-            let source = self.source.iter().filter(|s| !s.is_empty()).copied().collect::<Vec<_>>().join("; ");
-            found.push(Breach { rule, message, remedy, source, evidence, harmless });
+        let source = self.source.iter().filter(|s| !s.is_empty()).copied().collect::<Vec<_>>().join("; ");
+        let mut about = |item, rule, message: String, remedy: String, evidence, harmless| {
+            found.push(Breach { rule, message, remedy, source: source.clone(), evidence, harmless, item });
+        };
+        let mut breach = |rule, message, remedy, evidence, harmless| {
+            about(None, rule, message, remedy, evidence, harmless)
         };
         for (at, node) in ["a", "b"].into_iter().enumerate() {
             let rule = self.orientation[at];
@@ -108,16 +278,28 @@ impl ConnectionType {
                     false,
                 );
             }
-            if rule.orientation == Orientation::Ignored && facts.orientation[at] {
-                breach(
-                    Rule::OrientationIgnored,
-                    format!("{} does not use an orientation at node {node}", self.name),
-                    "leave it out; it has no effect".into(),
-                    rule.evidence,
-                    true,
-                );
-            }
         }
+        let unused: Vec<usize> = (0..2)
+            .filter(|at| self.orientation[*at].orientation == Orientation::Ignored && facts.orientation[*at])
+            .collect();
+        if let [first, rest @ ..] = unused.as_slice() {
+            let (nodes, them) = if rest.is_empty() {
+                (if *first == 0 { "node a" } else { "node b" }, "it")
+            } else {
+                ("either node", "them")
+            };
+            about(
+                Some(*first),
+                Rule::OrientationIgnored,
+                format!("{} does not use an orientation at {nodes}", self.name),
+                format!("leave {them} out; there is no effect"),
+                self.orientation[*first].evidence,
+                true,
+            );
+        }
+        let mut breach = |rule, message, remedy, evidence, harmless| {
+            about(None, rule, message, remedy, evidence, harmless)
+        };
         if facts.planar && self.planar == Availability::Never {
             breach(
                 Rule::NotInTwoDimensions,
@@ -146,12 +328,13 @@ impl ConnectionType {
             );
         }
         // In two dimensions u3, ur1 and ur2 are zero whatever the type.
-        let exists = |k: usize| !facts.planar || matches!(k, 0 | 1 | 5);
+        let exists = |k: usize| !facts.planar || PLANAR_COMPONENTS.contains(&k);
         let is_available = |k: usize| self.slots[k].is_available() && exists(k);
         let available = list((0..6).filter(|k| is_available(*k)).map(|k| COMPONENT[k]));
         for k in &facts.stops {
             if !self.stops || !is_available(*k) {
-                breach(
+                about(
+                    Some(*k),
                     Rule::StopNotAvailable,
                     format!("{} takes no stop on component {} ({})", self.name, k + 1, COMPONENT[*k]),
                     format!("stops apply to available components; here: {available}"),
@@ -163,7 +346,8 @@ impl ConnectionType {
         for k in &facts.references {
             let has_reference = self.stops || matches!(self.slots[*k].position(), Some(Measure::Strain));
             if !has_reference || !is_available(*k) {
-                breach(
+                about(
+                    Some(*k),
                     Rule::ReferenceNotAvailable,
                     format!(
                         "{} has no constitutive reference for component {} ({})",
@@ -179,7 +363,8 @@ impl ConnectionType {
         }
         for k in &facts.actions {
             if !is_available(*k) {
-                breach(
+                about(
+                    Some(*k),
                     Rule::ActionNotAvailable,
                     format!("component {} ({}) of {} is not available", k + 1, COMPONENT[*k], self.name),
                     format!("behaviour, motion and load act on available components; here: {available}"),
@@ -188,6 +373,9 @@ impl ConnectionType {
                 );
             }
         }
+        let mut breach = |rule, message, remedy, evidence, harmless| {
+            about(None, rule, message, remedy, evidence, harmless)
+        };
         if let Some(count) = facts.predefined_friction {
             match (&self.friction, self.halves) {
                 (Some(friction), _) => {
@@ -247,7 +435,70 @@ impl ConnectionType {
                 false,
             );
         }
+        let is_there = |k: usize| exists(k) && !matches!(self.slots[k], Slot::Absent);
+        for (rule, word, verb, laws) in [
+            (Rule::FailureNotAvailable, "failure", "release", &facts.failures),
+            (Rule::LockNotAvailable, "lock", "lock", &facts.locks),
+        ] {
+            for (trigger, affected) in laws {
+                let named = [Some(*trigger), *affected];
+                let absent = named.into_iter().flatten().find(|k| !is_there(*k));
+                let held = match rule {
+                    // Standard fails by what is available; a lock that holds what is held has no effect in either.
+                    Rule::FailureNotAvailable if facts.procedure == Some(Procedure::Standard) => {
+                        named.into_iter().flatten().find(|k| !is_available(*k))
+                    }
+                    Rule::LockNotAvailable => affected.filter(|k| !is_available(*k)),
+                    _ => None,
+                };
+                let Some(k) = absent.or(held) else { continue };
+                let only = if rule == Rule::FailureNotAvailable && absent.is_none() {
+                    " in Abaqus/Standard"
+                } else {
+                    ""
+                };
+                about(
+                    Some(*trigger),
+                    rule,
+                    format!("component {} ({}) of {} takes no {word}{only}", k + 1, COMPONENT[k], self.name),
+                    format!("trigger by and {verb} available components; here: {available}"),
+                    Evidence::D,
+                    rule == Rule::LockNotAvailable && absent.is_none(),
+                );
+            }
+        }
+        for rule in PROCEDURE_RULES {
+            let asked = (rule.asks)(self, facts);
+            if !asked || facts.procedure.is_none_or(|procedure| procedure == rule.only) {
+                continue;
+            }
+            found.push(Breach {
+                rule: rule.rule,
+                message: format!(
+                    "{}: {} is available only in Abaqus/{}",
+                    self.name,
+                    rule.what,
+                    rule.only.name()
+                ),
+                remedy: rule.remedy.into(),
+                source: rule.source.into(),
+                evidence: rule.evidence,
+                harmless: rule.harmless,
+                item: None,
+            });
+        }
         found
+    }
+
+    /// Whether an orientation stands in for the line of the nodes while they coincide (AXIAL in a Standard analysis).
+    pub fn is_directed_by_orientation(&self) -> bool {
+        self.slots[0].position() == Some(Measure::Distance)
+            && self.orientation.iter().any(|rule| rule.orientation != Orientation::Ignored)
+    }
+
+    /// Whether the connector is a belt segment, of which at most two can share a node (SLIPRING).
+    pub fn is_belt(&self) -> bool {
+        self.slots[0].position() == Some(Measure::Strain)
     }
 }
 

@@ -16,7 +16,7 @@ pub(crate) use flags::{CERTAIN_INCREMENT, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
 pub use request::{Mask, Output, Request, Tally};
 
-use crate::catalog::{Condition, ConnectionType, Slot};
+use crate::catalog::{Condition, ConnectionType, PLANAR_COMPONENTS, Slot};
 use crate::measure::{History, Measure, Section, Shared, Unit};
 use crate::node::{self, DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::{Differentiable, Real};
@@ -60,6 +60,9 @@ pub struct Definition {
     pub planar: bool,
     /// Whether a and b have degrees of freedom (a ground node has none).
     pub moves: [bool; 2],
+    /// Whether a and b have rotational degrees of freedom. The directions of an end without them are fixed, its triad in every state
+    /// the initial one, and rows have no columns θ there.
+    pub rotates: [bool; 2],
 }
 
 impl Definition {
@@ -74,6 +77,7 @@ impl Definition {
             stops: [None; 6],
             planar: false,
             moves: [true; 2],
+            rotates: [true; 2],
         }
     }
 }
@@ -173,7 +177,7 @@ impl<R: Differentiable> Connector<R> {
         let mut history = History { rotation_vector: [zero; 3], euler_sign: one, torsion_turns: zero };
         history.rotation_vector = so3::log(&relative.q);
         let mut shared = Shared::new(&relative, &initial.a.triad, &section, &history);
-        let planar = |k: usize| !definition.planar || matches!(k, 0 | 1 | 5);
+        let planar = |k: usize| !definition.planar || PLANAR_COMPONENTS.contains(&k);
         let mut rows = [None; 6];
         let mut references = [None; 6];
         let mut turns = [Turns { turns: zero, principal: zero }; 6];
@@ -205,6 +209,7 @@ impl<R: Differentiable> Connector<R> {
             let number = DOF_NUMBER[j];
             *active = definition.moves[end]
                 && (number != 10 || definition.connection.flow[end])
+                && (!matches!(number, 4..=6) || definition.rotates[end])
                 && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
         }
         let branch = Branch {

@@ -8,7 +8,10 @@
 mod model;
 mod outputs;
 mod plan;
+mod plane;
+mod rules;
 mod sequence;
+mod shared;
 
 pub use model::{ConnectorElement, Joint, Model};
 pub use outputs::{OutputError, request};

@@ -1,15 +1,14 @@
 //! A scene with its connection types, triads and constraints resolved.
 
-use crate::catalog::{Breach, ConnectionType, Evidence, Facts, NameError, Orientation, Procedure, Rule};
+use super::{plane, rules, shared};
+use crate::catalog::{ConnectionType, Evidence, NameError, Orientation};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
 use crate::mpc::Revolute;
 use crate::node::{End, Node, Pair};
-use crate::scene::{
-    Code, Diagnostic, Dimension, End as SceneEnd, Label, MpcKind, Scene, Solver, Span, Target,
-};
+use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, MpcKind, NodeFreedom, Scene, Solver};
 use crate::vector::{self, Matrix, column, identity, sub};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 /// A connector element, ready to be evaluated.
@@ -62,7 +61,9 @@ impl Model {
     pub fn compile(scene: &Scene) -> Result<Self, Diagnostic> {
         let mut model = Self::default();
         let mut types: HashMap<usize, Arc<ConnectionType>> = HashMap::new();
-        let actions = actions(scene);
+        let actions = rules::actions(scene);
+        let mut warned = HashSet::new();
+        let freedom = NodeFreedom::of(scene);
         for (label, element) in &scene.connectors {
             let Some(section) = scene.section(element) else { continue };
             let connection = match types.get(&element.section) {
@@ -92,38 +93,27 @@ impl Model {
 
             let mut references = [None; 6];
             let mut stops = [None; 6];
-            let mut facts = Facts {
-                orientation: [section.orientation_a.is_some(), section.orientation_b.is_some()],
-                planar: element.dimension == Dimension::Two,
-                procedure: scene.solver.map(|solver| match solver {
-                    Solver::Standard => Procedure::Standard,
-                    Solver::Explicit => Procedure::Explicit,
-                }),
-                section_data: section.section_data.len(),
-                coincident: reference == [0.0; 3],
-                ..Facts::default()
-            };
+            let acting = actions.get(label).map(Vec::as_slice).unwrap_or_default();
+            let facts = rules::facts(scene, (section, element), behavior, acting, reference == [0.0; 3]);
             if let Some(behavior) = behavior {
                 references = behavior.constitutive_reference;
-                facts.references = (0..6).filter(|k| references[*k].is_some()).collect();
                 for stop in &behavior.stops {
                     let k = usize::from(stop.component) - 1;
                     stops[k] = Some(Stop { lower: stop.lower, upper: stop.upper });
-                    facts.stops.push(k);
                 }
-                facts.predefined_friction = behavior.predefined_friction_parameters();
-                facts.actions = behavior.acts_on().map(|component| usize::from(component) - 1).collect();
             }
-            facts.actions.extend(actions.get(label).into_iter().flatten());
-            facts.actions.sort_unstable();
-            facts.actions.dedup();
             for breach in connection.breaches(&facts) {
-                let diagnostic = diagnose(&breach, *label, element.span, section.span, scene);
+                let place = rules::place(&breach, behavior, acting, (section, element));
+                let diagnostic = rules::diagnose(&breach, *label, place, scene);
                 if breach.refuses() {
                     return Err(diagnostic);
                 }
-                model.warnings.push(diagnostic);
+                // Once for all elements of a section.
+                if warned.insert((element.section, breach.rule, breach.message)) {
+                    model.warnings.push(diagnostic);
+                }
             }
+            plane::nodes(scene, *label, element)?;
 
             let nodes: Vec<[f64; 3]> = ends.to_vec();
             let triad = |end: usize| -> Result<Option<Matrix<f64>>, Diagnostic> {
@@ -138,10 +128,15 @@ impl Model {
                     .map_err(|error| error.in_file(&scene.name))?;
                 Ok(Some(vector::transpose(&directions)))
             };
-            let (given_a, given_b) = (triad(0)?, triad(1)?);
+            let given = [triad(0)?, triad(1)?];
+            if facts.planar {
+                plane::orientations(scene, *label, section, &given)?;
+            }
+            let [given_a, given_b] = given;
             let triad_a = given_a.unwrap_or_else(identity);
             let triad_b = given_b.unwrap_or(triad_a);
-            let uses_direction = connection.slots[0].position() == Some(Measure::Distance);
+            let uses_direction = connection.slots[0].position() == Some(Measure::Distance)
+                && scene.solver != Some(Solver::Explicit);
             let fixed_direction = match given_a.or(given_b) {
                 Some(triad) if uses_direction => column(&triad, 0),
                 _ => [0.0; 3],
@@ -156,6 +151,7 @@ impl Model {
                 stops,
                 planar: facts.planar,
                 moves: moving.map(|node| node.is_some()),
+                rotates: moving.map(|node| node.is_some_and(|node| freedom.rotates(node))),
             };
             model.connectors.push(ConnectorElement {
                 label: *label,
@@ -166,6 +162,9 @@ impl Model {
                 definition,
             });
         }
+        shared::check(scene, &mut model)?;
+        rules::boundaries(scene, &freedom, &mut model.warnings);
+        rules::constraints(scene)?;
         model.join(scene);
         model.collect_sets(scene);
         Ok(model)
@@ -222,62 +221,6 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
         };
         Diagnostic::error(Code::UnknownConnectionType, span, error.to_string(), "this type").help(remedy)
     })
-}
-
-/// The components (0-based) of each connector that motions and loads act on.
-fn actions(scene: &Scene) -> HashMap<Label, Vec<usize>> {
-    let mut found: HashMap<Label, Vec<usize>> = HashMap::new();
-    let mut act = |target: &Target, component: u8| {
-        let labels: &[Label] = match target {
-            Target::Label(label) => std::slice::from_ref(label),
-            Target::Set(name) => {
-                scene.element_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice())
-            }
-        };
-        for label in labels {
-            found.entry(*label).or_default().push(usize::from(component) - 1);
-        }
-    };
-    for motion in scene.connector_motions.iter().chain(scene.steps.iter().flat_map(|s| &s.connector_motions))
-    {
-        act(&motion.target.value, motion.component);
-    }
-    for load in scene.steps.iter().flat_map(|step| &step.connector_loads) {
-        act(&load.target.value, load.component);
-    }
-    found
-}
-
-/// The stable code of a rule.
-const fn code(rule: Rule) -> Code {
-    match rule {
-        Rule::OrientationRequired => Code::OrientationRequired,
-        Rule::OrientationIgnored => Code::OrientationIgnored,
-        Rule::NotInTwoDimensions => Code::NotInTwoDimensions,
-        Rule::NotInProcedure => Code::NotInProcedure,
-        Rule::StopNotAvailable => Code::StopNotAvailable,
-        Rule::ReferenceNotAvailable => Code::ReferenceNotAvailable,
-        Rule::ActionNotAvailable => Code::ActionNotAvailable,
-        Rule::FrictionNotPredefined => Code::FrictionNotPredefined,
-        Rule::FrictionParameters => Code::FrictionParameters,
-        Rule::SectionDataUnused => Code::SectionDataUnused,
-        Rule::CoincidentNodes => Code::CoincidentNodes,
-    }
-}
-
-/// A broken rule as a diagnostic at the section, naming the element and the source of the rule.
-fn diagnose(breach: &Breach, label: Label, element: Span, section: Span, scene: &Scene) -> Diagnostic {
-    let place = if section.is_known() { section } else { element };
-    let message = format!("element {label}: {}", breach.message);
-    let here = format!("by {} [{:?}]", breach.source, breach.evidence);
-    let build = if breach.refuses() { Diagnostic::error } else { Diagnostic::warning };
-    let certainty = match breach.evidence {
-        Evidence::S | Evidence::D => "",
-        Evidence::P | Evidence::R => " (the rule rests on our reading, so this is a warning)",
-    };
-    build(code(breach.rule), place, message, here)
-        .help(format!("{}{certainty}", breach.remedy))
-        .in_file(&scene.name)
 }
 
 impl ConnectorElement {

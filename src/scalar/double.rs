@@ -97,6 +97,11 @@ impl Real for f64 {
     }
 
     #[inline(always)]
+    fn exponential(self) -> Self {
+        self.exp()
+    }
+
+    #[inline(always)]
     fn arctangent(self, x: Self) -> Self {
         self.atan2(x)
     }

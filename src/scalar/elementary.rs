@@ -81,6 +81,14 @@ pub fn sin_cos<S: Scalar>(x: S) -> (S, S) {
     )
 }
 
+/// eˣ, 1 / 1 / 1 u.
+#[inline(always)]
+pub fn exp<S: Scalar>(x: S) -> S {
+    let e = x.real().exponential();
+    let ratio = S::Real::ratio;
+    x.lift(&[e, e, e * ratio(1, 2), e * ratio(1, 6), e * ratio(1, 24)])
+}
+
 /// The angle of the point (x, y) in (−π, π], 1 / 2 / 3 u, exact right angles included.
 ///
 /// With (c, s) = (x₀, y₀)/r²: θ₀ + atan t, t = (c e_y − s e_x) / (1 + c e_x + s e_y). At the origin the value is 0 and the

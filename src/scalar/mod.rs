@@ -151,6 +151,9 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// (sin x, cos x), x in radians.
     fn sine_cosine(self) -> (Self, Self);
 
+    /// eˣ.
+    fn exponential(self) -> Self;
+
     /// The angle of the point (x, y) in (−π, π] (y is `self`), 0 at the origin, with the signs of zeros as IEEE 754 asks.
     fn arctangent(self, x: Self) -> Self;
 

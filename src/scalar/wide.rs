@@ -204,6 +204,10 @@ impl Real for Wide {
         (if small { self.small_sine() } else { Self(sine) }, Self(cosine))
     }
 
+    fn exponential(self) -> Self {
+        Self(self.0.exp())
+    }
+
     fn arctangent(self, x: Self) -> Self {
         let (y, x) = (self.0, x.0);
         let (height, width) = (y.abs(), x.abs());

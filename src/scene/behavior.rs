@@ -18,6 +18,9 @@ pub struct Behavior {
     /// Reference lengths of components 1 to 3 and reference angles, **in degrees**, of 4 to 6.
     /// None: the initial geometry.
     pub constitutive_reference: [Option<f64>; 6],
+    /// The data line of `*CONNECTOR CONSTITUTIVE REFERENCE`.
+    #[serde(skip)]
+    pub constitutive_reference_span: Span,
     /// `*CONNECTOR ELASTICITY`.
     pub elasticity: Vec<Elasticity>,
     /// `*CONNECTOR DAMPING`.
@@ -67,6 +70,37 @@ impl Behavior {
         let damaged = self.damage.iter().filter_map(|damage| damage.component);
         laws.flat_map(Law::components).copied().chain(slips).chain(plastic).chain(damaged)
     }
+
+    /// Where the first of [`Behavior::acts_on`] that acts on a component (1 to 6) was read.
+    #[must_use]
+    pub fn place_of_action(&self, component: u8) -> Option<Span> {
+        let laws = self.elasticity.iter().map(|e| (&e.law, e.span));
+        let laws = laws.chain(self.damping.iter().map(|d| (&d.law, d.span)));
+        let laws = laws.filter(|(law, _)| law.components().contains(&component)).map(|(_, span)| span);
+        let slips = self.friction.iter().filter(
+            |friction| matches!(friction.kind, FrictionKind::User { component: Some(of), .. } if of == component),
+        );
+        let plastic = self.plasticity.iter().filter(|plasticity| plasticity.component == Some(component));
+        let damaged = self.damage.iter().filter(|damage| damage.component == Some(component));
+        let rest =
+            slips.map(|friction| friction.span).chain(plastic.map(|p| p.span)).chain(damaged.map(|d| d.span));
+        laws.chain(rest).next()
+    }
+
+    /// Where the predefined friction was read.
+    #[must_use]
+    pub fn place_of_predefined_friction(&self) -> Option<Span> {
+        let mut all = self.friction.iter();
+        all.find(|friction| matches!(friction.kind, FrictionKind::Predefined { .. }))
+            .map(|friction| friction.span)
+    }
+
+    /// Where an elasticity or damping was read whose law satisfies a condition.
+    pub fn place_of_law(&self, condition: impl Fn(&Law) -> bool) -> Option<Span> {
+        let laws = self.elasticity.iter().map(|e| (&e.law, e.span));
+        let mut laws = laws.chain(self.damping.iter().map(|d| (&d.law, d.span)));
+        laws.find(|(law, _)| condition(law)).map(|(_, span)| span)
+    }
 }
 
 impl Law {
@@ -79,6 +113,22 @@ impl Law {
             Self::Rigid { components } => components,
             Self::Coupled { .. } => &[],
         }
+    }
+
+    /// Whether it depends on frequency.
+    #[must_use]
+    pub fn depends_on_frequency(&self) -> bool {
+        match self {
+            Self::Linear { rows, .. } => rows.iter().any(|row| matches!(row.values.get(1), Some(Some(_)))),
+            Self::Coupled { frequency, .. } => *frequency,
+            Self::Nonlinear { .. } | Self::Rigid { .. } => false,
+        }
+    }
+
+    /// Whether its matrix is unsymmetric.
+    #[must_use]
+    pub fn is_unsymmetric(&self) -> bool {
+        matches!(self, Self::Coupled { unsymmetric: true, .. })
     }
 }
 
@@ -309,7 +359,8 @@ pub enum Law {
         /// The table.
         rows: Vec<Row>,
     },
-    /// One component. Columns: force, then displacement or velocity, or one column per independent component.
+    /// One component. Columns of an elasticity: force, then displacement, or one column per independent component; of a
+    /// damping: force, velocity, then one column per independent component.
     Nonlinear {
         /// The component.
         component: u8,

@@ -137,6 +137,23 @@ codes! {
     SectionDataUnused = "rule::section-data-unused": "Section data for a connection type that takes none, or less.";
     ConvertedInStandard = "rule::converted-in-standard": "The connection type is another one in a Standard analysis, and is evaluated as such. A warning.";
     CoincidentNodes = "rule::coincident-nodes": "A length or direction is needed, and the nodes coincide initially.";
+    ZRectangularNotInExplicit = "rule::z-rectangular-not-in-explicit": "An orientation with SYSTEM=Z RECTANGULAR in an Explicit analysis.";
+    DirectionNotInExplicit = "rule::direction-not-in-explicit": "An orientation cannot stand in for the direction between coincident nodes in an Explicit analysis. A warning.";
+    ControlsNotInExplicit = "rule::controls-not-in-explicit": "CONTROLS on a connector section in an Explicit analysis. A warning.";
+    EliminationNotInStandard = "rule::elimination-not-in-standard": "ELIMINATION on a connector section in a Standard analysis. A warning.";
+    IntegrationNotInStandard = "rule::integration-not-in-standard": "INTEGRATION on a connector behaviour in a Standard analysis. A warning.";
+    FrequencyNotInExplicit = "rule::frequency-not-in-explicit": "Elasticity or damping that depends on frequency in an Explicit analysis.";
+    UnsymmetricNotInExplicit = "rule::unsymmetric-not-in-explicit": "Elasticity or damping with UNSYMM in an Explicit analysis.";
+    StructuralDampingNotInExplicit = "rule::structural-damping-not-in-explicit": "Structural damping in an Explicit analysis. A warning.";
+    FailureNotAvailable = "rule::failure-not-available": "A failure is triggered by, or releases, a component that the connector does not have; or, in a Standard analysis, one that is not available.";
+    LockNotAvailable = "rule::lock-not-available": "A lock is triggered by a component that the connector does not have, or locks one that is not available.";
+    ContactAngleDefault = "rule::contact-angle-default": "A SLIPRING with friction has no contact angle, which in a Standard analysis is then zero. A warning.";
+    MpcNotInExplicit = "deck::mpc-not-in-explicit": "A multi-point constraint REVOLUTE or UNIVERSAL in an Explicit analysis.";
+    OutOfPlane = "rule::out-of-plane": "A node of a CONN2D2 element lies out of the plane z = 0, or an orientation does not have e3 along the global z; at a and b the same way.";
+    NegativeRadius = "rule::negative-radius": "A node of a CONN2D2 element in an axisymmetric model has a negative coordinate 1, which is the radius.";
+    RepeatedConstraint = "rule::repeated-constraint": "Two connectors between the same nodes, with the same orientations, constrain the same components. A warning.";
+    CrowdedSliprings = "rule::crowded-sliprings": "More than two SLIPRINGs share a node.";
+    NoRotation = "rule::no-rotation": "A rotation is prescribed at a node of a connector that has no rotational degrees of freedom. A warning.";
 
     StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
     StatesUnknownColumn = "states::unknown-column": "A column of a CSV file of states has a name that is not known.";
@@ -149,6 +166,8 @@ codes! {
     StatesTwoRotations = "states::two-rotations": "A node has a rotation vector and a quaternion in one state.";
     StatesQuaternionNorm = "states::quaternion-norm": "The norm of a quaternion differs from 1 by more than 1e-6.";
     StatesRotationTooLarge = "states::rotation-too-large": "A rotation vector is longer than 1e8 rad, where a double no longer resolves 1e-8 rad.";
+    StatesNoRotation = "states::no-rotation": "A state turns a node of a connector that has no rotational degrees of freedom. A node has them where a connector permits an orientation (not JOIN, AXIAL or LINK), or from ROTARYI, springs and dashpots in 4 to 6, the constraints BEAM, REVOLUTE and UNIVERSAL, beams, shells, rigid and user elements, or as the reference node of a rigid body or coupling.";
+    StatesOutOfPlane = "states::out-of-plane": "A state moves a node of a CONN2D2 element along 3, or turns it about 1 or 2.";
     StatesOrder = "states::order": "The numbers of the states do not increase, or the rows of one state have different times.";
     StatesEmpty = "states::empty": "The file has no state.";
 }

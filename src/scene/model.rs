@@ -13,6 +13,7 @@ use super::states::State;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// A model: nodes, connectors and what acts on them.
 ///
@@ -31,6 +32,11 @@ pub struct Scene {
     pub connectors: IndexMap<Label, ConnectorElement>,
     /// Masses, rotary inertias, springs and dashpots by element number.
     pub point_elements: IndexMap<Label, PointElement>,
+    /// The nodes of connectors that elements and constraints which are not read give rotational degrees of freedom.
+    #[serde(skip_serializing_if = "BTreeSet::is_empty")]
+    pub rotating_nodes: BTreeSet<Label>,
+    /// Whether there are elements of an axisymmetric type.
+    pub axisymmetric: bool,
     /// Element sets by name.
     pub element_sets: IndexMap<String, Set>,
     /// Orientations by name.

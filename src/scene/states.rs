@@ -12,6 +12,7 @@
 //! "rotation": [0, 0, 7.5]}}}]}`, with the names of [`NodeMotion`]; `rotation` or `quaternion`.
 
 use super::diagnostic::{Code, Diagnostic, Result, suggest};
+use super::freedom::NodeFreedom;
 use super::label::{Label, LabelError};
 use super::lexer::{NotANumber, parse_number};
 use super::model::Scene;
@@ -22,6 +23,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use std::cell::Cell;
 use std::collections::BTreeMap;
+use std::io;
 use std::path::Path;
 
 /// The longest rotation vector, in radians: beyond it a double resolves less than 1e-8 rad.
@@ -226,19 +228,45 @@ fn rotation(vector: Option<[f64; 3]>, quaternion: Option<[f64; 4]>) -> Result<Ro
     }
 }
 
+/// What of a motion a node of a connector has no degrees of freedom for.
+fn check_motion(node: Label, motion: &NodeMotion, freedom: &NodeFreedom) -> Result<(), Fault> {
+    let rotation = match motion.rotation {
+        Rotation::Vector(vector) => vector,
+        Rotation::Quaternion([_, q1, q2, q3]) => [q1, q2, q3],
+    };
+    let turns = [rotation, motion.angular_velocity, motion.angular_acceleration];
+    let moves = [motion.displacement, motion.velocity, motion.acceleration];
+    if freedom.is_fixed_in_rotation(node) && turns.as_flattened().iter().any(|part| *part != 0.0) {
+        let message = format!("node {node} is turned and has no rotational degrees of freedom");
+        let remedy = "leave its rotation and angular rates out; JOIN, AXIAL, LINK and ends without an orientation give none, an \
+                      element ROTARYI does";
+        return Err(Fault::new(Code::StatesNoRotation, message, remedy));
+    }
+    let leaves = moves.iter().any(|[_, _, along]| *along != 0.0)
+        || turns.iter().any(|[first, second, _]| *first != 0.0 || *second != 0.0);
+    if freedom.is_planar(node) && leaves {
+        let message = format!("node {node} of a two-dimensional element leaves the plane");
+        let remedy = "CONN2D2 has the degrees of freedom 1, 2, 6 and 10: give u1, u2, ur3, flow and their rates, or use CONN3D2";
+        return Err(Fault::new(Code::StatesOutOfPlane, message, remedy));
+    }
+    Ok(())
+}
+
 const COLUMNS: [&str; 28] = [
     "state", "time", "node", "u1", "u2", "u3", "ur1", "ur2", "ur3", "q0", "q1", "q2", "q3", "v1", "v2", "v3",
     "vr1", "vr2", "vr3", "a1", "a2", "a3", "ar1", "ar2", "ar3", "flow", "flow_v", "flow_a",
 ];
 
 fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
-    let text_bytes = text.as_bytes();
+    let freedom = NodeFreedom::of(scene);
+    // A comment that ends the file without a line break would be read as an empty row.
+    let lines = io::Read::chain(text.as_bytes(), b"\n".as_slice());
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .flexible(true)
-        .from_reader(text_bytes);
+        .from_reader(lines);
     let malformed = |error: &csv::Error| {
         let span = error.position().map(place).unwrap_or_default();
         Diagnostic::error(Code::StatesMalformed, span, format!("malformed CSV: {error}"), "here")
@@ -290,7 +318,9 @@ fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
             .help("give the node number in the column `node`"));
         };
         check_node(node, scene, state).map_err(|fault| fault.at(row.place("node"), "this node"))?;
-        state.nodes.insert(node, row.motion()?);
+        let motion = row.motion()?;
+        check_motion(node, &motion, &freedom).map_err(|fault| fault.at(span, "this row"))?;
+        state.nodes.insert(node, motion);
     }
     if states.is_empty() {
         return Err(empty("rows"));
@@ -546,11 +576,15 @@ pub(super) fn of_scene(
     scene: &Scene,
 ) -> Result<Vec<State>> {
     let mut read = Vec::new();
+    let freedom = NodeFreedom::of(scene);
     for (time, motions) in states {
         let mut state = State { time, nodes: BTreeMap::new() };
         for (name, motion) in motions {
             let node = label(&name.value).and_then(|node| check_node(node, scene, &state).map(|()| node));
-            let motion = node.and_then(|node| motion.checked().map(|motion| (node, motion)));
+            let motion = node.and_then(|node| {
+                let motion = motion.checked()?;
+                check_motion(node, &motion, &freedom).map(|()| (node, motion))
+            });
             let (node, motion) = motion.map_err(|fault| fault.at(name.span, "this node"))?;
             state.nodes.insert(node, motion);
         }
@@ -563,6 +597,7 @@ pub(super) fn of_scene(
 #[derive(Clone, Copy)]
 struct Context<'a> {
     scene: &'a Scene,
+    freedom: &'a NodeFreedom,
     fault: &'a Cell<Option<Fault>>,
 }
 
@@ -577,7 +612,8 @@ impl Context<'_> {
 fn json_states(text: &str, scene: &Scene) -> Result<StateFile> {
     let fault = Cell::new(None);
     let mut reader = serde_json::Deserializer::from_str(text);
-    let context = Context { scene, fault: &fault };
+    let freedom = NodeFreedom::of(scene);
+    let context = Context { scene, freedom: &freedom, fault: &fault };
     let result = JsonFile(context).deserialize(&mut reader).and_then(|states| reader.end().map(|()| states));
     let states = result.map_err(|error| {
         let span = json_place(text, error.line(), error.column());
@@ -717,6 +753,7 @@ impl<'de> Visitor<'de> for JsonNodes<'_> {
             check_node(node, self.0.scene, &state).map_err(|fault| self.0.stop(fault))?;
             let motion: Motion = map.next_value()?;
             let motion = motion.checked().map_err(|fault| self.0.stop(fault))?;
+            check_motion(node, &motion, self.0.freedom).map_err(|fault| self.0.stop(fault))?;
             state.nodes.insert(node, motion);
         }
         Ok(state)

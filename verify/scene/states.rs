@@ -31,6 +31,13 @@ fn without_numbers_of_states_there_is_one() {
     assert_eq!(file.states[0].time, None);
 }
 
+/// Found by fuzzing: it was taken for a row.
+#[test]
+fn a_comment_may_end_the_file() {
+    let file = StateFile::parse_csv("s.csv", "node,u1\n1,1\n# end", &scene()).unwrap();
+    assert_eq!(file.states[0].nodes.len(), 1);
+}
+
 #[test]
 fn json_says_the_same_as_csv() {
     let csv = "state,time,node,u1,u2,q0,q3,v3\n0,0,1,1,2,,,\n0,0,2,,,0.6,0.8,5\n1,1,3,,,,,\n";

@@ -50,11 +50,13 @@ pub(super) fn constitutive_reference(deck: &mut Deck<'_>, keyword: &Keyword) -> 
         *value = items.number()?;
     }
     items.end("three lengths and three angles in degrees")?;
+    let place = line.span;
     let behavior = deck.behavior(keyword)?;
     if behavior.constitutive_reference != [None; 6] {
         return Err(repeated(keyword, "a second constitutive reference"));
     }
     behavior.constitutive_reference = reference;
+    behavior.constitutive_reference_span = place;
     Ok(())
 }
 
@@ -135,9 +137,12 @@ fn law(deck: &mut Deck<'_>, keyword: &Keyword, coefficient: &str, motion: &str) 
     if nonlinear {
         let component = keyword.need_component()?;
         let independent = independent(deck, keyword)?;
-        let motions = independent.as_ref().map_or(1, |independent| independent.components.len());
+        // A damping force depends on the velocity of its own component in any case.
+        let own = independent.is_none() || keyword.name == "CONNECTOR DAMPING";
         let mut columns = vec!["the force"];
-        columns.resize(1 + motions, motion);
+        columns.extend(own.then_some(motion));
+        let listed = independent.as_ref().map_or(0, |independent| independent.components.len());
+        columns.resize(columns.len() + listed, "the independent component");
         let (first, rows) = spanned_rows(deck, header, &columns, columns.len(), fields)?;
         if independent.is_none() {
             check_order(&rows, 1, motion, &first)?;
@@ -218,6 +223,11 @@ pub(super) fn damping(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     deck.host = Host::None;
     let kind = keyword.choice("TYPE")?.unwrap_or(DampingKind::Viscous);
     let law = law(deck, keyword, "the damping coefficient", "the velocity")?;
+    if kind == DampingKind::Structural && matches!(law, Law::Nonlinear { .. } | Law::Rigid { .. }) {
+        let message = "structural damping is linear";
+        return Err(Diagnostic::error(Code::ConflictingParameters, keyword.span, message, "this keyword")
+            .help("remove NONLINEAR or RIGID, or TYPE=STRUCTURAL"));
+    }
     let damping = Damping { kind, law, table: table_options(keyword)?, span: keyword.span };
     deck.behavior(keyword)?.damping.push(damping);
     Ok(())

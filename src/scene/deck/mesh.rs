@@ -3,6 +3,7 @@
 use super::sets::SetBuilder;
 use super::{Deck, table};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
+use crate::scene::freedom::element_rotates;
 use crate::scene::label::Label;
 use crate::scene::lexer::{Data, Item, Items, Keyword};
 use crate::scene::model::{
@@ -12,6 +13,7 @@ use crate::scene::model::{
 use crate::scene::orientation::{Definition, Orientation, System, sin_cos_degrees};
 use crate::scene::span::Span;
 use indexmap::map::Entry;
+use std::collections::HashSet;
 
 pub(super) fn heading(deck: &mut Deck<'_>, _: &Keyword) -> Result<()> {
     while let Some(line) = deck.lexer.text()? {
@@ -201,11 +203,17 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         set.map(|name| deck.element_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span)));
     let (mut count, mut lines) = (0, 0);
     let mut continued = false;
+    // What is not read may still give its nodes rotations.
+    let mut rotating = Rotating(match &kind {
+        ElementType::Other(name) if element_rotates(name) => Some(&mut deck.other_rotations),
+        _ => None,
+    });
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         if continued {
             continued = line.text.trim_end().ends_with(',');
             lines += 1;
+            rotating.extend(items.filter_map(node_of));
             continue;
         }
         let label = items.need("the element number")?.label_number("the element number")?;
@@ -236,6 +244,7 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             }
             ElementType::Other(_) => {
                 deck.other_elements.push(label);
+                rotating.extend(items.filter_map(node_of));
                 continued = line.text.trim_end().ends_with(',');
                 (count, lines) = (count + 1, lines + 1);
             }
@@ -253,6 +262,22 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         skipped.data_lines += lines;
     }
     Ok(())
+}
+
+/// The nodes that elements of a type which is not read give rotations, if they do.
+struct Rotating<'a>(Option<&'a mut HashSet<u64>>);
+
+impl Rotating<'_> {
+    fn extend(&mut self, nodes: impl Iterator<Item = u64>) {
+        if let Some(known) = &mut self.0 {
+            known.extend(nodes);
+        }
+    }
+}
+
+/// The node that an item of a skipped element names; none for anything else.
+fn node_of(item: Item<'_>) -> Option<u64> {
+    item.text.parse().ok()
 }
 
 /// A number that an element of another definition has already.

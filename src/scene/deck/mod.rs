@@ -19,11 +19,12 @@ use super::diagnostic::{Code, Diagnostic, Result, nearest};
 use super::document::form::Document;
 use super::document::{self, Format};
 use super::lexer::{Keyword, Lexer, Value};
-use super::model::{MAX_WARNINGS, Scene, Step};
+use super::model::{MAX_WARNINGS, Scene, Step, Target};
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
 use keywords::{Family, Rule, Stage};
 use sets::{LabelRanges, SetBuilder};
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -112,6 +113,8 @@ fn scene(lexer: Lexer<'_>) -> Result<Scene> {
         node_sets: IndexMap::new(),
         element_sets: IndexMap::new(),
         other_elements: LabelRanges::default(),
+        other_rotations: HashSet::new(),
+        rotation_targets: Vec::new(),
         mpcs: Vec::new(),
         warnings: Vec::new(),
         behavior_open: false,
@@ -133,6 +136,7 @@ fn scene(lexer: Lexer<'_>) -> Result<Scene> {
             .help("close the step by *END STEP"));
     }
     resolve::resolve(&mut deck)?;
+    deck.scene.axisymmetric = deck.scene.skipped.element_types.keys().any(|name| name.contains("AX"));
     deck.scene.skipped.comments = deck.lexer.comments;
     deck.scene.warnings = deck.warnings;
     Ok(deck.scene)
@@ -145,6 +149,10 @@ struct Deck<'a> {
     node_sets: IndexMap<String, SetBuilder>,
     element_sets: IndexMap<String, SetBuilder>,
     other_elements: LabelRanges,
+    /// The nodes of elements that are not read and have rotations.
+    other_rotations: HashSet<u64>,
+    /// The reference nodes of constraints that are not read.
+    rotation_targets: Vec<Target>,
     mpcs: Vec<connector::RawMpc>,
     warnings: Vec<Diagnostic>,
     /// Connector suboptions belong to the last behaviour.
@@ -266,6 +274,12 @@ impl Deck<'_> {
         }
         if let Some(step) = self.step.as_mut().filter(|_| keywords::is_procedure(&keyword.name)) {
             history::set_procedure(step, super::model::Procedure::Other(keyword.name.clone()), keyword)?;
+        }
+        for parameter in ["REF NODE", "TIE NSET"] {
+            // A value that is neither a node nor a set names nothing that is kept.
+            let Some(name) = keyword.get(parameter).and_then(|value| value.name().ok()) else { continue };
+            let number = name.value.parse::<u64>().map(|number| Target::Label(number.into()));
+            self.rotation_targets.push(number.unwrap_or(Target::Set(name.value)));
         }
         let skipped = self.scene.skipped.keywords.entry(keyword.name.clone()).or_default();
         if skipped.count == 0 {

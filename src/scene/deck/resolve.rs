@@ -9,6 +9,7 @@ use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::label::Label;
 use crate::scene::model::{Discrete, End, Mpc, MpcKind, PointKind, Scene, Set, Target};
 use crate::scene::span::{Span, Spanned};
+use std::collections::HashSet;
 
 pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     elements(deck)?;
@@ -17,6 +18,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     orientations(&deck.scene)?;
     deck.scene.behaviors.iter().try_for_each(|(name, behavior)| check_behavior(name, behavior))?;
     properties(&deck.scene)?;
+    other_rotations(deck);
     let raw = std::mem::take(&mut deck.mpcs);
     deck.scene.mpcs = mpcs(&deck.scene, &raw)?;
     actuation(deck)
@@ -339,6 +341,23 @@ fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<Label>> {
         Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
         Target::Set(name) => Ok(node_set(scene, &Spanned::new(name.clone(), target.span))?.labels.clone()),
     }
+}
+
+/// Of the nodes to which what is not read gives rotations, those that belong to a connector.
+fn other_rotations(deck: &mut Deck<'_>) {
+    let scene = &mut deck.scene;
+    for target in &deck.rotation_targets {
+        match target {
+            Target::Label(label) => drop(deck.other_rotations.insert(label.number())),
+            Target::Set(name) => {
+                let nodes = scene.node_sets.get(name).into_iter().flat_map(|set| &set.labels);
+                deck.other_rotations.extend(nodes.map(|node| node.number()));
+            }
+        }
+    }
+    let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
+    scene.rotating_nodes = ends.filter(|node| deck.other_rotations.contains(&node.number())).collect();
+    deck.other_rotations = HashSet::new();
 }
 
 /// One constraint per line, or one per member where sets are given.

@@ -378,11 +378,17 @@ impl Deck {
     fn sets(&mut self, keyword: &str, sets: &Entries<Vec<Spanned<Member>>>) -> Result<()> {
         for (name, members) in &sets.0 {
             let mut open = false;
+            let ascending = members.iter().map(|member| match &member.value {
+                Member::One(Target::Number(number)) => Some(*number),
+                _ => None,
+            });
+            let ascending: Option<Vec<u64>> = ascending.collect();
+            let unsorted = ascending.is_none_or(|numbers| !numbers.is_sorted());
             let start = |deck: &mut Self, generate: bool| -> Result<()> {
                 deck.keyword(keyword, name.span);
                 deck.name(keyword, name)?;
                 deck.flag("GENERATE", generate, name.span);
-                deck.flag("UNSORTED", !generate, name.span);
+                deck.flag("UNSORTED", unsorted && !generate, name.span);
                 deck.go();
                 Ok(())
             };

@@ -104,6 +104,10 @@ form! {
         connectors: Entries<Spanned<Connector>>,
         /// Masses, rotary inertias, springs and dashpots by element number.
         point_elements: Entries<Spanned<PointElement>>,
+        /// Nodes that have rotations without a connector giving them: those of beams, shells, rigid bodies …
+        rotating_nodes: List<Target>,
+        /// Is the model axisymmetric?
+        axisymmetric: bool,
         /// Element sets by name.
         element_sets: Entries<List<Member>>,
         /// Orientations by name.
@@ -936,6 +940,15 @@ pub(in crate::scene) enum Target {
     Number(u64),
     /// A label with an instance, or a set.
     Text(String),
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(formatter, "{number}"),
+            Self::Text(text) => formatter.write_str(text),
+        }
+    }
 }
 
 impl Default for Target {

@@ -12,6 +12,7 @@ mod write;
 
 use super::deck;
 use super::diagnostic::{Code, Diagnostic, Result};
+use super::label::Label;
 use super::model::Scene;
 use super::span::Span;
 use super::states;
@@ -144,6 +145,16 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
     let states = std::mem::take(&mut document.states);
     let mut scene = deck::of_document(&document)?;
     name.clone_into(&mut scene.name);
+    scene.axisymmetric = document.axisymmetric;
+    for node in &document.rotating_nodes {
+        let label = node.value.to_string().parse::<Label>().ok();
+        let Some(label) = label.filter(|label| scene.nodes.contains_key(label)) else {
+            let message = format!("there is no node {}", node.value.to_string().escape_debug());
+            return Err(Diagnostic::error(Code::UnknownNode, node.span, message, "not defined")
+                .help("name nodes of the scene"));
+        };
+        scene.rotating_nodes.insert(label);
+    }
     let states = states.into_iter().map(|state| (state.value.time, state.value.nodes.0));
     scene.states = states::of_scene(states, &scene)?;
     Ok(scene)

@@ -43,6 +43,16 @@ impl Scene {
                     let count = document.states.len();
                     dropped.push(format!("{count} state{}: a deck has none", plural(count as u64)));
                 }
+                let nodes = document.rotating_nodes.len();
+                if nodes > 0 {
+                    dropped.push(format!(
+                        "rotations of {nodes} node{} of skipped elements and constraints: a deck would need those",
+                        plural(nodes as u64)
+                    ));
+                }
+                if document.axisymmetric {
+                    dropped.push("that the model is axisymmetric: a deck would need its elements".to_owned());
+                }
                 document.states.clear();
                 deck::write::deck(&document)?.text
             }
@@ -96,6 +106,8 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
         connectors,
         point_elements,
         element_sets,
+        rotating_nodes,
+        axisymmetric,
         orientations,
         connector_sections,
         behaviors,
@@ -147,6 +159,8 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
             let nodes = std::iter::once(element.node).chain(element.second).map(label).collect();
             placeless(form::PointElement { kind: element.kind, nodes })
         }),
+        rotating_nodes: rotating_nodes.iter().copied().map(label).collect(),
+        axisymmetric: *axisymmetric,
         element_sets: entries(element_sets, members),
         orientations: entries(orientations, |given| placeless(orientation(given))),
         connector_sections: list(connector_sections, section),
@@ -306,6 +320,7 @@ fn behavior(behavior: &Behavior) -> form::Behavior {
         table: options,
         integration,
         constitutive_reference,
+        constitutive_reference_span: _,
         elasticity,
         damping,
         friction,

@@ -1,0 +1,226 @@
+//! The rules of the catalogue, asked about a scene: what is known of each connector, and where what breaks a rule was read.
+
+use crate::catalog::{Breach, Evidence, Facts, Procedure, Rule};
+use crate::scene::{
+    Affected, Behavior, Code, ConnectorElement, ConnectorSection, DampingKind, Diagnostic, Dimension, Label,
+    Law, MpcKind, NodeFreedom, Scene, Solver, Span, Spanned, System, Target,
+};
+use std::collections::HashMap;
+
+/// The components (0-based) of each connector that motions and loads act on, and where they were read.
+pub(super) fn actions(scene: &Scene) -> HashMap<Label, Vec<(usize, Span)>> {
+    let mut found: HashMap<Label, Vec<(usize, Span)>> = HashMap::new();
+    let mut act = |target: &Spanned<Target>, component: u8| {
+        let labels: &[Label] = match &target.value {
+            Target::Label(label) => std::slice::from_ref(label),
+            Target::Set(name) => {
+                scene.element_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice())
+            }
+        };
+        for label in labels {
+            found.entry(*label).or_default().push((usize::from(component) - 1, target.span));
+        }
+    };
+    for motion in scene.connector_motions.iter().chain(scene.steps.iter().flat_map(|s| &s.connector_motions))
+    {
+        act(&motion.target, motion.component);
+    }
+    for load in scene.steps.iter().flat_map(|step| &step.connector_loads) {
+        act(&load.target, load.component);
+    }
+    found
+}
+
+/// What the rules of its type ask about one connector.
+pub(super) fn facts(
+    scene: &Scene,
+    (section, element): (&ConnectorSection, &ConnectorElement),
+    behavior: Option<&Behavior>,
+    acting: &[(usize, Span)],
+    coincident: bool,
+) -> Facts {
+    let orientations = [&section.orientation_a, &section.orientation_b];
+    let is_z = |name: &Spanned<String>| {
+        let named = scene.orientations.get(name.value.as_str());
+        named.is_some_and(|orientation| orientation.system == System::ZRectangular)
+    };
+    let mut facts = Facts {
+        orientation: orientations.map(Option::is_some),
+        planar: element.dimension == Dimension::Two,
+        procedure: scene.solver.map(|solver| match solver {
+            Solver::Standard => Procedure::Standard,
+            Solver::Explicit => Procedure::Explicit,
+        }),
+        section_data: section.section_data.len(),
+        contact_angle: matches!(section.section_data.get(1), Some(Some(_))),
+        z_rectangular: orientations.into_iter().flatten().any(is_z),
+        controls: section.controls.is_some(),
+        elimination: section.elimination.is_some(),
+        coincident,
+        actions: acting.iter().map(|(k, _)| *k).collect(),
+        ..Facts::default()
+    };
+    if let Some(behavior) = behavior {
+        let index = |component: u8| usize::from(component) - 1;
+        let affected = |affected: Affected| match affected {
+            Affected::All => None,
+            Affected::Component(component) => Some(index(component)),
+        };
+        facts.references = (0..6).filter(|k| behavior.constitutive_reference[*k].is_some()).collect();
+        facts.stops = behavior.stops.iter().map(|stop| index(stop.component)).collect();
+        facts.predefined_friction = behavior.predefined_friction_parameters();
+        facts.actions.extend(behavior.acts_on().map(index));
+        facts.integration = behavior.integration.is_some();
+        facts.frequency = behavior.place_of_law(Law::depends_on_frequency).is_some();
+        facts.unsymmetric = behavior.place_of_law(Law::is_unsymmetric).is_some();
+        facts.structural_damping = structural(behavior).is_some();
+        let failures = behavior.failures.iter();
+        facts.failures = failures.map(|law| (index(law.component), affected(law.released))).collect();
+        let locks = behavior.locks.iter();
+        facts.locks = locks.map(|law| (index(law.component), affected(law.locked))).collect();
+    }
+    facts.actions.sort_unstable();
+    facts.actions.dedup();
+    facts
+}
+
+/// Where structural damping was read.
+fn structural(behavior: &Behavior) -> Option<Span> {
+    behavior
+        .damping
+        .iter()
+        .find(|damping| damping.kind == DampingKind::Structural)
+        .map(|damping| damping.span)
+}
+
+/// Where what breaks a rule was read: a suboption, a motion or load, an orientation; else the section.
+pub(super) fn place(
+    breach: &Breach,
+    behavior: Option<&Behavior>,
+    acting: &[(usize, Span)],
+    (section, element): (&ConnectorSection, &ConnectorElement),
+) -> Span {
+    let component = breach.item.unwrap_or_default();
+    let is_it = |of: u8| usize::from(of) == component + 1;
+    let orientation =
+        || section.orientation_a.as_ref().or(section.orientation_b.as_ref()).map(|name| name.span);
+    let exact = match (breach.rule, behavior) {
+        (Rule::ActionNotAvailable, _) => {
+            let law = behavior.and_then(|behavior| behavior.place_of_action(component as u8 + 1));
+            law.or_else(|| acting.iter().find(|(k, _)| *k == component).map(|(_, span)| *span))
+        }
+        (Rule::OrientationIgnored, _) if breach.item == Some(1) => {
+            section.orientation_b.as_ref().map(|name| name.span)
+        }
+        (Rule::OrientationIgnored | Rule::ZRectangularNotInExplicit | Rule::DirectionNotInExplicit, _) => {
+            orientation()
+        }
+        (Rule::ControlsNotInExplicit, _) => section.controls.as_ref().map(|name| name.span),
+        (Rule::StopNotAvailable, Some(behavior)) => {
+            behavior.stops.iter().find(|stop| is_it(stop.component)).map(|stop| stop.span)
+        }
+        (Rule::ReferenceNotAvailable, Some(behavior)) => Some(behavior.constitutive_reference_span),
+        (Rule::FrictionNotPredefined | Rule::FrictionParameters, Some(behavior)) => {
+            behavior.place_of_predefined_friction()
+        }
+        (Rule::IntegrationNotInStandard, Some(behavior)) => Some(behavior.span),
+        (Rule::FrequencyNotInExplicit, Some(behavior)) => behavior.place_of_law(Law::depends_on_frequency),
+        (Rule::UnsymmetricNotInExplicit, Some(behavior)) => behavior.place_of_law(Law::is_unsymmetric),
+        (Rule::StructuralDampingNotInExplicit, Some(behavior)) => structural(behavior),
+        (Rule::FailureNotAvailable, Some(behavior)) => {
+            behavior.failures.iter().find(|law| is_it(law.component)).map(|law| law.span)
+        }
+        (Rule::LockNotAvailable, Some(behavior)) => {
+            behavior.locks.iter().find(|law| is_it(law.component)).map(|law| law.span)
+        }
+        _ => None,
+    };
+    let known = [exact, Some(section.span)].into_iter().flatten().find(|span| span.is_known());
+    known.unwrap_or(element.span)
+}
+
+/// Rotations that are prescribed at nodes without rotational degrees of freedom.
+pub(super) fn boundaries(scene: &Scene, freedom: &NodeFreedom, warnings: &mut Vec<Diagnostic>) {
+    for boundary in scene.steps.iter().flat_map(|step| &step.boundaries) {
+        let turns = boundary.degrees_of_freedom.iter().any(|dof| matches!(dof, 4..=6));
+        if !turns || boundary.magnitude == 0.0 {
+            continue;
+        }
+        let nodes: &[Label] = match &boundary.target.value {
+            Target::Label(label) => std::slice::from_ref(label),
+            Target::Set(name) => scene.node_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice()),
+        };
+        let Some(node) = nodes.iter().find(|node| freedom.is_fixed_in_rotation(**node)) else { continue };
+        let mut connectors = scene.connectors.iter();
+        let of = connectors.find(|(_, element)| [element.a, element.b].contains(&Some(*node)));
+        let element = of.map_or_else(String::new, |(label, _)| format!(" of element {label}"));
+        let message =
+            format!("node {node}{element} has no rotational degrees of freedom, and one is prescribed");
+        let label = "by the connector element library, active degrees of freedom [D]";
+        let remedy =
+            "name an orientation where the connection type permits one, or give the node an element ROTARYI";
+        warnings.push(
+            Diagnostic::warning(Code::NoRotation, boundary.target.span, message, label)
+                .help(remedy)
+                .in_file(&scene.name),
+        );
+    }
+}
+
+/// Multi-point constraints that Explicit does not have.
+pub(super) fn constraints(scene: &Scene) -> Result<(), Diagnostic> {
+    let turning = |kind: &MpcKind| matches!(kind, MpcKind::Revolute | MpcKind::Universal);
+    match scene.mpcs.iter().find(|mpc| turning(&mpc.kind)) {
+        Some(mpc) if scene.solver == Some(Solver::Explicit) => {
+            let name = mpc.kind.name();
+            let message = format!("the multi-point constraint {name} is available only in Abaqus/Standard");
+            let label = "by keyword *MPC (decision D-20) [D]";
+            Err(Diagnostic::error(Code::MpcNotInExplicit, mpc.span, message, label)
+                .help("use the connection type HINGE or UJOINT, or an implicit step")
+                .in_file(&scene.name))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The stable code of a rule.
+const fn code(rule: Rule) -> Code {
+    match rule {
+        Rule::OrientationRequired => Code::OrientationRequired,
+        Rule::OrientationIgnored => Code::OrientationIgnored,
+        Rule::NotInTwoDimensions => Code::NotInTwoDimensions,
+        Rule::NotInProcedure => Code::NotInProcedure,
+        Rule::StopNotAvailable => Code::StopNotAvailable,
+        Rule::ReferenceNotAvailable => Code::ReferenceNotAvailable,
+        Rule::ActionNotAvailable => Code::ActionNotAvailable,
+        Rule::FrictionNotPredefined => Code::FrictionNotPredefined,
+        Rule::FrictionParameters => Code::FrictionParameters,
+        Rule::SectionDataUnused => Code::SectionDataUnused,
+        Rule::CoincidentNodes => Code::CoincidentNodes,
+        Rule::ZRectangularNotInExplicit => Code::ZRectangularNotInExplicit,
+        Rule::DirectionNotInExplicit => Code::DirectionNotInExplicit,
+        Rule::ControlsNotInExplicit => Code::ControlsNotInExplicit,
+        Rule::EliminationNotInStandard => Code::EliminationNotInStandard,
+        Rule::IntegrationNotInStandard => Code::IntegrationNotInStandard,
+        Rule::FrequencyNotInExplicit => Code::FrequencyNotInExplicit,
+        Rule::UnsymmetricNotInExplicit => Code::UnsymmetricNotInExplicit,
+        Rule::StructuralDampingNotInExplicit => Code::StructuralDampingNotInExplicit,
+        Rule::FailureNotAvailable => Code::FailureNotAvailable,
+        Rule::LockNotAvailable => Code::LockNotAvailable,
+        Rule::ContactAngleDefault => Code::ContactAngleDefault,
+    }
+}
+
+/// A broken rule as a diagnostic, naming the element and the source of the rule.
+pub(super) fn diagnose(breach: &Breach, label: Label, place: Span, scene: &Scene) -> Diagnostic {
+    let message = format!("element {label}: {}", breach.message);
+    let here = format!("by {} [{:?}]", breach.source, breach.evidence);
+    let build = if breach.refuses() { Diagnostic::error } else { Diagnostic::warning };
+    let certainty = match breach.evidence {
+        Evidence::S | Evidence::D => "",
+        Evidence::P | Evidence::R => " (the rule rests on our reading, so this is a warning)",
+    };
+    build(code(breach.rule), place, message, here)
+        .help(format!("{}{certainty}", breach.remedy))
+        .in_file(&scene.name)
+}

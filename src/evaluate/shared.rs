@@ -1,0 +1,80 @@
+//! Connectors that share nodes.
+//!
+//! Several connectors between the same two nodes act side by side: each is evaluated by itself, and what they do to a node together
+//! is the sum of what their rows do.
+
+use super::model::{ConnectorElement, Model};
+use crate::catalog::{COMPONENT, Slot};
+use crate::measure::Measure;
+use crate::scene::{Code, Diagnostic, Label, Result, Scene};
+use std::collections::HashMap;
+
+/// A constraint between two nodes: component, measure, nodes, and the bits of both triads.
+type Constraint = (usize, Measure, [Option<Label>; 2], [u64; 18]);
+
+/// What connectors that share nodes may not do, or had better not.
+///
+/// # Errors
+/// More than two belt segments at a node. Components constrained twice alike are warned about.
+pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
+    let mut first: HashMap<Constraint, Label> = HashMap::new();
+    let mut segments: HashMap<Label, [Option<Label>; 2]> = HashMap::new();
+    let mut warnings = Vec::new();
+    for element in &model.connectors {
+        let place = scene.connectors.get(&element.label).map(|element| element.span).unwrap_or_default();
+        let connection = element.connector.connection();
+        if connection.is_belt() {
+            for node in element.nodes.into_iter().flatten() {
+                let known = segments.entry(node).or_default();
+                if let [Some(one), Some(other)] = known {
+                    let message = format!(
+                        "element {} is the third SLIPRING at node {node}, after {one} and {other}",
+                        element.label
+                    );
+                    let label = "by connection type SLIPRING, Description [D]";
+                    return Err(Diagnostic::error(Code::CrowdedSliprings, place, message, label)
+                        .help("give each belt a node of its own, and tie the nodes by JOIN")
+                        .in_file(&scene.name));
+                }
+                let at = usize::from(known[0].is_some());
+                known[at] = Some(element.label);
+            }
+        }
+        let mut repeated: Vec<(Label, &str)> = Vec::new();
+        for k in connection.components(Slot::is_constrained) {
+            let Some(constraint) = constraint(element, k) else { continue };
+            match first.get(&constraint) {
+                Some(other) => repeated.push((*other, COMPONENT[k])),
+                None => drop(first.insert(constraint, element.label)),
+            }
+        }
+        if let Some((other, _)) = repeated.first() {
+            let components: Vec<&str> =
+                repeated.iter().filter(|(of, _)| of == other).map(|(_, component)| *component).collect();
+            let message = format!(
+                "element {} constrains {} of the same nodes as element {other} once more",
+                element.label,
+                components.join(", ")
+            );
+            let label = "by the rules for several connectors on the same nodes [R]";
+            warnings.push(
+                Diagnostic::warning(Code::RepeatedConstraint, place, message, label)
+                    .help("remove one of the two: how they share the constraint force is not determined")
+                    .in_file(&scene.name),
+            );
+        }
+    }
+    model.warnings.append(&mut warnings);
+    Ok(())
+}
+
+/// What identifies the constraint of component k (0-based), where the element has it.
+fn constraint(element: &ConnectorElement, k: usize) -> Option<Constraint> {
+    let measure = element.connector.differentiated(k)?;
+    let mut bits = [0; 18];
+    for (bits, entry) in bits.iter_mut().zip(element.triads.as_flattened().as_flattened()) {
+        // −0 and 0 are the same direction cosine.
+        *bits = (entry + 0.0).to_bits();
+    }
+    Some((k, measure, element.nodes, bits))
+}

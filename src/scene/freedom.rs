@@ -1,0 +1,118 @@
+//! Which degrees of freedom the nodes of connectors have.
+
+use super::label::Label;
+use super::model::{Dimension, MpcKind, PointKind, Scene, Solver};
+use crate::catalog::ConnectionType;
+use std::collections::HashSet;
+
+/// Whether the nodes of connectors rotate, and whether they are confined to the plane.
+///
+/// A node has translations. Rotations it has only where something gives them:
+///
+/// - a connector at an end where its type permits an orientation, but for JOIN, AXIAL and LINK
+///   ([`ConnectionType::rotations`]);
+/// - an element ROTARYI; springs and dashpots in degrees of freedom 4 to 6;
+/// - the constraints BEAM, REVOLUTE and UNIVERSAL;
+/// - elements and constraints that the reader skips: beams, pipes, shells, rigid elements, user elements and substructures (whose
+///   degrees of freedom it cannot know), the reference nodes of rigid bodies and couplings ([`Scene::rotating_nodes`]).
+///
+/// A boundary condition or load gives none: it acts on those that there are.
+#[derive(Debug, Clone, Default)]
+pub struct NodeFreedom {
+    connected: HashSet<Label>,
+    rotating: HashSet<Label>,
+    planar: HashSet<Label>,
+}
+
+impl NodeFreedom {
+    /// The degrees of freedom of a scene, in one pass over what it has.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        let mut freedom =
+            Self { rotating: scene.rotating_nodes.iter().copied().collect(), ..Self::default() };
+        let of_section: Vec<[bool; 2]> =
+            scene.connector_sections.iter().map(|s| rotations(s, scene.solver)).collect();
+        for element in scene.connectors.values() {
+            let rotations = of_section.get(element.section).copied().unwrap_or_default();
+            for (node, rotates) in [element.a, element.b].into_iter().zip(rotations) {
+                let Some(node) = node else { continue };
+                freedom.connected.insert(node);
+                if rotates {
+                    freedom.rotating.insert(node);
+                }
+                if element.dimension == Dimension::Two {
+                    freedom.planar.insert(node);
+                }
+            }
+        }
+        for element in scene.point_elements.values().filter(|element| element.kind == PointKind::Rotaryi) {
+            freedom.rotating.insert(element.node);
+        }
+        for discrete in scene.springs.iter().chain(&scene.dashpots) {
+            let turns =
+                |end: usize| discrete.degrees_of_freedom.get(end).is_some_and(|dof| matches!(dof, 4..=6));
+            let set = scene.element_sets.get(discrete.element_set.value.as_str());
+            for label in set.iter().flat_map(|set| &set.labels) {
+                let Some(element) = scene.point_elements.get(label) else { continue };
+                for (end, node) in [Some(element.node), element.second].into_iter().enumerate() {
+                    freedom.rotating.extend(node.filter(|_| turns(end)));
+                }
+            }
+        }
+        for mpc in &scene.mpcs {
+            if matches!(mpc.kind, MpcKind::Beam | MpcKind::Revolute | MpcKind::Universal) {
+                freedom.rotating.extend(&mpc.nodes);
+            }
+        }
+        freedom
+    }
+
+    /// Whether a node has rotational degrees of freedom.
+    #[must_use]
+    pub fn rotates(&self, node: Label) -> bool {
+        self.rotating.contains(&node)
+    }
+
+    /// Whether a node belongs to a connector and does not rotate.
+    #[must_use]
+    pub fn is_fixed_in_rotation(&self, node: Label) -> bool {
+        self.connected.contains(&node) && !self.rotates(node)
+    }
+
+    /// Whether a node belongs to an element CONN2D2.
+    #[must_use]
+    pub fn is_planar(&self, node: Label) -> bool {
+        self.planar.contains(&node)
+    }
+}
+
+impl Scene {
+    /// Whether the model is axisymmetric: it has elements of an axisymmetric type (CAX4, SAX1, MAX1, RAX2 …). A CONN2D2 element is
+    /// the same in both: 1 is the radius, 2 the axis, and 6 the rotation from 1 to 2.
+    #[must_use]
+    pub fn is_axisymmetric(&self) -> bool {
+        self.axisymmetric
+    }
+}
+
+/// The ends that the type of a section gives rotations; both where there is no such type.
+fn rotations(section: &super::model::ConnectorSection, solver: Option<Solver>) -> [bool; 2] {
+    let [first, rest @ ..] = section.type_names.as_slice() else { return [true; 2] };
+    let second = rest.first().map(|name| name.value.as_str());
+    let Ok(connection) = ConnectionType::named(&first.value, second) else { return [true; 2] };
+    let standard = (solver == Some(Solver::Standard)).then(|| connection.in_standard()).flatten();
+    standard.map_or(connection.rotations, |other| other.rotations)
+}
+
+/// Whether the nodes of an element type that is not read have rotations, or may have: beams, pipes, elbows, frames, shells (not
+/// continuum shells), rigid and joint elements, distributing couplings; user elements and substructures.
+pub(super) fn element_rotates(name: &str) -> bool {
+    const FAMILIES: [&str; 18] = [
+        "B2", "B3", "PIPE2", "PIPE3", "ELBOW", "FRAME", "S3", "S4", "S8", "S9", "STRI", "SAX", "R2D2", "R3D",
+        "RAX", "RB", "JOINT", "DCOUP",
+    ];
+    let numbered = |letter: char| {
+        name.strip_prefix(letter).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+    };
+    FAMILIES.iter().any(|family| name.starts_with(family)) || numbered('U') || numbered('V') || numbered('Z')
+}
