@@ -38,7 +38,7 @@ fn write(scene: &Scene, format: Format) -> String {
 /// What a deck cannot say.
 fn as_deck(scene: &mut Value) {
     scene["states"] = json!([]);
-    scene["rotating_nodes"] = json!([]);
+    scene.as_object_mut().unwrap().shift_remove("rotating_nodes");
     scene["axisymmetric"] = json!(false);
 }
 
