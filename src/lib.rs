@@ -1,5 +1,5 @@
 //! A verification workbench for connector (joint) elements of finite-element and multibody codes: REVOLUTE, TRANSLATOR,
-//! SLIDE-PLANE, RETRACTOR, ROTATION … and the revolute-joint multi-point constraint.
+//! SLIDE-PLANE, RETRACTOR, ROTATION … and of the multi-point constraints BEAM, LINK, PIN, REVOLUTE, TIE, UNIVERSAL.
 //!
 //! What should this connector give here? Positions, displacements, rates, constraint residuals, Jacobians, Hessians: every
 //! number is exact to rounding, or comes with a flag that says why it is not.
@@ -48,7 +48,8 @@
 //! | [`measure`] | what is measured? The mathematics |
 //! | [`catalog`] | which connection types are there? The data |
 //! | [`connector`] | what does one connector give at one state, after its history? |
-//! | [`mpc`] | what does the revolute-joint multi-point constraint give? |
+//! | [`force`] | what do the forces of its components do to its nodes? |
+//! | [`mpc`] | what does one multi-point constraint give at one state? |
 //! | [`behavior`] | which forces follow from a motion: springs, dampers, stops, locks, drives? |
 //! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
@@ -79,6 +80,7 @@ pub mod behavior;
 pub mod catalog;
 pub mod connector;
 pub mod evaluate;
+pub mod force;
 pub mod measure;
 pub mod mpc;
 pub mod node;

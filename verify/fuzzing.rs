@@ -100,7 +100,7 @@ fn moved(scene: &Scene) -> State {
         }
     };
     let nodes = scene.nodes.keys().enumerate().map(|(place, node)| (*node, motion(place)));
-    State { time: Some(1.0), nodes: nodes.collect() }
+    State { number: None, time: Some(1.0), nodes: nodes.collect() }
 }
 
 /// Evaluates everything with first derivatives, in all formats. A number that is not finite is flagged.
@@ -122,8 +122,15 @@ fn evaluate(scene: &Scene, states: &[State]) {
         Box::new(Csv::new(&mut csv, request.outputs().collect(), request.order)),
     ];
     let shown = [0..=u64::MAX];
-    let subject =
-        Subject { scene, model: &model, plan: &plan, states: states.len(), shown: &shown, first: 0 };
+    let subject = Subject {
+        scene,
+        model: &model,
+        plan: &plan,
+        states: states.len(),
+        shown: &shown,
+        first: 0,
+        last: u64::MAX,
+    };
     let mut sequence = Sequence::new(&model, &plan);
     let mut write = |call: &mut dyn FnMut(&mut dyn Format) -> io::Result<()>| {
         formats.iter_mut().try_for_each(|format| call(format.as_mut())).expect("a sink takes everything");
@@ -135,7 +142,7 @@ fn evaluate(scene: &Scene, states: &[State]) {
         let Ok(()) = sequence.visit(state, |item| -> Result<(), std::convert::Infallible> {
             let block = match &item {
                 Item::Connector(result) => Block::of_connector(&model, &request, result),
-                Item::Joint(result) => Block::of_joint(&model, &request, result),
+                Item::Mpc(result) => Block::of_mpc(&model, &request, result),
             };
             let values = block.rows.iter().flat_map(|row| row.values.iter().flatten()).map(|v| v.number());
             let rows = block.derivatives.iter().flat_map(|row| row.gradient.iter().copied());

@@ -9,7 +9,7 @@ use pintle::catalog::{ConnectionType, Slot, TABLE};
 use pintle::connector::{
     Components, Connector, Definition, Evaluation, Increment, Request, State, Tally, Turns,
 };
-use pintle::mpc::{self, Revolute};
+use pintle::mpc::{self, Constraint, Turning};
 use pintle::node::{DOFS, Node, Pair};
 use pintle::so3;
 use pintle::vector::{Matrix, Vector, product, scale, sub};
@@ -305,13 +305,13 @@ struct Joint {
     acceleration: [f64; 3],
     angle_velocity: f64,
     angle_acceleration: f64,
-    jacobian: [[f64; mpc::DOFS]; 3],
+    jacobian: [[f64; 7]; 3],
     #[serde(rename = "angle_jacobian")]
-    _angle_jacobian: [f64; mpc::DOFS],
+    _angle_jacobian: [f64; 7],
     #[serde(default)]
-    hessian: Option<[Square<{ mpc::DOFS }>; 3]>,
+    hessian: Option<[Square<7>; 3]>,
     #[serde(default, rename = "angle_hessian")]
-    _angle_hessian: Option<Square<{ mpc::DOFS }>>,
+    _angle_hessian: Option<Square<7>>,
     error: JointErrors,
 }
 
@@ -328,14 +328,26 @@ struct JointErrors {
     hessian: Option<f64>,
 }
 
+/// Where the seven degrees of freedom of the file, θ_S, θ_M, φ_J, are among those of a constraint.
+const PLACES: [usize; 7] = [3, 4, 5, 10, 11, 12, 14];
+
 impl Joint {
     fn state(&self, t: f64) -> mpc::State<f64> {
-        let turned = |theta: Vector<f64>| so3::matrix(so3::exp(scale(theta, t)));
-        let join = |s: Vector<f64>, m: Vector<f64>, j: f64| [s[0], s[1], s[2], m[0], m[1], m[2], j];
+        let body = |theta: Vector<f64>| {
+            let rotation = so3::matrix(so3::exp(scale(theta, t)));
+            mpc::Body { rotation, ..mpc::Body::at_rest() }
+        };
+        let join = |s: Vector<f64>, m: Vector<f64>, j: f64| {
+            let mut all = [0.0; mpc::DOFS];
+            for (place, rate) in PLACES.into_iter().zip(s.into_iter().chain(m).chain([j])) {
+                all[place] = rate;
+            }
+            all
+        };
         mpc::State {
-            slave: turned(self.theta_S),
-            master: turned(self.theta_M),
-            joint: Some(self.phi_J * t),
+            slave: body(self.theta_S),
+            master: body(self.theta_M),
+            angles: [Some(self.phi_J * t), None],
             velocity: join(self.omega_S, self.omega_M, self.phi_v_J),
             acceleration: join(self.alpha_S, self.alpha_M, self.phi_a_J),
         }
@@ -347,20 +359,21 @@ impl Joint {
 fn the_joint_agrees_with_jax() {
     let mut agreement = Agreement::default();
     for joint in &file().mpc {
-        let constraint = Revolute::<f64>::between([0.0; 3], joint.axis);
-        let mut turns = Turns { turns: 0.0, principal: 0.0 };
+        let hinges = [joint.axis, [0.0; 3]];
+        let constraint = Constraint::<f64>::new(mpc::Kind::Revolute, [0.0; 3], [0.0; 3], hinges);
+        let mut turns = [Turns { turns: 0.0, principal: 0.0 }; 2];
         let mut last = None;
         for k in 1..=joint.steps {
             let state = joint.state(k as f64 / joint.steps as f64);
             let request = Request::everything(2);
-            let got = constraint.evaluate(&state, &turns, [0.0; 3], &request, &mut Tally::default());
-            turns = got.angle;
+            let got = constraint.evaluate(&state, &turns, &Turning::none(), &request, &mut Tally::default());
+            turns = got.angles;
             last = Some(got);
         }
         let got = last.expect("a history has an end");
         let error = &joint.error;
-        let angle = got.angle.principal + std::f64::consts::TAU * got.angle.turns;
-        let [rate, acceleration] = got.angle_rates.expect("rates");
+        let angle = got.angles[0].principal + std::f64::consts::TAU * got.angles[0].turns;
+        let [[rate, acceleration], _] = got.angle_rates.expect("rates");
         for (name, got, want, error) in [
             ("angle", angle, joint.angle, error.angle),
             ("angle rate", rate, joint.angle_velocity, error.angle_velocity),
@@ -370,21 +383,25 @@ fn the_joint_agrees_with_jax() {
         }
         for i in 0..3 {
             let place = |what: &str| format!("MPC {}, equation {}, {what}", joint.name, i + 1);
-            let (rate, acceleration) = (got.residual_rate.unwrap()[i], got.residual_acceleration.unwrap()[i]);
-            agreement.compare(&place("residual"), got.residual[i], joint.residual[i], error.residual);
-            agreement.compare(&place("rate"), rate, joint.velocity[i], error.velocity);
-            agreement.compare(
-                &place("acceleration"),
-                acceleration,
-                joint.acceleration[i],
-                error.acceleration,
-            );
-            for j in 0..mpc::DOFS {
-                let row = got.jacobian.unwrap()[i];
-                agreement.compare(&place(&format!("∂{j}")), row[j], joint.jacobian[i][j], error.jacobian);
+            let row = mpc::RHO + i;
+            for (what, got, want, error) in [
+                ("residual", got.residual, joint.residual, error.residual),
+                ("rate", got.residual_rate, joint.velocity, error.velocity),
+                ("acceleration", got.residual_acceleration, joint.acceleration, error.acceleration),
+            ] {
+                agreement.compare(&place(what), got[row].unwrap(), want[i], error);
+            }
+            for (j, at) in PLACES.into_iter().enumerate() {
+                let gradient = got.jacobian[row].unwrap();
+                agreement.compare(
+                    &place(&format!("∂{j}")),
+                    gradient[at],
+                    joint.jacobian[i][j],
+                    error.jacobian,
+                );
                 let Some(hessian) = &joint.hessian else { continue };
-                for k in 0..mpc::DOFS {
-                    let second = got.hessian.as_ref().unwrap()[i][j][k];
+                for (k, other) in PLACES.into_iter().enumerate() {
+                    let second = got.hessian[row].as_ref().unwrap()[at][other];
                     let allowed = error.hessian.unwrap();
                     agreement.compare(&place(&format!("∂{j}∂{k}")), second, hessian[i][j][k], allowed);
                 }

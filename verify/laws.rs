@@ -5,8 +5,10 @@
 //! F for a value, F/s_j + Σ_k |∂²f/∂q_j∂q_k| s_k for a first derivative, F₂/(s_j s_k) for a second.
 
 mod derivatives; // derivatives are those of the functions, on 237-bit numbers
+mod forces; // nodal forces are transposed rows times component forces
 mod histories; // turns are counted and saved branches continue
 mod motion; // rigid motions, frames, units, rates, the initial state, exchanged nodes
+mod mpc; // the laws of multi-point constraints
 mod requests; // a part is part of the whole, and nothing else is computed
 
 use crate::tolerance::{LAWS, Law};

@@ -4,11 +4,13 @@
 mod cli; // the command line
 mod closed; // rows derived by hand
 mod faults; // what is said about every faulty input
+mod freedom; // which degrees of freedom nodes have
 mod fuzzing; // what holds of any bytes whatever
 mod golden; // what JAX computes by other formulas
 mod laws; // what holds for every connection type
 mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are
+mod plane; // the two-dimensional forms
 mod rules; // what a connector section may do
 mod scene; // what decks and state files mean
 mod states; // where laws are tried

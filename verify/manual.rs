@@ -6,7 +6,8 @@
 //! type's definition: those entries test that the catalogue is consistent, not that it is right.
 
 use pintle::catalog::{
-    Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, Friction, Orientation, Slot, TABLE,
+    Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, Friction, Orientation, SPATIAL,
+    Slot, TABLE,
 };
 
 /// One page's summary table.
@@ -184,7 +185,7 @@ const MANUAL: &[Row] = &[
         stops: "θ1min ≤ α ≤ θ1max",
         references: "θ1ref",
         friction_parameters: "required: R_p; optional: R_a, L_s, M_C^int",
-        friction: &[["|m1|", "R_a |f1| + R_p (√(f2² + f3²) + (2/L_s) √(m2² + m3²))", "CSM1"]],
+        friction: &[["|m1|", "R_a |f1| + R_p √(f2² + f3²) + (2 R_p/L_s) √(m2² + m3²)", "CSM1"]],
         page: "connectiontypedesc-hinge, guide; friction unread",
         ..ASSEMBLED
     },
@@ -217,7 +218,8 @@ const MANUAL: &[Row] = &[
         friction_parameters: "optional: R, F_C^int, M_C^int",
         friction: &[
             ["√(f2² + f3²)", "|f1| + √(m2² + m3²)/R", "CSFC"],
-            ["|m1|", "R |f1| + √(m2² + m3²)", "CSM1"],
+            // κ = 1, contact at the rim (decision D-11); without R nothing turns against the spin.
+            ["|m1|", "κ R (|f1| + √(m2² + m3²)/R)", "CSM1"],
         ],
         page: "connectiontypedesc-planar, guide; the second contact moment unread",
         ..ASSEMBLED
@@ -356,8 +358,8 @@ const MANUAL: &[Row] = &[
         references: "θ1ref, θ3ref",
         friction_parameters: "required: R_p, L_a; optional: R_a, L_s, M_C1^int, M_C3^int",
         friction: &[
-            ["|m1|", "R_a |f·e1a| + R_p (|f − (f·e1a) e1a| + 2|m2|/L_a)", "CSM1"],
-            ["|m3|", "R_a |f·e3b| + R_p (|f − (f·e3b) e3b| + 2|m2|/L_a)", "CSM3"],
+            ["|m1|", "R_a |f·e1a| + R_p |f − (f·e1a) e1a| + (2 R_p/L_a) |m2|", "CSM1"],
+            ["|m3|", "R_a |f·e3b| + R_p |f − (f·e3b) e3b| + (2 R_p/L_a) |m2|", "CSM3"],
         ],
         page: "connectiontypedesc-ujoint; Analysis Guide 31.1.5, summary; contact moments unread",
         ..ASSEMBLED
@@ -483,8 +485,9 @@ fn the_catalogue_is_the_manual() {
         let criteria = friction.map_or(&[][..], |friction| friction.criteria);
         compare("friction criteria", &criteria.len().to_string(), &row.friction.len().to_string());
         for (criterion, [tangential, contact, output]) in criteria.iter().zip(row.friction) {
-            compare("tangential traction", criterion.tangential, tangential);
-            compare("contact force", criterion.contact, contact);
+            let of = friction.expect("criteria belong to a friction");
+            compare("tangential traction", &criterion.tangential_formula(of, SPATIAL), tangential);
+            compare("contact force", &criterion.contact_formula(of, SPATIAL), contact);
             compare("friction output", criterion.output, output);
         }
         compare("two dimensions", available(entry.planar, "yes"), row.planar);

@@ -84,9 +84,33 @@ pub(crate) const LAWS: &[Law] = &[
     law("exchanged nodes, rows", 4.0),
     law("angles along paths", 5.0),
     law("accumulated turns", 2.0),
+    // Sums of a few products with 14 entries each, over a scale of all of them.
+    law("equilibrium", 4.0),
+    law("nodal forces", 4.0),
+    law("stiffness", 4.0),
+    // The inputs are turned by a rounded matrix.
+    law("carried forces", 16.0),
     // The formulas take the triads to be orthonormal, which they are to a few roundings.
     law("rows by hand", 8.0),
+    law("plane, values", 3.0),
+    law("plane, rows", 2.0),
+    law("plane, second derivatives", 2.0),
+    law("plane, rates", 1.0),
+    law("mpc, value", 3.0),
+    law("mpc, first derivatives", 3.0),
+    law("mpc, second derivatives", 2.0),
+    law("mpc, rates from rows", 3.0),
+    law("mpc, rates in time", 3.0),
+    law("mpc, rigid motion", 8.0),
+    law("mpc, turns", 3.0),
+    law("mpc, compositions", 8.0),
+    law("mpc, allowed motions", 4.0),
+    law("mpc, as connectors", 16.0),
 ];
+
+/// What 237-bit numbers leave of an identity, over its scale: 71 digits less the triads' distance from orthonormal, which is that of
+/// doubles, where an identity rests on it.
+pub(crate) const WIDE: f64 = 1e-60;
 
 /// Agreement with JAX, in units of the error that the golden file states for each of its numbers: twice its distance from 110
 /// digits plus two roundings of the natural size.

@@ -8,11 +8,13 @@
 //! |---|---|
 //! | [`table`] | what lies between the rows of a table? |
 //! | [`elasticity`], [`damping`] | which forces follow from displacements and velocities? |
+//! | [`friction`] | what sticks, what slips, and with which force? |
 //! | [`amplitude`] | how does what is prescribed change in time? |
 
 pub mod amplitude;
 pub mod damping;
 pub mod elasticity;
+pub mod friction;
 mod law;
 pub mod table;
 

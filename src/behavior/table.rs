@@ -159,6 +159,26 @@ impl Table {
         self.variables.iter().filter(|(_, varies)| *varies).map(|(variable, _)| *variable)
     }
 
+    /// The values of a variable at which rows stand, in increasing order, each once: between two of them the table is affine
+    /// in it.
+    pub fn rows(&self, variable: Variable) -> Vec<f64> {
+        fn collect(block: &Block, below: usize, found: &mut Vec<f64>) {
+            let Block::Along { at, blocks } = block else { return };
+            if below == 0 {
+                found.extend(at);
+            } else {
+                blocks.iter().for_each(|block| collect(block, below - 1, found));
+            }
+        }
+        let mut found = Vec::new();
+        if let Some(level) = self.variables.iter().position(|(known, varies)| *varies && *known == variable) {
+            collect(&self.root, self.variables.len() - 1 - level, &mut found);
+        }
+        found.sort_by(f64::total_cmp);
+        found.dedup();
+        found
+    }
+
     /// The dependent value `output` (from 0) at the given variables. `argument` is asked for those of [`Table::depends_on`] only.
     pub fn evaluate<S: Scalar>(&self, output: usize, argument: impl Fn(Variable) -> S) -> S {
         let met = Cell::new(false);

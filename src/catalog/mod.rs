@@ -7,9 +7,14 @@
 //! To add a type: write its half or its slots in `table.rs` (and a new [`Measure`] if none fits), then its double entries:
 //! a row in `verify/manual.rs` and one in `scripts/reference.py`. A test fails while either is missing.
 
+mod friction;
 mod rules;
 mod table;
 
+pub use friction::{
+    Contact, ContactTerm, CrossAxis, Factor, Friction, FrictionConstant, FrictionCriterion,
+    FrictionParameter, Load, PLANE, Quantity, SPATIAL, Traction,
+};
 pub use rules::{Breach, Facts, Procedure, Rule};
 pub use table::TABLE;
 
@@ -19,9 +24,6 @@ use std::borrow::Cow;
 
 /// The names of the components of relative motion, in order.
 pub const COMPONENT: [&str; 6] = ["u1", "u2", "u3", "ur1", "ur2", "ur3"];
-
-/// The components (0-based) that a two-dimensional element has: u1, u2 and ur3.
-pub const PLANAR_COMPONENTS: [usize; 3] = [0, 1, 5];
 
 /// The names of the conjugate forces and moments, in order.
 pub const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
@@ -97,6 +99,47 @@ impl Slot {
     }
 }
 
+/// How the force of a component loads the nodes: the row of virtual displacements that it does work on.
+///
+/// The reported force of an available component is conjugate to it. That of a constrained component is what the manual prints as its
+/// constraint force or moment, which need not be the multiplier of the equation enforced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Loading {
+    /// Conjugate to the position: its gradient, or the one-form that it accumulates.
+    Conjugate,
+    /// A moment along e_i^a on b, and its opposite on a: m2 and m3 of REVOLUTE. For every frozen angle these span the moments
+    /// that do no work on the free rotation about e1a.
+    AlongA(usize),
+    /// A moment on b whose component along the i-th axis of the Cardan angles frozen initially, m_i = M·(e1a, cos α₀ e2a + sin α₀ e3a,
+    /// e3b), is the reported one, and the others zero: ALIGN. Along e_i^a where the directions coincide initially.
+    FrozenAxis(usize),
+    /// A tension along d, with the flow forces −f1 at a and +f1 at b: f1 (δ|d| − δΨ_a + δΨ_b). SLIPRING, whose u1 is a strain.
+    Tension,
+}
+
+/// The moment that a page prints, where it is written in other directions than those conjugate to the components: its components
+/// are those by which the printed formula gives the exact moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PrintedMoment {
+    /// M = m1 e1a + m2 e2a + m3 e3a, or m_i = M·e_i^a.
+    AlongA,
+    /// M = m1 e1a + m2 (cos α e2a + sin α e3a) + m3 e3b, along the axes of the Cardan angles.
+    CardanAxes,
+    /// M = m1 e1 + m2 e2 + m3 e3, along the directions midway between a and b.
+    Midway,
+}
+
+impl PrintedMoment {
+    /// The formula, in the manual's symbols.
+    pub const fn formula(self) -> &'static str {
+        match self {
+            Self::AlongA => "m = m1 e1a + m2 e2a + m3 e3a",
+            Self::CardanAxes => "m = m1 e1a + m2 (cos α e2a + sin α e3a) + m3 e3b",
+            Self::Midway => "m = m1 e1 + m2 e2 + m3 e3",
+        }
+    }
+}
+
 /// Whether an orientation must, may or will not be used at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -148,37 +191,6 @@ pub enum Availability {
     StandardOnly,
 }
 
-/// A parameter of predefined friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct FrictionParameter {
-    /// The manual's symbol: R_r, L, F_C^int.
-    pub symbol: &'static str,
-    /// Whether it must be given.
-    pub required: bool,
-}
-
-/// One criterion of predefined friction, Φ = P(f) − μ F_N ≤ 0 with F_N = |F_C + F_C^int|.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct FrictionCriterion {
-    /// P, the magnitude of the tangential tractions.
-    pub tangential: &'static str,
-    /// F_C, the contact force (or moment).
-    pub contact: &'static str,
-    /// The output in which the friction force appears.
-    pub output: &'static str,
-}
-
-/// Predefined friction of a type.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Friction {
-    /// Parameters in the order of the data line of `*CONNECTOR FRICTION, PREDEFINED`.
-    pub parameters: &'static [FrictionParameter],
-    /// Its criteria.
-    pub criteria: &'static [FrictionCriterion],
-    /// How well the formulas are documented.
-    pub evidence: Evidence,
-}
-
 /// A basic translational or rotational type: half of a connector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Half {
@@ -188,6 +200,10 @@ pub struct Half {
     pub class: Class,
     /// Components 1–3 or 4–6.
     pub slots: [Slot; 3],
+    /// How their forces or moments load the nodes.
+    pub loading: [Loading; 3],
+    /// The moment that the page prints, and how well it is documented, where it is not that of the conjugate components.
+    pub printed: Option<(PrintedMoment, Evidence)>,
     /// The rules at a and at b.
     pub orientation: [OrientationRule; 2],
     /// Whether it can be used in two-dimensional and axisymmetric analysis (CONN2D2), where components u1, u2 and ur3 remain.
@@ -221,6 +237,10 @@ pub struct ConnectionType {
     pub halves: [Option<&'static Half>; 2],
     /// u1, u2, u3, ur1, ur2, ur3.
     pub slots: [Slot; 6],
+    /// How their forces and moments load the nodes.
+    pub loading: [Loading; 6],
+    /// The moment that the pages print, and how well it is documented, where it is not that of the conjugate components.
+    pub printed: Option<(PrintedMoment, Evidence)>,
     /// The rules at a and at b.
     pub orientation: [OrientationRule; 2],
     /// Two-dimensional and axisymmetric use.
@@ -249,17 +269,23 @@ impl ConnectionType {
     pub const fn basic(half: &'static Half) -> Self {
         let [s1, s2, s3] = half.slots;
         let absent = Slot::Absent;
+        let [l1, l2, l3] = half.loading;
+        let none = Loading::Conjugate;
         let translational = matches!(half.class, Class::BasicTranslational);
-        let (slots, halves, forces) = if translational {
-            ([s1, s2, s3, absent, absent, absent], [Some(half), None], [half.forces, ""])
+        let (slots, loading, halves, forces) = if translational {
+            let slots = [s1, s2, s3, absent, absent, absent];
+            (slots, [l1, l2, l3, none, none, none], [Some(half), None], [half.forces, ""])
         } else {
-            ([absent, absent, absent, s1, s2, s3], [None, Some(half)], ["", half.forces])
+            let slots = [absent, absent, absent, s1, s2, s3];
+            (slots, [none, none, none, l1, l2, l3], [None, Some(half)], ["", half.forces])
         };
         Self {
             name: Cow::Borrowed(half.name),
             class: half.class,
             halves,
             slots,
+            loading,
+            printed: half.printed,
             orientation: half.orientation,
             planar: half.planar,
             availability: half.availability,
@@ -298,6 +324,8 @@ impl ConnectionType {
             class: Class::Assembled,
             halves: [Some(t), Some(r)],
             slots,
+            loading: [t.loading[0], t.loading[1], t.loading[2], r.loading[0], r.loading[1], r.loading[2]],
+            printed: r.printed,
             orientation: [
                 stricter(t.orientation[0], r.orientation[0]),
                 stricter(t.orientation[1], r.orientation[1]),
@@ -364,12 +392,39 @@ impl ConnectionType {
         })
     }
 
+    /// The two-dimensional form: u3, ur1 and ur2 do not exist. Of a SLIPRING the flow at a, its component 3, is then read at the
+    /// node, as degree of freedom 10.
+    ///
+    /// ```
+    /// use pintle::catalog::{ConnectionType, Slot};
+    /// let slot = ConnectionType::named("SLOT", None).unwrap().in_plane();
+    /// assert_eq!(slot.component_list(Slot::is_constrained), "u2");
+    /// ```
+    pub fn in_plane(&self) -> Self {
+        let mut form = self.clone();
+        for (k, slot) in form.slots.iter_mut().enumerate() {
+            if !PLANE[k] {
+                *slot = Slot::Absent;
+            }
+        }
+        form
+    }
+
     fn find(name: &str) -> Result<&'static Self, NameError> {
         let name = name.trim();
         TABLE
             .iter()
             .find(|entry| entry.name.eq_ignore_ascii_case(name))
             .ok_or_else(|| NameError::Unknown { name: name.to_string(), nearest: nearest(name) })
+    }
+
+    /// How the force of component k (0-based) loads the nodes; `None` where there is no such force: an absent component, or one
+    /// for output only.
+    pub const fn loading(&self, k: usize) -> Option<Loading> {
+        match self.slots[k] {
+            Slot::Absent | Slot::Measured(_) => None,
+            Slot::Available(_) | Slot::Constrained(..) => Some(self.loading[k]),
+        }
     }
 
     /// The indices (0-based) of the components that satisfy a condition.

@@ -1,8 +1,6 @@
 //! What a connector section may not do, by the documented rules of its type.
 
-use super::{
-    Availability, COMPONENT, Class, ConnectionType, Evidence, Orientation, PLANAR_COMPONENTS, Slot, list,
-};
+use super::{Availability, COMPONENT, Class, ConnectionType, Evidence, Orientation, PLANE, Slot, list};
 use crate::measure::Measure;
 use serde::Serialize;
 
@@ -328,7 +326,7 @@ impl ConnectionType {
             );
         }
         // In two dimensions u3, ur1 and ur2 are zero whatever the type.
-        let exists = |k: usize| !facts.planar || PLANAR_COMPONENTS.contains(&k);
+        let exists = |k: usize| !facts.planar || PLANE[k];
         let is_available = |k: usize| self.slots[k].is_available() && exists(k);
         let available = list((0..6).filter(|k| is_available(*k)).map(|k| COMPONENT[k]));
         for k in &facts.stops {

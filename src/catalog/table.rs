@@ -2,13 +2,12 @@
 
 use super::Availability::{Always, ExplicitOnly, Never, StandardOnly};
 use super::Condition::{Held, Zero, ZeroOrHeld};
-use super::Evidence::{D, P, R, S};
+use super::Evidence::{D, P, S};
+use super::Loading::{AlongA, Conjugate, FrozenAxis, Tension};
 use super::Orientation::{Ignored, Optional, Required};
 use super::Slot::{Absent, Available, Constrained, Measured};
-use super::{
-    Class, ConnectionType, Evidence, Friction, FrictionCriterion, FrictionParameter, Half, Orientation,
-    OrientationRule,
-};
+use super::friction;
+use super::{Class, ConnectionType, Evidence, Half, Orientation, OrientationRule, PrintedMoment};
 use crate::measure::Measure::{
     Cardan, ComponentFlexion, Cosine, Distance, Euler, Flexion, Flow, FlowConversion, Misalignment, Position,
     PositionAtB, ProjectedPosition, RadialDistance, RotationVector, RotationVectorAtB, Strain, Sweep,
@@ -20,18 +19,12 @@ const fn rule(orientation: Orientation, evidence: Evidence) -> OrientationRule {
     OrientationRule { orientation, evidence }
 }
 
-const fn required(symbol: &'static str) -> FrictionParameter {
-    FrictionParameter { symbol, required: true }
-}
-
-const fn optional(symbol: &'static str) -> FrictionParameter {
-    FrictionParameter { symbol, required: false }
-}
-
 const TRANSLATIONAL: Half = Half {
     name: "",
     class: Class::BasicTranslational,
     slots: [Absent; 3],
+    loading: [Conjugate; 3],
+    printed: None,
     orientation: [rule(Required, D), rule(Ignored, D)],
     planar: Always,
     availability: Always,
@@ -139,11 +132,7 @@ static SLIDE_PLANE: Half = Half {
     slots: [Constrained(Position(1), Held), Available(Position(2)), Available(Position(3))],
     planar: Never,
     forces: "f = f1 e1a, f_s-p = f2 e2a + f3 e3a",
-    friction: Some(Friction {
-        parameters: &[optional("F_C^int")],
-        criteria: &[FrictionCriterion { tangential: "√(f2² + f3²)", contact: "|f1|", output: "CSFC" }],
-        evidence: S,
-    }),
+    friction: Some(friction::SLIDE_PLANE),
     source: "seed SLIDE-PLANE, Description and Friction; summary in the Analysis Guide 31.1.5",
     ..TRANSLATIONAL
 };
@@ -152,11 +141,7 @@ static SLOT: Half = Half {
     name: "SLOT",
     slots: [Available(Position(1)), Constrained(Position(2), Held), Constrained(Position(3), Held)],
     forces: "f = f2 e2a + f3 e3a, f_slot = f1 e1a",
-    friction: Some(Friction {
-        parameters: &[optional("F_C^int")],
-        criteria: &[FrictionCriterion { tangential: "|f1|", contact: "√(f2² + f3²)", output: "CSF1" }],
-        evidence: D,
-    }),
+    friction: Some(friction::SLOT),
     source: "connection type SLOT, Description and Summary",
     ..TRANSLATIONAL
 };
@@ -168,6 +153,8 @@ static ALIGN: Half = Half {
         Constrained(Cardan(2), Zero(Misalignment(2))),
         Constrained(Cardan(3), Zero(Misalignment(3))),
     ],
+    loading: [FrozenAxis(1), FrozenAxis(2), FrozenAxis(3)],
+    printed: Some((PrintedMoment::AlongA, D)),
     orientation: [rule(Optional, D), rule(Optional, D)],
     planar: Always,
     forces: "m = m1 e1a + m2 e2a + m3 e3a",
@@ -233,6 +220,7 @@ static FLOW_CONVERTER: Half = Half {
 static PROJECTION_FLEXION_TORSION: Half = Half {
     name: "PROJECTION FLEXION-TORSION",
     slots: [Available(ComponentFlexion(1)), Available(ComponentFlexion(2)), Available(Torsion)],
+    printed: Some((PrintedMoment::Midway, P)),
     forces: "for moderate flexion m = m1 e1 + m2 e2 + m3 e3",
     source: "connection type PROJECTION FLEXION-TORSION, Description; formulas ours",
     note: "Regular without flexion, unlike FLEXION-TORSION; the directions e1, e2, e3 lie midway between those of a and b.",
@@ -246,6 +234,8 @@ static REVOLUTE: Half = Half {
         Constrained(Cardan(2), ZeroOrHeld(Cosine(1, 3))),
         Constrained(Cardan(3), ZeroOrHeld(Cosine(1, 2))),
     ],
+    loading: [Conjugate, AlongA(2), AlongA(3)],
+    printed: Some((PrintedMoment::AlongA, S)),
     orientation: [rule(Required, S), rule(Optional, S)],
     forces: "m = m2 e2a + m3 e3a, m_revolute = m1 e1a",
     source: "seed REVOLUTE, Description and Summary (decisions D-1, D-2)",
@@ -256,6 +246,7 @@ static REVOLUTE: Half = Half {
 static ROTATION: Half = Half {
     name: "ROTATION",
     slots: [Available(RotationVector(1)), Available(RotationVector(2)), Available(RotationVector(3))],
+    printed: Some((PrintedMoment::AlongA, S)),
     orientation: [rule(Optional, S), rule(Optional, S)],
     planar: Always,
     forces: "m_i = M·eia as printed; work-conjugate: M = A H⁻ᵀ m (decision D-6)",
@@ -279,6 +270,7 @@ static ROTATION_ACCELEROMETER: Half = Half {
 static UNIVERSAL: Half = Half {
     name: "UNIVERSAL",
     slots: [Available(Cardan(1)), Constrained(Cardan(2), ZeroOrHeld(Cosine(1, 3))), Available(Cardan(3))],
+    printed: Some((PrintedMoment::CardanAxes, D)),
     forces: "m = m2 (cos α e2a + sin α e3a), m_universal = m1 e1a + m3 e3b",
     source: "connection type UNIVERSAL, Description and Summary (decision D-5)",
     note: "The shafts are e2a and e2b. A second Cardan angle that is not zero initially is kept.",
@@ -320,50 +312,15 @@ pub static TABLE: &[ConnectionType] = &[
         "CYLINDRICAL",
         &SLOT,
         &REVOLUTE,
-        Some(Friction {
-            parameters: &[required("R"), optional("L"), optional("F_C^int")],
-            criteria: &[FrictionCriterion {
-                tangential: "√(f1² + (m1/R)²)",
-                contact: "√(f2² + f3²) + (2/L) √(m2² + m3²)",
-                output: "CSFC",
-            }],
-            evidence: P,
-        }),
+        Some(friction::CYLINDRICAL),
         "connection type CYLINDRICAL",
     ),
-    ConnectionType::assembled(
-        "HINGE",
-        &JOIN,
-        &REVOLUTE,
-        Some(Friction {
-            parameters: &[required("R_p"), optional("R_a"), optional("L_s"), optional("M_C^int")],
-            criteria: &[FrictionCriterion {
-                tangential: "|m1|",
-                contact: "R_a |f1| + R_p (√(f2² + f3²) + (2/L_s) √(m2² + m3²))",
-                output: "CSM1",
-            }],
-            evidence: P,
-        }),
-        "connection type HINGE",
-    ),
+    ConnectionType::assembled("HINGE", &JOIN, &REVOLUTE, Some(friction::HINGE), "connection type HINGE"),
     ConnectionType::assembled(
         "PLANAR",
         &SLIDE_PLANE,
         &REVOLUTE,
-        Some(Friction {
-            parameters: &[optional("R"), optional("F_C^int"), optional("M_C^int")],
-            criteria: &[
-                FrictionCriterion {
-                    tangential: "√(f2² + f3²)",
-                    contact: "|f1| + √(m2² + m3²)/R",
-                    output: "CSFC",
-                },
-                FrictionCriterion {
-                    tangential: "|m1|", contact: "R |f1| + √(m2² + m3²)", output: "CSM1"
-                },
-            ],
-            evidence: R,
-        }),
+        Some(friction::PLANAR),
         "connection type PLANAR (second friction criterion: decision D-11)",
     ),
     ConnectionType::assembled("RETRACTOR", &JOIN, &FLOW_CONVERTER, None, "seed RETRACTOR, Summary"),
@@ -371,44 +328,14 @@ pub static TABLE: &[ConnectionType] = &[
         "TRANSLATOR",
         &SLOT,
         &ALIGN,
-        Some(Friction {
-            parameters: &[optional("R_r"), optional("L"), optional("F_C^int")],
-            criteria: &[FrictionCriterion {
-                tangential: "|f1|",
-                contact: "|m1|/R_r + √(f2² + f3²) + (2/L) √(m2² + m3²)",
-                output: "CSF1",
-            }],
-            evidence: S,
-        }),
+        Some(friction::TRANSLATOR),
         "seed TRANSLATOR, Friction and Summary (decision D-18)",
     ),
     ConnectionType::assembled(
         "UJOINT",
         &JOIN,
         &UNIVERSAL,
-        Some(Friction {
-            parameters: &[
-                required("R_p"),
-                required("L_a"),
-                optional("R_a"),
-                optional("L_s"),
-                optional("M_C1^int"),
-                optional("M_C3^int"),
-            ],
-            criteria: &[
-                FrictionCriterion {
-                    tangential: "|m1|",
-                    contact: "R_a |f·e1a| + R_p (|f − (f·e1a) e1a| + 2|m2|/L_a)",
-                    output: "CSM1",
-                },
-                FrictionCriterion {
-                    tangential: "|m3|",
-                    contact: "R_a |f·e3b| + R_p (|f − (f·e3b) e3b| + 2|m2|/L_a)",
-                    output: "CSM3",
-                },
-            ],
-            evidence: R,
-        }),
+        Some(friction::UJOINT),
         "connection type UJOINT (friction: decision D-13)",
     ),
     ConnectionType::assembled("WELD", &JOIN, &ALIGN, None, "connection type components, WELD"),
@@ -417,19 +344,13 @@ pub static TABLE: &[ConnectionType] = &[
         class: Class::Complex,
         halves: [None, None],
         slots: [Available(Strain), Available(Flow(2)), Measured(Flow(1)), Absent, Absent, Absent],
+        loading: [Tension, Conjugate, Conjugate, Conjugate, Conjugate, Conjugate],
+        printed: None,
         orientation: [rule(Ignored, P), rule(Ignored, P)],
         planar: StandardOnly,
         availability: Always,
         forces: ["f = f1 q, q = d/|d|; flow forces −f1 at a, +f1 at b", ""],
-        friction: Some(Friction {
-            parameters: &[],
-            criteria: &[FrictionCriterion {
-                tangential: "|T2 − T1|",
-                contact: "min(T1, T2) (exp(μ α) − 1)/μ",
-                output: "CSF2",
-            }],
-            evidence: P,
-        }),
+        friction: Some(friction::SLIPRING),
         stops: false,
         flow: [true, true],
         rotations: [false, false],

@@ -175,43 +175,47 @@ fn walk(
     for Loaded { scene, states, model } in loaded {
         let plan = Plan::compile(model, &selection, request.clone())
             .map_err(|error| Failure::Usage(error.to_string()))?;
-        if plan.connectors.is_empty() && plan.joints.is_empty() && arguments.scene.is_some() {
-            let message = format!("{} has no connector element and no revolute-joint MPC", scene.name);
+        if plan.connectors.is_empty() && plan.mpcs.is_empty() && arguments.scene.is_some() {
+            let message = format!("{} has no connector element and no MPC that is evaluated", scene.name);
             return Err(Failure::Nothing(message));
         }
         let branches = match &arguments.resume {
             Some(file) => resume(file, model, &plan)?,
             None => Branches::default(),
         };
-        let shown = show.numbers(branches.states, states.len() as u64).map_err(Failure::Usage)?;
-        walks.push((plan, branches, shown));
+        let numbers: Vec<u64> =
+            (branches.states..).zip(states).map(|(counted, state)| state.number.unwrap_or(counted)).collect();
+        let shown = show.among(&numbers).map_err(Failure::Usage)?;
+        walks.push((plan, branches, shown, numbers));
     }
     format.begin()?;
     let mut progress = Progress::new();
-    for (Loaded { scene, states, model }, (plan, branches, shown)) in loaded.iter().zip(&walks) {
+    for (Loaded { scene, states, model }, (plan, branches, shown, numbers)) in loaded.iter().zip(&walks) {
         let mut sequence = Sequence::resume(model, plan, branches.clone());
-        let first = branches.states;
-        format.scene(&Subject { scene, model, plan, states: states.len(), shown, first })?;
-        for state in states {
-            let index = sequence.branches().states;
-            progress.tick(&scene.name, index - first, states.len());
+        let [first, last] =
+            [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
+        format.scene(&Subject { scene, model, plan, states: states.len(), shown, first, last })?;
+        for (done, (state, index)) in states.iter().zip(numbers.iter().copied()).enumerate() {
+            progress.tick(&scene.name, done, states.len());
             if shown.iter().any(|range| range.contains(&index)) {
                 format.state(index, state.time)?;
                 sequence.visit(state, |item| {
                     let block = match &item {
                         Item::Connector(result) => Block::of_connector(model, request, result),
-                        Item::Joint(result) => Block::of_joint(model, request, result),
+                        Item::Mpc(result) => Block::of_mpc(model, request, result),
                     };
                     evaluated += u64::from(!block.is_empty());
-                    care.see(index, &block.title(), &block.flags);
+                    care.see(index, &title(model, &item), &block.flags);
                     format.block(&block)
                 })?;
                 format.end_state()?;
             } else {
                 sequence.pass(state, |item| -> Result<(), Failure> {
-                    if let Item::Connector(result) = &item {
-                        care.see(index, &model.connectors[result.index].title(), &result.flags);
-                    }
+                    let flags = match &item {
+                        Item::Connector(result) => &result.flags,
+                        Item::Mpc(result) => &result.flags,
+                    };
+                    care.see(index, &title(model, &item), flags);
                     Ok(())
                 })?;
             }
@@ -228,6 +232,14 @@ fn walk(
         return Err(Failure::Nothing("no connector has an output of those asked for".into()));
     }
     Ok(())
+}
+
+/// What a result is of: `HINGE 101`, `MPC REVOLUTE 10-20-30`.
+fn title(model: &Model, item: &Item) -> String {
+    match item {
+        Item::Connector(result) => model.connectors[result.index].title(),
+        Item::Mpc(result) => model.mpcs[result.index].title(),
+    }
 }
 
 impl Care {
@@ -301,7 +313,7 @@ impl Progress {
         }
     }
 
-    fn tick(&mut self, scene: &str, done: u64, states: usize) {
+    fn tick(&mut self, scene: &str, done: usize, states: usize) {
         let last = self.told.unwrap_or(self.begun);
         if self.visible && last.elapsed() > Duration::from_secs(1) {
             self.told = Some(Instant::now());

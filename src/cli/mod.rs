@@ -8,8 +8,9 @@ mod show;
 pub(crate) use failure::Failure;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use pintle::catalog::{ConnectionType, NameError};
-use pintle::report::{explain, list, mpc};
+use pintle::catalog::{ConnectionType, NameError, TABLE};
+use pintle::mpc;
+use pintle::report::{self, explain, list};
 use pintle::scene::Code;
 use show::Show;
 use std::io::{self, BufWriter, IsTerminal, Write};
@@ -28,9 +29,9 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// List the connection types
+    /// List the connection types and multi-point constraints
     List(List),
-    /// Explain a connection type, the revolute-joint MPC, or the code of a diagnostic
+    /// Explain a connection type, a multi-point constraint (MPC), or the code of a diagnostic
     Explain(Explain),
     /// Evaluate the connectors of a scene: positions, displacements, rates, residuals, derivatives
     Eval(Box<Eval>),
@@ -64,7 +65,7 @@ pub(crate) struct List {
 
 #[derive(Debug, Args)]
 pub(crate) struct Explain {
-    /// A connection type such as REVOLUTE, in any case; MPC; or the code of a diagnostic such as deck::unknown-node
+    /// A connection type such as REVOLUTE, in any case; MPC or MPC REVOLUTE; or the code of a diagnostic such as deck::unknown-node
     #[arg(value_name = "TYPE|MPC|CODE")]
     name: String,
     /// A second type: a basic translational and a basic rotational type make a pair
@@ -206,13 +207,13 @@ pub(crate) struct Eval {
 
 const EVAL_HELP: &str = "\
 States: a table (.csv) or a document (.json); examples below. They are evaluated
-  in order and numbered from 0, with --resume on from those before. Lengths in
+  in order, and called by their numbers in the file, the column state or the
+  name number; without, from 0, with --resume on from those before. Lengths in
   the unit of the deck, angles in rad, all components global. What is missing
   or empty is 0: a node that a state leaves out is at rest in its initial place.
   CSV: the first line names the columns, in any order; lines that begin with #
   are comments. Only node is needed.
-    state              rows of one number form one state; it must not decrease,
-                       and serves for nothing else
+    state              rows of one number form one state; it must not decrease
     time               the same in all rows of a state
     node               the node number
     u1 u2 u3           displacement from the initial position
@@ -229,9 +230,10 @@ States: a table (.csv) or a document (.json); examples below. They are evaluated
   JSON: the same by node number, under the names displacement, rotation or
   quaternion, velocity, angular_velocity, acceleration, angular_acceleration,
   flow, flow_velocity, flow_acceleration.
-  The joint angle φJ of an MPC REVOLUTE, degree of freedom 6 of its third node,
-  is ur3 of that node, with the rates vr3 and ar3. Where a state leaves out the
-  node, or gives it a quaternion, φJ is what the rotations imply.
+  The angles of the hinges of an MPC REVOLUTE or UNIVERSAL, degree of freedom 6
+  of its third and fourth node, are ur3 of those nodes, with the rates vr3 and
+  ar3. Where a state leaves out the node, or gives it a quaternion, the angle is
+  what the rotations imply.
 
 Outputs:
   CP, CU, CCU    position; displacement from the initial position; from the
@@ -268,8 +270,9 @@ A file of two states, as CSV and as JSON:
   1,0.5,3,0.2,,
 
   {\"schema\": \"pintle-states/1\", \"states\": [
-    {\"time\": 0, \"nodes\": {\"2\": {\"angular_velocity\": [0, 0, 15]}}},
-    {\"time\": 0.5, \"nodes\": {
+    {\"number\": 0, \"time\": 0, \"nodes\": {
+      \"2\": {\"angular_velocity\": [0, 0, 15]}}},
+    {\"number\": 1, \"time\": 0.5, \"nodes\": {
       \"2\": {\"displacement\": [0.1, 0, 0], \"rotation\": [0, 0, 7.5],
             \"angular_velocity\": [0, 0, 15]},
       \"3\": {\"displacement\": [0.2, 0, 0]}}}]}
@@ -279,13 +282,16 @@ Examples:
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
 
-/// The width of a page: that of the terminal, or 100.
+/// The width of a page: that of the terminal; elsewhere the environment's COLUMNS, or 100.
 fn page_width(stream: &impl IsTerminal) -> usize {
     const DEFAULT: usize = 100;
-    if !stream.is_terminal() {
-        return DEFAULT;
+    const LEAST: usize = 40;
+    let terminal = stream.is_terminal().then(terminal_size::terminal_size).flatten();
+    if let Some((width, _)) = terminal {
+        return usize::from(width.0).max(LEAST);
     }
-    terminal_size::terminal_size().map_or(DEFAULT, |(width, _)| usize::from(width.0).max(40))
+    let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.trim().parse().ok());
+    columns.map_or(DEFAULT, |columns: usize| columns.clamp(LEAST, 1000))
 }
 
 /// `pintle list`.
@@ -294,6 +300,20 @@ pub(crate) fn list(arguments: &List) -> Result<(), Failure> {
     match arguments.format {
         PageFormat::Human => list::human(&mut out, page_width(&io::stdout()))?,
         PageFormat::Json => list::json(&mut out)?,
+    }
+    Ok(out.flush()?)
+}
+
+/// `pintle explain MPC`.
+fn explain_mpc(
+    out: &mut impl Write,
+    kind: Option<mpc::Kind>,
+    format: PageFormat,
+    width: usize,
+) -> Result<(), Failure> {
+    match format {
+        PageFormat::Human => report::mpc::human(out, kind, width)?,
+        PageFormat::Json => report::mpc::json(out, kind)?,
     }
     Ok(out.flush()?)
 }
@@ -312,16 +332,22 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let second = arguments.second.as_deref().unwrap_or_default();
     let words = format!("{} {second}", arguments.name).to_ascii_uppercase();
     match words.split_whitespace().collect::<Vec<_>>()[..] {
-        ["MPC"] | ["MPC", "REVOLUTE"] => {
-            match arguments.format {
-                PageFormat::Human => mpc::human(&mut out, width)?,
-                PageFormat::Json => mpc::json(&mut out)?,
-            }
-            return Ok(out.flush()?);
+        ["MPC"] => return explain_mpc(&mut out, None, arguments.format, width),
+        ["MPC", name] => {
+            let Some(kind) = mpc::Kind::named(name) else {
+                let names = mpc::TABLE.map(|entry| entry.name).join(", ");
+                return Err(Failure::Usage(format!(
+                    "the MPCs that are evaluated, and explained, are {names}"
+                )));
+            };
+            return explain_mpc(&mut out, Some(kind), arguments.format, width);
         }
-        ["MPC", ..] => {
-            let message = "of the MPCs only the type REVOLUTE is evaluated, and explained";
-            return Err(Failure::Usage(message.to_string()));
+        ["MPC", ..] => return Err(Failure::Usage("an MPC has one type: MPC REVOLUTE".to_string())),
+        // A name that no connection type has.
+        [name] if !TABLE.iter().any(|entry| entry.name == name) => {
+            if let Some(kind) = mpc::Kind::named(name) {
+                return explain_mpc(&mut out, Some(kind), arguments.format, width);
+            }
         }
         _ => {}
     }

@@ -27,23 +27,29 @@ impl Show {
         Self(vec![Item::Middle, Item::Last])
     }
 
-    /// The numbers of the states, out of `count` states that begin with number `first`.
+    /// The numbers of the states that are shown, out of those in `known`, which increase. The ends of a range are states.
     ///
     /// # Errors
     /// A number that is not one of them, in words.
-    pub(crate) fn numbers(&self, first: u64, count: u64) -> Result<Vec<RangeInclusive<u64>>, String> {
-        let last = first + count.saturating_sub(1);
+    pub(crate) fn among(&self, known: &[u64]) -> Result<Vec<RangeInclusive<u64>>, String> {
+        let ([first, ..], [.., last]) = (known, known) else { return Ok(Vec::new()) };
+        let middle = known.get((known.len() - 1) / 2).unwrap_or(first);
+        let one = |number: &u64| Ok(*number..=*number);
         self.0
             .iter()
             .map(|item| match item {
-                Item::All => Ok(first..=last),
-                Item::First => Ok(first..=first),
-                Item::Middle => Ok(first + (last - first) / 2..=first + (last - first) / 2),
-                Item::Last => Ok(last..=last),
-                Item::Numbers(range) if *range.start() >= first && *range.end() <= last => Ok(range.clone()),
+                Item::All => Ok(*first..=*last),
+                Item::First => one(first),
+                Item::Middle => one(middle),
+                Item::Last => one(last),
                 Item::Numbers(range) => {
-                    let wrong = if *range.start() < first { range.start() } else { range.end() };
-                    Err(format!("there is no state {wrong}: they are {first} to {last}"))
+                    match [range.start(), range.end()]
+                        .into_iter()
+                        .find(|end| known.binary_search(end).is_err())
+                    {
+                        None => Ok(range.clone()),
+                        Some(wrong) => Err(format!("there is no state {wrong}: they are {first} to {last}")),
+                    }
                 }
             })
             .collect()
@@ -83,9 +89,14 @@ mod tests {
     #[test]
     fn lists_of_states() {
         let show: Show = "0, 3-5,middle,LAST".parse().unwrap();
-        assert_eq!(show.numbers(0, 9).unwrap(), [0..=0, 3..=5, 4..=4, 8..=8]);
-        assert_eq!(show.numbers(2, 9).unwrap_err(), "there is no state 0: they are 2 to 10");
-        assert_eq!(show.numbers(0, 5).unwrap_err(), "there is no state 5: they are 0 to 4");
+        let states = |range: std::ops::Range<u64>| range.collect::<Vec<u64>>();
+        assert_eq!(show.among(&states(0..9)).unwrap(), [0..=0, 3..=5, 4..=4, 8..=8]);
+        assert_eq!(show.among(&states(2..11)).unwrap_err(), "there is no state 0: they are 2 to 10");
+        assert_eq!(show.among(&states(0..5)).unwrap_err(), "there is no state 5: they are 0 to 4");
+        // Numbers of a file, with gaps.
+        let show: Show = "10-40,middle,last".parse().unwrap();
+        assert_eq!(show.among(&[10, 20, 40, 70]).unwrap(), [10..=40, 20..=20, 70..=70]);
+        assert_eq!(show.among(&[10, 20, 70]).unwrap_err(), "there is no state 40: they are 10 to 70");
         for wrong in ["", "1,", "5-3", "x", "-1"] {
             assert!(wrong.parse::<Show>().is_err(), "{wrong}");
         }

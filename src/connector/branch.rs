@@ -160,7 +160,7 @@ impl<R: Differentiable> Connector<R> {
 
 impl<R: Copy> Branch<R> {
     /// What measures need to know of it.
-    pub(super) const fn history(&self) -> History<R> {
+    pub(crate) const fn history(&self) -> History<R> {
         History {
             rotation_vector: self.rotation_vector,
             euler_sign: self.euler_sign,

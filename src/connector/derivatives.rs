@@ -1,6 +1,6 @@
 //! Rows of first and second derivatives, and rates: the same measures on numbers with derivatives.
 
-use super::{Connector, Evaluation, Output, Pass, Row, State, Tally};
+use super::{Connector, Evaluation, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally};
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
 use crate::scalar::{Differentiable, Scalar, Seeded};
@@ -59,73 +59,84 @@ impl<R: Differentiable> Connector<R> {
         evaluation: &mut Evaluation<R>,
     ) {
         let Pass { state, history, rows, request } = *pass;
-        let of = |seeds: Seeds| {
-            let chosen = rows.iter().filter(move |(_, row)| Seeds::of(row.differentiated) == seeds);
-            chosen.map(|(k, row)| (*k, row.differentiated)).collect::<Vec<_>>()
-        };
-        let second = request.order > 1;
-        let mut take = |k: usize, gradient: RelativeGradient<R>, relative: [[R; 8]; 8]| {
-            // A measure that no direction of a enters does not feel a turn.
-            let mut active = self.active;
-            if !self.differentiated(k).is_some_and(Measure::turns_with_a) {
-                active[node::THETA_A..node::PSI_A].fill(false);
-            }
-            let mut row = state.pair.nodal_row(&gradient);
-            for (entry, active) in row.iter_mut().zip(&active) {
-                if !active {
-                    *entry = R::integer(0);
-                }
-            }
+        let measures: Vec<(usize, Measure)> = rows.iter().map(|(k, row)| (*k, row.differentiated)).collect();
+        let input = Differentiation { state, history, active: &self.active, second: request.order > 1 };
+        self.differentiate(&input, &measures, tally, &mut |k, row, hessian| {
             evaluation.jacobian[k] = Some(row);
-            if second {
-                let hessian = state.pair.nodal_hessian(&gradient, &relative, &active);
-                evaluation.hessian[k] = Some(Box::new(hessian));
-            }
+            evaluation.hessian[k] = hessian;
+        });
+    }
+
+    /// The nodal derivatives of measures, handed on by number.
+    pub(crate) fn differentiate(
+        &self,
+        input: &Differentiation<'_, R>,
+        measures: &[(usize, Measure)],
+        tally: &mut Tally,
+        take: &mut impl FnMut(usize, NodalRow<R>, Option<NodalMatrix<R>>),
+    ) {
+        let Differentiation { state, history, active, second } = *input;
+        let of = |seeds: Seeds| {
+            let chosen = measures.iter().filter(move |(_, measure)| Seeds::of(*measure) == seeds);
+            chosen.copied().collect::<Vec<_>>()
         };
-        let input = (self, state, history);
+        let mut nodal =
+            |(k, measure): (usize, Measure), gradient: RelativeGradient<R>, relative: [[R; 8]; 8]| {
+                // A measure that no direction of a enters does not feel a turn.
+                let mut active = *active;
+                if !measure.turns_with_a() {
+                    active[node::THETA_A..node::PSI_A].fill(false);
+                }
+                let mut row = state.pair.nodal_row(&gradient);
+                for (entry, active) in row.iter_mut().zip(&active) {
+                    if !active {
+                        *entry = R::integer(0);
+                    }
+                }
+                let hessian = || Box::new(state.pair.nodal_hessian(&gradient, &relative, &active));
+                take(k, row, second.then(hessian));
+            };
+        let from = (self, state, history);
         if second {
-            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(input, &of(Seeds::Translation), &mut take);
-            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(input, &of(Seeds::Rotation), &mut take);
-            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(input, &of(Seeds::Motion), &mut take);
-            Seeds::All.pass::<R, R::Hessian<8>, 8>(input, &of(Seeds::All), &mut take);
+            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Translation), &mut nodal);
+            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Rotation), &mut nodal);
+            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(from, &of(Seeds::Motion), &mut nodal);
+            Seeds::All.pass::<R, R::Hessian<8>, 8>(from, &of(Seeds::All), &mut nodal);
         } else {
-            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(input, &of(Seeds::Translation), &mut take);
-            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(input, &of(Seeds::Rotation), &mut take);
-            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(input, &of(Seeds::Motion), &mut take);
-            Seeds::All.pass::<R, R::Gradient<8>, 8>(input, &of(Seeds::All), &mut take);
+            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Translation), &mut nodal);
+            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Rotation), &mut nodal);
+            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(from, &of(Seeds::Motion), &mut nodal);
+            Seeds::All.pass::<R, R::Gradient<8>, 8>(from, &of(Seeds::All), &mut nodal);
         }
-        let count = rows.iter().filter(|(_, row)| !row.differentiated.is_one_form()).count() as u64;
+        let functions = measures.iter().filter(|(_, measure)| !measure.is_one_form()).count() as u64;
         if second {
-            tally.hessians += count;
+            tally.hessians += functions;
         } else {
-            tally.gradients += count;
+            tally.gradients += functions;
         }
-        for (k, row) in rows.iter().filter(|(_, row)| row.differentiated.is_one_form()) {
-            self.one_form_rows(state, *k, row.differentiated, second, tally, evaluation);
+        for (k, measure) in of(Seeds::None) {
+            let (row, hessian) = self.one_form_row(input, measure, tally);
+            take(k, row, hessian);
         }
     }
 
     /// The row of a one-form and, for second derivatives, how the row changes as its carrier turns.
-    fn one_form_rows(
+    fn one_form_row(
         &self,
-        state: &State<R>,
-        k: usize,
+        input: &Differentiation<'_, R>,
         measure: Measure,
-        second: bool,
         tally: &mut Tally,
-        evaluation: &mut Evaluation<R>,
-    ) {
+    ) -> (NodalRow<R>, Option<NodalMatrix<R>>) {
+        let Differentiation { state, active, second, .. } = *input;
         let zero = R::integer(0);
-        let row = measure.one_form(&state.pair.a.triad, &self.section);
-        let masked = |j: usize, value: R| if self.active[j] { value } else { zero };
-        let mut active_row = row;
-        for (j, entry) in active_row.iter_mut().enumerate() {
+        let masked = |j: usize, value: R| if active[j] { value } else { zero };
+        let mut row = measure.one_form(&state.pair.a.triad, &self.section);
+        for (j, entry) in row.iter_mut().enumerate() {
             *entry = masked(j, *entry);
         }
-        evaluation.jacobian[k] = Some(active_row);
         tally.gradients += 1;
         if !second {
-            return;
+            return (row, None);
         }
         tally.hessians += 1;
         let seed = |i: usize| R::Gradient::<3>::seed(zero, i);
@@ -135,13 +146,22 @@ impl<R: Differentiable> Connector<R> {
         for (j, entry) in form.iter().enumerate() {
             for (i, derivative) in entry.gradient().into_iter().enumerate() {
                 let carrier = node::THETA_A + i;
-                if self.active[carrier] {
+                if active[carrier] {
                     hessian[j][carrier] = masked(j, derivative);
                 }
             }
         }
-        evaluation.hessian[k] = Some(hessian);
+        (row, Some(hessian))
     }
+}
+
+/// Where measures are differentiated, and by which degrees of freedom.
+#[derive(Clone, Copy)]
+pub(crate) struct Differentiation<'a, R: Differentiable> {
+    pub(crate) state: &'a State<R>,
+    pub(crate) history: &'a History<R>,
+    pub(crate) active: &'a [bool; DOFS],
+    pub(crate) second: bool,
 }
 
 /// The triad after a first-order rotation θ: e + θ × e, exact for first derivatives.
@@ -185,7 +205,7 @@ impl Seeds {
         self,
         (connector, state, history): (&Connector<R>, &State<R>, &History<R>),
         measures: &[(usize, Measure)],
-        take: &mut impl FnMut(usize, RelativeGradient<R>, [[R; 8]; 8]),
+        take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
     ) {
         if measures.is_empty() {
             return;
@@ -218,7 +238,7 @@ impl Seeds {
             let [g1, g2, g3, h1, h2, h3, psi_a, psi_b] = gradient;
             let gradient =
                 RelativeGradient { translation: [g1, g2, g3], rotation: [h1, h2, h3], flow: [psi_a, psi_b] };
-            take(*k, gradient, hessian);
+            take((*k, *measure), gradient, hessian);
         }
     }
 }

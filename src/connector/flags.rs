@@ -133,7 +133,7 @@ pub(crate) const CERTAIN_INCREMENT: f64 = 0.9;
 
 /// How far, as a fraction of π, the change of an angle may be from what the nodes' own increments tell, to be certain although it
 /// exceeds [`CERTAIN_INCREMENT`].
-const CERTAIN_TOLD: f64 = 0.1;
+pub(crate) const CERTAIN_TOLD: f64 = 0.1;
 
 /// The difference of two rules of integration (rad) beyond which a one-form is flagged: that of 10 000 such increments is still
 /// below 1e-5 rad.
@@ -141,7 +141,7 @@ const CERTAIN_PATH: f64 = 1e-9;
 
 /// How far the advance of an angle by whole turns of the nodes may be from whole turns of its own, in turns, to be counted with
 /// certainty.
-const CERTAIN_TURNS: f64 = 0.1;
+pub(crate) const CERTAIN_TURNS: f64 = 0.1;
 
 impl Connector<f64> {
     /// Whether stops are reached at the given positions.

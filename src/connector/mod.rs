@@ -12,11 +12,12 @@ mod request;
 
 pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
-pub(crate) use flags::{CERTAIN_INCREMENT, ILL_CONDITIONED};
+pub(crate) use derivatives::Differentiation;
+pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
 pub use request::{Mask, Output, Request, Tally};
 
-use crate::catalog::{Condition, ConnectionType, PLANAR_COMPONENTS, Slot};
+use crate::catalog::{Condition, ConnectionType, PLANE, Slot};
 use crate::measure::{History, Measure, Section, Shared, Unit};
 use crate::node::{self, DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::{Differentiable, Real};
@@ -29,6 +30,9 @@ pub type Components<T> = [Option<T>; 6];
 
 /// A row of nodal derivatives, in the order of [`node::DOF`].
 pub type NodalRow<R> = [R; DOFS];
+
+/// Derivatives by two nodal degrees of freedom, both in the order of [`node::DOF`].
+pub type NodalMatrix<R> = Box<[NodalRow<R>; DOFS]>;
 
 /// The nodes at one instant, with their rates.
 #[derive(Clone, Copy, Debug)]
@@ -113,8 +117,22 @@ pub struct Connector<R: Differentiable> {
     references: Components<R>,
     stops: Components<Stop>,
     active: [bool; DOFS],
+    reach: [bool; DOFS],
     is_planar: bool,
     initial: Branch<R>,
+}
+
+/// The degrees of freedom that a connector loads: flow where it is active, 1, 2, 6 and 10 in two dimensions, no rotation of a node that
+/// has none. The ground has all of them: it takes every reaction.
+fn reach(definition: &Definition) -> [bool; DOFS] {
+    let mut reach = [false; DOFS];
+    for (j, reach) in reach.iter_mut().enumerate() {
+        let (end, number) = (usize::from(j >= DOFS / 2), DOF_NUMBER[j]);
+        *reach = (number != 10 || definition.connection.flow[end])
+            && (!matches!(number, 4..=6) || definition.rotates[end] || !definition.moves[end])
+            && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
+    }
+    reach
 }
 
 /// How far an initially zero constraint may be from zero and still count as satisfied: direction cosines of exactly aligned
@@ -145,7 +163,7 @@ pub struct Evaluation<R> {
     /// Rows of first derivatives: of the residual of a constrained component, of the displacement of any other.
     pub jacobian: Components<NodalRow<R>>,
     /// Second derivatives ∂²/∂q_j∂q_k of the same functions; of a one-form, ∂row_j/∂q_k, which is not symmetric.
-    pub hessian: Components<Box<[NodalRow<R>; DOFS]>>,
+    pub hessian: Components<NodalMatrix<R>>,
     /// TURNS of components that wind.
     pub turns: Components<Turns<R>>,
     /// The branch to commit.
@@ -177,7 +195,7 @@ impl<R: Differentiable> Connector<R> {
         let mut history = History { rotation_vector: [zero; 3], euler_sign: one, torsion_turns: zero };
         history.rotation_vector = so3::log(&relative.q);
         let mut shared = Shared::new(&relative, &initial.a.triad, &section, &history);
-        let planar = |k: usize| !definition.planar || PLANAR_COMPONENTS.contains(&k);
+        let planar = |k: usize| !definition.planar || PLANE[k];
         let mut rows = [None; 6];
         let mut references = [None; 6];
         let mut turns = [Turns { turns: zero, principal: zero }; 6];
@@ -203,14 +221,10 @@ impl<R: Differentiable> Connector<R> {
                 _ => R::from_f64(reference),
             });
         }
-        let mut active = [false; DOFS];
+        let reach = reach(definition);
+        let mut active = reach;
         for (j, active) in active.iter_mut().enumerate() {
-            let end = usize::from(j >= DOFS / 2);
-            let number = DOF_NUMBER[j];
-            *active = definition.moves[end]
-                && (number != 10 || definition.connection.flow[end])
-                && (!matches!(number, 4..=6) || definition.rotates[end])
-                && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
+            *active &= definition.moves[usize::from(j >= DOFS / 2)];
         }
         let branch = Branch {
             turns,
@@ -227,6 +241,7 @@ impl<R: Differentiable> Connector<R> {
             references,
             stops: definition.stops,
             active,
+            reach,
             is_planar: definition.planar,
             initial: branch,
         }
@@ -250,6 +265,26 @@ impl<R: Differentiable> Connector<R> {
     /// What is differentiated in row k (0-based): the residual of a constrained component, else the position.
     pub fn differentiated(&self, k: usize) -> Option<Measure> {
         self.rows[k].map(|row| row.differentiated)
+    }
+
+    /// The measure of the position of component k (0-based).
+    pub fn position_measure(&self, k: usize) -> Option<Measure> {
+        self.rows[k].map(|row| row.position)
+    }
+
+    /// Whether component k (0-based) is constrained.
+    pub fn is_constrained(&self, k: usize) -> bool {
+        self.rows[k].is_some_and(|row| row.slot.is_constrained())
+    }
+
+    /// Q₀.
+    pub(crate) const fn initial_orientation(&self) -> &vector::Matrix<R> {
+        &self.section.initial_orientation
+    }
+
+    /// The degrees of freedom that the connector loads, of moving nodes and of the ground.
+    pub(crate) const fn reach(&self) -> &[bool; DOFS] {
+        &self.reach
     }
 
     /// Whether the residual of component k (0-based) is the printed function, rather than the position held.

@@ -6,6 +6,7 @@
 //! committing every branch as it goes.
 
 mod model;
+mod mpc;
 mod outputs;
 mod plan;
 mod plane;
@@ -13,7 +14,8 @@ mod rules;
 mod sequence;
 mod shared;
 
-pub use model::{ConnectorElement, Joint, Model};
+pub use model::{ConnectorElement, Model};
+pub use mpc::{MpcElement, MpcResult};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
-pub use sequence::{Branches, ConnectorResult, Item, JointResult, Sequence, StepResult};
+pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};

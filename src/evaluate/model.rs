@@ -1,12 +1,12 @@
 //! A scene with its connection types, triads and constraints resolved.
 
+use super::mpc::MpcElement;
 use super::{plane, rules, shared};
 use crate::catalog::{ConnectionType, Evidence, NameError, Orientation};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
-use crate::mpc::Revolute;
-use crate::node::{End, Node, Pair};
-use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, MpcKind, NodeFreedom, Scene, Solver};
+use crate::node::{End, Node, PSI_A, PSI_B, Pair};
+use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, NodeFreedom, Scene, Solver};
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
@@ -28,22 +28,13 @@ pub struct ConnectorElement {
     pub connector: Connector<f64>,
 }
 
-/// A revolute-joint MPC, ready to be evaluated.
-#[derive(Clone, Debug)]
-pub struct Joint {
-    /// The nodes S, M and J.
-    pub nodes: [Label; 3],
-    /// The constraint.
-    pub constraint: Revolute<f64>,
-}
-
 /// A scene, resolved.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Connectors in the order of the scene.
     pub connectors: Vec<ConnectorElement>,
-    /// Revolute-joint MPCs in the order of the scene.
-    pub joints: Vec<Joint>,
+    /// Multi-point constraints in the order of the scene.
+    pub mpcs: Vec<MpcElement>,
     /// The MPCs that are kept and not evaluated, by type, with their number.
     pub other_mpcs: BTreeMap<String, usize>,
     /// Element sets: the connectors in each, by index.
@@ -171,14 +162,11 @@ impl Model {
     }
 
     fn join(&mut self, scene: &Scene) {
+        let flows: HashSet<Label> = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
         for mpc in &scene.mpcs {
-            match (&mpc.kind, mpc.nodes.as_slice()) {
-                (MpcKind::Revolute, &[slave, master, joint]) => {
-                    let at = |label| scene.nodes.get(&label).map_or([0.0; 3], |node| node.coordinates);
-                    let constraint = Revolute::between(at(master), at(joint));
-                    self.joints.push(Joint { nodes: [slave, master, joint], constraint });
-                }
-                (kind, _) => *self.other_mpcs.entry(kind.name().to_string()).or_default() += 1,
+            match mpc.kind.evaluated() {
+                Some(kind) => self.mpcs.push(MpcElement::new(kind, mpc, scene, |node| flows.contains(&node))),
+                None => *self.other_mpcs.entry(mpc.kind.name().to_string()).or_default() += 1,
             }
         }
     }
@@ -224,6 +212,12 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
 }
 
 impl ConnectorElement {
+    /// Its nodes whose material flow enters it.
+    fn flowing(&self) -> impl Iterator<Item = Label> + '_ {
+        let active = self.connector.active();
+        self.nodes.into_iter().zip([PSI_A, PSI_B]).filter_map(move |(node, j)| node.filter(|_| active[j]))
+    }
+
     /// The node at an end, in words: a number or `ground`.
     pub fn node_name(&self, end: End) -> String {
         let node = match end {

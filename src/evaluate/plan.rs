@@ -24,13 +24,13 @@ pub struct SelectionError {
     pub known: String,
 }
 
-/// The work of every state: which connectors and joints, which nodes they need, what of each.
+/// The work of every state: which connectors and constraints, which nodes they need, what of each.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Indices of connectors in the model, in its order.
     pub connectors: Vec<usize>,
-    /// Indices of joints in the model.
-    pub joints: Vec<usize>,
+    /// Indices of multi-point constraints in the model.
+    pub mpcs: Vec<usize>,
     /// The nodes whose state is needed.
     pub nodes: BTreeSet<Label>,
     /// What is computed of each.
@@ -53,19 +53,18 @@ impl Plan {
             }
         }
         let connectors: Vec<usize> = chosen.into_iter().collect();
-        let joints = match selection {
-            Selection::All => (0..model.joints.len()).collect(),
+        let mpcs: Vec<usize> = match selection {
+            Selection::All => (0..model.mpcs.len()).collect(),
             Selection::Named(_) => Vec::new(),
         };
         let mut nodes = BTreeSet::new();
         for index in &connectors {
             nodes.extend(model.connectors[*index].nodes.iter().flatten());
         }
-        for index in &joints {
-            let joint: &super::model::Joint = &model.joints[*index];
-            nodes.extend(joint.nodes);
+        for index in &mpcs {
+            nodes.extend(&model.mpcs[*index].nodes);
         }
-        Ok(Self { connectors, joints, nodes, request })
+        Ok(Self { connectors, mpcs, nodes, request })
     }
 }
 

@@ -169,7 +169,7 @@ pub(super) fn boundaries(scene: &Scene, freedom: &NodeFreedom, warnings: &mut Ve
 
 /// Multi-point constraints that Explicit does not have.
 pub(super) fn constraints(scene: &Scene) -> Result<(), Diagnostic> {
-    let turning = |kind: &MpcKind| matches!(kind, MpcKind::Revolute | MpcKind::Universal);
+    let turning = |kind: &MpcKind| kind.evaluated().is_some_and(|kind| kind.entry().standard_only);
     match scene.mpcs.iter().find(|mpc| turning(&mpc.kind)) {
         Some(mpc) if scene.solver == Some(Solver::Explicit) => {
             let name = mpc.kind.name();
@@ -220,7 +220,7 @@ pub(super) fn diagnose(breach: &Breach, label: Label, place: Span, scene: &Scene
         Evidence::S | Evidence::D => "",
         Evidence::P | Evidence::R => " (the rule rests on our reading, so this is a warning)",
     };
-    build(code(breach.rule), place, message, here)
-        .help(format!("{}{certainty}", breach.remedy))
-        .in_file(&scene.name)
+    let diagnostic =
+        build(code(breach.rule), place, message, here).help(format!("{}{certainty}", breach.remedy));
+    crate::scene::in_words_of(scene, diagnostic).in_file(&scene.name)
 }

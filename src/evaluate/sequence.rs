@@ -1,12 +1,12 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
-use super::model::{ConnectorElement, Joint, Model};
+use super::model::{ConnectorElement, Model};
+use super::mpc::{MpcResult, START};
 use super::plan::Plan;
 use crate::connector::{
     Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
 };
 use crate::measure::Margin;
-use crate::mpc;
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::scene::{Label, NodeMotion, Rotation, State as SceneState};
@@ -18,18 +18,25 @@ use std::convert::Infallible;
 
 /// A node at one state, its rotation worked out once for all connectors that share it.
 #[derive(Clone, Copy, Debug)]
-struct Moved {
-    displacement: Vector<f64>,
-    rotation: Matrix<f64>,
-    flow: f64,
-    rates: [f64; 7],
-    accelerations: [f64; 7],
+pub(super) struct Moved {
+    pub(super) displacement: Vector<f64>,
+    pub(super) rotation: Matrix<f64>,
+    pub(super) flow: f64,
+    pub(super) rates: [f64; 7],
+    pub(super) accelerations: [f64; 7],
     /// Since the previous state.
-    change: Vector<f64>,
-    whole_turns: Vector<f64>,
+    pub(super) change: Vector<f64>,
+    pub(super) whole_turns: Vector<f64>,
     flow_change: f64,
     /// Component 3 of the rotation as given: degree of freedom 6.
-    sixth: Option<f64>,
+    pub(super) sixth: Option<f64>,
+}
+
+impl Moved {
+    /// The ground.
+    pub(super) const fn still() -> Self {
+        STILL
+    }
 }
 
 const STILL: Moved = Moved {
@@ -61,7 +68,7 @@ pub struct Branches {
     /// The number of states committed.
     pub states: u64,
     connectors: BTreeMap<Label, Saved>,
-    joints: BTreeMap<String, Turns<f64>>,
+    mpcs: BTreeMap<String, [Turns<f64>; 2]>,
     nodes: BTreeMap<Label, Orientation>,
 }
 
@@ -130,9 +137,8 @@ impl Branches {
                 return Err(difference);
             }
         }
-        let joints: BTreeSet<String> =
-            plan.joints.iter().map(|index| joint_key(*index, &model.joints[*index])).collect();
-        if self.states > 0 && !joints.iter().eq(self.joints.keys()) {
+        let mpcs: BTreeSet<String> = plan.mpcs.iter().map(|index| model.mpcs[*index].key(*index)).collect();
+        if self.states > 0 && !mpcs.iter().eq(self.mpcs.keys()) {
             return Err("the MPCs to be evaluated are not those whose branches were saved".to_string());
         }
         if self.states > 0 && !plan.nodes.iter().eq(self.nodes.keys()) {
@@ -157,21 +163,6 @@ pub struct ConnectorResult {
     pub flags: Vec<Flag>,
 }
 
-/// One revolute-joint MPC at one state.
-#[derive(Clone, Debug)]
-pub struct JointResult {
-    /// The index of the joint in the model.
-    pub index: usize,
-    /// The numbers.
-    pub evaluation: mpc::Evaluation<f64>,
-    /// φ_J as the state gives it, where it does.
-    pub given: Option<f64>,
-    /// How far the relative rotation is from being about the axis, in radians.
-    pub misalignment: f64,
-    /// What needs care.
-    pub flags: Vec<Flag>,
-}
-
 /// Everything planned, at one state.
 #[derive(Clone, Debug)]
 pub struct StepResult {
@@ -181,8 +172,8 @@ pub struct StepResult {
     pub time: Option<f64>,
     /// Connectors in the order of the plan.
     pub connectors: Vec<ConnectorResult>,
-    /// Joints in the order of the plan.
-    pub joints: Vec<JointResult>,
+    /// Multi-point constraints in the order of the plan.
+    pub mpcs: Vec<MpcResult>,
 }
 
 /// What a walk hands on at one state.
@@ -190,8 +181,8 @@ pub struct StepResult {
 pub enum Item {
     /// A connector.
     Connector(Box<ConnectorResult>),
-    /// A revolute-joint MPC.
-    Joint(Box<JointResult>),
+    /// A multi-point constraint.
+    Mpc(Box<MpcResult>),
 }
 
 /// A walk through states, holding one of them at a time.
@@ -230,12 +221,12 @@ impl<'a> Sequence<'a> {
             index: self.branches.states,
             time: state.time,
             connectors: Vec::with_capacity(self.plan.connectors.len()),
-            joints: Vec::with_capacity(self.plan.joints.len()),
+            mpcs: Vec::with_capacity(self.plan.mpcs.len()),
         };
         let Ok(()) = self.visit(state, |item| -> Result<(), Infallible> {
             match item {
                 Item::Connector(result) => step.connectors.push(*result),
-                Item::Joint(result) => step.joints.push(*result),
+                Item::Mpc(result) => step.mpcs.push(*result),
             }
             Ok(())
         });
@@ -280,9 +271,14 @@ impl<'a> Sequence<'a> {
             let ends = element.nodes.map(at);
             take(Item::Connector(Box::new(self.connector(*index, element, &ends, request))))?;
         }
-        for index in &self.plan.joints {
-            let nodes = self.model.joints[*index].nodes.map(|label| at(Some(label)));
-            take(Item::Joint(Box::new(self.joint(*index, &nodes, request))))?;
+        for index in &self.plan.mpcs {
+            let element = &self.model.mpcs[*index];
+            let nodes: Vec<Moved> = element.nodes.iter().map(|label| at(Some(*label))).collect();
+            let key = element.key(*index);
+            let before = self.branches.mpcs.get(&key).copied().unwrap_or(START);
+            let result = element.evaluate(*index, &nodes, &before, request, &mut self.tally);
+            self.branches.mpcs.insert(key, result.evaluation.angles);
+            take(Item::Mpc(Box::new(result)))?;
         }
         self.branches.states += 1;
         Ok(())
@@ -331,35 +327,6 @@ impl<'a> Sequence<'a> {
         saved.and_modify(|saved| saved.branch = after).or_insert_with(|| Saved::new(element, after));
         ConnectorResult { index, evaluation, stops, margins, flags }
     }
-
-    fn joint(&mut self, index: usize, [slave, master, joint]: &[Moved; 3], request: &Request) -> JointResult {
-        let element = &self.model.joints[index];
-        let combined = |of: fn(&Moved) -> &[f64; 7]| {
-            let (s, m, j) = (of(slave), of(master), of(joint));
-            [s[3], s[4], s[5], m[3], m[4], m[5], j[5]]
-        };
-        let state = mpc::State {
-            slave: slave.rotation,
-            master: master.rotation,
-            joint: joint.sixth,
-            velocity: combined(|node| &node.rates),
-            acceleration: combined(|node| &node.accelerations),
-        };
-        let key = joint_key(index, element);
-        let before = self.branches.joints.get(&key).copied().unwrap_or(Turns { turns: 0.0, principal: 0.0 });
-        let whole = sub(slave.whole_turns, master.whole_turns);
-        let evaluation = element.constraint.evaluate(&state, &before, whole, request, &mut self.tally);
-        self.branches.joints.insert(key, evaluation.angle);
-        let misalignment = element.constraint.misalignment(&state);
-        let flags = element.constraint.flags(&state, &before, whole, &evaluation);
-        JointResult { index, evaluation, given: joint.sixth, misalignment, flags }
-    }
-}
-
-/// What saved branches call a joint: its place among the MPCs, and its nodes.
-fn joint_key(index: usize, joint: &Joint) -> String {
-    let [slave, master, angle] = joint.nodes;
-    format!("{index}:{slave}-{master}-{angle}")
 }
 
 /// A node at its next state: rotation matrix, and increments since the last one.

@@ -3,9 +3,9 @@
 use super::words;
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Flag, Output, Request, StopStatus, Turns};
-use crate::evaluate::{ConnectorResult, JointResult, Model};
+use crate::evaluate::{ConnectorResult, Model, MpcResult};
 use crate::measure::{Margin, SingularClass, Unit};
-use crate::mpc;
+use crate::mpc::{self, DOFS as MPC_DOFS, ROWS as MPC_ROWS};
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
 use crate::scalar::Real;
 use crate::scene::Label;
@@ -28,7 +28,7 @@ pub struct Block<'a> {
     pub label: String,
     /// The connection type, or the type of the MPC.
     pub type_name: &'a str,
-    /// The nodes by role: a and b, or S, M and J; `None` is the ground.
+    /// The nodes by role: a and b, or those of an MPC; `None` is the ground.
     pub nodes: Vec<(&'static str, Option<Label>)>,
     /// The components that have something to show.
     pub rows: Vec<Row>,
@@ -39,7 +39,7 @@ pub struct Block<'a> {
     /// The branch, where turns are asked for.
     pub branch: Option<Branch<f64>>,
     /// What an MPC tells besides.
-    pub joint: Option<JointFacts>,
+    pub mpc: Option<MpcFacts>,
     /// What needs care.
     pub flags: Vec<Flag>,
 }
@@ -47,7 +47,7 @@ pub struct Block<'a> {
 /// A component.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// u1 … ur3; φJ, ρ1 … ρ3 of an MPC.
+    /// u1 … ur3; angles (φJ) and equations (δ1 … ρ3) of an MPC.
     pub name: &'static str,
     /// Available, constrained, measured.
     pub role: &'static str,
@@ -109,14 +109,23 @@ pub struct Derivative {
     pub hessian: Option<Vec<Vec<f64>>>,
 }
 
-/// What a revolute-joint MPC tells besides its rows.
+/// What an MPC tells besides its rows.
+#[derive(Clone, Debug)]
+pub struct MpcFacts {
+    /// Its hinges.
+    pub hinges: Vec<HingeFacts>,
+    /// How far the relative rotation is from what the hinges allow, in radians; `None` without hinges.
+    pub misalignment: Option<f64>,
+}
+
+/// A hinge of an MPC.
 #[derive(Clone, Copy, Debug)]
-pub struct JointFacts {
-    /// φJ as the state gives it, degree of freedom 6 of node J, in radians.
+pub struct HingeFacts {
+    /// The name of its angle.
+    pub name: &'static str,
+    /// The angle as the state gives it, degree of freedom 6 of its node, in radians.
     pub given: Option<f64>,
-    /// The angle by which the axes carried by S and M differ, in radians.
-    pub misalignment: f64,
-    /// The axis carried by M, global components.
+    /// The axis as it is carried, global components.
     pub axis: [f64; 3],
 }
 
@@ -184,76 +193,83 @@ impl<'a> Block<'a> {
             columns: columns.collect(),
             derivatives,
             branch: wants_turns.then_some(evaluation.branch),
-            joint: None,
+            mpc: None,
             flags: result.flags.clone(),
         }
         .with_what_is_not_finite()
     }
 
-    /// A revolute-joint MPC: φJ, the angle about the axis that the rotations imply, and the three constraints ρ.
-    pub fn of_joint(model: &Model, request: &Request, result: &JointResult) -> Self {
-        let [slave, master, joint] = model.joints[result.index].nodes;
-        let evaluation = &result.evaluation;
+    /// An MPC: the angles of its hinges that the rotations imply, and its equations.
+    pub fn of_mpc(model: &Model, request: &Request, result: &MpcResult) -> Self {
+        let element = &model.mpcs[result.index];
+        let (constraint, evaluation) = (&element.constraint, &result.evaluation);
+        let kind = constraint.kind();
+        let entry = kind.entry();
         let wanted = |output: Output| request.outputs().any(|wanted| wanted == output);
-        let angle = f64::with_turns(evaluation.angle.principal, evaluation.angle.turns);
         let values = |of: &dyn Fn(Output) -> Option<Value>| {
             Output::ALL.map(|output| of(output).filter(|_| wanted(output)))
         };
-        let mut rows = vec![Row {
-            name: mpc::DOF[mpc::DOFS - 1],
-            role: "available",
-            unit: Unit::Angle,
-            values: values(&|output| match output {
+        let number = |value: Option<f64>| value.map(Value::Number);
+        let mut rows = Vec::new();
+        for (i, name) in entry.angles.iter().enumerate() {
+            let turns = evaluation.angles[i];
+            let angle = f64::with_turns(turns.principal, turns.turns);
+            let rate = |order: usize| evaluation.angle_rates.map(|rates| rates[i][order]);
+            let values = values(&|output| match output {
                 Output::CP | Output::CU => Some(Value::Number(angle)),
-                Output::CV => evaluation.angle_rates.map(|[rate, _]| Value::Number(rate)),
-                Output::CA => evaluation.angle_rates.map(|[_, second]| Value::Number(second)),
-                Output::TURNS => Some(Value::Turns(evaluation.angle)),
+                Output::CV => number(rate(0)),
+                Output::CA => number(rate(1)),
+                Output::TURNS => Some(Value::Turns(turns)),
+                Output::MARGIN => result.margins.angles[i].map(Value::Margin),
                 _ => None,
-            }),
-        }];
-        for i in 0..3 {
-            rows.push(Row {
-                name: mpc::CONSTRAINT[i],
-                role: "constrained",
-                unit: Unit::Angle,
-                values: values(&|output| match output {
-                    Output::RES => Some(Value::Number(evaluation.residual[i])),
-                    Output::RESV => evaluation.residual_rate.map(|of| Value::Number(of[i])),
-                    Output::RESB => evaluation.residual_bias.map(|of| Value::Number(of[i])),
-                    Output::RESA => evaluation.residual_acceleration.map(|of| Value::Number(of[i])),
-                    _ => None,
-                }),
             });
+            rows.push(Row { name, role: "available", unit: Unit::Angle, values });
+        }
+        let equations: Vec<usize> = (0..MPC_ROWS).filter(|row| constraint.rows()[*row]).collect();
+        for row in equations.iter().copied() {
+            let values = values(&|output| match output {
+                Output::RES => number(evaluation.residual[row]),
+                Output::RESV => number(evaluation.residual_rate[row]),
+                Output::RESB => number(evaluation.residual_bias[row]),
+                Output::RESA => number(evaluation.residual_acceleration[row]),
+                Output::MARGIN => result.margins.rows[row].map(Value::Margin),
+                _ => None,
+            });
+            let (name, unit) = (kind.row_name(row), mpc::Kind::row_unit(row));
+            rows.push(Row { name, role: "constrained", unit, values });
         }
         rows.retain(|row| row.values != NO_VALUES);
-        let column = |j: usize| {
-            let (node, role, dof) = match j {
-                0..3 => (slave, "S", j + 4),
-                3..6 => (master, "M", j + 1),
-                _ => (joint, "J", 6),
-            };
-            Column { name: mpc::DOF[j], node, role, dof: [1, 2, 3, 4, 5, 6][dof - 1] }
-        };
-        let derivatives = evaluation.jacobian.iter().flatten().enumerate().map(|(i, row)| Derivative {
-            component: mpc::CONSTRAINT[i],
-            printed: None,
-            gradient: row.to_vec(),
-            hessian: evaluation.hessian.as_ref().map(|h| h[i].iter().map(|line| line.to_vec()).collect()),
+        let kept: Vec<usize> = (0..MPC_DOFS).filter(|j| constraint.columns()[*j]).collect();
+        let columns = kept.iter().filter_map(|j| {
+            let (place, dof) = mpc::Kind::column_dof(*j);
+            let (node, role) = (*element.nodes.get(place)?, *entry.nodes.get(place)?);
+            Some(Column { name: kind.column_name(*j), node, role, dof })
+        });
+        let derivatives = equations.iter().filter_map(|row| {
+            let gradient = evaluation.jacobian[*row].as_ref()?;
+            let hessian = evaluation.hessian[*row].as_ref();
+            Some(Derivative {
+                component: kind.row_name(*row),
+                printed: None,
+                gradient: kept.iter().map(|j| gradient[*j]).collect(),
+                hessian: hessian.map(|hessian| {
+                    kept.iter().map(|i| kept.iter().map(|j| hessian[*i][*j]).collect()).collect()
+                }),
+            })
+        });
+        let hinges = entry.angles.iter().enumerate().filter_map(|(i, name)| {
+            Some(HingeFacts { name, given: result.given[i], axis: evaluation.axes[i]? })
         });
         Self {
             kind: Kind::Mpc,
-            label: format!("{slave}-{master}-{joint}"),
-            type_name: "REVOLUTE",
-            nodes: vec![("S", Some(slave)), ("M", Some(master)), ("J", Some(joint))],
+            label: element.label(),
+            type_name: entry.name,
+            nodes: entry.nodes.iter().copied().zip(element.nodes.iter().copied().map(Some)).collect(),
             rows,
-            columns: (0..mpc::DOFS).map(column).collect(),
+            columns: columns.collect(),
             derivatives: derivatives.collect(),
             branch: None,
-            joint: Some(JointFacts {
-                given: result.given,
-                misalignment: result.misalignment,
-                axis: evaluation.axis,
-            }),
+            mpc: Some(MpcFacts { hinges: hinges.collect(), misalignment: result.misalignment }),
             flags: result.flags.clone(),
         }
         .with_what_is_not_finite()

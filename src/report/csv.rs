@@ -5,7 +5,7 @@
 //! first derivative that is not zero (`dof_2` empty) and each second derivative that is not zero, ∂²/∂dof_1∂dof_2.
 //! `flags` names what needs care, on the lines of the component. Numbers read back to the same double.
 
-use super::block::{Block, Column, Kind, Value, node_name};
+use super::block::{Block, Derivative, Kind, Value, node_name};
 use super::evaluation::{Format, Subject};
 use super::words;
 use crate::connector::{Flag, Output, Tally};
@@ -28,14 +28,49 @@ impl<'w> Csv<'w> {
         Self { writer, outputs, order, scene: String::new(), state: String::new(), time: String::new() }
     }
 
-    fn line(&mut self, cells: &[String]) -> io::Result<()> {
-        self.writer.write_record(cells).map_err(|error| match error.into_kind() {
+    fn line<'c>(&mut self, cells: impl IntoIterator<Item = &'c str>) -> io::Result<()> {
+        let write = || {
+            cells.into_iter().try_for_each(|cell| self.writer.write_field(cell))?;
+            self.writer.write_record(None::<&[u8]>)
+        };
+        write().map_err(|error| match error.into_kind() {
             csv::ErrorKind::Io(error) => error,
             other => io::Error::other(format!("{other:?}")),
         })
     }
 
-    fn start(&self, block: &Block<'_>, component: &str, role: &str, unit: &str) -> Vec<String> {
+    /// The rows of first and second derivatives of one component; entries that are 0 are left out.
+    fn derivatives(
+        &mut self,
+        block: &Block<'_>,
+        row: &Derivative,
+        columns: &[[String; 2]],
+    ) -> io::Result<()> {
+        let start = self.start(block, row.component, "", "");
+        let without_outputs = vec![""; self.outputs.len()];
+        let none = [const { String::new() }; 2];
+        let mut entry = |value: f64, columns: [&[String; 2]; 2]| {
+            if value == 0.0 {
+                return Ok(());
+            }
+            let value = exact(value);
+            let derivative = columns.into_iter().flatten().chain([&value]);
+            let start = start.iter().map(String::as_str).chain(without_outputs.iter().copied());
+            self.line(start.chain(derivative.map(String::as_str)))
+        };
+        for (value, column) in row.gradient.iter().zip(columns) {
+            entry(*value, [column, &none])?;
+        }
+        for (line, first) in row.hessian.iter().flatten().zip(columns) {
+            for (value, second) in line.iter().zip(columns) {
+                entry(*value, [first, second])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The cells before the outputs.
+    fn start(&self, block: &Block<'_>, component: &str, role: &str, unit: &str) -> [String; 11] {
         let kind = match block.kind {
             Kind::Connector => "connector",
             Kind::Mpc => "mpc",
@@ -57,27 +92,6 @@ impl<'w> Csv<'w> {
             &flags.join(" "),
         ]
         .map(ToString::to_string)
-        .to_vec()
-    }
-
-    fn derivative(
-        &mut self,
-        block: &Block<'_>,
-        component: &str,
-        [first, second]: [Option<&Column>; 2],
-        value: f64,
-    ) -> io::Result<()> {
-        if value == 0.0 {
-            return Ok(());
-        }
-        let mut cells = self.start(block, component, "", "");
-        cells.extend(self.outputs.iter().map(|_| String::new()));
-        for column in [first, second] {
-            cells.push(column.map(|column| column.name.to_string()).unwrap_or_default());
-            cells.push(column.map(|column| column.node.to_string()).unwrap_or_default());
-        }
-        cells.push(exact(value));
-        self.line(&cells)
     }
 }
 
@@ -88,7 +102,7 @@ fn exact(value: f64) -> String {
 
 impl Format for Csv<'_> {
     fn begin(&mut self) -> io::Result<()> {
-        let mut heading: Vec<String> = [
+        let mut heading = vec![
             "scene",
             "state",
             "time",
@@ -100,14 +114,12 @@ impl Format for Csv<'_> {
             "role",
             "unit",
             "flags",
-        ]
-        .map(String::from)
-        .to_vec();
-        heading.extend(self.outputs.iter().map(|output| output.name().to_string()));
+        ];
+        heading.extend(self.outputs.iter().map(|output| output.name()));
         if self.order > 0 {
-            heading.extend(["dof_1", "node_1", "dof_2", "node_2", "derivative"].map(String::from));
+            heading.extend(["dof_1", "node_1", "dof_2", "node_2", "derivative"]);
         }
-        self.line(&heading)
+        self.line(heading)
     }
 
     fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()> {
@@ -123,7 +135,7 @@ impl Format for Csv<'_> {
 
     fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
         for row in &block.rows {
-            let mut cells = self.start(block, row.name, row.role, words::unit(row.unit));
+            let mut cells = self.start(block, row.name, row.role, words::unit(row.unit)).to_vec();
             for output in &self.outputs {
                 cells.push(match row.values[*output as usize] {
                     None => String::new(),
@@ -134,19 +146,11 @@ impl Format for Csv<'_> {
             if self.order > 0 {
                 cells.extend([const { String::new() }; 5]);
             }
-            self.line(&cells)?;
+            self.line(cells.iter().map(String::as_str))?;
         }
-        for row in &block.derivatives {
-            for (entry, column) in row.gradient.iter().zip(&block.columns) {
-                self.derivative(block, row.component, [Some(column), None], *entry)?;
-            }
-            for (line, first) in row.hessian.iter().flatten().zip(&block.columns) {
-                for (entry, second) in line.iter().zip(&block.columns) {
-                    self.derivative(block, row.component, [Some(first), Some(second)], *entry)?;
-                }
-            }
-        }
-        Ok(())
+        let columns: Vec<[String; 2]> =
+            block.columns.iter().map(|column| [column.name.to_string(), column.node.to_string()]).collect();
+        block.derivatives.iter().try_for_each(|row| self.derivatives(block, row, &columns))
     }
 
     fn end_state(&mut self) -> io::Result<()> {

@@ -21,8 +21,10 @@ pub struct Subject<'a> {
     pub states: usize,
     /// The numbers of those that are written.
     pub shown: &'a [RangeInclusive<u64>],
-    /// The number of the first state: not 0 where a history is continued.
+    /// The number of the first state: that of the file, or counted from 0, or from where a history is continued.
     pub first: u64,
+    /// The number of the last state.
+    pub last: u64,
 }
 
 /// A format of evaluations. Calls nest: begin, then scenes with states with blocks, then end.

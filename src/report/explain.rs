@@ -4,10 +4,10 @@ use super::layout::{self, BOLD, DIM, styled};
 use super::list::{is_measured, names};
 use super::words::{self, NOTATION, ROWS, SIGNS};
 use crate::catalog::{
-    Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, FORCE, FrictionCriterion,
-    OrientationRule, Slot,
+    Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, FORCE, Friction, OrientationRule,
+    PLANE, SPATIAL, Slot,
 };
-use crate::measure::{SingularSet, Unit};
+use crate::measure::{Measure, SingularSet, Unit};
 use crate::scene::Code;
 use serde::Serialize;
 use std::io::{self, Write};
@@ -30,8 +30,10 @@ pub struct Explanation {
     notation: &'static str,
     components: Vec<Component>,
     forces: Vec<&'static str>,
-    friction: Vec<FrictionCriterion>,
-    two_dimensional_form: String,
+    friction: Vec<Criterion>,
+    rotations_at_a: bool,
+    rotations_at_b: bool,
+    two_dimensional_form: Vec<String>,
     three_dimensional: Availability,
     two_dimensional: Availability,
     orientation_at_a: OrientationRule,
@@ -41,6 +43,35 @@ pub struct Explanation {
     remarks: Vec<&'static str>,
     sources: Vec<&'static str>,
     evidence: Vec<Tag>,
+}
+
+/// A criterion of predefined friction, Φ = P − μ |F_C + F_C^int| ≤ 0.
+#[derive(Debug, Serialize)]
+struct Criterion {
+    tangential: String,
+    contact: String,
+    output: &'static str,
+    /// P and F_C in two dimensions, where the type can be used there.
+    two_dimensional: Option<[String; 2]>,
+}
+
+fn criteria(friction: &Friction, is_planar: bool) -> Vec<Criterion> {
+    let formulas = |criterion: &crate::catalog::FrictionCriterion, present| {
+        [criterion.tangential_formula(friction, present), criterion.contact_formula(friction, present)]
+    };
+    friction
+        .criteria
+        .iter()
+        .map(|criterion| {
+            let [tangential, contact] = formulas(criterion, SPATIAL);
+            Criterion {
+                tangential,
+                contact,
+                output: criterion.output,
+                two_dimensional: is_planar.then(|| formulas(criterion, PLANE)),
+            }
+        })
+        .collect()
 }
 
 /// A field of the manual's summary table.
@@ -117,7 +148,12 @@ impl Explanation {
             notation: NOTATION,
             components: (0..6).filter_map(|k| component(connection, k)).collect(),
             forces: some(&connection.forces),
-            friction: connection.friction.map(|friction| friction.criteria.to_vec()).unwrap_or_default(),
+            friction: connection
+                .friction
+                .map(|friction| criteria(&friction, connection.planar != Availability::Never))
+                .unwrap_or_default(),
+            rotations_at_a: connection.rotations[0],
+            rotations_at_b: connection.rotations[1],
             two_dimensional_form: two_dimensional(connection),
             three_dimensional: connection.availability,
             two_dimensional: connection.planar,
@@ -155,7 +191,9 @@ impl Explanation {
         let paragraph =
             |out: &mut dyn Write, title: &str, texts: &[&str]| paragraph(out, title, texts, width);
         paragraph(out, "Forces and moments", &self.forces)?;
-        paragraph(out, "Two-dimensional and axisymmetric (CONN2D2)", &[&self.two_dimensional_form])?;
+        paragraph(out, "Rotations of the nodes", &[rotations([self.rotations_at_a, self.rotations_at_b])])?;
+        let form: Vec<&str> = self.two_dimensional_form.iter().map(String::as_str).collect();
+        paragraph(out, "Two-dimensional and axisymmetric (CONN2D2)", &form)?;
         paragraph(out, "Signs", &[self.signs])?;
         paragraph(out, "Rows of derivatives", &[self.rows])?;
         paragraph(out, "Remarks", &self.remarks)?;
@@ -291,15 +329,27 @@ fn summary(connection: &ConnectionType) -> Vec<Field> {
     field(
         "Contact force for predefined friction",
         connection.friction.map_or_else(none, |friction| {
-            let criteria: Vec<String> = friction
-                .criteria
-                .iter()
+            let all: Vec<String> = criteria(&friction, connection.planar != Availability::Never)
+                .into_iter()
                 .map(|criterion| {
-                    let FrictionCriterion { tangential, contact, output } = criterion;
-                    format!("F_C = {contact}, against P = {tangential} ({output})")
+                    let Criterion { tangential, contact, output, two_dimensional } = criterion;
+                    let plane = match two_dimensional {
+                        Some([p, c]) if p != tangential || c != contact => {
+                            format!("; in two dimensions F_C = {c}, against P = {p}")
+                        }
+                        _ => String::new(),
+                    };
+                    format!("F_C = {contact}, against P = {tangential} ({output}){plane}")
                 })
                 .collect();
-            tagged(&criteria.join("; "), friction.evidence)
+            let constants = friction
+                .constants
+                .iter()
+                .map(|constant| format!("; {} = {}, {}", constant.symbol, constant.value, constant.meaning));
+            let unused =
+                friction.unused_parameters().map(|symbol| format!("; {symbol} is read and not used"));
+            let notes: String = constants.chain(unused).collect();
+            tagged(&format!("{}{notes}", all.join("; ")), friction.evidence)
         }),
     );
     field(
@@ -348,16 +398,33 @@ fn component(connection: &ConnectionType, k: usize) -> Option<Component> {
     })
 }
 
-/// What is left in the plane: components u1, u2 and ur3.
-fn two_dimensional(connection: &ConnectionType) -> String {
+/// Which nodes the type gives rotations.
+const fn rotations(given: [bool; 2]) -> &'static str {
+    match given {
+        [true, true] => "a and b get rotational degrees of freedom",
+        [true, false] => {
+            "a gets rotational degrees of freedom; those of b count only where something else gives them to it"
+        }
+        [false, true] => {
+            "b gets rotational degrees of freedom; those of a count only where something else gives them to it"
+        }
+        [false, false] => {
+            "none are given: without rotations from elsewhere directions stay fixed, and no moment acts"
+        }
+    }
+}
+
+/// What is left in the plane: components u1, u2 and ur3, what they enforce, and what the plane asks for.
+fn two_dimensional(connection: &ConnectionType) -> Vec<String> {
     let solver = match connection.planar {
-        Availability::Never => return "not available".to_string(),
+        Availability::Never => return vec!["not available".to_string()],
         Availability::StandardOnly => " (Abaqus/Standard only)",
         Availability::ExplicitOnly => " (Abaqus/Explicit only)",
         Availability::Always => "",
     };
-    let kept: Vec<String> = [0, 1, 5]
-        .into_iter()
+    let form = connection.in_plane();
+    let kept: Vec<String> = (0..6)
+        .filter(|k| PLANE[*k])
         .filter(|k| connection.slots[*k] != Slot::Absent)
         .map(|k| format!("{} {}", COMPONENT[k], words::role(connection.slots[k])))
         .collect();
@@ -368,5 +435,30 @@ fn two_dimensional(connection: &ConnectionType) -> String {
         .collect();
     let kept = if kept.is_empty() { "no component".to_string() } else { kept.join(", ") };
     let dropped = if dropped.is_empty() { String::new() } else { format!("; {} = 0", dropped.join(" = ")) };
-    format!("{kept}{dropped}{solver}")
+    let mut texts = vec![format!("{kept}{dropped}{solver}")];
+    let enforced: Vec<String> = (0..6).filter_map(|k| form.constraint(k)).collect();
+    texts.push(match enforced.len() {
+        0 => "no constraint".to_string(),
+        1 => format!("1 constraint: {}", enforced.join(", ")),
+        count => format!("{count} constraints: {}", enforced.join(", ")),
+    });
+    let measures = || form.slots.iter().filter_map(|slot| slot.position());
+    if measures().any(Measure::counts_torsion) {
+        texts.push(
+            "e1 and e2 halve the angle between those of a and b, which is counted on past ±π.".to_string(),
+        );
+    }
+    if connection.slots[2].position() == Some(Measure::Flow(1)) {
+        texts.push("Ψa is read at the node, as its degree of freedom 10.".to_string());
+    }
+    if measures().any(|measure| measure.turns_with_a()) {
+        texts.push(
+            "e3 of every orientation is ±z, the same at a and b; with e3 = −z, ur3 is minus the rotation of b against a from 1 to 2."
+                .to_string(),
+        );
+    }
+    texts.push(
+        "In an axisymmetric model 1 is the radius and 2 the axis; the formulas are the same.".to_string(),
+    );
+    texts
 }

@@ -1,6 +1,6 @@
 //! Evaluations as tables for reading.
 
-use super::block::{Block, Derivative, Value, flags_in_words, node_name};
+use super::block::{Block, Derivative, HingeFacts, Value, flags_in_words, node_name};
 use super::evaluation::{Format, Subject, Unevaluated, unevaluated};
 use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
@@ -25,6 +25,7 @@ pub struct Style {
 pub struct Human<'w> {
     out: &'w mut dyn Write,
     style: Style,
+    first: u64,
     last: u64,
     scenes: u64,
 }
@@ -42,7 +43,7 @@ const NAMES: usize = 26;
 impl<'w> Human<'w> {
     /// Tables on a stream.
     pub fn new(out: &'w mut dyn Write, style: Style) -> Self {
-        Self { out, style, last: 0, scenes: 0 }
+        Self { out, style, first: 0, last: 0, scenes: 0 }
     }
 
     fn number(&self, value: f64) -> String {
@@ -66,7 +67,7 @@ impl<'w> Human<'w> {
         let names = labels.iter().map(|label| layout::width(label)).max().unwrap_or(0) + INDENT;
         let names = names.max(layout::width(title));
         let layouts: Vec<Aligned> =
-            columns.iter().map(|(heading, texts)| Aligned::new(heading, texts)).collect();
+            columns.iter().map(|(heading, texts)| Aligned::new(heading, texts.iter())).collect();
         let mut first = 0;
         while first < columns.len() {
             let mut used = names;
@@ -89,10 +90,11 @@ impl<'w> Human<'w> {
                 if is_blank && columns.len() > 1 && first > 0 {
                     continue;
                 }
-                let mut line = layout::left(&format!("{}{label}", " ".repeat(INDENT)), names);
+                let mut line = " ".repeat(INDENT);
+                layout::push_left(&mut line, label, names.saturating_sub(INDENT));
                 for (column, layout) in columns[first..end].iter().zip(&layouts[first..end]) {
-                    line.push_str(&" ".repeat(GAP));
-                    line.push_str(&layout.cell(&column.1[i]));
+                    layout::push_blanks(&mut line, GAP);
+                    layout.push_cell(&mut line, &column.1[i]);
                 }
                 writeln!(self.out, "{}", line.trim_end())?;
             }
@@ -190,9 +192,12 @@ impl<'w> Human<'w> {
             let Some(hessian) = &row.hessian else { continue };
             for (i, line) in hessian.iter().enumerate() {
                 for (j, entry) in line.iter().enumerate() {
+                    if *entry == 0.0 || (j < i && hessian[j][i] == *entry) {
+                        continue;
+                    }
                     let text = self.beside(*entry, largest);
                     let mirrored = j < i && self.beside(hessian[j][i], largest) == text;
-                    if *entry != 0.0 && !mirrored {
+                    if !mirrored {
                         let (first, second) = (block.columns[i].name, block.columns[j].name);
                         entries.push((format!("∂²{}/∂{first}∂{second}", row.component), text));
                     }
@@ -211,16 +216,17 @@ impl<'w> Human<'w> {
             styled(DIM, "second derivatives that are not 0; equal ones across the diagonal once")
         )?;
         let names = entries.iter().map(|(name, _)| layout::width(name)).max().unwrap_or(0);
-        let texts: Vec<String> = entries.iter().map(|(_, text)| text.clone()).collect();
-        let aligned = Aligned::new("", &texts);
+        let aligned = Aligned::new("", entries.iter().map(|(_, text)| text));
         let each = names + 1 + aligned.cells + GAP;
         let per_line = ((self.style.width.saturating_sub(INDENT)) / each).max(1);
         for chunk in entries.chunks(per_line) {
-            let cells: Vec<String> = chunk
-                .iter()
-                .map(|(name, text)| format!("{} {}", layout::left(name, names), aligned.cell(text)))
-                .collect();
-            writeln!(self.out, "  {}", cells.join("  ").trim_end())?;
+            let mut line = String::new();
+            for (name, text) in chunk {
+                layout::push_blanks(&mut line, GAP);
+                layout::push_left(&mut line, name, names + 1);
+                aligned.push_cell(&mut line, text);
+            }
+            writeln!(self.out, "{}", line.trim_end())?;
         }
         Ok(())
     }
@@ -265,8 +271,7 @@ const fn heading(output: Output) -> &'static str {
 
 /// Which states are shown, where not all are.
 fn shown(subject: &Subject<'_>) -> String {
-    let last = subject.first + subject.states as u64 - 1;
-    if subject.shown.contains(&(subject.first..=last)) {
+    if subject.shown.contains(&(subject.first..=subject.last)) {
         return String::new();
     }
     let range = |range: &RangeInclusive<u64>| {
@@ -294,7 +299,7 @@ impl Format for Human<'_> {
             writeln!(self.out)?;
         }
         self.scenes += 1;
-        self.last = subject.first + subject.states as u64 - 1;
+        (self.first, self.last) = (subject.first, subject.last);
         let scene = subject.scene;
         writeln!(self.out, "{}", styled(BOLD, &scene.name))?;
         for line in scene.heading.lines().map(str::trim).filter(|line| !line.is_empty()) {
@@ -304,8 +309,8 @@ impl Format for Human<'_> {
         }
         let plan = subject.plan;
         let mut counts = vec![plural(plan.connectors.len(), "connector")];
-        if !plan.joints.is_empty() {
-            counts.push(plural(plan.joints.len(), "revolute-joint MPC"));
+        if !plan.mpcs.is_empty() {
+            counts.push(plural(plan.mpcs.len(), "MPC"));
         }
         counts.push(plural(subject.states, "state") + &shown(subject));
         let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
@@ -317,8 +322,8 @@ impl Format for Human<'_> {
 
     fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
         let time = time.map(|time| format!(", t = {}", self.number(time))).unwrap_or_default();
-        let last = self.last;
-        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of 0 … {last}{time} ──")))
+        let (first, last) = (self.first, self.last);
+        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of {first} … {last}{time} ──")))
     }
 
     fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
@@ -326,13 +331,27 @@ impl Format for Human<'_> {
             return Ok(());
         }
         self.values(block)?;
-        if let Some(joint) = block.joint {
-            let given =
-                joint.given.map(|given| format!("φJ given as {}; ", self.number(given))).unwrap_or_default();
-            let axis = joint.axis.map(|entry| self.number(entry)).join(", ");
-            let misalignment = self.number(joint.misalignment);
-            let text = format!("{given}axis ({axis}); axes of S and M differ by {misalignment} rad");
-            for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+        if let Some(facts) = &block.mpc {
+            let mut texts: Vec<String> = facts
+                .hinges
+                .iter()
+                .map(|HingeFacts { name, given, axis }| {
+                    let given = given.map(|given| format!("{name} given as {}; ", self.number(given)));
+                    let whose =
+                        if facts.hinges.len() > 1 { format!("axis of {name}") } else { "axis".into() };
+                    let axis = axis.map(|entry| self.number(entry)).join(", ");
+                    format!("{}{whose} ({axis})", given.unwrap_or_default())
+                })
+                .collect();
+            if let Some(misalignment) = facts.misalignment {
+                let what = if facts.hinges.len() > 1 {
+                    "the angle between the axes is off by"
+                } else {
+                    "axes of S and M differ by"
+                };
+                texts.push(format!("{what} {} rad", self.number(misalignment)));
+            }
+            for line in layout::wrap(&texts.join("; "), self.style.width.saturating_sub(INDENT)) {
                 writeln!(self.out, "  {}", styled(DIM, line))?;
             }
         }

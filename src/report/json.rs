@@ -3,7 +3,7 @@
 //! Every number is the shortest decimal that reads back to the same double. One that is not finite is `null`, and a flag
 //! says so.
 
-use super::block::{Block, Column, Derivative, Kind, Row, Value};
+use super::block::{Block, Column, Derivative, HingeFacts, Kind, Row, Value};
 use super::evaluation::{Format, Subject, unevaluated};
 use super::words::{ROWS, SIGNS};
 use crate::connector::{Output, StopStatus, Tally};
@@ -118,10 +118,10 @@ impl Serialize for Block<'_> {
         if let Some(branch) = &self.branch {
             map.serialize_entry("branch", branch)?;
         }
-        if let Some(joint) = &self.joint {
-            map.serialize_entry("given", &joint.given)?;
-            map.serialize_entry("misalignment", &joint.misalignment)?;
-            map.serialize_entry("axis", &joint.axis)?;
+        if let Some(facts) = &self.mpc {
+            let hinge = |of: &HingeFacts| (of.name, json!({"given": of.given, "axis": of.axis}));
+            map.serialize_entry("hinges", &named(&facts.hinges, hinge))?;
+            map.serialize_entry("misalignment", &facts.misalignment)?;
         }
         map.serialize_entry("flags", &self.flags)?;
         map.end()

@@ -23,7 +23,20 @@ pub(crate) fn styled(style: Style, text: impl Display) -> String {
 
 /// A text filled up to a width on the right.
 pub(crate) fn left(text: &str, cells: usize) -> String {
-    format!("{text}{}", " ".repeat(cells.saturating_sub(width(text))))
+    let mut line = String::with_capacity(text.len().max(cells));
+    push_left(&mut line, text, cells);
+    line
+}
+
+/// Appends a text filled up to a width on the right.
+pub(crate) fn push_left(line: &mut String, text: &str, cells: usize) {
+    line.push_str(text);
+    push_blanks(line, cells.saturating_sub(width(text)));
+}
+
+/// Appends blanks.
+pub(crate) fn push_blanks(line: &mut String, count: usize) {
+    line.extend(std::iter::repeat_n(' ', count));
 }
 
 /// A text in lines of at most `cells`, broken at blanks; a word that is longer stands alone.

@@ -1,6 +1,7 @@
-//! `pintle list`: the table of connection types.
+//! `pintle list`: the table of connection types, and that of multi-point constraints.
 
 use super::layout;
+use super::mpc::Listed;
 use super::words;
 use crate::catalog::{
     Availability, COMPONENT, Class, ConnectionType, Evidence, OrientationRule, Slot, TABLE,
@@ -23,7 +24,16 @@ struct Entry<'a> {
     orientation_at_a: OrientationRule,
     orientation_at_b: OrientationRule,
     two_dimensional: Availability,
+    /// Components of the two-dimensional form, where there is one.
+    in_plane: Option<InPlane>,
     three_dimensional: Availability,
+}
+
+/// The components of a two-dimensional form.
+#[derive(Debug, Serialize)]
+struct InPlane {
+    constrained: Vec<&'static str>,
+    available: Vec<&'static str>,
 }
 
 #[derive(Debug, Serialize)]
@@ -31,6 +41,7 @@ struct Document<'a> {
     schema: &'static str,
     version: &'static str,
     types: Vec<Entry<'a>>,
+    mpcs: Vec<Listed>,
 }
 
 pub(super) fn names(connection: &ConnectionType, condition: impl Fn(Slot) -> bool) -> Vec<&'static str> {
@@ -53,6 +64,13 @@ fn entry(connection: &ConnectionType) -> Entry<'_> {
         orientation_at_a: at_a,
         orientation_at_b: at_b,
         two_dimensional: connection.planar,
+        in_plane: (connection.planar != Availability::Never).then(|| {
+            let form = connection.in_plane();
+            InPlane {
+                constrained: names(&form, Slot::is_constrained),
+                available: names(&form, Slot::is_available),
+            }
+        }),
         three_dimensional: connection.availability,
     }
 }
@@ -63,7 +81,7 @@ fn entry(connection: &ConnectionType) -> Entry<'_> {
 /// Those of the stream.
 pub fn json(out: &mut dyn Write) -> io::Result<()> {
     let types = TABLE.iter().map(entry).collect();
-    let document = Document { schema: SCHEMA, version: crate::VERSION, types };
+    let document = Document { schema: SCHEMA, version: crate::VERSION, types, mpcs: Listed::all() };
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
 }
@@ -102,8 +120,14 @@ pub fn human(out: &mut dyn Write, width: usize) -> io::Result<()> {
         .collect();
     write!(out, "{}", layout::table(&heading, &rows))?;
     let legend = "or. a/b: orientation at the nodes a and b, R required, O optional, I ignored, [P] read in part · (…): output only · \
-                  2D, 3D: solvers for CONN2D2 and CONN3D2 · any basic translational type pairs with any basic or \
+                  2D, 3D: solvers for CONN2D2, of which only u1, u2 and ur3 remain, and CONN3D2 · any basic translational type pairs with any basic or \
                   specialised rotational type · `pintle explain TYPE` says more";
+    writeln!(out)?;
+    for line in layout::wrap(legend, width) {
+        writeln!(out, "{}", layout::styled(layout::DIM, line))?;
+    }
+    write!(out, "\n{}", Listed::table())?;
+    let legend = "MPC: multi-point constraints, S dependent, M independent, J nodes of hinges · `pintle explain MPC TYPE` says more";
     writeln!(out)?;
     for line in layout::wrap(legend, width) {
         writeln!(out, "{}", layout::styled(layout::DIM, line))?;

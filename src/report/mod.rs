@@ -15,6 +15,8 @@ pub mod mpc;
 mod number;
 mod words;
 
-pub use block::{Block, Column, Derivative, JointFacts, Kind, Row, Value, flag_in_words, flags_in_words};
+pub use block::{
+    Block, Column, Derivative, HingeFacts, Kind, MpcFacts, Row, Value, flag_in_words, flags_in_words,
+};
 pub use evaluation::{Format, Subject, Unevaluated, unevaluated};
 pub use words::{NOTATION, ROWS, SIGNS};

@@ -1,158 +1,262 @@
-//! `pintle explain MPC`: what the revolute-joint multi-point constraint is ([`crate::mpc`]).
+//! `pintle explain MPC` and `pintle explain MPC TYPE`: which multi-point constraints there are, and what each of them is
+//! ([`crate::mpc`]).
 
 use super::explain::{Field, INDENT, SCHEMA, Tag, paragraph};
 use super::layout::{self, BOLD, styled};
 use crate::measure::{SingularClass, SingularSet, Unit};
-use crate::mpc::{CONSTRAINT, DOF};
+use crate::mpc::{Kind, ROWS, TABLE, Translation};
 use serde::Serialize;
 use std::io::{self, Write};
 
-const SUMMARY: [(&str, &str); 8] = [
-    ("Nodes", "S (the first, dependent), M (the second), J (the third)"),
-    ("Constraint", "C(φS) = C(φJ a) C(φM) [S]"),
-    ("Axis", "a = C(φM) a0 [S]; a0 from M to J initially, global z if they coincide [D]"),
-    ("Additional degree of freedom", "φJ, the relative rotation: degree of freedom 6 of J [S]"),
-    ("Number of constraints", "3 with one more unknown: 2 net, 3 if φJ is prescribed [S]"),
-    ("Angular velocity", "ωS = ωM + φ̇J a [S]"),
-    ("Moments", "MS = −MM, MJ = −MS·a = MM·a [S]; not evaluated"),
-    ("Abaqus/Standard, Abaqus/Explicit", "Standard [D]"),
-];
+const COLUMNS: &str = "A row is the gradient of one residual. Columns are the degrees of freedom of S, of M and, for hinges, \
+     degree of freedom 6 of their nodes, global components. Rotations vary spatially, C → exp(δθ^) C, so that θ̇ is the \
+     angular velocity. Where the constraint holds,";
 
-const ROWS: &str = "A row is the gradient of one residual. Columns are the degrees of freedom 4–6 of S (θS1–θS3), 4–6 of M \
-     (θM1–θM3) and 6 of J (φJ), global components. Rotations vary spatially, C → exp(δθ^) C, so that θ̇ is the angular \
-     velocity. Where the constraint holds, δρ = δθS − δθM − a δφJ.";
+const SIGNS: &str = "Residuals are what S is beyond where M and the hinges have it. Forces and moments are the total ones that the \
+     constraint puts on its nodes, Jᵀλ with one multiplier λ for each residual; they do no work on motions that the constraint \
+     allows. Angles of hinges are positive counter-clockwise about their axis, from M to S.";
 
-const SIGNS: &str = "φJ is positive counter-clockwise about a, from M to S. ρ is the rotation that takes S from where M and φJ \
-     have it to where it is. Moments are the total ones at their nodes, MJ that in the joint: MS·δφS + MM·δφM + MJ δφJ = 0.";
-
-const REMARKS: [&str; 3] = [
-    "In the residual and its rows, φJ is degree of freedom 6 of J where the states give it, and otherwise the angle that the \
-     rotations of S and M imply; its rates in those of the residual are always those of J. The outputs CP, CU, CV and CA of φJ \
-     are always those of the implied angle.",
-    "Translations are not tied: add a PIN.",
-    "C(φJ a) C(φM) = C(φM) C(φJ a0), which is what is computed.",
-];
-
-const SOURCES: [&str; 2] = [
-    "seed Revolute joint, Eq. 1 and the text around it",
-    "keyword *MPC, type REVOLUTE (initial axis, solver)",
-];
-
-/// A component of the constraint, or the three of the residual together.
+/// An angle of a hinge, or residuals that belong together.
 #[derive(Debug, Serialize)]
 struct Component {
-    names: &'static [&'static str],
+    names: Vec<&'static str>,
     role: &'static str,
     unit: Unit,
     formula: &'static str,
-    constraint: Option<&'static str>,
+    constraint: Option<String>,
     winds: bool,
-    singular: SingularSet,
+    singular: Option<SingularSet>,
     /// What happens at the singular set.
-    consequence: &'static str,
+    consequence: Option<&'static str>,
 }
 
-const COMPONENTS: [Component; 2] = [
-    Component {
-        names: &[DOF[6]],
-        role: "available",
-        unit: Unit::Angle,
-        formula: "φJ = 2 atan2(v·a0, w), with (w, v) the quaternion of C(φM)ᵀ C(φS)",
-        constraint: None,
-        winds: true,
-        singular: SingularSet {
-            at: "S turned by π from M about a direction across the axis",
-            class: SingularClass::TrueSingularity,
-            distance: "|(w, v·a0)|",
-            unit: Unit::None,
-        },
-        consequence: "true singularity, no angle about the axis is determined",
-    },
-    Component {
-        names: &CONSTRAINT,
-        role: "constrained",
-        unit: Unit::Angle,
-        formula: "ρ, the rotation vector of C(φS) [C(φJ a) C(φM)]ᵀ, global components [R]",
-        constraint: Some("ρ = 0"),
-        winds: false,
-        singular: SingularSet {
-            at: "S turned by π from where the constraint has it",
-            class: SingularClass::BranchCut,
-            distance: "π − |ρ|",
+/// The angles and residuals of a kind.
+fn components(kind: Kind) -> Vec<Component> {
+    let entry = kind.entry();
+    let mut found = Vec::new();
+    if !entry.angles.is_empty() {
+        let formula = if entry.angles.len() == 1 {
+            "φJ = 2 atan2(v·a0, w), with (w, v) the quaternion of C(φM)ᵀ C(φS)"
+        } else {
+            "φ1, φ2 of C(φM)ᵀ C(φS) = C(φ1 a10) C(β n) C(φ2 a20), n along a20 × a10: φ1 = atan2(−n·v, (a10 × n)·v), \
+             v = C(φM)ᵀ C(φS) a20; φ2 = atan2(−n·w, (n × a20)·w), w = C(φS)ᵀ C(φM) a10 [R]; Cardan angles if a10 ⊥ a20"
+        };
+        let singular = kind.angle_set();
+        found.push(Component {
+            names: entry.angles.to_vec(),
+            role: "available",
             unit: Unit::Angle,
-        },
-        consequence: "branch cut, the sign of ρ is not determined",
-    },
-];
+            formula,
+            constraint: None,
+            winds: true,
+            singular,
+            consequence: Some(if entry.angles.len() == 1 {
+                "true singularity, no angle about the axis is determined"
+            } else {
+                "true singularity, only the sum or difference of the angles is determined"
+            }),
+        });
+    }
+    let groups: [(&[usize], &'static str); 3] = [
+        (
+            &[0, 1, 2],
+            match entry.translation {
+                Translation::Free => "",
+                Translation::Equal => "δ = uS − uM, global components",
+                Translation::Distance => "δl = |xS − xM| − |XS − XM|",
+                Translation::Carried => "δ = xS − xM − C(φM) (XS − XM), global components",
+            },
+        ),
+        (
+            &[3, 4, 5],
+            match entry.angles.len() {
+                0 => "ρ, the rotation vector of C(φS) C(φM)ᵀ, global components [R]",
+                1 => "ρ, the rotation vector of C(φS) [C(φJ a) C(φM)]ᵀ, global components [R]",
+                _ => "ρ, the rotation vector of C(φS) [C(φ2 a2) C(φ1 a1) C(φM)]ᵀ, global components [R]",
+            },
+        ),
+        (&[6], "δΨ = ΨS − ΨM, where both nodes have material flow"),
+    ];
+    let rows: [bool; ROWS] = kind.rows(true);
+    for (group, formula) in groups {
+        let names: Vec<_> = group.iter().filter(|row| rows[**row]).map(|row| kind.row_name(*row)).collect();
+        let Some(first) = group.first().filter(|_| !names.is_empty()) else { continue };
+        let whole = names.first().map(|name| name.trim_end_matches('1')).unwrap_or_default();
+        let singular = kind.row_set(*first);
+        let consequence = singular.map(|set| match set.class {
+            SingularClass::BranchCut => "branch cut, the sign of ρ is not determined",
+            _ => "kink, the link has no direction",
+        });
+        found.push(Component {
+            constraint: Some(format!("{whole} = 0")),
+            names,
+            role: "constrained",
+            unit: Kind::row_unit(*first),
+            formula,
+            winds: false,
+            singular,
+            consequence,
+        });
+    }
+    found
+}
 
-/// The page as JSON.
+/// The page of a kind as JSON.
 #[derive(Serialize)]
 struct Page {
     schema: &'static str,
     version: &'static str,
-    name: &'static str,
+    name: String,
     summary: Vec<Field>,
-    components: [Component; 2],
-    rows: &'static str,
+    components: Vec<Component>,
+    rows: String,
     signs: &'static str,
-    remarks: [&'static str; 3],
-    sources: [&'static str; 2],
+    remarks: &'static [&'static str],
+    sources: &'static [&'static str],
     evidence: Vec<Tag>,
 }
 
-const NAME: &str = "MPC REVOLUTE";
+/// Every kind as JSON.
+#[derive(Serialize)]
+struct Overview {
+    schema: &'static str,
+    version: &'static str,
+    name: &'static str,
+    types: Vec<Listed>,
+}
 
-/// Writes the page as JSON.
+/// A kind in a list.
+#[derive(Debug, Serialize)]
+pub(super) struct Listed {
+    name: &'static str,
+    nodes: &'static [&'static str],
+    residuals: Vec<&'static str>,
+    available: &'static [&'static str],
+    constraint: &'static str,
+}
+
+impl Listed {
+    /// Every kind.
+    pub(super) fn all() -> Vec<Self> {
+        let listed = |kind: Kind| {
+            let entry = kind.entry();
+            let rows = kind.rows(true);
+            let fact = entry.facts.iter().find(|(name, _)| *name == "Constraint");
+            Self {
+                name: entry.name,
+                nodes: entry.nodes,
+                residuals: (0..ROWS).filter(|row| rows[*row]).map(|row| kind.row_name(row)).collect(),
+                available: entry.angles,
+                constraint: fact.map_or("", |(_, constraint)| *constraint),
+            }
+        };
+        TABLE.iter().map(|entry| listed(entry.kind)).collect()
+    }
+
+    /// Every kind, as a table.
+    pub(super) fn table() -> String {
+        let dash = |list: &[&str]| if list.is_empty() { "–".to_string() } else { list.join(" ") };
+        let rows: Vec<Vec<String>> = Self::all()
+            .into_iter()
+            .map(|Self { name, nodes, residuals, available, .. }| {
+                vec![name.to_string(), nodes.join(" "), dash(&residuals), dash(available)]
+            })
+            .collect();
+        layout::table(&["MPC", "nodes", "constrained", "available"], &rows)
+    }
+}
+
+fn rows(kind: Kind) -> String {
+    format!("{COLUMNS} {}", kind.entry().rows)
+}
+
+/// Writes the page of a kind, or of all together, as JSON.
 ///
 /// # Errors
 /// Those of the stream.
-pub fn json(out: &mut dyn Write) -> io::Result<()> {
-    let page = Page {
-        schema: SCHEMA,
-        version: crate::VERSION,
-        name: NAME,
-        summary: SUMMARY.map(|(name, value)| Field { name, value: value.to_string() }).into(),
-        components: COMPONENTS,
-        rows: ROWS,
-        signs: SIGNS,
-        remarks: REMARKS,
-        sources: SOURCES,
-        evidence: Tag::all(),
-    };
-    serde_json::to_writer_pretty(&mut *out, &page)?;
+pub fn json(out: &mut dyn Write, kind: Option<Kind>) -> io::Result<()> {
+    match kind {
+        Some(kind) => {
+            let entry = kind.entry();
+            let field = |(name, value): &(&'static str, &str)| Field { name, value: (*value).to_string() };
+            let page = Page {
+                schema: SCHEMA,
+                version: crate::VERSION,
+                name: format!("MPC {}", entry.name),
+                summary: entry.facts.iter().map(field).collect(),
+                components: components(kind),
+                rows: rows(kind),
+                signs: SIGNS,
+                remarks: entry.remarks,
+                sources: entry.sources,
+                evidence: Tag::all(),
+            };
+            serde_json::to_writer_pretty(&mut *out, &page)?;
+        }
+        None => {
+            let (schema, version) = (SCHEMA, crate::VERSION);
+            let overview = Overview { schema, version, name: "MPC", types: Listed::all() };
+            serde_json::to_writer_pretty(&mut *out, &overview)?;
+        }
+    }
     writeln!(out)
 }
 
-/// Writes the page as text.
+/// Writes the page of a kind, or of all together, as text.
 ///
 /// # Errors
 /// Those of the stream.
-pub fn human(out: &mut dyn Write, width: usize) -> io::Result<()> {
-    writeln!(out, "{}", styled(BOLD, NAME))?;
-    for (name, value) in SUMMARY {
+pub fn human(out: &mut dyn Write, kind: Option<Kind>, width: usize) -> io::Result<()> {
+    match kind {
+        Some(kind) => page(out, kind, width),
+        None => overview(out, width),
+    }
+}
+
+fn overview(out: &mut dyn Write, width: usize) -> io::Result<()> {
+    writeln!(out, "{}", styled(BOLD, "MPC, multi-point constraints"))?;
+    for Listed { name, constraint, .. } in Listed::all() {
+        write!(out, "{}", layout::labelled(name, INDENT, 13, constraint, width))?;
+    }
+    writeln!(out)?;
+    let more = "S is the first node of an MPC, which it makes dependent, M the second; nodes of hinges follow. \
+                `pintle explain MPC TYPE` says more.";
+    for line in layout::wrap(more, width) {
+        writeln!(out, "{line}")?;
+    }
+    Tag::write(&Tag::all(), out, width)
+}
+
+fn page(out: &mut dyn Write, kind: Kind, width: usize) -> io::Result<()> {
+    let entry = kind.entry();
+    writeln!(out, "{}", styled(BOLD, format!("MPC {}", entry.name)))?;
+    for (name, value) in entry.facts {
         write!(out, "{}", layout::labelled(name, INDENT, 36, value, width))?;
     }
     writeln!(out, "\n{}", styled(BOLD, "Components"))?;
     let line = |out: &mut dyn Write, label: &str, text: &str| {
         write!(out, "{}", layout::labelled(label, 7, 20, text, width))
     };
-    for component in COMPONENTS {
-        let names = component.names.join(", ");
-        writeln!(out, "  {names}  {}, [rad]", component.role)?;
+    for component in components(kind) {
+        let (names, unit) = (component.names.join(", "), super::words::unit(component.unit));
+        writeln!(out, "  {names}  {}, [{unit}]", component.role)?;
         line(out, "formula", component.formula)?;
-        if let Some(constraint) = component.constraint {
+        if let Some(constraint) = &component.constraint {
             line(out, "enforced", constraint)?;
         }
         if component.winds {
             line(out, "period", "2π; whole turns are counted from state to state")?;
         }
-        let SingularSet { at, distance, unit, .. } = component.singular;
-        let unit = super::words::unit(unit);
-        line(out, "singular", &format!("at {at}: {}; distance {distance} [{unit}]", component.consequence))?;
+        if let (Some(SingularSet { at, distance, unit, .. }), Some(consequence)) =
+            (component.singular, component.consequence)
+        {
+            let unit = super::words::unit(unit);
+            line(out, "singular", &format!("at {at}: {consequence}; distance {distance} [{unit}]"))?;
+        }
     }
     paragraph(out, "Signs", &[SIGNS], width)?;
-    paragraph(out, "Rows of derivatives", &[ROWS], width)?;
-    paragraph(out, "Remarks", &REMARKS, width)?;
-    paragraph(out, "Sources", &SOURCES, width)?;
+    paragraph(out, "Rows of derivatives", &[&rows(kind)], width)?;
+    paragraph(out, "Remarks", entry.remarks, width)?;
+    paragraph(out, "Sources", entry.sources, width)?;
     Tag::write(&Tag::all(), out, width)
 }

@@ -79,6 +79,16 @@ impl Real for f64 {
         if inverse.is_infinite() { 0.0 } else { inverse }
     }
 
+    #[inline(always)]
+    fn exponential_minus_one(self) -> Self {
+        self.exp_m1()
+    }
+
+    #[inline(always)]
+    fn power(self, exponent: Self) -> Self {
+        self.powf(exponent)
+    }
+
     type Mask = bool;
 
     #[inline(always)]

@@ -4,7 +4,7 @@
 //! through a division, a square root or an arctangent. Errors are stated in units u = 2⁻⁵³ of the conditioned scale
 //! |f| + Σ|x_i||∂f/∂x_i| (value / first / second derivative; `verify/numerics.rs` measures them).
 
-use super::{Real, Scalar};
+use super::{MAX_ORDER, Real, Scalar, Series};
 
 /// √x for x > 0, 1 / 1.5 / 2 u.
 ///
@@ -194,4 +194,60 @@ pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
         }
     }
     (length, unit)
+}
+
+/// |x|.
+///
+/// At x = 0 the value is 0 and the derivatives, which do not exist, are 0.
+#[inline(always)]
+pub fn abs<S: Scalar>(x: S) -> S {
+    norm([x])
+}
+
+/// exp x − 1, accurate near 0.
+#[inline(always)]
+pub fn exp_m1<S: Scalar>(x: S) -> S {
+    let value = x.real().exponential_minus_one();
+    x.lift(&exponential_series(value, x.real().exponential()))
+}
+
+/// The Taylor coefficients of a function whose derivatives are all `slope`, as those of exp − 1.
+#[inline(always)]
+fn exponential_series<R: Real>(value: R, slope: R) -> Series<R> {
+    let by = |n| slope / R::integer(n);
+    [value, slope, by(2), by(6), by(24)]
+}
+
+/// xᵖ for x ≥ 0 and a real p > 0.
+///
+/// At x = 0 the value is 0; derivatives that do not exist there (those of an order above p, unless p is an integer) are 0.
+#[inline(always)]
+pub fn power<S: Scalar>(x: S, exponent: S::Real) -> S {
+    let (zero, one) = (S::Real::integer(0), S::Real::integer(1));
+    let base = x.real();
+    let mut series = [zero; MAX_ORDER + 1];
+    let mut binomial = one;
+    let mut left = exponent; // the exponent of the k-th derivative
+    for (k, coefficient) in series.iter_mut().enumerate().take(S::ORDER + 1) {
+        *coefficient = if is_zero(binomial) || (is_zero(base) && is_less(left, zero)) {
+            zero
+        } else if is_zero(left) {
+            binomial
+        } else {
+            binomial * base.power(left)
+        };
+        binomial = binomial * left / S::Real::integer(k as i32 + 1);
+        left = left - one;
+    }
+    x.lift(&series)
+}
+
+#[inline(always)]
+fn is_less<R: Real>(x: R, y: R) -> bool {
+    R::choose(x.less(y), || true, || false)
+}
+
+#[inline(always)]
+fn is_zero<R: Real>(x: R) -> bool {
+    !is_less(x, R::integer(0)) && !is_less(R::integer(0), x)
 }

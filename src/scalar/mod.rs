@@ -139,6 +139,12 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// point reports it (`Measure::margin`).
     fn reciprocal_or_zero(self) -> Self;
 
+    /// exp x − 1, accurate near 0.
+    fn exponential_minus_one(self) -> Self;
+
+    /// xᵖ for x ≥ 0.
+    fn power(self, exponent: Self) -> Self;
+
     /// The answer to a comparison: `bool`, or one bit per lane.
     type Mask: Copy;
 

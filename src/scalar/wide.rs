@@ -188,6 +188,14 @@ impl Real for Wide {
         if self.0.eq_zero() { Self(f256::ZERO) } else { Self(f256::ONE / self.0) }
     }
 
+    fn exponential_minus_one(self) -> Self {
+        Self(self.0.exp_m1())
+    }
+
+    fn power(self, exponent: Self) -> Self {
+        Self(self.0.powf(&exponent.0))
+    }
+
     type Mask = bool;
 
     fn less(self, other: Self) -> bool {

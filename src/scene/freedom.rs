@@ -1,8 +1,9 @@
 //! Which degrees of freedom the nodes of connectors have.
 
 use super::label::Label;
-use super::model::{Dimension, MpcKind, PointKind, Scene, Solver};
+use super::model::{Dimension, PointKind, Scene, Solver};
 use crate::catalog::ConnectionType;
+use crate::mpc::Kind;
 use std::collections::HashSet;
 
 /// Whether the nodes of connectors rotate, and whether they are confined to the plane.
@@ -60,7 +61,7 @@ impl NodeFreedom {
             }
         }
         for mpc in &scene.mpcs {
-            if matches!(mpc.kind, MpcKind::Beam | MpcKind::Revolute | MpcKind::Universal) {
+            if matches!(mpc.kind.evaluated(), Some(Kind::Beam | Kind::Revolute | Kind::Universal)) {
                 freedom.rotating.extend(&mpc.nodes);
             }
         }

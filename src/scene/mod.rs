@@ -49,6 +49,7 @@ pub use behavior::{
 pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
+pub(crate) use document::in_words_of;
 pub use document::{Converted, Format, MAX_DOCUMENT, schema};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};

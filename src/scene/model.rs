@@ -10,6 +10,7 @@ use super::label::Label;
 use super::orientation::Orientation;
 use super::span::{Span, Spanned};
 use super::states::State;
+use crate::mpc;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -281,20 +282,10 @@ pub struct ConnectorSection {
 
 /// The types of `*MPC`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "UPPERCASE")]
+#[serde(untagged)]
 pub enum MpcKind {
-    /// Equal translations of two nodes.
-    Pin,
-    /// A constant distance between two nodes.
-    Link,
-    /// A rigid beam between two nodes.
-    Beam,
-    /// All degrees of freedom of two nodes equal.
-    Tie,
-    /// A revolute joint: dependent node, master, and the node whose degree of freedom 6 is the joint angle.
-    Revolute,
-    /// A universal joint: dependent node, master, and the two nodes whose degree of freedom 6 are the angles.
-    Universal,
+    /// A type that is evaluated.
+    Evaluated(mpc::Kind),
     /// Kept, not evaluated.
     Other(String),
 }
@@ -304,20 +295,19 @@ impl MpcKind {
     #[must_use]
     pub fn name(&self) -> &str {
         match self {
+            Self::Evaluated(kind) => kind.name(),
             Self::Other(name) => name,
-            known => Self::KNOWN.iter().find(|(_, kind, _)| kind == known).map_or("", |(name, ..)| *name),
         }
     }
 
-    /// The types that are evaluated, by name, with the number of their nodes.
-    pub const KNOWN: [(&'static str, Self, usize); 6] = [
-        ("PIN", Self::Pin, 2),
-        ("LINK", Self::Link, 2),
-        ("BEAM", Self::Beam, 2),
-        ("TIE", Self::Tie, 2),
-        ("REVOLUTE", Self::Revolute, 3),
-        ("UNIVERSAL", Self::Universal, 4),
-    ];
+    /// The type, where it is evaluated.
+    #[must_use]
+    pub const fn evaluated(&self) -> Option<mpc::Kind> {
+        match self {
+            Self::Evaluated(kind) => Some(*kind),
+            Self::Other(_) => None,
+        }
+    }
 }
 
 /// One multi-point constraint.

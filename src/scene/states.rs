@@ -5,11 +5,13 @@
 //! `state`, `time`, `node`, `u1` `u2` `u3` (displacement), `ur1` `ur2` `ur3` (rotation vector) or `q0` `q1` `q2`
 //! `q3` (quaternion), `v1` `v2` `v3`, `vr1` `vr2` `vr3` (spatial angular velocity), `a1` `a2` `a3`, `ar1` `ar2`
 //! `ar3` (spatial angular acceleration), `flow`, `flow_v`, `flow_a`. Only `node` is needed. Rows with the same
-//! number in `state` form one state; the numbers increase. Lines that begin with # are comments.
+//! number in `state` form one state; the numbers increase, and reports call the states by them. Lines that begin with #
+//! are comments.
 //!
 //! # JSON
 //! `{"schema": "pintle-states/1", "states": [{"time": 0.5, "nodes": {"2": {"displacement": [0, 0, 0],
-//! "rotation": [0, 0, 7.5]}}}]}`, with the names of [`NodeMotion`]; `rotation` or `quaternion`.
+//! "rotation": [0, 0, 7.5]}}}]}`, with the names of [`NodeMotion`]; `rotation` or `quaternion`. A state may have a
+//! `number`.
 
 use super::diagnostic::{Code, Diagnostic, Result, suggest};
 use super::freedom::NodeFreedom;
@@ -77,6 +79,9 @@ pub struct NodeMotion {
 /// The motions of all nodes that move, at one time.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct State {
+    /// Its number, if the file numbers its states: the column `state`, or `number` in JSON.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub number: Option<u64>,
     /// The time, if it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
@@ -228,6 +233,18 @@ fn rotation(vector: Option<[f64; 3]>, quaternion: Option<[f64; 4]>) -> Result<Ro
     }
 }
 
+/// States are numbered upwards, or not at all.
+fn check_number(last: Option<&State>, number: Option<u64>) -> Result<(), Fault> {
+    let message = match last.map(|last| (last.number, number)) {
+        Some((Some(last), Some(number))) if number <= last => {
+            format!("state {number} comes after state {last}")
+        }
+        Some((Some(_), None) | (None, Some(_))) => "some states have a number, and some have none".into(),
+        _ => return Ok(()),
+    };
+    Err(Fault::new(Code::StatesOrder, message, "number all states, upwards, or none"))
+}
+
 /// What of a motion a node of a connector has no degrees of freedom for.
 fn check_motion(node: Label, motion: &NodeMotion, freedom: &NodeFreedom) -> Result<(), Fault> {
     let rotation = match motion.rotation {
@@ -305,7 +322,10 @@ fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
                 let message = format!("state {number} comes after state {last}");
                 return disorder(message, "put the rows of a state together, and number the states upwards");
             }
-            _ => states.push((number, State { time, nodes: BTreeMap::new() })),
+            _ => {
+                let own = columns.contains(&"state").then_some(number);
+                states.push((number, State { number: own, time, nodes: BTreeMap::new() }));
+            }
         }
         let Some((_, state)) = states.last_mut() else { continue };
         let Some(node) = row.label("node")? else {
@@ -572,13 +592,14 @@ impl Motion {
 
 /// The states that a scene itself gives; the names of the entries are node numbers.
 pub(super) fn of_scene(
-    states: impl IntoIterator<Item = (Option<f64>, Vec<(Spanned<String>, Motion)>)>,
+    states: impl IntoIterator<Item = Spanned<(Option<u64>, Option<f64>, Vec<(Spanned<String>, Motion)>)>>,
     scene: &Scene,
 ) -> Result<Vec<State>> {
     let mut read = Vec::new();
     let freedom = NodeFreedom::of(scene);
-    for (time, motions) in states {
-        let mut state = State { time, nodes: BTreeMap::new() };
+    for Spanned { value: (number, time, motions), span } in states {
+        check_number(read.last(), number).map_err(|fault| fault.at(span, "this state"))?;
+        let mut state = State { number, time, nodes: BTreeMap::new() };
         for (name, motion) in motions {
             let node = label(&name.value).and_then(|node| check_node(node, scene, &state).map(|()| node));
             let motion = node.and_then(|node| {
@@ -710,6 +731,7 @@ impl<'de> Visitor<'de> for JsonStates<'_> {
     fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Vec<State>, A::Error> {
         let mut states = Vec::new();
         while let Some(state) = sequence.next_element_seed(JsonState(self.0))? {
+            check_number(states.last(), state.number).map_err(|fault| self.0.stop(fault))?;
             states.push(state);
         }
         Ok(states)
@@ -722,9 +744,13 @@ impl<'de> Visitor<'de> for JsonState<'_> {
         Self::describe(formatter)
     }
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
-        let (mut time, mut state) = (None, None);
+        let (mut number, mut time, mut state) = (None, None, None);
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
+                "number" => {
+                    once(number.is_some(), "number")?;
+                    number = Some(map.next_value::<u64>()?);
+                }
                 "time" => {
                     once(time.is_some(), "time")?;
                     time = Some(map.next_value::<f64>()?);
@@ -733,11 +759,11 @@ impl<'de> Visitor<'de> for JsonState<'_> {
                     once(state.is_some(), "nodes")?;
                     state = Some(map.next_value_seed(JsonNodes(self.0))?);
                 }
-                other => return Err(A::Error::unknown_field(other, &["time", "nodes"])),
+                other => return Err(A::Error::unknown_field(other, &["number", "time", "nodes"])),
             }
         }
         let state: State = state.ok_or_else(|| A::Error::missing_field("nodes"))?;
-        Ok(State { time, ..state })
+        Ok(State { number, time, ..state })
     }
 }
 

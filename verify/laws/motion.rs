@@ -5,10 +5,9 @@ use super::{Check, Scales, U, assert_bits, functions, times};
 use crate::states::{Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, types};
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{
-    Components, Connector, Evaluation, Flag, Increment, NodalRow, Output, Request, State, Tally, Turns,
+    Components, Connector, Evaluation, Flag, Increment, NodalRow, Output, Request, State, Tally,
 };
 use pintle::measure::{Measure, Unit};
-use pintle::mpc::{self, Revolute};
 use pintle::node::{DOFS, Pair};
 use pintle::scalar::{Scalar, Wide};
 use pintle::vector::{self, Matrix, Vector, add, apply, column, cross, dot, product, scale, sub};
@@ -699,24 +698,6 @@ fn constraint_rows_are_independent() {
         }
     });
     assert!(count > 200, "only {count} states are near their constraints");
-}
-
-/// A revolute MPC turned by exactly half a turn from nothing is at +π.
-#[test]
-fn a_joint_turned_by_half_is_principal() {
-    let joint = Revolute::<f64>::between([0.0; 3], [0.0, 0.0, 1.0]);
-    let identity: Matrix<f64> = vector::identity();
-    let state = mpc::State {
-        slave: [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]],
-        master: identity,
-        joint: None,
-        velocity: [0.0; mpc::DOFS],
-        acceleration: [0.0; mpc::DOFS],
-    };
-    let start = Turns { turns: 0.0, principal: 0.0 };
-    let request = Request::everything(0);
-    let got = joint.evaluate(&state, &start, [0.0; 3], &request, &mut Tally::default());
-    assert_eq!((got.angle.turns, got.angle.principal), (0.0, std::f64::consts::PI));
 }
 
 /// Two half turns that are the same pose are told apart by the increment that leads there, and without one the principal

@@ -4,6 +4,7 @@
 //! rotation matrices and forces, not solutions.
 
 use super::n;
+use pintle::mpc::Kind;
 use pintle::scene::{Example, GALLERY, Law, MpcKind, NodeMotion, Procedure, Rotation, Scene, Solver, State};
 use std::f64::consts::{PI, TAU};
 
@@ -223,7 +224,10 @@ fn revolute_mpc_holds_through_its_turns() {
     let kinds: Vec<_> = scene.mpcs.iter().map(|mpc| (mpc.kind.clone(), mpc.nodes.clone())).collect();
     assert_eq!(
         kinds,
-        [(MpcKind::Revolute, [10, 20, 30].map(n).to_vec()), (MpcKind::Pin, [10, 20].map(n).to_vec())]
+        [
+            (MpcKind::Evaluated(Kind::Revolute), [10, 20, 30].map(n).to_vec()),
+            (MpcKind::Evaluated(Kind::Pin), [10, 20].map(n).to_vec())
+        ]
     );
     assert_eq!(scene.springs[0].degrees_of_freedom, [6]);
     let axis = [2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0];

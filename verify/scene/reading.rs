@@ -1,6 +1,7 @@
 //! How decks are read: syntax, sets, orientations, behaviours, steps; and any text without a panic.
 
 use super::n;
+use pintle::mpc::Kind;
 use pintle::scene::{
     Affected, Basis, Code, DamageEvolutionKind, DampingKind, Dimension, End, Extrapolation, FrictionKind,
     FrictionLaw, GALLERY, HardeningDefinition, Integration, Law, MpcKind, Operation, Operator,
@@ -353,9 +354,9 @@ fn constraints_take_nodes_and_sets() {
     assert_eq!(
         all,
         [
-            (MpcKind::Tie, [1, 3].map(n).to_vec()),
-            (MpcKind::Tie, [2, 3].map(n).to_vec()),
-            (MpcKind::Universal, [1, 2, 3, 2].map(n).to_vec()),
+            (MpcKind::Evaluated(Kind::Tie), [1, 3].map(n).to_vec()),
+            (MpcKind::Evaluated(Kind::Tie), [2, 3].map(n).to_vec()),
+            (MpcKind::Evaluated(Kind::Universal), [1, 2, 3, 2].map(n).to_vec()),
         ]
     );
 }

@@ -42,8 +42,8 @@ fn a_comment_may_end_the_file() {
 fn json_says_the_same_as_csv() {
     let csv = "state,time,node,u1,u2,q0,q3,v3\n0,0,1,1,2,,,\n0,0,2,,,0.6,0.8,5\n1,1,3,,,,,\n";
     let json = r#"{"states": [
-        {"nodes": {"2": {"velocity": [0, 0, 5], "quaternion": [0.6, 0, 0, 0.8]}, "1": {"displacement": [1, 2, 0]}}, "time": 0},
-        {"time": 1, "nodes": {"3": {}}}], "schema": "pintle-states/1"}"#;
+        {"nodes": {"2": {"velocity": [0, 0, 5], "quaternion": [0.6, 0, 0, 0.8]}, "1": {"displacement": [1, 2, 0]}}, "time": 0, "number": 0},
+        {"number": 1, "time": 1, "nodes": {"3": {}}}], "schema": "pintle-states/1"}"#;
     let scene = scene();
     assert_eq!(
         StateFile::parse_csv("s.csv", csv, &scene).unwrap(),
@@ -80,7 +80,7 @@ proptest! {
             flow_velocity: values[11],
             flow_acceleration: values[12],
         };
-        let file = StateFile { states: vec![State { time: Some(values[0]), nodes: [(n(2), motion)].into() }] };
+        let file = StateFile { states: vec![State { number: None, time: Some(values[0]), nodes: [(n(2), motion)].into() }] };
         let scene = scene();
         let json = file.to_json().unwrap();
         let back = StateFile::parse_json("s.json", &json, &scene).unwrap();

@@ -2,6 +2,7 @@
 
 use super::Deck;
 use super::history::target;
+use crate::mpc;
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::lexer::{Data, Item, Keyword, normal};
 use crate::scene::model::{ConnectorSection, MpcKind, Target};
@@ -81,7 +82,6 @@ fn orientation(item: &Item<'_>) -> Result<Spanned<String>> {
 #[derive(Debug, Clone)]
 pub(super) struct RawMpc {
     pub(super) kind: MpcKind,
-    pub(super) needed: Option<usize>,
     pub(super) items: Vec<Spanned<Target>>,
     pub(super) span: Span,
 }
@@ -137,13 +137,13 @@ pub(super) fn mpc(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             continue;
         }
         let name = normal(first.text);
-        let known = MpcKind::KNOWN.into_iter().find(|(known, ..)| *known == name && !user);
-        let (kind, needed) = match known {
-            Some((_, kind, count)) => (kind, Some(count)),
-            None if user => (MpcKind::Other(format!("USER {name}")), None),
-            None if KEPT.contains(&name.as_str()) => (MpcKind::Other(name), None),
+        let known = mpc::Kind::named(&name).filter(|_| !user);
+        let kind = match known {
+            Some(kind) => MpcKind::Evaluated(kind),
+            None if user => MpcKind::Other(format!("USER {name}")),
+            None if KEPT.contains(&name.as_str()) => MpcKind::Other(name),
             None => {
-                let names = MpcKind::KNOWN.into_iter().map(|(name, ..)| name);
+                let names = mpc::TABLE.iter().map(|entry| entry.name);
                 let remedy = suggest(&name, names.clone().chain(KEPT.iter().copied()), || {
                     format!("types are {}", names.collect::<Vec<_>>().join(", "))
                 });
@@ -156,11 +156,12 @@ pub(super) fn mpc(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         if let MpcKind::Other(name) = &kind {
             let message = format!("the multi-point constraint {name} is kept but not evaluated");
             warnings.push(
-                Diagnostic::warning(Code::MpcNotEvaluated, line.span, message, "not evaluated")
-                    .help("types that are evaluated: PIN, LINK, BEAM, TIE, REVOLUTE, UNIVERSAL"),
+                Diagnostic::warning(Code::MpcNotEvaluated, line.span, message, "not evaluated").help(
+                    format!("types that are evaluated: {}", mpc::TABLE.map(|entry| entry.name).join(", ")),
+                ),
             );
         }
-        deck.mpcs.push(RawMpc { kind, needed, items: nodes, span: line.span });
+        deck.mpcs.push(RawMpc { kind, items: nodes, span: line.span });
     }
     warnings.into_iter().for_each(|warning| deck.warn(warning));
     Ok(())

@@ -7,7 +7,7 @@ use super::sets::{self, Kind, Member, unknown_set};
 use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::label::Label;
-use crate::scene::model::{Discrete, End, Mpc, MpcKind, PointKind, Scene, Set, Target};
+use crate::scene::model::{Discrete, End, Mpc, PointKind, Scene, Set, Target};
 use crate::scene::span::{Span, Spanned};
 use std::collections::HashSet;
 
@@ -363,16 +363,14 @@ fn other_rotations(deck: &mut Deck<'_>) {
 /// One constraint per line, or one per member where sets are given.
 fn mpcs(scene: &Scene, raw: &[RawMpc]) -> Result<Vec<Mpc>> {
     let mut mpcs = Vec::with_capacity(raw.len());
-    for RawMpc { kind, needed, items, span } in raw {
+    for RawMpc { kind, items, span } in raw {
         let nodes = items.iter().map(|item| node_target(scene, item)).collect::<Result<Vec<_>>>()?;
         let bad = |message: String, remedy: String| {
             Err(Diagnostic::error(Code::BadConnectivity, *span, message, "this constraint").help(remedy))
         };
-        let MpcKind::Other(_) = kind else {
-            let needed = needed.unwrap_or(nodes.len());
+        if let Some(known) = kind.evaluated() {
+            let (name, needed) = (known.name(), known.entry().nodes.len());
             if nodes.len() != needed {
-                let name =
-                    MpcKind::KNOWN.iter().find(|(_, known, _)| known == kind).map_or("", |(name, ..)| name);
                 return bad(
                     format!("{name} takes {needed} nodes, not {}", nodes.len()),
                     format!("write: {name}, and {needed} nodes, the dependent one first"),
@@ -398,7 +396,7 @@ fn mpcs(scene: &Scene, raw: &[RawMpc]) -> Result<Vec<Mpc>> {
                 mpcs.push(Mpc { kind: kind.clone(), nodes: chosen, span: *span });
             }
             continue;
-        };
+        }
         mpcs.push(Mpc { kind: kind.clone(), nodes: nodes.into_iter().flatten().collect(), span: *span });
     }
     Ok(mpcs)

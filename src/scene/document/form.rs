@@ -145,6 +145,8 @@ form! {
     /// What the nodes do at one time.
     State {
         ;
+        /// Its number; all states are numbered, upwards, or none.
+        number: Option<u64>,
         /// The time.
         time: Option<f64>,
         /// Motions by node number; a node that is not among them is at rest in its initial place.

@@ -14,7 +14,7 @@ use super::deck;
 use super::diagnostic::{Code, Diagnostic, Result};
 use super::label::Label;
 use super::model::Scene;
-use super::span::Span;
+use super::span::{Span, Spanned};
 use super::states;
 use form::{Document, SCHEMA};
 use serde::Deserialize;
@@ -44,6 +44,14 @@ impl Format {
             Some("json") => Self::Json,
             _ => Self::Deck,
         }
+    }
+}
+
+/// The diagnostic in the words of the form that a scene was read from.
+pub(crate) fn in_words_of(scene: &Scene, diagnostic: Diagnostic) -> Diagnostic {
+    match Format::of_path(Path::new(&scene.name)) {
+        Format::Deck => diagnostic,
+        Format::Toml | Format::Json => wording::of_document(diagnostic),
     }
 }
 
@@ -155,7 +163,10 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
         };
         scene.rotating_nodes.insert(label);
     }
-    let states = states.into_iter().map(|state| (state.value.time, state.value.nodes.0));
+    let states = states.into_iter().map(|state| {
+        let form::State { number, time, nodes } = state.value;
+        Spanned::new((number, time, nodes.0), state.span)
+    });
     scene.states = states::of_scene(states, &scene)?;
     Ok(scene)
 }

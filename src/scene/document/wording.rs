@@ -6,7 +6,10 @@ use super::super::diagnostic::Diagnostic;
 const WORDS: &[(&str, &str)] = &[
     ("name an *ORIENTATION as item 1 of the line after the type", "give orientation_a"),
     ("name an *ORIENTATION as item 2 of the line after the type", "give orientation_b"),
-    ("define the friction with COMPONENT= or *CONNECTOR POTENTIAL, or remove PREDEFINED", "describe the friction with component or potential instead of predefined"),
+    (
+        "define the friction with COMPONENT= or *CONNECTOR POTENTIAL, or remove PREDEFINED",
+        "describe the friction with component or potential instead of predefined",
+    ),
     ("use a *DYNAMIC, EXPLICIT step", "use a step with procedure = \"dynamic_explicit\""),
     ("write: set, GRAV, g, x, y, z", "write values = [g, x, y, z]"),
     ("write *FRICTION, EXPONENTIAL DECAY, TEST DATA", "give test_data"),

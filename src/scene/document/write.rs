@@ -199,6 +199,7 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
         connector_motions: list(connector_motions, motion),
         steps: steps.iter().map(|given| placeless(step(given, scene, dropped))).collect(),
         states: list(states, |state| form::State {
+            number: state.number,
             time: state.time,
             nodes: state.nodes.iter().map(|(label, motion)| (label.to_string(), motion.into())).collect(),
         }),

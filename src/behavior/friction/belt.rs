@@ -1,0 +1,407 @@
+//! Friction of a belt around a ring: two SLIPRINGs that share a node.
+//!
+//! The node is b of the first segment (tension T1) and a of the second (T2). Material flows past it by Ψ. The friction force F
+//! (CSF2 of the first segment) acts on that flow, so that on degree of freedom 10 of the node T1 − T2 + F = 0, and
+//!
+//! ```text
+//! |F| ≤ min(T1, T2) (exp(μ α) − 1),      which is max(T1, T2) ≤ min(T1, T2) exp(μ α)
+//! ```
+//!
+//! with the angle of wrap α. F > 0 resists growth of Ψ: then T2 = T1 + F exceeds T1. The update takes the tension on the side
+//! from which the material comes (T1 for F > 0, T2 for F < 0): in equilibrium that is the smaller one, and the limit has no
+//! kink where T1 = T2.
+
+use super::coefficient::Coefficient;
+use super::criterion::{Derivatives, Point};
+use super::flags::{Flag, Flags};
+use super::update::{Branch, Status, StickStiffness, THRESHOLD, first_root, sorted};
+use super::{Context, Ordered, capped, is_finite, is_zero};
+use crate::behavior::Conditions;
+use crate::scalar::elementary::{abs, atan2, direction, exp_m1, norm, recip};
+use crate::scalar::{Differentiable, Real, Scalar, Seeded};
+use crate::vector::{Vector, cross, dot, sub};
+use serde::Serialize;
+
+/// The friction of a belt around a ring.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Belt {
+    /// μ. A table's contact force is the smaller tension.
+    pub coefficient: Coefficient,
+    /// τ_max, the largest friction force.
+    pub maximum: Option<f64>,
+    /// K_s, force over flow.
+    pub stick_stiffness: StickStiffness,
+}
+
+/// What a belt remembers from one increment to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BeltState<R> {
+    /// F at the end of the last increment.
+    pub force: R,
+    /// The accumulated slip past the ring (CASU2).
+    pub accumulated_slip: R,
+    /// K_s, once the default rule has set it.
+    pub stick_stiffness: Option<R>,
+}
+
+impl<R: Real> Default for BeltState<R> {
+    fn default() -> Self {
+        Self { force: R::integer(0), accumulated_slip: R::integer(0), stick_stiffness: None }
+    }
+}
+
+/// An increment.
+#[derive(Clone, Debug)]
+pub struct BeltInput<'a, S: Scalar> {
+    /// ΔΨ of the shared node.
+    pub flow: S,
+    /// T1 and T2 at the end.
+    pub tension: [S; 2],
+    /// α (rad): given, zero (the default in Standard), or [`wrap_angle`] (the default in Explicit, decision D-26).
+    pub angle: S,
+    /// Δt, if the increment has a duration.
+    pub duration: Option<S>,
+    /// Temperature and field variables.
+    pub conditions: &'a Conditions,
+}
+
+/// The result of an increment.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BeltOutcome<S> {
+    /// Stick, slip, or neither (slack, or no wrap).
+    pub status: Status,
+    /// F (CSF2).
+    pub force: S,
+    /// T (exp(μ α) − 1), or τ_max.
+    pub limit: S,
+    /// μ.
+    pub coefficient: S,
+    /// |F| − limit: negative in stick, zero in slip.
+    pub criterion: S,
+    /// |F_tr| − limit without slip.
+    pub trial: S,
+    /// Δγ ≥ 0; exactly zero in stick.
+    pub slip_increment: S,
+    /// The accumulated slip.
+    pub accumulated_slip: S,
+    /// Δγ/Δt; zero without a duration.
+    pub slip_rate: S,
+    /// |F| Δγ.
+    pub dissipation: S,
+    /// F²/(2 K_s).
+    pub stored: S,
+    /// K_s; none while there was no limit yet.
+    pub stick_stiffness: Option<S>,
+    /// What needs care.
+    pub flags: Vec<Flag>,
+}
+
+impl<R: Real> BeltOutcome<R> {
+    /// What to remember.
+    pub const fn state(&self) -> BeltState<R> {
+        BeltState {
+            force: self.force,
+            accumulated_slip: self.accumulated_slip,
+            stick_stiffness: self.stick_stiffness,
+        }
+    }
+}
+
+/// The exact consistent tangent: derivatives of F.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BeltTangent<R> {
+    /// ∂F/∂ΔΨ.
+    pub flow: R,
+    /// ∂F/∂T1, ∂F/∂T2.
+    pub tension: [R; 2],
+    /// ∂F/∂α.
+    pub angle: R,
+    /// ∂F/∂Δt; zero without a duration.
+    pub duration: R,
+}
+
+/// The angle of wrap in [0, π] of a belt from `before` over `ring` to `after` (decision D-26): the angle between the directions
+/// of its segments, zero when they are in line.
+///
+/// ```
+/// use pintle::behavior::friction::wrap_angle;
+/// let (angle, _) = wrap_angle([0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]);
+/// assert_eq!(angle, std::f64::consts::FRAC_PI_2);
+/// ```
+pub fn wrap_angle<S>(before: Vector<S>, ring: Vector<S>, after: Vector<S>) -> (S, Vec<Flag>)
+where
+    S: Scalar,
+    S::Real: Ordered,
+{
+    let (first, second) = (direction(sub(ring, before)), direction(sub(after, ring)));
+    let sine = norm(cross(first, second));
+    let angle = atan2(sine, dot(first, second));
+    let mut flags = Vec::new();
+    if is_zero(sine.real()) {
+        let is_folded = dot(first, second).real().less(S::Real::integer(0));
+        flags.push(Flag::WrapAngle { angle: if is_folded { std::f64::consts::PI } else { 0.0 } });
+    }
+    (angle, flags)
+}
+
+const INPUTS: usize = 5;
+
+impl Belt {
+    /// P = |T2 − T1|, the limit and Φ at given tensions and angle of wrap: the documented criterion. `normal` and `contact` are
+    /// min(T1, T2), which must not be negative.
+    pub fn at<S>(&self, tension: [S; 2], angle: S, coefficient: S) -> (Point<S>, Vec<Flag>)
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let mut flags = Flags::default();
+        let [first, second] = tension;
+        let tangential = abs(second - first);
+        if is_zero(tangential.real()) {
+            flags.add(Flag::NoTraction);
+        }
+        let least = if second.real().less(first.real()) { second } else { first };
+        let (held, growth) = (positive(least, &mut flags), exp_m1(coefficient * angle));
+        let limit = capped(times(held, growth), self.maximum, &mut flags);
+        (Point { tangential, contact: held, normal: held, criterion: tangential - limit }, flags.into_vec())
+    }
+
+    /// The same with exact first and second derivatives with respect to T1, T2 and α, in this order; the others are zero.
+    pub fn derivatives<R: Ordered>(
+        &self,
+        tension: [R; 2],
+        angle: R,
+        coefficient: R,
+    ) -> (Point<Derivatives<R>>, Vec<Flag>) {
+        let seed = <R as Differentiable>::Hessian::<6>::seed;
+        let [first, second] = tension;
+        let (point, flags) =
+            self.at([seed(first, 0), seed(second, 1)], seed(angle, 2), Scalar::from_real(coefficient));
+        let parts =
+            |x: R::Hessian<6>| Derivatives { value: x.real(), gradient: x.gradient(), hessian: x.hessian() };
+        let point = Point {
+            tangential: parts(point.tangential),
+            contact: parts(point.contact),
+            normal: parts(point.normal),
+            criterion: parts(point.criterion),
+        };
+        (point, flags)
+    }
+
+    /// The increment from a state.
+    pub fn update<R: Ordered>(
+        &self,
+        state: &BeltState<R>,
+        input: &BeltInput<'_, R>,
+        branch: Branch,
+    ) -> BeltOutcome<R> {
+        self.advance(state, input, branch)
+    }
+
+    /// The increment from a state with its exact consistent tangent.
+    pub fn tangent<R: Ordered>(
+        &self,
+        state: &BeltState<R>,
+        input: &BeltInput<'_, R>,
+        branch: Branch,
+    ) -> (BeltOutcome<R>, BeltTangent<R>) {
+        let seed = <R as Differentiable>::Gradient::<INPUTS>::seed;
+        let seeded = BeltInput {
+            flow: seed(input.flow, 0),
+            tension: [seed(input.tension[0], 1), seed(input.tension[1], 2)],
+            angle: seed(input.angle, 3),
+            duration: input.duration.map(|duration| seed(duration, 4)),
+            conditions: input.conditions,
+        };
+        let dual = self.advance(state, &seeded, branch);
+        let [flow, first, second, angle, duration] = dual.force.gradient();
+        let real = |x: R::Gradient<INPUTS>| x.real();
+        let outcome = BeltOutcome {
+            status: dual.status,
+            force: real(dual.force),
+            limit: real(dual.limit),
+            coefficient: real(dual.coefficient),
+            criterion: real(dual.criterion),
+            trial: real(dual.trial),
+            slip_increment: real(dual.slip_increment),
+            accumulated_slip: real(dual.accumulated_slip),
+            slip_rate: real(dual.slip_rate),
+            dissipation: real(dual.dissipation),
+            stored: real(dual.stored),
+            stick_stiffness: dual.stick_stiffness.map(real),
+            flags: dual.flags,
+        };
+        (outcome, BeltTangent { flow, tension: [first, second], angle, duration })
+    }
+
+    /// μ, the limit and the slip rate after the slip Δγ.
+    fn limit<S>(&self, held: S, input: &BeltInput<'_, S>, increment: S, flags: &mut Flags) -> [S; 3]
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let context = Context { conditions: input.conditions, ..Context::default() };
+        let rate = match input.duration {
+            Some(duration) if S::Real::integer(0).less(duration.real()) => increment * recip(duration),
+            _ => {
+                if self.coefficient.depends_on_rate() {
+                    flags.add(Flag::NoDuration);
+                }
+                S::zero()
+            }
+        };
+        let coefficient = self.coefficient.evaluate(rate, held, &context, flags);
+        let limit = capped(times(held, exp_m1(coefficient * input.angle)), self.maximum, flags);
+        [coefficient, limit, rate]
+    }
+
+    fn advance<S>(
+        &self,
+        state: &BeltState<S::Real>,
+        input: &BeltInput<'_, S>,
+        branch: Branch,
+    ) -> BeltOutcome<S>
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        const { assert!(S::ORDER <= 1, "the slip equations are differentiated once") }
+        let mut flags = Flags::default();
+        let zero = S::Real::integer(0);
+        // With no force yet, the direction is that of the flow.
+        let carried = S::from_real(state.force);
+        let is_backward = {
+            let towards = match (self.stick_stiffness, state.stick_stiffness) {
+                (StickStiffness::Given(stiffness), _) => {
+                    state.force + S::Real::from_f64(stiffness) * input.flow.real()
+                }
+                (StickStiffness::ElasticSlip(_), Some(stiffness)) => {
+                    state.force + stiffness * input.flow.real()
+                }
+                (StickStiffness::ElasticSlip(_), None) => input.flow.real(),
+            };
+            towards.less(zero)
+        };
+        let held = positive(if is_backward { input.tension[1] } else { input.tension[0] }, &mut flags);
+        let [_, at_rest, _] = self.limit(held, input, S::zero(), &mut flags);
+        let is_held = zero.less(at_rest.real());
+        let stiffness = match (self.stick_stiffness, state.stick_stiffness) {
+            (StickStiffness::Given(stiffness), _) => Some(S::from_real(S::Real::from_f64(stiffness))),
+            (StickStiffness::ElasticSlip(_), Some(stiffness)) => Some(S::from_real(stiffness)),
+            (StickStiffness::ElasticSlip(slip), None) => {
+                is_held.then(|| at_rest.scale(S::Real::integer(1) / S::Real::from_f64(slip)))
+            }
+        };
+        let trial = stiffness.map_or(carried, |stiffness| carried + stiffness * input.flow);
+        let sign = S::Real::integer(if is_backward { -1 } else { 1 });
+        let magnitude = trial.scale(sign);
+        let excess = magnitude - at_rest;
+        let status = match branch {
+            Branch::Stick => Status::Stick,
+            _ if !is_held => Status::Free,
+            Branch::Slip => Status::Slip,
+            Branch::Decided if zero.less(excess.real()) => Status::Slip,
+            Branch::Decided => Status::Stick,
+        };
+        if is_held && !(S::Real::from_f64(THRESHOLD) * at_rest.real()).less(excess.real().magnitude()) {
+            flags.add(Flag::Threshold);
+        }
+        let (force, increment) = match (status, stiffness) {
+            (Status::Stick, _) => (trial, S::zero()),
+            (Status::Free, None) | (Status::Slip, None) => (S::zero(), abs(input.flow)),
+            (Status::Free, Some(stiffness)) => (S::zero(), abs(trial) * recip(stiffness)),
+            (Status::Slip, Some(stiffness)) => {
+                let increment = self.slip(held, input, magnitude, stiffness, &mut flags);
+                let [_, limit, _] = self.limit(held, input, increment, &mut flags);
+                (limit.scale(sign), increment)
+            }
+        };
+        let [coefficient, limit, slip_rate] = self.limit(held, input, increment, &mut flags);
+        let stored = stiffness.map_or_else(S::zero, |stiffness| {
+            (force * (force * recip(stiffness))).scale(S::Real::ratio(1, 2))
+        });
+        for (x, quantity) in [(force, "friction force"), (increment, "slip increment")] {
+            if !is_finite(x.real()) {
+                flags.add(Flag::NotFinite { quantity });
+            }
+        }
+        BeltOutcome {
+            status,
+            force,
+            limit,
+            coefficient,
+            criterion: abs(force) - limit,
+            trial: excess,
+            slip_increment: increment,
+            accumulated_slip: S::from_real(state.accumulated_slip) + increment,
+            slip_rate,
+            dissipation: abs(force) * increment,
+            stored,
+            stick_stiffness: stiffness,
+            flags: flags.into_vec(),
+        }
+    }
+
+    /// Δγ from |F_tr| − K Δγ = L(Δγ).
+    fn slip<S>(&self, held: S, input: &BeltInput<'_, S>, trial: S, stiffness: S, flags: &mut Flags) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        type Slope<R> = <R as Differentiable>::Gradient<1>;
+        let constant = |x: S| Slope::<S::Real>::from_real(x.real());
+        let fixed = BeltInput {
+            flow: constant(input.flow),
+            tension: input.tension.map(constant),
+            angle: constant(input.angle),
+            duration: input.duration.map(constant),
+            conditions: input.conditions,
+        };
+        let along = |slip: S::Real| {
+            let [_, limit, _] =
+                self.limit(constant(held), &fixed, Slope::<S::Real>::seed(slip, 0), &mut Flags::default());
+            (limit.real(), limit.gradient()[0])
+        };
+        let (p, k) = (trial.real(), stiffness.real());
+        let root = if self.coefficient.depends_on_rate() {
+            let duration = input.duration.map_or_else(|| S::Real::integer(0), Scalar::real);
+            let rates = self.coefficient.rates().into_iter();
+            let breaks = sorted(rates.map(|rate| S::Real::from_f64(rate) * duration), p / k);
+            first_root(&breaks, p / k, |slip| {
+                let (limit, slope) = along(slip);
+                (p - k * slip - limit, -(k + slope))
+            })
+        } else {
+            (p - along(S::Real::integer(0)).0) / k
+        };
+        let fall = k + along(root).1;
+        if !S::Real::integer(0).less(fall) {
+            flags.add(Flag::Unstable);
+        }
+        let there = S::from_real(root);
+        let [_, limit, _] = self.limit(held, input, there, &mut Flags::default());
+        there + (trial - stiffness.scale(root) - limit).scale(fall.reciprocal_or_zero())
+    }
+}
+
+/// A tension, or zero where a segment is slack.
+fn positive<S>(tension: S, flags: &mut Flags) -> S
+where
+    S: Scalar,
+    S::Real: Ordered,
+{
+    if S::Real::integer(0).less(tension.real()) {
+        return tension;
+    }
+    flags.add(Flag::Slack);
+    S::zero()
+}
+
+/// x y, zero where x is: a slack belt carries no friction however often it is wound.
+fn times<S>(x: S, y: S) -> S
+where
+    S: Scalar,
+    S::Real: Ordered,
+{
+    if is_zero(x.real()) { S::zero() } else { x * y }
+}

@@ -1,0 +1,416 @@
+//! Derived components and potentials: how forces are combined.
+
+use super::flags::{Flag, Flags};
+use super::{Context, MOST_CONTRIBUTIONS, Ordered, is_zero, larger, length};
+use crate::behavior::table::{Table, Variable};
+use crate::scalar::elementary::{abs, power, sqrt};
+use crate::scalar::{Real, Scalar};
+use crate::scene::{Basis, Operator, PotentialFunction, PotentialOperator};
+
+/// A derived component: a sum of terms, each a combination of forces with scale factors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derived {
+    /// The terms.
+    pub parts: Vec<DerivedPart>,
+}
+
+/// One term of a derived component, s · op(α_1 f_1, α_2 f_2 …).
+#[derive(Clone, Debug, PartialEq)]
+pub struct DerivedPart {
+    /// √(Σ x²), Σ x or Σ ⟨x⟩ with ⟨x⟩ = max(x, 0), of x_i = α_i f_i.
+    pub operator: Operator,
+    /// s, +1 or −1.
+    pub sign: f64,
+    /// The components (from 0).
+    pub components: Vec<usize>,
+    /// α, one output for each component; none is 1. Column j is the j-th independent component.
+    pub scale: Option<Table>,
+    /// On what of the independent components α depends, and which they are (from 0).
+    pub independent: Option<(Basis, Vec<usize>)>,
+}
+
+impl Derived {
+    /// The value at given forces.
+    pub(super) fn evaluate<S>(&self, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let parts = self.parts.iter().enumerate();
+        parts.fold(S::zero(), |sum, (i, part)| sum + part.evaluate(i + 1, f, context, flags))
+    }
+
+    fn components(&self) -> impl Iterator<Item = usize> + '_ {
+        self.parts.iter().flat_map(|part| part.components.iter().copied())
+    }
+}
+
+impl DerivedPart {
+    /// α_i f_i.
+    fn scaled<S>(&self, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> Vec<S>
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let motions = self.independent.as_ref().map(|(basis, components)| (context.of(*basis), components));
+        let argument = |variable| match (variable, &motions) {
+            (Variable::Column(j), Some((motions, components))) => {
+                components.get(j).map_or_else(S::zero, |component| motions[*component])
+            }
+            (other, _) => context.conditions.of(other),
+        };
+        let mut scaled = Vec::with_capacity(self.components.len());
+        for (i, component) in self.components.iter().enumerate() {
+            scaled.push(match &self.scale {
+                Some(table) => {
+                    flags.rows("scale factor", table, context.conditions, i, |variable| {
+                        argument(variable).real()
+                    });
+                    table.evaluate(i, argument) * f[*component]
+                }
+                None => f[*component],
+            });
+        }
+        scaled
+    }
+
+    fn evaluate<S>(&self, term: usize, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let scaled = self.scaled(f, context, flags);
+        let combined = match self.operator {
+            Operator::Norm => {
+                let norm = length(&scaled);
+                if is_zero(norm.real()) {
+                    flags.add(Flag::ContributionAtZero { term });
+                }
+                norm
+            }
+            Operator::Sum => scaled.into_iter().fold(S::zero(), |sum, x| sum + x),
+            Operator::MacauleySum => {
+                scaled.into_iter().fold(S::zero(), |sum, x| sum + macauley(x, term, flags))
+            }
+        };
+        combined.scale(S::Real::from_f64(self.sign))
+    }
+}
+
+/// ⟨x⟩ = max(x, 0).
+fn macauley<S>(x: S, term: usize, flags: &mut Flags) -> S
+where
+    S: Scalar,
+    S::Real: Ordered,
+{
+    if S::Real::integer(0).less(x.real()) {
+        return x;
+    }
+    if is_zero(x.real()) {
+        flags.add(Flag::MacauleyAtZero { term });
+    }
+    S::zero()
+}
+
+/// What a contribution to a potential is formed from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Form {
+    /// The force in a component (from 0).
+    Component(usize),
+    /// A derived component.
+    Derived(Derived),
+}
+
+/// A contribution s · H(X/R − a) to a potential (decision D-15 for the place of a).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contribution {
+    /// X.
+    pub of: Form,
+    /// R.
+    pub scale: f64,
+    /// α.
+    pub exponent: f64,
+    /// H.
+    pub function: PotentialFunction,
+    /// a.
+    pub shift: f64,
+    /// s, +1 or −1.
+    pub sign: f64,
+}
+
+/// A potential: P = (Σ s_i P_i^α_i)^(1/β), or max s_i P_i.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Potential {
+    operator: PotentialOperator,
+    exponent: f64,
+    contributions: Vec<Contribution>,
+}
+
+/// Why there is no such potential.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PotentialError {
+    /// An exponent is not a positive number.
+    #[error("the exponent {0} of a potential must be positive")]
+    Exponent(f64),
+    /// The scale factor R is zero or not finite, or the shift is not.
+    #[error(
+        "the scale factor {scale} of term {term} must be a number other than zero, and the shift {shift} a number"
+    )]
+    Scale {
+        /// The term, from 1.
+        term: usize,
+        /// R.
+        scale: f64,
+        /// a.
+        shift: f64,
+    },
+    /// More squares than the sum has places for.
+    #[error(
+        "a potential takes at most {MOST_CONTRIBUTIONS} contributions, counting every component of a NORM"
+    )]
+    Contributions,
+    /// `NONE` may be negative, which has no power.
+    #[error("term {0} has H = NONE, which needs the exponents α = β = 1 (or OPERATOR=MAX)")]
+    SignedPower(usize),
+}
+
+impl Potential {
+    /// A potential with β = `exponent`.
+    ///
+    /// # Errors
+    /// [`PotentialError`]: exponents that are not positive, a scale factor of zero, H = NONE with a power.
+    pub fn new(
+        operator: PotentialOperator,
+        exponent: f64,
+        contributions: Vec<Contribution>,
+    ) -> Result<Self, PotentialError> {
+        let is_exponent = |x: f64| x > 0.0 && x.is_finite();
+        if !is_exponent(exponent) {
+            return Err(PotentialError::Exponent(exponent));
+        }
+        for (i, contribution) in contributions.iter().enumerate() {
+            let Contribution { scale, exponent: own, function, shift, .. } = *contribution;
+            if !is_exponent(own) {
+                return Err(PotentialError::Exponent(own));
+            }
+            if scale == 0.0 || !scale.is_finite() || !scale.recip().is_finite() || !shift.is_finite() {
+                return Err(PotentialError::Scale { term: i + 1, scale, shift });
+            }
+            let is_linear = own == 1.0 && exponent == 1.0;
+            if function == PotentialFunction::None && operator == PotentialOperator::Sum && !is_linear {
+                return Err(PotentialError::SignedPower(i + 1));
+            }
+        }
+        let potential = Self { operator, exponent, contributions };
+        let squares: usize =
+            potential.contributions.iter().map(|c| c.norm().map_or(1, |n| n.components.len())).sum();
+        if squares > MOST_CONTRIBUTIONS {
+            return Err(PotentialError::Contributions);
+        }
+        Ok(potential)
+    }
+
+    /// The components (from 0) that contribute, each once, in order.
+    pub fn components(&self) -> Vec<usize> {
+        let mut components: Vec<usize> = self
+            .contributions
+            .iter()
+            .flat_map(|contribution| match &contribution.of {
+                Form::Component(component) => vec![*component],
+                Form::Derived(derived) => derived.components().collect(),
+            })
+            .collect();
+        components.sort_unstable();
+        components.dedup();
+        components
+    }
+
+    /// P at given forces.
+    ///
+    /// The largest P_i^(α_i/β) is taken out of the sum as a real factor, so that no power overflows or vanishes.
+    pub(super) fn evaluate<S>(&self, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let is_quadratic = self.exponent == 2.0 && self.contributions.iter().all(|c| c.exponent == 2.0);
+        if self.operator == PotentialOperator::Sum && is_quadratic {
+            return self.root_of_squares(f, context, flags);
+        }
+        let mut values = Vec::with_capacity(self.contributions.len());
+        for (i, contribution) in self.contributions.iter().enumerate() {
+            values.push(contribution.evaluate(i + 1, f, context, flags));
+        }
+        match self.operator {
+            PotentialOperator::Max => self.maximum(&values, flags),
+            PotentialOperator::Sum => self.sum(&values, flags),
+        }
+    }
+
+    /// √(Σ s_i P_i²): of squares, so that it is smooth where one of them is zero.
+    fn root_of_squares<S>(&self, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let mut squares = Vec::new();
+        let mut signs = Vec::new();
+        for (i, contribution) in self.contributions.iter().enumerate() {
+            contribution.roots(i + 1, f, context, flags, &mut squares);
+            signs.resize(squares.len(), contribution.sign);
+        }
+        if signs.iter().all(|sign| *sign > 0.0) {
+            return length(&squares);
+        }
+        let most = squares.iter().fold(S::Real::integer(0), |most, x| larger(most, x.real().magnitude()));
+        if is_zero(most) {
+            return S::zero();
+        }
+        let inverse = S::Real::integer(1) / most;
+        let bracket = squares.iter().zip(signs).fold(S::zero(), |sum, (x, sign)| {
+            let y = x.scale(inverse);
+            sum + (y * y).scale(S::Real::from_f64(sign))
+        });
+        self.non_negative(bracket, flags).map_or_else(S::zero, |bracket| sqrt(bracket).scale(most))
+    }
+
+    fn maximum<S>(&self, values: &[S], flags: &mut Flags) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let mut most: Option<(usize, S)> = None;
+        for (i, (value, contribution)) in values.iter().zip(&self.contributions).enumerate() {
+            let signed = value.scale(S::Real::from_f64(contribution.sign));
+            match most {
+                Some((first, so_far)) if !so_far.real().less(signed.real()) => {
+                    if !signed.real().less(so_far.real()) {
+                        flags.add(Flag::TiedMaximum { terms: [first + 1, i + 1] });
+                    }
+                }
+                _ => most = Some((i, signed)),
+            }
+        }
+        let most = most.map_or_else(S::zero, |(_, value)| value);
+        self.non_negative(most, flags).unwrap_or_else(S::zero)
+    }
+
+    /// A potential is a magnitude.
+    fn non_negative<S>(&self, value: S, flags: &mut Flags) -> Option<S>
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        if value.real().less(S::Real::integer(0)) {
+            flags.add(Flag::NegativePotential);
+            return None;
+        }
+        Some(value)
+    }
+
+    fn sum<S>(&self, values: &[S], flags: &mut Flags) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let signs = || self.contributions.iter().map(|contribution| S::Real::from_f64(contribution.sign));
+        let exponents = || self.contributions.iter().map(|contribution| contribution.exponent);
+        if self.exponent == 1.0 && exponents().all(|own| own == 1.0) {
+            let sum =
+                values.iter().zip(signs()).fold(S::zero(), |sum, (value, sign)| sum + value.scale(sign));
+            return self.non_negative(sum, flags).unwrap_or_else(S::zero);
+        }
+        let (one, beta) = (S::Real::integer(1), S::Real::from_f64(self.exponent));
+        let roots: Vec<S> = values
+            .iter()
+            .zip(exponents())
+            .map(
+                |(value, own)| {
+                    if own == self.exponent { *value } else { power(*value, S::Real::from_f64(own) / beta) }
+                },
+            )
+            .collect();
+        let most = roots.iter().fold(S::Real::integer(0), |most, root| larger(most, root.real()));
+        if is_zero(most) {
+            return S::zero();
+        }
+        let bracket = roots
+            .iter()
+            .zip(signs())
+            .fold(S::zero(), |sum, (root, sign)| sum + power(root.scale(one / most), beta).scale(sign));
+        self.non_negative(bracket, flags)
+            .map_or_else(S::zero, |bracket| power(bracket, one / beta).scale(most))
+    }
+}
+
+impl Contribution {
+    /// The NORM that |X| is, if it is one without a shift.
+    fn norm(&self) -> Option<&DerivedPart> {
+        match (&self.of, self.function, self.shift) {
+            (Form::Derived(derived), PotentialFunction::Abs, 0.0) => match derived.parts.as_slice() {
+                [part] if part.operator == Operator::Norm => Some(part),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// X/R − a.
+    fn argument<S: Scalar>(&self, value: S) -> S {
+        let inverse = S::Real::integer(1) / S::Real::from_f64(self.scale);
+        value.scale(inverse) - S::from_real(S::Real::from_f64(self.shift))
+    }
+
+    /// Numbers whose squares make H(X/R − a)².
+    fn roots<S>(
+        &self,
+        term: usize,
+        f: &[S; 6],
+        context: &Context<'_, S>,
+        flags: &mut Flags,
+        squares: &mut Vec<S>,
+    ) where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        if let Some(part) = self.norm() {
+            squares.extend(part.scaled(f, context, flags).into_iter().map(|x| self.argument(x)));
+            return;
+        }
+        let argument = self.argument(self.value(f, context, flags));
+        squares.push(match self.function {
+            PotentialFunction::Macauley => macauley(argument, term, flags),
+            PotentialFunction::Abs | PotentialFunction::None => argument,
+        });
+    }
+
+    fn value<S>(&self, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        match &self.of {
+            Form::Component(component) => f[*component],
+            Form::Derived(derived) => derived.evaluate(f, context, flags),
+        }
+    }
+
+    /// H(X/R − a).
+    fn evaluate<S>(&self, term: usize, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
+        let argument = self.argument(self.value(f, context, flags));
+        match self.function {
+            PotentialFunction::Abs => {
+                if is_zero(argument.real()) {
+                    flags.add(Flag::ContributionAtZero { term });
+                }
+                abs(argument)
+            }
+            PotentialFunction::Macauley => macauley(argument, term, flags),
+            PotentialFunction::None => argument,
+        }
+    }
+}
