@@ -3,6 +3,7 @@
 
 mod cli; // the command line
 mod closed; // rows derived by hand
+mod convert; // scenes in other forms
 mod faults; // what is said about every faulty input
 mod freedom; // which degrees of freedom nodes have
 mod fuzzing; // what holds of any bytes whatever
