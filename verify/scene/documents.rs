@@ -35,6 +35,12 @@ fn write(scene: &Scene, format: Format) -> String {
     scene.write(format).unwrap().text
 }
 
+/// The parts that differ, for the message.
+fn difference(a: &Value, b: &Value) -> String {
+    let parts = a.as_object().unwrap().iter().filter(|(key, value)| !same(value, &b[key.as_str()]));
+    parts.map(|(key, value)| format!("{key}:\n{value}\n{}\n", b[key.as_str()])).collect()
+}
+
 /// What a deck cannot say.
 fn as_deck(scene: &mut Value) {
     scene["states"] = json!([]);
@@ -52,7 +58,11 @@ fn survives(scene: &Scene) {
         if first == Format::Deck {
             as_deck(&mut expected);
         }
-        assert!(same(&content(&once), &expected), "{first:?}:\n{text}\n{expected}\n{}", content(&once));
+        assert!(
+            same(&content(&once), &expected),
+            "{first:?}:\n{text}\n{}",
+            difference(&content(&once), &expected)
+        );
         assert_eq!(write(&once, first), text, "{first:?}");
         for second in FORMATS {
             let text = write(&once, second);
@@ -61,7 +71,11 @@ fn survives(scene: &Scene) {
             if second == Format::Deck {
                 as_deck(&mut expected);
             }
-            assert!(same(&content(&twice), &expected), "{first:?} → {second:?}:\n{text}");
+            assert!(
+                same(&content(&twice), &expected),
+                "{first:?} → {second:?}:\n{text}\n{}",
+                difference(&content(&twice), &expected)
+            );
         }
     }
 }
@@ -148,14 +162,14 @@ impl Choices<'_> {
         let terms: Value = (0..1 + self.below(3)).map(|_| term(self)).collect();
         json!({"operator": self.one(&["sum", "max"]), "exponent": self.number(), "terms": terms})
     }
-    fn law(&mut self) -> Value {
+    fn law(&mut self, own: usize) -> Value {
         let mut law = match self.below(5) {
             0 => json!({"component": 4, "rows": self.rows(2, 1)}),
             1 => json!({"rows": self.rows(21, 21)}),
             2 => json!({"unsymmetric": true, "frequency_dependence": true, "rows": self.rows(37, 36)}),
             3 => {
                 let independent = self.independent();
-                let columns = 1 + independent["components"].as_array().unwrap().len();
+                let columns = 1 + own + independent["components"].as_array().unwrap().len();
                 json!({"component": 1, "nonlinear": true, "rows": self.rows(columns, columns), "independent": independent})
             }
             _ => {
@@ -182,8 +196,8 @@ impl Choices<'_> {
                 {"operator": self.one(&["norm", "sum", "macauley_sum"]), "components": [1, 2], "negative": self.yes(),
                  "rows": self.rows(2, 2)}
             ], "two words, and a comma": [{"components": [4, 6]}, {"components": [3], "independent": self.independent()}]},
-            "elasticity": [self.law(), {"rigid": true, "components": [5, 6]}, {"rigid": true}],
-            "damping": [self.law()],
+            "elasticity": [self.law(0), {"rigid": true, "components": [5, 6]}, {"rigid": true}],
+            "damping": [self.law(1)],
             "stops": [{"component": 4, "lower": -1.0, "upper": self.one(&[json!(null), json!(2.0)])}],
             "locks": [{"component": 1, "limits": [{"lower_force": self.number()}, {"temperature": self.number(),
                        "fields": [self.item(), self.item()]}]}],
@@ -353,7 +367,7 @@ proptest! {
         for result in [Scene::parse_toml("any", &text), Scene::parse_json("any", &text)] {
             if let Err(error) = result {
                 prop_assert!(!error.remedy().is_empty());
-                error.render(80, false);
+                prop_assert!(!error.render(80, false).is_empty());
             }
         }
     }

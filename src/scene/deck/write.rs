@@ -789,7 +789,11 @@ impl Deck {
             self.components(&independent.components, span);
         }
         let columns = match (value.nonlinear, value.component) {
-            (true, _) => 1 + value.independent.as_ref().map_or(1, |independent| independent.components.len()),
+            (true, _) => {
+                let listed = value.independent.as_ref().map_or(0, |independent| independent.components.len());
+                let own = value.independent.is_none() || keyword == "CONNECTOR DAMPING";
+                1 + usize::from(own) + listed
+            }
             (false, Some(_)) => 2,
             (false, None) => {
                 let terms = if value.unsymmetric { 36 } else { 21 };

@@ -13,7 +13,7 @@ mod write;
 use super::deck;
 use super::diagnostic::{Code, Diagnostic, Result};
 use super::label::Label;
-use super::model::Scene;
+use super::model::{Scene, Skipped};
 use super::span::{Span, Spanned};
 use super::states;
 use form::{Document, SCHEMA};
@@ -154,6 +154,8 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
     let mut scene = deck::of_document(&document)?;
     name.clone_into(&mut scene.name);
     scene.axisymmetric = document.axisymmetric;
+    // Nothing of a document is passed over; the deck it stands for may name procedures without data.
+    scene.skipped = Skipped::default();
     for node in &document.rotating_nodes {
         let label = node.value.to_string().parse::<Label>().ok();
         let Some(label) = label.filter(|label| scene.nodes.contains_key(label)) else {
