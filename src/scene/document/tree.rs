@@ -102,8 +102,7 @@ pub(super) fn of_toml<'a>(text: &'a str, lines: &Lines<'_>) -> Result<Tree<'a>> 
         let message = format!("malformed TOML: {}", error.message().lines().next().unwrap_or_default());
         malformed(message, place, "write name = value, tables as [name], lists of tables as [[name]]; texts stand in quotation marks")
     })?;
-    let span = root.span();
-    let span = lines.place(span.start, span.end);
+    let span = lines.place(0, text.len());
     Ok(Tree { span, value: toml_table(root.into_inner(), lines, 1)? })
 }
 

@@ -885,8 +885,20 @@ fn fits(value: &Value) -> bool {
     text.len() <= WIDTH
 }
 
+/// Is it a table or a list of tables?
+fn is_table(value: &Value) -> bool {
+    match value {
+        Value::Object(_) => true,
+        Value::Array(items) => !items.is_empty() && items.iter().all(Value::is_object),
+        _ => false,
+    }
+}
+
 fn toml_table(text: &mut String, fields: &serde_json::Map<String, Value>, path: &str) {
-    for (name, value) in fields.iter().filter(|(_, value)| !has_header(value, path)) {
+    // What has no header must come first: tables keep their order only if all of them have one, or none.
+    let any = fields.values().any(|value| has_header(value, path));
+    let has_header = |value: &Value| any && is_table(value);
+    for (name, value) in fields.iter().filter(|(_, value)| !has_header(value)) {
         let _ = write!(text, "{} = ", key(name));
         match value {
             Value::Array(items) if !fits(value) => {
@@ -910,7 +922,7 @@ fn toml_table(text: &mut String, fields: &serde_json::Map<String, Value>, path: 
         }
         text.push('\n');
     }
-    for (name, value) in fields.iter().filter(|(_, value)| has_header(value, path)) {
+    for (name, value) in fields.iter().filter(|(_, value)| has_header(value)) {
         let path = if path.is_empty() { key(name) } else { format!("{path}.{}", key(name)) };
         match value {
             Value::Array(items) => {
@@ -922,7 +934,8 @@ fn toml_table(text: &mut String, fields: &serde_json::Map<String, Value>, path: 
                 }
             }
             Value::Object(fields) => {
-                let headed = fields.values().all(|value| has_header(value, &path)) && !fields.is_empty();
+                let any = fields.values().any(|value| self::has_header(value, &path));
+                let headed = any && fields.values().all(is_table);
                 if !headed {
                     let _ = writeln!(text, "\n[{path}]");
                 }
