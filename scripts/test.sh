@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-cargo test
+cargo test --all-features
 
 if [ ! -x .venv/bin/python ]; then
     python3 -m venv .venv || {
@@ -18,7 +18,7 @@ if ! cmp -s scripts/requirements.txt .venv/installed.txt; then
 fi
 
 passed=0
-for witness in $(grep --files-with-matches __main__ scripts/*.py); do
+for witness in $(grep --files-with-matches -- '"--check"' scripts/*.py); do
     echo "$witness --check"
     .venv/bin/python "$witness" --check
     passed=$((passed + 1))

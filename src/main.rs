@@ -33,6 +33,8 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Eval(arguments) => cli::eval::run(arguments),
         Command::Convert(arguments) => cli::convert::run(arguments),
         Command::Schema => cli::convert::schema(),
+        Command::Audit(arguments) => cli::audit::run(arguments),
+        Command::Replay(arguments) => cli::replay::run(arguments),
         #[cfg(debug_assertions)]
         #[expect(clippy::panic, reason = "its purpose")]
         Command::Panic => panic!("as asked"),

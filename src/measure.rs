@@ -345,8 +345,12 @@ impl Measure {
             Self::Sweep => {
                 ("e3a ∥ e3b, α = 0 or π", SingularClass::TrueSingularity, "min(α, π − α)", Unit::Angle)
             }
-            Self::Torsion | Self::ComponentFlexion(_) | Self::ProjectedPosition(_) => {
+            Self::Torsion | Self::ProjectedPosition(_) => {
                 ("e3b = −e3a, α = π", SingularClass::TrueSingularity, "π − α", Unit::Angle)
+            }
+            // α q, resolved in directions that are known there but for their sign: (α1, α2) jumps to its opposite.
+            Self::ComponentFlexion(_) => {
+                ("e3b = −e3a, α = π", SingularClass::BranchCut, "π − α", Unit::Angle)
             }
             Self::Position(_)
             | Self::PositionAtB(_)

@@ -488,7 +488,7 @@ fn usage_errors() {
         (&["explain", "hinge", "join"], 2, "do not pair"),
         (&["eval", "gallery:slider"], 2, "slider_crank"),
         (&["eval", "gallery:slider_crank", "--outputs", "CU4"], 2, "CUR1 to CUR3"),
-        (&["eval", "gallery:slider_crank", "--outputs", "CTF"], 2, "not evaluated yet"),
+        (&["eval", "gallery:slider_crank", "--outputs", "CUF"], 2, "not evaluated yet"),
         (&["eval", "gallery:slider_crank", "--outputs", "MARGN"], 2, "did you mean MARGIN?"),
         (&["eval", "gallery:slider_crank", "--connector", "999"], 2, "999"),
         (&["eval", "gallery:slider_crank", "--show", "25"], 2, "there is no state 25: they are 0 to 24"),

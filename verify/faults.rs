@@ -4,7 +4,7 @@
 
 use assert_cmd::Command;
 use pintle::evaluate::Model;
-use pintle::scene::{Code, Diagnostic, Scene, Severity, StateFile};
+use pintle::scene::{Code, Diagnostic, ForceFile, ForceSign, Scene, Severity, State, StateFile};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,9 +27,9 @@ fn directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("verify/faults")
 }
 
-/// The scene that faulty states are states of.
-fn sound() -> PathBuf {
-    directory().join("states/sound.inp")
+/// The scene that faulty states, or forces, are those of.
+fn sound(kind: &str) -> PathBuf {
+    directory().join(kind).join("sound.inp")
 }
 
 /// The files of a directory, in alphabetical order.
@@ -45,7 +45,7 @@ fn faults() -> Vec<Fault> {
     let mut kinds: Vec<_> = kinds.filter(|path| path.is_dir()).collect();
     kinds.sort();
     let files = kinds.iter().flat_map(|kind| files(kind));
-    let faulty = files.filter(|path| *path != sound() && path.extension().unwrap() != "expect");
+    let faulty = files.filter(|path| !path.ends_with("sound.inp") && path.extension().unwrap() != "expect");
     faulty.map(|path| Fault::read(&path)).collect()
 }
 
@@ -96,11 +96,22 @@ impl Fault {
         self.path.parent().unwrap().ends_with("states")
     }
 
+    fn is_of_forces(&self) -> bool {
+        self.path.parent().unwrap().ends_with("forces")
+    }
+
     /// What the library says.
     fn diagnostics(&self) -> Result<Vec<Diagnostic>, Diagnostic> {
         if self.is_of_states() {
-            let scene = Scene::read(sound())?;
+            let scene = Scene::read(sound("states"))?;
             return StateFile::read(&self.path, &scene).map(|_| Vec::new());
+        }
+        if self.is_of_forces() {
+            let scene = Scene::read(sound("forces"))?;
+            let mut states = vec![State::default()];
+            ForceFile::read(&self.path, &scene, ForceSign::Internal)?.attach(&mut states, 0)?;
+            let name = self.path.display().to_string();
+            return Model::compile(&scene)?.check_forces(&states, 0, &name).map(|()| Vec::new());
         }
         let mut scene = Scene::read(&self.path)?;
         let model = Model::compile(&scene)?;
@@ -117,6 +128,9 @@ impl Fault {
         command.current_dir(self.path.parent().unwrap()).arg("eval");
         if self.is_of_states() {
             command.args(["sound.inp", "--states"]);
+        }
+        if self.is_of_forces() {
+            command.args(["sound.inp", "--forces"]);
         }
         command.arg(self.name());
         command
@@ -136,7 +150,7 @@ impl Fault {
         let (start, end) = (diagnostic.span().start() as usize, diagnostic.span().end() as usize);
         let lines = |end: usize| text[..end].iter().filter(|&&byte| byte == b'\n').count() + 1;
         let marks_its_line = || {
-            (start < end || text.get(start) == Some(&b'\n') || self.is_of_states())
+            (start < end || text.get(start) == Some(&b'\n') || self.is_of_states() || self.is_of_forces())
                 && end <= text.len()
                 && Some(lines(start) as u32) == self.line
         };
@@ -160,9 +174,11 @@ impl Fault {
 
 #[test]
 fn the_sound_deck_is_sound() {
-    let scene = Scene::read(sound()).unwrap();
-    assert!(scene.warnings.is_empty());
-    assert!(Model::compile(&scene).unwrap().warnings.is_empty());
+    for kind in ["states", "forces"] {
+        let scene = Scene::read(sound(kind)).unwrap();
+        assert!(scene.warnings.is_empty());
+        assert!(Model::compile(&scene).unwrap().warnings.is_empty());
+    }
 }
 
 #[test]
@@ -235,7 +251,7 @@ fn the_command_names_every_fault() {
 fn files_that_are_not_there_are_refused() {
     let error = Scene::read("no/such/deck.inp").unwrap_err();
     assert_eq!((error.code(), error.line(), error.file()), (Code::Unreadable, None, "no/such/deck.inp"));
-    let scene = Scene::read(sound()).unwrap();
+    let scene = Scene::read(sound("states")).unwrap();
     assert_eq!(StateFile::read("no/such/states.csv", &scene).unwrap_err().code(), Code::Unreadable);
 }
 

@@ -100,7 +100,7 @@ fn moved(scene: &Scene) -> State {
         }
     };
     let nodes = scene.nodes.keys().enumerate().map(|(place, node)| (*node, motion(place)));
-    State { number: None, time: Some(1.0), nodes: nodes.collect() }
+    State { time: Some(1.0), nodes: nodes.collect(), ..State::default() }
 }
 
 /// Evaluates everything with first derivatives, in all formats. A number that is not finite is flagged.

@@ -14,7 +14,7 @@ use pintle::node::{DOFS, Node, Pair};
 use pintle::so3;
 use pintle::vector::{Matrix, Vector, product, scale, sub};
 use serde::Deserialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 type Numbers = [Option<f64>; 6];
 type Square<const N: usize> = [[f64; N]; N];
@@ -249,6 +249,15 @@ fn the_catalogue_agrees_with_jax() {
         }
     }
     agreement.finish();
+}
+
+/// How many states of each type the file has.
+pub(crate) fn states_by_type() -> BTreeMap<String, u64> {
+    let mut found = BTreeMap::new();
+    for case in file().cases {
+        *found.entry(case.r#type).or_default() += 1;
+    }
+    found
 }
 
 /// Every type of the table is in the file, every type of the file in the table; each with enough states, and second derivatives.

@@ -1,11 +1,13 @@
 //! The tests, in one binary: each module asks one question of the whole.
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod audit; // whether the audit notices what is wrong, and nothing else
 mod cli; // the command line
 mod closed; // rows derived by hand
 mod convert; // scenes in other forms
 mod faults; // what is said about every faulty input
 mod freedom; // which degrees of freedom nodes have
+mod friction; // what sticks and slips
 mod fuzzing; // what holds of any bytes whatever
 mod golden; // what JAX computes by other formulas
 mod laws; // what holds for every connection type

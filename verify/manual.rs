@@ -450,6 +450,11 @@ const fn available(availability: Availability, always: &'static str) -> &'static
     }
 }
 
+/// The page of each type.
+pub(crate) fn pages() -> impl Iterator<Item = (&'static str, &'static str)> {
+    MANUAL.iter().map(|row| (row.name, row.page))
+}
+
 /// The catalogue says what the pages say, field by field.
 #[test]
 fn the_catalogue_is_the_manual() {

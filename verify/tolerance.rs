@@ -115,3 +115,22 @@ pub(crate) const WIDE: f64 = 1e-60;
 /// Agreement with JAX, in units of the error that the golden file states for each of its numbers: twice its distance from 110
 /// digits plus two roundings of the natural size.
 pub(crate) const GOLDEN: f64 = 4.0;
+
+/// Friction (`verify/friction.rs`), in roundings of what each test compares.
+const FRICTION: &[Law] = &[
+    // Hypotenuses and their sums, here and there.
+    law("formulas", 8.0),
+    law("gradients", 16.0),
+    law("hessians", 64.0),
+    law("range", 8.0),
+    law("tangents", 256.0),
+    law("forces", 64.0),
+    law("violation", 16.0),
+    law("energy", 16.0),
+    law("JAX", 256.0),
+];
+
+/// What friction is allowed under a name.
+pub(crate) fn friction(name: &str) -> f64 {
+    FRICTION.iter().find(|law| law.name == name).expect(name).units
+}

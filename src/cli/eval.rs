@@ -1,10 +1,10 @@
 //! `pintle eval`.
 
-use super::{Eval, EvalFormat, Failure, Show, page_width};
+use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
 use pintle::connector::{Flag, Output, Request};
 use pintle::evaluate::{Branches, Item, Model, Plan, Selection, Sequence, request};
 use pintle::report::{self, Block, Format, Subject};
-use pintle::scene::{Diagnostic, Example, GALLERY, Scene, State, StateFile};
+use pintle::scene::{Diagnostic, Example, ForceFile, ForceSign, GALLERY, Scene, State, StateFile};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Cursor, IsTerminal, Write};
@@ -25,6 +25,7 @@ pub(crate) enum Source<'a> {
 struct Loaded {
     scene: Scene,
     states: Vec<State>,
+    forces: Option<ForceFile>,
     model: Model,
 }
 
@@ -38,7 +39,7 @@ struct Care {
 /// Evaluates scenes and writes the results.
 pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
     let sources = sources(arguments)?;
-    let loaded =
+    let mut loaded =
         sources.iter().map(|source| load(*source, arguments)).collect::<Result<Vec<Loaded>, Failure>>()?;
     let request = wanted(arguments, &loaded)?;
     if matches!(arguments.format, EvalFormat::Human) {
@@ -46,19 +47,19 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
         let width = page_width(&io::stdout());
         let style =
             report::human::Style { width, digits: usize::from(arguments.digits), verbose: arguments.verbose };
-        walk(arguments, &loaded, &request, &mut report::human::Human::new(&mut out, style))
+        walk(arguments, &mut loaded, &request, &mut report::human::Human::new(&mut out, style))
     } else {
         let mut out = BufWriter::new(io::stdout().lock());
         match arguments.format {
             EvalFormat::Csv => {
                 let outputs = request.outputs().collect();
                 let mut format = report::csv::Csv::new(&mut out, outputs, request.order);
-                walk(arguments, &loaded, &request, &mut format)?;
+                walk(arguments, &mut loaded, &request, &mut format)?;
                 drop(format);
                 Ok(out.flush()?)
             }
             EvalFormat::Json | EvalFormat::Human => {
-                walk(arguments, &loaded, &request, &mut report::json::Json::new(&mut out))
+                walk(arguments, &mut loaded, &request, &mut report::json::Json::new(&mut out))
             }
         }
     }
@@ -105,6 +106,11 @@ fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
         (None, Source::File(_)) if scene.states.is_empty() => vec![State::default()],
         (None, Source::File(_)) => scene.states.clone(),
     };
+    let sign = match arguments.force_sign {
+        Sign::Internal => ForceSign::Internal,
+        Sign::ConstraintsOnB => ForceSign::ConstraintsOnB,
+    };
+    let forces = arguments.forces.as_ref().map(|file| ForceFile::read(file, &scene, sign)).transpose()?;
     let with_source = |diagnostic: Diagnostic| match source {
         Source::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
         Source::File(path) => match File::open(path) {
@@ -119,7 +125,7 @@ fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
     for warning in std::mem::take(&mut model.warnings) {
         show_diagnostic(&with_source(warning));
     }
-    Ok(Loaded { scene, states, model })
+    Ok(Loaded { scene, states, forces, model })
 }
 
 /// The request: the outputs named, or what the scenes suggest.
@@ -139,7 +145,39 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     if loaded.iter().any(stops) {
         outputs.push(Output::CSLST);
     }
+    let has_forces = |loaded: &Loaded| {
+        loaded.forces.is_some() || loaded.states.iter().any(|state| !state.forces.is_empty())
+    };
+    if loaded.iter().any(has_forces) {
+        let elements = || loaded.iter().flat_map(|loaded| &loaded.model.connectors);
+        outputs.push(Output::CTF);
+        outputs.extend(
+            elements().any(|element| element.connector.connection().printed.is_some()).then_some(Output::PM),
+        );
+        outputs.push(Output::NF);
+    }
     Ok(Request::new(&outputs, [true; 6], order))
+}
+
+/// Gives component forces to the states, the first of which has the number `first`, and checks them all.
+fn give(
+    states: &mut [State],
+    forces: Option<&ForceFile>,
+    model: &Model,
+    first: u64,
+    arguments: &Eval,
+) -> Result<(), Failure> {
+    let show = |file: &Path, diagnostic: Diagnostic| match File::open(file) {
+        Ok(text) => diagnostic.with_source(BufReader::new(text)),
+        Err(_) => diagnostic,
+    };
+    let file = arguments.forces.as_deref().or(arguments.states.as_deref());
+    let file = file.or(arguments.scene.as_deref().map(Path::new)).unwrap_or(Path::new(""));
+    if let Some(forces) = forces {
+        forces.attach(states, first).map_err(|error| show(file, error))?;
+    }
+    let checked = model.check_forces(states, first, &file.display().to_string());
+    Ok(checked.map_err(|error| show(file, error))?)
 }
 
 /// Whether a state has rates.
@@ -157,7 +195,7 @@ fn moves(state: &State) -> bool {
 /// Walks through the states of every scene, writing as it goes.
 fn walk(
     arguments: &Eval,
-    loaded: &[Loaded],
+    loaded: &mut [Loaded],
     request: &Request,
     format: &mut dyn Format,
 ) -> Result<(), Failure> {
@@ -172,7 +210,7 @@ fn walk(
     let mut evaluated = 0;
     // What cannot be is said before anything is written.
     let mut walks = Vec::new();
-    for Loaded { scene, states, model } in loaded {
+    for Loaded { scene, states, forces, model } in &mut *loaded {
         let plan = Plan::compile(model, &selection, request.clone())
             .map_err(|error| Failure::Usage(error.to_string()))?;
         if plan.connectors.is_empty() && plan.mpcs.is_empty() && arguments.scene.is_some() {
@@ -183,14 +221,17 @@ fn walk(
             Some(file) => resume(file, model, &plan)?,
             None => Branches::default(),
         };
-        let numbers: Vec<u64> =
-            (branches.states..).zip(states).map(|(counted, state)| state.number.unwrap_or(counted)).collect();
+        give(states, forces.as_ref(), model, branches.states, arguments)?;
+        let numbers: Vec<u64> = (branches.states..)
+            .zip(&*states)
+            .map(|(counted, state)| state.number.unwrap_or(counted))
+            .collect();
         let shown = show.among(&numbers).map_err(Failure::Usage)?;
         walks.push((plan, branches, shown, numbers));
     }
     format.begin()?;
     let mut progress = Progress::new();
-    for (Loaded { scene, states, model }, (plan, branches, shown, numbers)) in loaded.iter().zip(&walks) {
+    for (Loaded { scene, states, model, .. }, (plan, branches, shown, numbers)) in loaded.iter().zip(&walks) {
         let mut sequence = Sequence::resume(model, plan, branches.clone());
         let [first, last] =
             [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());

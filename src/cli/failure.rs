@@ -10,6 +10,15 @@ pub(crate) enum Failure {
     /// The command line asks for what there is not.
     #[error("{0}")]
     Usage(String),
+    /// At least one verified mismatch; the report names it.
+    #[error("at least one number is verified to be wrong")]
+    Mismatch,
+    /// Something is undecided, and that was asked to be an error.
+    #[error("something is undecided")]
+    Undecided,
+    /// A mutant survived: the audit cannot be relied on.
+    #[error("the self-test failed: a mutant was not noticed")]
+    SelfTest,
     /// Nothing was evaluated.
     #[error("nothing was evaluated: {0}")]
     Nothing(String),
@@ -44,7 +53,10 @@ impl Failure {
         }
         ExitCode::from(match self {
             Self::Lost(_) => 1,
+            Self::Mismatch => 1,
             Self::Usage(_) => 2,
+            Self::Undecided => 3,
+            Self::SelfTest => 5,
             Self::Nothing(_) => 4,
             Self::Scene(_) | Self::Input(_) => 6,
             Self::Output(_) => 70,

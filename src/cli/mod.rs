@@ -1,8 +1,10 @@
 //! The command line: its definition, and what each command does.
 
+pub(crate) mod audit;
 pub(crate) mod convert;
 pub(crate) mod eval;
 mod failure;
+pub(crate) mod replay;
 mod show;
 
 pub(crate) use failure::Failure;
@@ -20,7 +22,8 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "pintle", version, arg_required_else_help = true, max_term_width = 100)]
 #[command(after_help = "\
-Exit codes: 0 all right, 2 usage, 4 nothing was evaluated, 6 bad input, 70 internal error.
+Exit codes: 0 all right, 1 a number is wrong, 2 usage, 3 undecided (--strict), 4 nothing was evaluated,
+5 the self-test failed, 6 bad input, 70 internal error.
 Results go to stdout, everything else to stderr. NO_COLOR is respected.")]
 pub(crate) struct Cli {
     #[command(subcommand)]
@@ -40,6 +43,10 @@ pub(crate) enum Command {
     /// Print the JSON Schema of scenes in TOML and JSON
     #[command(after_long_help = SCHEMA_HELP)]
     Schema,
+    /// Audit the catalogue: is every number right, and would an error have been noticed?
+    Audit(audit::Audit),
+    /// Judge the state of a counter-example again
+    Replay(replay::Replay),
     /// Panic, to test the report of an internal error
     #[cfg(debug_assertions)]
     #[command(hide = true)]
@@ -165,6 +172,16 @@ pub(crate) enum EvalFormat {
     Csv,
 }
 
+/// What a positive force means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Sign {
+    /// Every force resists growth of its component, so that CTF = CEF + CVF + CSF + CRF − CCF
+    #[default]
+    Internal,
+    /// Forces of constrained components are those applied at node b to enforce the constraint: minus the internal ones
+    ConstraintsOnB,
+}
+
 #[derive(Debug, Args)]
 #[command(after_long_help = EVAL_HELP)]
 pub(crate) struct Eval {
@@ -174,6 +191,12 @@ pub(crate) struct Eval {
     /// States of the nodes (.csv or .json), evaluated in order; without it, those of the scene, or the initial state
     #[arg(long, value_name = "FILE", requires = "scene")]
     states: Option<PathBuf>,
+    /// Component forces of connectors (.csv or .json), as an FE code exports them: gives nodal forces (see below)
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    forces: Option<PathBuf>,
+    /// What a positive force of a constrained component means in the file of forces
+    #[arg(long, value_enum, default_value_t, requires = "forces")]
+    force_sign: Sign,
     /// Outputs, separated by commas, such as CU,CPR1,RES (see below); ALL; NONE for derivatives only
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     outputs: Vec<String>,
@@ -235,6 +258,17 @@ States: a table (.csv) or a document (.json); examples below. They are evaluated
   ar3. Where a state leaves out the node, or gives it a quaternion, the angle is
   what the rotations imply.
 
+Forces (--forces): a table (.csv) or a document (.json), or \"forces\" beside
+  \"nodes\" in a JSON file of states. Names are f1 f2 f3 m1 m2 m3 or, the same,
+  CTF1 to CTM3, the total force; CRF1 to CRM3 is accepted for constrained
+  components. An element that is named must be given all its forces; those of
+  components that it does not have may be 0. Elements and states that are not
+  named have no nodal forces. Columns of CSV: element, state (numbered from 0)
+  or time, and the forces. JSON: {\"schema\": \"pintle-forces/1\", \"states\":
+  [{\"state\": 0, \"forces\": {\"101\": {\"f1\": 2.5, \"m2\": 0}}}]}. Signs are internal:
+  positive resists growth of the component; --force-sign constraints-on-b takes
+  those of constrained components as applied at node b.
+
 Outputs:
   CP, CU, CCU    position; displacement from the initial position; from the
                  constitutive reference
@@ -242,12 +276,20 @@ Outputs:
   RES, RESV      residual of each constrained component, and its rate J q̇
   RESB, RESA     J̇ q̇, and the acceleration J q̈ + J̇ q̇ of the residual
   CSLST          stop status, 1 at a limit
+  CTF, PM        given component forces; moments by which the printed formula
+                 gives the same moment, where that is another one
+  LM             multipliers of the equations enforced (those of RES)
+  NF             nodal forces, residual-side: rows transposed × forces; those of
+                 the ground are its reactions; NF4 is the part of m1
+  KG, DNF        geometric stiffness Σ f ∂²c; derivative of the nodal forces at
+                 constant component forces, rotations spatial
   TURNS, MARGIN  whole turns counted; distance to the nearest singular point
   CU names all components, CUR the rotations, CU1 to CU3 and CUR1 to CUR3 one
   of them; likewise CP, CCU, CV, CA. The others take 1 to 6: RES4 is that of
   ur1. Derivatives are taken of every component named.
   Without --outputs: CP, CU, RES; CV and CA if a state has rates; CSLST if a
-  connector has stops; in every format. What is not asked for is not computed.
+  connector has stops; CTF, PM, NF if forces are given; in every format. What is
+  not asked for is not computed.
 
 Tables: a number that needs an exponent and is below 1e-10 of the largest in
   its table is shown with 4 digits: it is rounding, or nearly so.

@@ -1,10 +1,13 @@
 //! Rows of first and second derivatives, and rates: the same measures on numbers with derivatives.
 
-use super::{Connector, Evaluation, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally};
+use super::{
+    Branch, Components, Connector, Evaluation, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally,
+};
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
 use crate::scalar::{Differentiable, Scalar, Seeded};
 use crate::vector::{self, Vector, column};
+use num_dual::HyperDual;
 
 impl<R: Differentiable> Connector<R> {
     pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
@@ -330,4 +333,62 @@ fn one_form_rates<R: Differentiable>(
         rates[1] = rates[1] + entry.real() * acceleration[j] + change * state.velocity[j];
     }
     rates
+}
+
+impl Connector<f64> {
+    /// First derivatives by dual numbers in the fourteen nodal degrees of freedom: [`Pair::moved`] instead of the relative pair
+    /// and the nodal maps. About 25 times slower than rows; a witness for them.
+    pub(crate) fn nodal_rows(&self, state: &State<f64>, branch: &Branch<f64>) -> Components<NodalRow<f64>> {
+        type Nodal = <f64 as Differentiable>::Gradient<DOFS>;
+        let seeds: [Nodal; DOFS] = std::array::from_fn(|j| Seeded::<DOFS>::seed(0.0, j));
+        let values = self.on_moved_nodes(state, branch, &seeds);
+        std::array::from_fn(|k| {
+            let row = self.rows[k]?;
+            if row.differentiated.is_one_form() {
+                return Some(
+                    self.active_only(row.differentiated.one_form(&state.pair.a.triad, &self.section)),
+                );
+            }
+            Some(self.active_only(values[k]?.gradient()))
+        })
+    }
+
+    /// Σ_jk v_j w_k ∂²f/∂q_j∂q_k by hyper-dual numbers in the nodal degrees of freedom; `None` for a one-form.
+    pub(crate) fn nodal_second(
+        &self,
+        state: &State<f64>,
+        branch: &Branch<f64>,
+        v: &NodalRow<f64>,
+        w: &NodalRow<f64>,
+    ) -> Components<f64> {
+        let (v, w) = (self.active_only(*v), self.active_only(*w));
+        let seeds: [HyperDual<f64>; DOFS] = std::array::from_fn(|j| HyperDual::new(0.0, v[j], w[j], 0.0));
+        let values = self.on_moved_nodes(state, branch, &seeds);
+        std::array::from_fn(|k| {
+            values[k]
+                .filter(|_| !self.rows[k].is_some_and(|r| r.differentiated.is_one_form()))
+                .map(|x| x.eps1eps2)
+        })
+    }
+
+    fn on_moved_nodes<S: Scalar<Real = f64>>(
+        &self,
+        state: &State<f64>,
+        branch: &Branch<f64>,
+        dofs: &[S; DOFS],
+    ) -> Components<S> {
+        let relative = state.pair.moved(dofs).relative();
+        let history = branch.history();
+        let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.section, &history);
+        std::array::from_fn(|k| self.rows[k].map(|row| row.differentiated.evaluate(&mut shared)))
+    }
+
+    fn active_only(&self, mut row: NodalRow<f64>) -> NodalRow<f64> {
+        for (entry, active) in row.iter_mut().zip(&self.active) {
+            if !active {
+                *entry = 0.0;
+            }
+        }
+        row
+    }
 }

@@ -29,11 +29,23 @@ pub enum Output {
     TURNS,
     /// Distance to the nearest singular point.
     MARGIN,
+    /// Total force.
+    CTF,
+    /// Moments as the manual prints them.
+    PM,
+    /// Multipliers of the equations enforced.
+    LM,
+    /// Nodal forces.
+    NF,
+    /// Geometric stiffness.
+    KG,
+    /// Derivative of the nodal forces.
+    DNF,
 }
 
 impl Output {
     /// Every output, in the order of reports.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 18] = [
         Self::CP,
         Self::CU,
         Self::CCU,
@@ -46,6 +58,12 @@ impl Output {
         Self::CSLST,
         Self::TURNS,
         Self::MARGIN,
+        Self::CTF,
+        Self::PM,
+        Self::LM,
+        Self::NF,
+        Self::KG,
+        Self::DNF,
     ];
 
     /// The name.
@@ -63,12 +81,34 @@ impl Output {
             Self::CSLST => "CSLST",
             Self::TURNS => "TURNS",
             Self::MARGIN => "MARGIN",
+            Self::CTF => "CTF",
+            Self::PM => "PM",
+            Self::LM => "LM",
+            Self::NF => "NF",
+            Self::KG => "KG",
+            Self::DNF => "DNF",
         }
     }
 
     /// Whether it is one of the manual's outputs of relative motion, which has a name of its own for rotations: CP and CPR.
     pub const fn is_kinematic(self) -> bool {
         matches!(self, Self::CP | Self::CU | Self::CCU | Self::CV | Self::CA)
+    }
+
+    /// Whether it is a force or moment of a component, whose moments have a name of their own: CTF and CTM.
+    pub const fn is_force(self) -> bool {
+        matches!(self, Self::CTF)
+    }
+
+    /// Whether it follows from component forces.
+    pub const fn is_of_forces(self) -> bool {
+        matches!(self, Self::CTF | Self::PM | Self::LM) || self.is_nodal()
+    }
+
+    /// Whether it belongs to nodal degrees of freedom, rather than to components: asked for of a component, it is the part of that
+    /// component's force.
+    pub const fn is_nodal(self) -> bool {
+        matches!(self, Self::NF | Self::KG | Self::DNF)
     }
 
     /// The power of time by which the unit of the component is divided: 0, 1 or 2.
@@ -95,6 +135,12 @@ impl Output {
             Self::CSLST => "stop status",
             Self::TURNS => "whole turns counted",
             Self::MARGIN => "distance to the nearest singular point",
+            Self::CTF => "total force, CEF + CVF + CSF + CRF − CCF",
+            Self::PM => "moments by which the printed formula gives the exact moment",
+            Self::LM => "multiplier of the equation enforced",
+            Self::NF => "nodal forces, residual-side: transposed rows × component forces",
+            Self::KG => "geometric stiffness Σ f ∂²c",
+            Self::DNF => "derivative ∂NF/∂q at constant component forces",
         }
     }
 }

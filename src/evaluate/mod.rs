@@ -5,6 +5,7 @@
 //! what is to be computed, and of the nodes that need it. [`Sequence`] walks through states in order, one at a time,
 //! committing every branch as it goes.
 
+mod forces;
 mod model;
 mod mpc;
 mod outputs;
@@ -14,6 +15,7 @@ mod rules;
 mod sequence;
 mod shared;
 
+pub use forces::ForceResult;
 pub use model::{ConnectorElement, Model};
 pub use mpc::{MpcElement, MpcResult};
 pub use outputs::{OutputError, request};

@@ -1,8 +1,9 @@
 //! Outputs by name, as decks and the command line write them.
 //!
 //! CP, CU, CCU, CV and CA name all components; with R (CPR, CUR …) the rotations; with a digit 1 to 3 one of them (CU1 is u1,
-//! CUR1 is ur1). CSLST, RES, RESV, RESB, RESA, TURNS and MARGIN name all components, with a digit 1 to 6 one. ALL is every
-//! output, NONE is no output (derivatives only).
+//! CUR1 is ur1). CTF names all forces and moments; CTF1 to CTF3 are forces, CTM the moments, CTM1 to CTM3 one of them. CSLST, RES,
+//! RESV, RESB, RESA, TURNS, MARGIN, PM, LM, NF, KG and DNF name all components, with a digit 1 to 6 one: NF4 is the nodal forces of
+//! m1. ALL is every output, NONE is no output (derivatives only).
 
 use crate::connector::{Mask, Output, Request};
 
@@ -38,9 +39,9 @@ pub enum OutputError {
 }
 
 /// The outputs of the manual that need forces or behaviour.
-const OF_BEHAVIOR: [&str; 26] = [
-    "CTF", "CTM", "CEF", "CEM", "CVF", "CVM", "CUF", "CUM", "CSF", "CSM", "CNF", "CNM", "CRF", "CRM", "CCF",
-    "CCM", "CUE", "CUP", "CALPHA", "CDMG", "CDIF", "CDIM", "CDIP", "CFAILST", "CASU", "CIVC",
+const OF_BEHAVIOR: [&str; 24] = [
+    "CEF", "CEM", "CVF", "CVM", "CUF", "CUM", "CSF", "CSM", "CNF", "CNM", "CRF", "CRM", "CCF", "CCM", "CUE",
+    "CUP", "CALPHA", "CDMG", "CDIF", "CDIM", "CDIP", "CFAILST", "CASU", "CIVC",
 ];
 
 /// The outputs of a list of names, with derivatives up to `order`.
@@ -79,6 +80,11 @@ fn one(name: &str) -> Result<(Output, Mask), OutputError> {
     let rotational = stem.strip_suffix('R').and_then(|stem| {
         Output::ALL.into_iter().find(|output| output.name() == stem && output.is_kinematic())
     });
+    let moment = stem.strip_suffix('M').and_then(|stem| {
+        Output::ALL
+            .into_iter()
+            .find(|output| output.is_force() && output.name().strip_suffix('F') == Some(stem))
+    });
     let component = |remedy: String| OutputError::Component { name: name.to_string(), remedy };
     let one_of = |range: std::ops::Range<usize>, remedy: &dyn Fn() -> String| match digits.parse::<usize>() {
         _ if digits.is_empty() => Ok([0, 1, 2, 3, 4, 5].map(|k| range.contains(&k))),
@@ -92,13 +98,21 @@ fn one(name: &str) -> Result<(Output, Mask), OutputError> {
             let remedy = || format!("{stem}1 to {stem}3 are translations, {stem}R1 to {stem}R3 rotations");
             Ok((output, one_of(0..3, &remedy)?))
         }
+        (Some(output), _) if output.is_force() && !digits.is_empty() => {
+            let moments = output.name().replace('F', "M");
+            let remedy = || format!("{stem}1 to {stem}3 are forces, {moments}1 to {moments}3 moments");
+            Ok((output, one_of(0..3, &remedy)?))
+        }
         (Some(output), _) => {
             Ok((output, one_of(0..6, &|| format!("{stem}1 to {stem}6 are the components"))?))
         }
         (None, Some(output)) => {
             Ok((output, one_of(3..6, &|| format!("{stem}1 to {stem}3 are the rotations"))?))
         }
-        (None, None) => Err(unknown(name)),
+        (None, None) => match moment {
+            Some(output) => Ok((output, one_of(3..6, &|| format!("{stem}1 to {stem}3 are the moments"))?)),
+            None => Err(unknown(name)),
+        },
     }
 }
 
@@ -142,6 +156,11 @@ mod tests {
             ("RES", "111111"),
             ("RES6", "000001"),
             ("CSLST4", "000100"),
+            ("CTF", "111111"),
+            ("CTF2", "010000"),
+            ("CTM", "000111"),
+            ("NF4", "000100"),
+            ("PM", "111111"),
         ] {
             assert_eq!(mask(name), expected, "{name}");
         }
@@ -153,7 +172,8 @@ mod tests {
             ("CU4", "CUR1 to CUR3 rotations"),
             ("CUR0", "CUR1 to CUR3 are the rotations"),
             ("CSLST7", "CSLST1 to CSLST6"),
-            ("CTF1", "not evaluated yet"),
+            ("CUF1", "not evaluated yet"),
+            ("CTF4", "CTM1 to CTM3 moments"),
             ("CUEL", "not evaluated yet"),
             ("TRUNS", "did you mean TURNS?"),
             ("CX", "did you mean C"),

@@ -1,5 +1,6 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
+use super::forces::ForceResult;
 use super::model::{ConnectorElement, Model};
 use super::mpc::{MpcResult, START};
 use super::plan::Plan;
@@ -161,6 +162,8 @@ pub struct ConnectorResult {
     pub margins: Components<Margin>,
     /// What needs care.
     pub flags: Vec<Flag>,
+    /// What follows from component forces, where they are given and it is asked for.
+    pub forces: Option<Box<ForceResult>>,
 }
 
 /// Everything planned, at one state.
@@ -269,7 +272,7 @@ impl<'a> Sequence<'a> {
         for index in &self.plan.connectors {
             let element = &self.model.connectors[*index];
             let ends = element.nodes.map(at);
-            take(Item::Connector(Box::new(self.connector(*index, element, &ends, request))))?;
+            take(Item::Connector(Box::new(self.connector(*index, element, &ends, (request, state)))))?;
         }
         for index in &self.plan.mpcs {
             let element = &self.model.mpcs[*index];
@@ -289,7 +292,7 @@ impl<'a> Sequence<'a> {
         index: usize,
         element: &ConnectorElement,
         ends: &[Moved; 2],
-        request: &Request,
+        (request, scene_state): (&Request, &SceneState),
     ) -> ConnectorResult {
         let node = |end: usize| Node {
             displacement: ends[end].displacement,
@@ -321,11 +324,14 @@ impl<'a> Sequence<'a> {
             *status = status.filter(|_| request.wants(Output::CSLST, k));
         }
         let margins = connector.margins(&state, &evaluation.branch, request.components());
-        let flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
+        let mut flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
         let after = evaluation.branch;
+        let given = scene_state.forces.get(&element.label);
+        let forces = ForceResult::of(connector, (&state, &after), given, request, &mut self.tally);
+        flags.extend(forces.iter().flat_map(|forces| &forces.flags));
         let saved = self.branches.connectors.entry(element.label);
         saved.and_modify(|saved| saved.branch = after).or_insert_with(|| Saved::new(element, after));
-        ConnectorResult { index, evaluation, stops, margins, flags }
+        ConnectorResult { index, evaluation, stops, margins, flags, forces: forces.map(Box::new) }
     }
 }
 

@@ -308,6 +308,17 @@ impl<R: Real> ForceRows<R> {
         })
     }
 
+    /// How independent the equations enforced are, for each rotation: the sine of the angle of its row to the rows of the others, 0 where
+    /// there are no multipliers. Needs [`Want::multipliers`].
+    pub fn independence(&self) -> [Option<R>; 3] {
+        let duals = dual_basis(self.residual);
+        let length = |v: Vector<R>| R::direction_and_norm(v).1;
+        [0, 1, 2].map(|i| {
+            let row = self.residual[i]?;
+            Some(duals[i].map_or(R::integer(0), |dual| (length(dual) * length(row)).reciprocal_or_zero()))
+        })
+    }
+
     /// The reported forces of constrained components from the multipliers of the equations enforced: the inverse of
     /// [`ForceRows::multipliers`]. Needs the rows of all constrained components.
     pub fn from_multipliers(&self, multipliers: &Components<R>) -> Components<R> {

@@ -2,13 +2,70 @@
 
 use super::words;
 use crate::catalog::COMPONENT;
-use crate::connector::{Branch, Flag, Output, Request, StopStatus, Turns};
-use crate::evaluate::{ConnectorResult, Model, MpcResult};
+use crate::connector::{Branch, Connector, Flag, NodalMatrix, Output, Request, StopStatus, Turns};
+use crate::evaluate::{ConnectorResult, ForceResult, Model, MpcResult};
 use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc::{self, DOFS as MPC_DOFS, ROWS as MPC_ROWS};
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
 use crate::scalar::Real;
 use crate::scene::Label;
+
+/// A nodal force.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct NodalForce {
+    /// xa1, θb3, Ψb: the degree of freedom that the force does work on.
+    pub name: &'static str,
+    /// The node; `None` is the ground, whose reaction this is.
+    pub node: Option<Label>,
+    /// The node's role.
+    pub role: &'static str,
+    /// The number of the degree of freedom, 1 to 6 or 10.
+    pub dof: u8,
+    /// The force, moment or flow force, residual-side, global components.
+    pub force: f64,
+}
+
+/// Nodal forces and their derivatives by the columns of the block.
+#[derive(Clone, Debug, Default)]
+pub struct Nodal {
+    /// NF.
+    pub forces: Vec<NodalForce>,
+    /// KG, where asked for.
+    pub geometric: Option<Vec<Vec<f64>>>,
+    /// DNF, where asked for.
+    pub derivative: Option<Vec<Vec<f64>>>,
+}
+
+impl Nodal {
+    fn of(connector: &Connector<f64>, nodes: [Option<Label>; 2], forces: &ForceResult) -> Self {
+        let kept: Vec<usize> = (0..DOFS).filter(|j| connector.active()[*j]).collect();
+        let matrix = |of: &NodalMatrix<f64>| {
+            kept.iter().map(|i| kept.iter().map(|j| of[*i][*j]).collect()).collect::<Vec<Vec<f64>>>()
+        };
+        let reached = |j: &usize| connector.reach()[*j];
+        let force = |(j, force): (usize, f64)| {
+            let end = usize::from(j >= DOFS / 2);
+            NodalForce { name: DOF[j], node: nodes[end], role: ["a", "b"][end], dof: DOF_NUMBER[j], force }
+        };
+        let entries = forces.nodal.iter().flatten().copied().enumerate();
+        Self {
+            forces: entries.filter(|(j, _)| reached(j)).map(force).collect(),
+            geometric: forces.geometric.as_ref().map(matrix),
+            derivative: forces.derivative.as_ref().map(matrix),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.forces.is_empty() && self.geometric.is_none() && self.derivative.is_none()
+    }
+
+    /// The matrices there are, by output.
+    pub(super) fn matrices(&self) -> impl Iterator<Item = (Output, &Vec<Vec<f64>>)> {
+        [(Output::KG, &self.geometric), (Output::DNF, &self.derivative)]
+            .into_iter()
+            .filter_map(|(output, matrix)| Some((output, matrix.as_ref()?)))
+    }
+}
 
 /// What a block is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +93,8 @@ pub struct Block<'a> {
     pub columns: Vec<Column>,
     /// Rows of derivatives.
     pub derivatives: Vec<Derivative>,
+    /// Nodal forces and their derivatives, where component forces are known and these are asked for.
+    pub nodal: Nodal,
     /// The branch, where turns are asked for.
     pub branch: Option<Branch<f64>>,
     /// What an MPC tells besides.
@@ -138,6 +197,7 @@ impl<'a> Block<'a> {
         let connector = &element.connector;
         let connection = connector.connection();
         let evaluation = &result.evaluation;
+        let forces = result.forces.as_deref();
         let kept: Vec<usize> = (0..DOFS).filter(|j| connector.active()[*j]).collect();
         let mut rows = Vec::new();
         let mut derivatives = Vec::new();
@@ -159,6 +219,10 @@ impl<'a> Block<'a> {
                     Output::CSLST => result.stops[k].map(Value::Stop),
                     Output::TURNS => evaluation.turns[k].map(Value::Turns),
                     Output::MARGIN => result.margins[k].map(Value::Margin),
+                    Output::CTF => number(forces.and_then(|forces| forces.components[k])),
+                    Output::PM => number(forces.and_then(|forces| forces.printed[k])),
+                    Output::LM => number(forces.and_then(|forces| forces.multipliers[k])),
+                    Output::NF | Output::KG | Output::DNF => None,
                 };
                 value.filter(|_| request.wants(output, k))
             });
@@ -192,6 +256,7 @@ impl<'a> Block<'a> {
             rows,
             columns: columns.collect(),
             derivatives,
+            nodal: forces.map(|forces| Nodal::of(connector, element.nodes, forces)).unwrap_or_default(),
             branch: wants_turns.then_some(evaluation.branch),
             mpc: None,
             flags: result.flags.clone(),
@@ -268,6 +333,7 @@ impl<'a> Block<'a> {
             rows,
             columns: columns.collect(),
             derivatives: derivatives.collect(),
+            nodal: Nodal::default(),
             branch: None,
             mpc: Some(MpcFacts { hinges: hinges.collect(), misalignment: result.misalignment }),
             flags: result.flags.clone(),
@@ -283,6 +349,16 @@ impl<'a> Block<'a> {
                 }
             }
         }
+        for force in self.nodal.forces.iter().filter(|force| !force.force.is_finite()) {
+            self.flags.push(Flag::NotFinite { component: force.name, quantity: Output::NF.name() });
+        }
+        for (output, matrix) in self.nodal.matrices() {
+            let (rows, dofs) = (matrix.iter(), self.columns.iter());
+            let broken = rows.zip(dofs).filter(|(row, _)| row.iter().any(|entry| !entry.is_finite()));
+            self.flags.extend(
+                broken.map(|(_, dof)| Flag::NotFinite { component: dof.name, quantity: output.name() }),
+            );
+        }
         for derivative in &self.derivatives {
             let second = derivative.hessian.iter().flatten().flatten();
             if derivative.gradient.iter().chain(second).any(|entry| !entry.is_finite()) {
@@ -294,7 +370,7 @@ impl<'a> Block<'a> {
 
     /// Whether there is nothing to show.
     pub fn is_empty(&self) -> bool {
-        self.rows.is_empty() && self.derivatives.is_empty()
+        self.rows.is_empty() && self.derivatives.is_empty() && self.nodal.is_empty()
     }
 
     /// `HINGE 101`, `MPC REVOLUTE`.

@@ -3,6 +3,8 @@
 //! One line for each state × connector × component, one column for each output asked for. With derivatives there are five
 //! columns more, `dof_1, node_1, dof_2, node_2, derivative`, and further lines that leave the outputs empty: one for each
 //! first derivative that is not zero (`dof_2` empty) and each second derivative that is not zero, ∂²/∂dof_1∂dof_2.
+//! Nodal forces (column NF) have lines of their own, with `dof_1` and `node_1`; so have the entries of KG and DNF that are not zero:
+//! of the force on `dof_1` by `dof_2`.
 //! `flags` names what needs care, on the lines of the component. Numbers read back to the same double.
 
 use super::block::{Block, Derivative, Kind, Value, node_name};
@@ -15,17 +17,19 @@ use std::io::{self, Write};
 pub struct Csv<'w> {
     writer: csv::Writer<&'w mut dyn Write>,
     outputs: Vec<Output>,
-    order: u8,
+    has_dofs: bool,
     scene: String,
     state: String,
     time: String,
 }
 
 impl<'w> Csv<'w> {
-    /// A table on a stream, with columns for `outputs` and, from order 1 on, for derivatives.
+    /// A table on a stream, with columns for `outputs` and, from order 1 on or with nodal outputs, for degrees of freedom and
+    /// derivatives.
     pub fn new(out: &'w mut dyn Write, outputs: Vec<Output>, order: u8) -> Self {
         let writer = csv::Writer::from_writer(out);
-        Self { writer, outputs, order, scene: String::new(), state: String::new(), time: String::new() }
+        let has_dofs = order > 0 || outputs.iter().any(|output| output.is_nodal());
+        Self { writer, outputs, has_dofs, scene: String::new(), state: String::new(), time: String::new() }
     }
 
     fn line<'c>(&mut self, cells: impl IntoIterator<Item = &'c str>) -> io::Result<()> {
@@ -64,6 +68,31 @@ impl<'w> Csv<'w> {
         for (line, first) in row.hessian.iter().flatten().zip(columns) {
             for (value, second) in line.iter().zip(columns) {
                 entry(*value, [first, second])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Nodal forces, and the entries of their derivatives that are not 0.
+    fn nodal(&mut self, block: &Block<'_>, columns: &[[String; 2]]) -> io::Result<()> {
+        let start = self.start(block, "", "", "");
+        let outputs = self.outputs.clone();
+        let none = [const { String::new() }; 2];
+        let mut entry = |of: Output, value: f64, [first, second]: [&[String; 2]; 2]| {
+            let value = exact(value);
+            let cells = outputs.iter().map(|output| if *output == of { value.as_str() } else { "" });
+            let dofs = first.iter().chain(second).map(String::as_str).chain([""]);
+            self.line(start.iter().map(String::as_str).chain(cells).chain(dofs))
+        };
+        for force in &block.nodal.forces {
+            let column = [force.name.to_string(), node_name(force.node)];
+            entry(Output::NF, force.force, [&column, &none])?;
+        }
+        for (output, matrix) in block.nodal.matrices() {
+            for (line, first) in matrix.iter().zip(columns) {
+                for (value, second) in line.iter().zip(columns).filter(|(value, _)| **value != 0.0) {
+                    entry(output, *value, [first, second])?;
+                }
             }
         }
         Ok(())
@@ -116,7 +145,7 @@ impl Format for Csv<'_> {
             "flags",
         ];
         heading.extend(self.outputs.iter().map(|output| output.name()));
-        if self.order > 0 {
+        if self.has_dofs {
             heading.extend(["dof_1", "node_1", "dof_2", "node_2", "derivative"]);
         }
         self.line(heading)
@@ -143,13 +172,14 @@ impl Format for Csv<'_> {
                     Some(value) => exact(value.number()),
                 });
             }
-            if self.order > 0 {
+            if self.has_dofs {
                 cells.extend([const { String::new() }; 5]);
             }
             self.line(cells.iter().map(String::as_str))?;
         }
         let columns: Vec<[String; 2]> =
             block.columns.iter().map(|column| [column.name.to_string(), column.node.to_string()]).collect();
+        self.nodal(block, &columns)?;
         block.derivatives.iter().try_for_each(|row| self.derivatives(block, row, &columns))
     }
 

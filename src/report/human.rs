@@ -184,6 +184,44 @@ impl<'w> Human<'w> {
         Ok(())
     }
 
+    /// Nodal forces by node, and the entries of their derivatives.
+    fn nodal(&mut self, block: &Block<'_>) -> io::Result<()> {
+        let forces = &block.nodal.forces;
+        let largest_force = largest(forces.iter().map(|force| force.force));
+        for group in forces.chunk_by(|one, other| one.role == other.role) {
+            let Some(first) = group.first() else { continue };
+            let title = match first.node {
+                Some(node) => format!("  node {node} ({})", first.role),
+                None => format!("  ground ({})", first.role),
+            };
+            let columns: Vec<(String, Vec<String>)> = group
+                .iter()
+                .map(|force| (force.name.to_string(), vec![self.beside(force.force, largest_force)]))
+                .collect();
+            self.columns(&title, &["nodal force".to_string()], &columns)?;
+        }
+        for (output, matrix) in block.nodal.matrices() {
+            let largest = largest(matrix.iter().flatten().copied());
+            let names: Vec<String> = block.columns.iter().map(|column| column.name.to_string()).collect();
+            let columns: Vec<(String, Vec<String>)> = (0..names.len())
+                .filter(|j| matrix.iter().any(|row| row[*j] != 0.0))
+                .map(|j| {
+                    let entry = |row: &Vec<f64>| match row[j] {
+                        0.0 => "·".to_string(),
+                        entry => self.beside(entry, largest),
+                    };
+                    (format!("∂{}", names[j]), matrix.iter().map(entry).collect())
+                })
+                .collect();
+            if columns.is_empty() {
+                writeln!(self.out, "  {}: every entry is 0", output.name())?;
+            } else {
+                self.columns(&format!("  {}", output.name()), &names, &columns)?;
+            }
+        }
+        Ok(())
+    }
+
     fn hessian(&mut self, block: &Block<'_>) -> io::Result<()> {
         let mut entries = Vec::new();
         let all = block.derivatives.iter().flat_map(|row| row.hessian.iter().flatten().flatten());
@@ -365,6 +403,7 @@ impl Format for Human<'_> {
                 format!("margin of {name}: {} {unit} to {}", self.number(margin.distance), margin.set.at);
             writeln!(self.out, "  {}", styled(DIM, text))?;
         }
+        self.nodal(block)?;
         self.jacobian(block)?;
         self.hessian(block)?;
         for text in flags_in_words(&block.flags) {

@@ -115,6 +115,13 @@ impl Serialize for Block<'_> {
         if self.derivatives.iter().any(|row| row.hessian.is_some()) {
             map.serialize_entry("hessian", &named(&self.derivatives, |row| (row.component, &row.hessian)))?;
         }
+        if !self.nodal.forces.is_empty() {
+            map.serialize_entry("nodal_forces", &self.nodal.forces)?;
+        }
+        for (output, matrix) in self.nodal.matrices() {
+            let name = if output == Output::KG { "geometric_stiffness" } else { "nodal_force_derivative" };
+            map.serialize_entry(name, &json!({"dofs": &self.columns, "rows": matrix}))?;
+        }
         if let Some(branch) = &self.branch {
             map.serialize_entry("branch", branch)?;
         }

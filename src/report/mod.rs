@@ -3,6 +3,7 @@
 //! Every function writes to a stream that it is given. Human text carries ANSI styles, which a stream that is no terminal
 //! drops (`anstream`); it fits the width that the caller names.
 
+pub mod audit;
 mod block;
 pub mod csv;
 mod evaluation;
@@ -16,7 +17,8 @@ mod number;
 mod words;
 
 pub use block::{
-    Block, Column, Derivative, HingeFacts, Kind, MpcFacts, Row, Value, flag_in_words, flags_in_words,
+    Block, Column, Derivative, HingeFacts, Kind, MpcFacts, Nodal, NodalForce, Row, Value, flag_in_words,
+    flags_in_words,
 };
 pub use evaluation::{Format, Subject, Unevaluated, unevaluated};
 pub use words::{NOTATION, ROWS, SIGNS};

@@ -156,9 +156,9 @@ codes! {
     NoRotation = "rule::no-rotation": "A rotation is prescribed at a node of a connector that has no rotational degrees of freedom. A warning.";
 
     StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
-    StatesUnknownColumn = "states::unknown-column": "A column of a CSV file of states has a name that is not known.";
-    StatesRepeatedColumn = "states::repeated-column": "Two columns of a CSV file of states have the same name.";
-    StatesMissingColumn = "states::missing-column": "A CSV file of states has no column `node`.";
+    StatesUnknownColumn = "states::unknown-column": "A column of a CSV file of states or forces, or a force in a JSON file, has a name that is not known.";
+    StatesRepeatedColumn = "states::repeated-column": "Two columns of a CSV file of states or forces have the same name or meaning, or a JSON file gives a force twice.";
+    StatesMissingColumn = "states::missing-column": "A CSV file of states has no column `node`, or one of forces no column `element`.";
     StatesUnknownNode = "states::unknown-node": "A state moves a node that the scene does not have.";
     StatesRepeatedNode = "states::repeated-node": "A state gives one node twice.";
     StatesMalformedNumber = "states::malformed-number": "An item is not a number.";
@@ -170,6 +170,14 @@ codes! {
     StatesOutOfPlane = "states::out-of-plane": "A state moves a node of a CONN2D2 element along 3, or turns it about 1 or 2.";
     StatesOrder = "states::order": "The numbers of the states do not increase, or the rows of one state have different times.";
     StatesEmpty = "states::empty": "The file has no state.";
+
+    ForcesUnknownElement = "forces::unknown-element": "Forces are given for a connector element that the scene does not have.";
+    ForcesRepeatedElement = "forces::repeated-element": "A state is given the forces of one element twice.";
+    ForcesUnknownState = "forces::unknown-state": "Forces are given for a state, by number or time, that there is not, or for a time that several states have.";
+    ForcesAbsentComponent = "forces::absent-component": "A force that is not zero is given for a component that the connector does not have, or that has no force.";
+    ForcesMissingComponent = "forces::missing-component": "The force of a component is not given, and those of others of the element are.";
+    ForcesNotATotal = "forces::not-a-total": "Of an available component only the reaction CRF or CRM is given, which is a part of its total force.";
+    ForcesContradiction = "forces::contradiction": "The total force and the reaction of a constrained component are given and differ.";
 }
 
 impl Display for Code {

@@ -5,6 +5,7 @@
 //!   Abaqus-style deck (`.inp`) in one pass. Connection types stay names here; the catalogue says what they mean.
 //! - [`Orientation::triad`] gives the directions e1, e2, e3 at a point.
 //! - [`StateFile`] holds what the nodes do: displacement, total rotation, velocities, accelerations, flow.
+//! - [`ForceFile`] holds component forces of connectors, as FE codes export them.
 //! - [`Diagnostic`] says what is wrong with an input, where, and what to do about it.
 //! - [`GALLERY`] has scenes with states in closed form, embedded in the binary.
 //!
@@ -30,6 +31,7 @@ mod choice;
 mod deck;
 mod diagnostic;
 mod document;
+mod forces;
 mod freedom;
 mod gallery;
 mod label;
@@ -51,6 +53,7 @@ pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub(crate) use document::in_words_of;
 pub use document::{Converted, Format, MAX_DOCUMENT, schema};
+pub use forces::{ElementForces, ForceFile, ForceSign};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
 pub use label::{Instance, Label, LabelError};

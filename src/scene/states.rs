@@ -11,9 +11,10 @@
 //! # JSON
 //! `{"schema": "pintle-states/1", "states": [{"time": 0.5, "nodes": {"2": {"displacement": [0, 0, 0],
 //! "rotation": [0, 0, 7.5]}}}]}`, with the names of [`NodeMotion`]; `rotation` or `quaternion`. A state may have a
-//! `number`.
+//! `number`, and beside `nodes` component forces by element number: `"forces": {"101": {"f1": 2.5}}` ([`super::ElementForces`]).
 
 use super::diagnostic::{Code, Diagnostic, Result, suggest};
+use super::forces::{self, ElementForces, ForceSign, JsonForces};
 use super::freedom::NodeFreedom;
 use super::label::{Label, LabelError};
 use super::lexer::{NotANumber, parse_number};
@@ -87,6 +88,9 @@ pub struct State {
     pub time: Option<f64>,
     /// Motions by node number. A node that is not in it is at rest in its initial place.
     pub nodes: BTreeMap<Label, NodeMotion>,
+    /// Component forces by element number, where they are given.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub forces: BTreeMap<Label, ElementForces>,
 }
 
 /// States in order.
@@ -102,33 +106,8 @@ impl StateFile {
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
     pub fn read(path: impl AsRef<Path>, scene: &Scene) -> Result<Self> {
-        let path = path.as_ref();
-        let name = path.display().to_string();
-        let fail = |code, message: String, remedy: &str| {
-            Err(Diagnostic::error(code, Span::default(), message, "").help(remedy).in_file(&name))
-        };
-        let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
-        let json = match ending.as_ref().and_then(|ending| ending.to_str()) {
-            Some("csv") => false,
-            Some("json") => true,
-            _ => {
-                let message = "neither .csv nor .json".to_string();
-                return fail(
-                    Code::UnknownFormat,
-                    message,
-                    "name the file of states .csv or .json, as it is written",
-                );
-            }
-        };
-        match std::fs::read_to_string(path) {
-            Err(error) => fail(
-                Code::Unreadable,
-                format!("cannot be read: {error}"),
-                "check the path and its permissions",
-            ),
-            Ok(text) if json => Self::parse_json(&name, &text, scene),
-            Ok(text) => Self::parse_csv(&name, &text, scene),
-        }
+        let (name, text, is_json) = text_of(path.as_ref(), "states")?;
+        if is_json { Self::parse_json(&name, &text, scene) } else { Self::parse_csv(&name, &text, scene) }
     }
 
     /// Reads states from CSV. `name` stands for the file in messages.
@@ -136,7 +115,7 @@ impl StateFile {
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
     pub fn parse_csv(name: &str, text: &str, scene: &Scene) -> Result<Self> {
-        let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+        let text = without_mark(text);
         csv_states(text, scene).map_err(|error| located(error, name, text))
     }
 
@@ -145,7 +124,7 @@ impl StateFile {
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
     pub fn parse_json(name: &str, text: &str, scene: &Scene) -> Result<Self> {
-        let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+        let text = without_mark(text);
         json_states(text, scene).map_err(|error| located(error, name, text))
     }
 
@@ -158,7 +137,32 @@ impl StateFile {
     }
 }
 
-fn located(error: Diagnostic, name: &str, text: &str) -> Diagnostic {
+/// The name and text of a file of `what`, and whether it is JSON rather than CSV.
+pub(super) fn text_of(path: &Path, what: &str) -> Result<(String, String, bool)> {
+    let name = path.display().to_string();
+    let fail = |code, message: String, remedy: &str| {
+        Diagnostic::error(code, Span::default(), message, "").help(remedy).in_file(&name)
+    };
+    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    let is_json = match ending.as_ref().and_then(|ending| ending.to_str()) {
+        Some("csv") => false,
+        Some("json") => true,
+        _ => {
+            let remedy = format!("name the file of {what} .csv or .json, as it is written");
+            return Err(fail(Code::UnknownFormat, "neither .csv nor .json".to_string(), &remedy));
+        }
+    };
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        fail(Code::Unreadable, format!("cannot be read: {error}"), "check the path and its permissions")
+    })?;
+    Ok((name, text, is_json))
+}
+
+pub(super) fn without_mark(text: &str) -> &str {
+    text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)
+}
+
+pub(super) fn located(error: Diagnostic, name: &str, text: &str) -> Diagnostic {
     let mut errors = [error];
     Diagnostic::attach(&mut errors, name, text.as_bytes());
     let [error] = errors;
@@ -166,26 +170,26 @@ fn located(error: Diagnostic, name: &str, text: &str) -> Diagnostic {
 }
 
 /// Why a motion cannot be, apart from its place.
-struct Fault {
+pub(super) struct Fault {
     code: Code,
     message: String,
     remedy: String,
 }
 
 impl Fault {
-    fn new(code: Code, message: impl Into<String>, remedy: impl Into<String>) -> Self {
+    pub(super) fn new(code: Code, message: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { code, message: message.into(), remedy: remedy.into() }
     }
 
-    fn at(self, span: Span, label: &str) -> Diagnostic {
+    pub(super) fn at(self, span: Span, label: &str) -> Diagnostic {
         Diagnostic::error(self.code, span, self.message, label).help(self.remedy)
     }
 }
 
-/// A node, as states name it.
-fn label(text: &str) -> Result<Label, Fault> {
+/// A node or element, as files name it.
+pub(super) fn label(text: &str, what: &str) -> Result<Label, Fault> {
     text.parse().map_err(|error: LabelError| {
-        let remedy = "write the node number in digits, and in an assembly INSTANCE.NUMBER";
+        let remedy = format!("write the {what} number in digits, and in an assembly INSTANCE.NUMBER");
         Fault::new(Code::StatesMalformedNumber, error.to_string(), remedy)
     })
 }
@@ -274,8 +278,14 @@ const COLUMNS: [&str; 28] = [
     "vr1", "vr2", "vr3", "a1", "a2", "a3", "ar1", "ar2", "ar3", "flow", "flow_v", "flow_a",
 ];
 
-fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
-    let freedom = NodeFreedom::of(scene);
+/// Hands on the rows of a table, whose columns `find` knows by the fields of its first line; `known` lists them.
+pub(super) fn csv_rows(
+    text: &str,
+    known: &[&'static str],
+    find: impl Fn(&str) -> Option<&'static str>,
+    needed: &'static str,
+    mut take: impl FnMut(&CsvRow<'_>) -> Result<()>,
+) -> Result<()> {
     // A comment that ends the file without a line break would be read as an empty row.
     let lines = io::Read::chain(text.as_bytes(), b"\n".as_slice());
     let mut reader = csv::ReaderBuilder::new()
@@ -287,15 +297,15 @@ fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
     let malformed = |error: &csv::Error| {
         let span = error.position().map(place).unwrap_or_default();
         Diagnostic::error(Code::StatesMalformed, span, format!("malformed CSV: {error}"), "here")
-            .help("separate fields by commas, one row per node and state")
+            .help(format!("separate fields by commas, one row per {needed} and state"))
     };
     let mut record = csv::StringRecord::new();
     let header = reader.read_record(&mut record).map_err(|error| malformed(&error))?;
     if !header {
         return Err(empty("columns"));
     }
-    let columns = header_columns(&record, row_span(&record, text))?;
-    let mut states: Vec<(u64, State)> = Vec::new();
+    let columns = header_columns(&record, row_span(&record, text), known, find, needed)?;
+    let mut is_empty = true;
     while reader.read_record(&mut record).map_err(|error| malformed(&error))? {
         let span = row_span(&record, text);
         if record.len() != columns.len() {
@@ -303,7 +313,18 @@ fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
             return Err(Diagnostic::error(Code::StatesMalformed, span, message, "this row")
                 .help("give every row as many fields as the header; an empty field is 0"));
         }
-        let row = CsvRow { record: &record, columns: &columns, span, text };
+        take(&CsvRow { record: &record, columns: &columns, span, text })?;
+        is_empty = false;
+    }
+    if is_empty { Err(empty("rows")) } else { Ok(()) }
+}
+
+fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
+    let freedom = NodeFreedom::of(scene);
+    let mut states: Vec<(u64, State)> = Vec::new();
+    let find = |field: &str| COLUMNS.into_iter().find(|column| *column == field);
+    csv_rows(text, &COLUMNS, find, "node", |row| {
+        let span = row.span;
         let (number, time) = (row.integer("state")?.unwrap_or(0), row.number("time")?);
         let disorder = |message: String, remedy: &str| {
             Err(Diagnostic::error(Code::StatesOrder, span, message, "this row").help(remedy))
@@ -323,11 +344,11 @@ fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
                 return disorder(message, "put the rows of a state together, and number the states upwards");
             }
             _ => {
-                let own = columns.contains(&"state").then_some(number);
-                states.push((number, State { number: own, time, nodes: BTreeMap::new() }));
+                let own = row.has("state").then_some(number);
+                states.push((number, State { number: own, time, ..State::default() }));
             }
         }
-        let Some((_, state)) = states.last_mut() else { continue };
+        let Some((_, state)) = states.last_mut() else { return Ok(()) };
         let Some(node) = row.label("node")? else {
             return Err(Diagnostic::error(
                 Code::StatesMalformedNumber,
@@ -341,10 +362,8 @@ fn csv_states(text: &str, scene: &Scene) -> Result<StateFile> {
         let motion = row.motion()?;
         check_motion(node, &motion, &freedom).map_err(|fault| fault.at(span, "this row"))?;
         state.nodes.insert(node, motion);
-    }
-    if states.is_empty() {
-        return Err(empty("rows"));
-    }
+        Ok(())
+    })?;
     Ok(StateFile { states: states.into_iter().map(|(_, state)| state).collect() })
 }
 
@@ -372,11 +391,18 @@ fn row_span(record: &csv::StringRecord, text: &str) -> Span {
     Span::new(0, line, start, 0)
 }
 
-fn header_columns(record: &csv::StringRecord, span: Span) -> Result<Vec<&'static str>> {
+fn header_columns(
+    record: &csv::StringRecord,
+    span: Span,
+    known: &[&'static str],
+    find: impl Fn(&str) -> Option<&'static str>,
+    needed: &'static str,
+) -> Result<Vec<&'static str>> {
     let mut columns: Vec<&'static str> = Vec::with_capacity(record.len());
     for field in record {
-        let Some(column) = COLUMNS.into_iter().find(|column| *column == field) else {
-            let remedy = suggest(field, COLUMNS, || format!("columns are {}", COLUMNS.join(", ")));
+        let Some(column) = find(field) else {
+            let remedy =
+                suggest(field, known.iter().copied(), || format!("columns are {}", known.join(", ")));
             let message = format!("there is no column `{field}`");
             return Err(
                 Diagnostic::error(Code::StatesUnknownColumn, span, message, "the header").help(remedy)
@@ -389,14 +415,15 @@ fn header_columns(record: &csv::StringRecord, span: Span) -> Result<Vec<&'static
         }
         columns.push(column);
     }
-    if !columns.contains(&"node") {
-        return Err(Diagnostic::error(Code::StatesMissingColumn, span, "no column `node`", "the header")
-            .help("name the column of node numbers `node`"));
+    if !columns.contains(&needed) {
+        let message = format!("no column `{needed}`");
+        return Err(Diagnostic::error(Code::StatesMissingColumn, span, message, "the header")
+            .help(format!("name the column of {needed} numbers `{needed}`")));
     }
     Ok(columns)
 }
 
-struct CsvRow<'a> {
+pub(super) struct CsvRow<'a> {
     record: &'a csv::StringRecord,
     columns: &'a [&'static str],
     span: Span,
@@ -404,13 +431,21 @@ struct CsvRow<'a> {
 }
 
 impl CsvRow<'_> {
+    fn has(&self, column: &str) -> bool {
+        self.columns.contains(&column)
+    }
+
+    pub(super) const fn span(&self) -> Span {
+        self.span
+    }
+
     fn field(&self, column: &str) -> Option<&str> {
         let index = self.columns.iter().position(|known| *known == column)?;
         self.record.get(index).filter(|field| !field.is_empty())
     }
 
     /// Where a field stands; the whole row if it has quotation marks.
-    fn place(&self, column: &str) -> Span {
+    pub(super) fn place(&self, column: &str) -> Span {
         let index = self.columns.iter().position(|known| *known == column);
         let start = usize::try_from(self.span.start()).unwrap_or(usize::MAX);
         let row =
@@ -422,7 +457,7 @@ impl CsvRow<'_> {
         Span::new(0, self.span.line(), (start + before + lead) as u64, field.trim().len())
     }
 
-    fn number(&self, column: &str) -> Result<Option<f64>> {
+    pub(super) fn number(&self, column: &str) -> Result<Option<f64>> {
         let Some(field) = self.field(column) else { return Ok(None) };
         parse_number(field).map(Some).map_err(|why| {
             let (code, message, remedy) = match why {
@@ -441,7 +476,7 @@ impl CsvRow<'_> {
         })
     }
 
-    fn integer(&self, column: &str) -> Result<Option<u64>> {
+    pub(super) fn integer(&self, column: &str) -> Result<Option<u64>> {
         let Some(field) = self.field(column) else { return Ok(None) };
         field.parse().map(Some).map_err(|_| {
             let message = format!("`{field}` in column {column} is not a whole number");
@@ -455,9 +490,11 @@ impl CsvRow<'_> {
         })
     }
 
-    fn label(&self, column: &str) -> Result<Option<Label>> {
+    pub(super) fn label(&self, column: &str) -> Result<Option<Label>> {
         let Some(field) = self.field(column) else { return Ok(None) };
-        label(field).map(Some).map_err(|fault| fault.at(self.place(column), &format!("column {column}")))
+        label(field, column)
+            .map(Some)
+            .map_err(|fault| fault.at(self.place(column), &format!("column {column}")))
     }
 
     /// The numbers of several columns; none when all of them are empty or absent.
@@ -590,18 +627,29 @@ impl Motion {
     }
 }
 
-/// The states that a scene itself gives; the names of the entries are node numbers.
+/// A state that a scene itself gives; the names of the entries are node numbers and element numbers.
+#[derive(Debug)]
+pub(super) struct Given {
+    pub(super) number: Option<u64>,
+    pub(super) time: Option<f64>,
+    pub(super) nodes: Vec<(Spanned<String>, Motion)>,
+    pub(super) forces: Vec<(Spanned<String>, Vec<(Spanned<String>, Spanned<f64>)>)>,
+}
+
+/// The states that a scene itself gives.
 pub(super) fn of_scene(
-    states: impl IntoIterator<Item = Spanned<(Option<u64>, Option<f64>, Vec<(Spanned<String>, Motion)>)>>,
+    states: impl IntoIterator<Item = Spanned<Given>>,
     scene: &Scene,
 ) -> Result<Vec<State>> {
     let mut read = Vec::new();
     let freedom = NodeFreedom::of(scene);
-    for Spanned { value: (number, time, motions), span } in states {
+    for Spanned { value: Given { number, time, nodes, forces }, span } in states {
         check_number(read.last(), number).map_err(|fault| fault.at(span, "this state"))?;
-        let mut state = State { number, time, nodes: BTreeMap::new() };
-        for (name, motion) in motions {
-            let node = label(&name.value).and_then(|node| check_node(node, scene, &state).map(|()| node));
+        let mut state = State { number, time, ..State::default() };
+        state.forces = forces::of_scene(forces, scene)?;
+        for (name, motion) in nodes {
+            let node =
+                label(&name.value, "node").and_then(|node| check_node(node, scene, &state).map(|()| node));
             let motion = node.and_then(|node| {
                 let motion = motion.checked()?;
                 check_motion(node, &motion, &freedom).map(|()| (node, motion))
@@ -616,14 +664,14 @@ pub(super) fn of_scene(
 
 /// Carries the scene, and the fault of our own that stopped the reading, through serde.
 #[derive(Clone, Copy)]
-struct Context<'a> {
-    scene: &'a Scene,
+pub(super) struct Context<'a> {
+    pub(super) scene: &'a Scene,
     freedom: &'a NodeFreedom,
     fault: &'a Cell<Option<Fault>>,
 }
 
 impl Context<'_> {
-    fn stop<E: serde::de::Error>(self, fault: Fault) -> E {
+    pub(super) fn stop<E: serde::de::Error>(self, fault: Fault) -> E {
         let error = E::custom(&fault.message);
         self.fault.set(Some(fault));
         error
@@ -631,11 +679,25 @@ impl Context<'_> {
 }
 
 fn json_states(text: &str, scene: &Scene) -> Result<StateFile> {
+    let form = format!(
+        "{{\"schema\": \"{SCHEMA}\", \"states\": [{{\"time\": 0, \"nodes\": {{\"1\": {{\"displacement\": [0, 0, 0]}}}}}}]}}"
+    );
+    let states = read_json(text, scene, &form, |context, reader| JsonFile(context).deserialize(reader))?;
+    Ok(StateFile { states })
+}
+
+/// What a document with `states` holds, of which there must be one; `form` shows an example in the remedy.
+pub(super) fn read_json<T>(
+    text: &str,
+    scene: &Scene,
+    form: &str,
+    read: impl FnOnce(Context<'_>, &mut JsonReader<'_>) -> Result<Vec<T>, serde_json::Error>,
+) -> Result<Vec<T>> {
     let fault = Cell::new(None);
     let mut reader = serde_json::Deserializer::from_str(text);
     let freedom = NodeFreedom::of(scene);
     let context = Context { scene, freedom: &freedom, fault: &fault };
-    let result = JsonFile(context).deserialize(&mut reader).and_then(|states| reader.end().map(|()| states));
+    let result = read(context, &mut reader).and_then(|states| reader.end().map(|()| states));
     let states = result.map_err(|error| {
         let span = json_place(text, error.line(), error.column());
         match fault.take() {
@@ -643,16 +705,16 @@ fn json_states(text: &str, scene: &Scene) -> Result<StateFile> {
             None => {
                 let message = error.to_string();
                 let message = message.split(" at line ").next().unwrap_or_default().to_owned();
-                let remedy = format!("the form is {{\"schema\": \"{SCHEMA}\", \"states\": [{{\"time\": 0, \"nodes\": {{\"1\": {{\"displacement\": [0, 0, 0]}}}}}}]}}");
+                let remedy = format!("the form is {form}");
                 Diagnostic::error(Code::StatesMalformed, span, message, "here").help(remedy)
             }
         }
     })?;
-    if states.is_empty() {
-        return Err(empty("states"));
-    }
-    Ok(StateFile { states })
+    if states.is_empty() { Err(empty("states")) } else { Ok(states) }
 }
+
+/// A document that is being read.
+pub(super) type JsonReader<'a> = serde_json::Deserializer<serde_json::de::StrRead<'a>>;
 
 /// The byte at 1-based `line` and `column` (in bytes).
 fn json_place(text: &str, line: usize, column: usize) -> Span {
@@ -683,10 +745,10 @@ macro_rules! seed {
 
 seed!(JsonFile, Vec<State>, deserialize_map, "an object with `schema` and `states`");
 seed!(JsonStates, Vec<State>, deserialize_seq, "an array of states");
-seed!(JsonState, State, deserialize_map, "an object with `time` and `nodes`");
+seed!(JsonState, State, deserialize_map, "an object with `time`, `nodes` and `forces`");
 seed!(JsonNodes, State, deserialize_map, "an object with a motion for each node number");
 
-fn once<E: serde::de::Error>(seen: bool, name: &'static str) -> Result<(), E> {
+pub(super) fn once<E: serde::de::Error>(seen: bool, name: &'static str) -> Result<(), E> {
     if seen { Err(E::duplicate_field(name)) } else { Ok(()) }
 }
 
@@ -744,7 +806,7 @@ impl<'de> Visitor<'de> for JsonState<'_> {
         Self::describe(formatter)
     }
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
-        let (mut number, mut time, mut state) = (None, None, None);
+        let (mut number, mut time, mut state, mut forces) = (None, None, None, None);
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
                 "number" => {
@@ -759,11 +821,16 @@ impl<'de> Visitor<'de> for JsonState<'_> {
                     once(state.is_some(), "nodes")?;
                     state = Some(map.next_value_seed(JsonNodes(self.0))?);
                 }
-                other => return Err(A::Error::unknown_field(other, &["number", "time", "nodes"])),
+                "forces" => {
+                    once(forces.is_some(), "forces")?;
+                    let of_state = JsonForces { context: self.0, sign: ForceSign::Internal };
+                    forces = Some(map.next_value_seed(of_state)?);
+                }
+                other => return Err(A::Error::unknown_field(other, &["number", "time", "nodes", "forces"])),
             }
         }
         let state: State = state.ok_or_else(|| A::Error::missing_field("nodes"))?;
-        Ok(State { number, time, ..state })
+        Ok(State { number, time, forces: forces.unwrap_or_default(), ..state })
     }
 }
 
@@ -775,7 +842,7 @@ impl<'de> Visitor<'de> for JsonNodes<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
         let mut state = State::default();
         while let Some(key) = map.next_key::<String>()? {
-            let node = label(&key).map_err(|fault| self.0.stop(fault))?;
+            let node = label(&key, "node").map_err(|fault| self.0.stop(fault))?;
             check_node(node, self.0.scene, &state).map_err(|fault| self.0.stop(fault))?;
             let motion: Motion = map.next_value()?;
             let motion = motion.checked().map_err(|fault| self.0.stop(fault))?;

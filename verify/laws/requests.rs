@@ -24,6 +24,8 @@ fn values(evaluation: &Evaluation<f64>, output: Output) -> Components<f64> {
         Output::TURNS => evaluation.turns.map(|turns| turns.map(|turns| turns.turns)),
         // Judged by `Connector::stop_status` and `Connector::margins`, from the position and the state.
         Output::CSLST | Output::MARGIN => [None; 6],
+        // Of forces that are given from outside: `laws::forces` and `forces`.
+        Output::CTF | Output::PM | Output::LM | Output::NF | Output::KG | Output::DNF => [None; 6],
     }
 }
 

@@ -80,7 +80,7 @@ proptest! {
             flow_velocity: values[11],
             flow_acceleration: values[12],
         };
-        let file = StateFile { states: vec![State { number: None, time: Some(values[0]), nodes: [(n(2), motion)].into() }] };
+        let file = StateFile { states: vec![State { time: Some(values[0]), nodes: [(n(2), motion)].into(), ..State::default() }] };
         let scene = scene();
         let json = file.to_json().unwrap();
         let back = StateFile::parse_json("s.json", &json, &scene).unwrap();

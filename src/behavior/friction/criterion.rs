@@ -263,7 +263,7 @@ pub enum ParameterError {
         given: usize,
     },
     /// A length or an arm is negative or not finite, or a required one is missing or zero.
-    #[error("{symbol} = {value}: a length must be positive{}", if *.may_be_zero { ", or zero to leave its term out" } else { "" })]
+    #[error("{symbol} = {value:?}: a length must be positive{}", if *.may_be_zero { ", or zero to leave its term out" } else { "" })]
     Length {
         /// The parameter.
         symbol: &'static str,
@@ -359,7 +359,7 @@ impl Criterion {
     /// P, F_C, F_N and Φ at given forces f1, f2, f3, m1, m2, m3 and a given coefficient, and what needs care there.
     ///
     /// In P the forces of the sliding components are the friction tractions; in F_C those of constrained components are
-    /// constraint forces.
+    /// constraint forces. At most second derivatives.
     pub fn at<S>(
         &self,
         forces: &[S; 6],

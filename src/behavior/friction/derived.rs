@@ -3,7 +3,7 @@
 use super::flags::{Flag, Flags};
 use super::{Context, MOST_CONTRIBUTIONS, Ordered, is_zero, larger, length};
 use crate::behavior::table::{Table, Variable};
-use crate::scalar::elementary::{abs, power, sqrt};
+use crate::scalar::elementary::{abs, power};
 use crate::scalar::{Real, Scalar};
 use crate::scene::{Basis, Operator, PotentialFunction, PotentialOperator};
 
@@ -210,6 +210,14 @@ impl Potential {
         Ok(potential)
     }
 
+    /// Whether P changes with positions or motions.
+    pub(super) fn moves(&self) -> bool {
+        self.contributions.iter().any(|contribution| match &contribution.of {
+            Form::Component(_) => false,
+            Form::Derived(derived) => derived.parts.iter().any(|part| part.independent.is_some()),
+        })
+    }
+
     /// The components (from 0) that contribute, each once, in order.
     pub fn components(&self) -> Vec<usize> {
         let mut components: Vec<usize> = self
@@ -262,16 +270,8 @@ impl Potential {
         if signs.iter().all(|sign| *sign > 0.0) {
             return length(&squares);
         }
-        let most = squares.iter().fold(S::Real::integer(0), |most, x| larger(most, x.real().magnitude()));
-        if is_zero(most) {
-            return S::zero();
-        }
-        let inverse = S::Real::integer(1) / most;
-        let bracket = squares.iter().zip(signs).fold(S::zero(), |sum, (x, sign)| {
-            let y = x.scale(inverse);
-            sum + (y * y).scale(S::Real::from_f64(sign))
-        });
-        self.non_negative(bracket, flags).map_or_else(S::zero, |bracket| sqrt(bracket).scale(most))
+        let signs: Vec<S::Real> = signs.into_iter().map(S::Real::from_f64).collect();
+        combined(&squares, &signs, 2.0, flags)
     }
 
     fn maximum<S>(&self, values: &[S], flags: &mut Flags) -> S
@@ -320,7 +320,7 @@ impl Potential {
                 values.iter().zip(signs()).fold(S::zero(), |sum, (value, sign)| sum + value.scale(sign));
             return self.non_negative(sum, flags).unwrap_or_else(S::zero);
         }
-        let (one, beta) = (S::Real::integer(1), S::Real::from_f64(self.exponent));
+        let beta = S::Real::from_f64(self.exponent);
         let roots: Vec<S> = values
             .iter()
             .zip(exponents())
@@ -330,17 +330,61 @@ impl Potential {
                 },
             )
             .collect();
-        let most = roots.iter().fold(S::Real::integer(0), |most, root| larger(most, root.real()));
-        if is_zero(most) {
-            return S::zero();
-        }
-        let bracket = roots
-            .iter()
-            .zip(signs())
-            .fold(S::zero(), |sum, (root, sign)| sum + power(root.scale(one / most), beta).scale(sign));
-        self.non_negative(bracket, flags)
-            .map_or_else(S::zero, |bracket| power(bracket, one / beta).scale(most))
+        combined(&roots, &signs().collect::<Vec<_>>(), self.exponent, flags)
     }
+}
+
+/// (Σ s_i q_i^β)^(1/β) for q_i ≥ 0, or of any sign where β = 2; zero where the sum is not positive.
+///
+/// With y_i = q_i/M, M the largest: no power overflows or vanishes. Lifted to second order in the nilpotent parts e_i,
+/// P + Σ g_i e_i + ½ (Σ a_i e_i (e_i/M) + b (Σ g_i e_i)²/M), so that 1/M is never squared.
+fn combined<S>(values: &[S], signs: &[S::Real], exponent: f64, flags: &mut Flags) -> S
+where
+    S: Scalar,
+    S::Real: Ordered,
+{
+    const { assert!(S::ORDER <= 2, "potentials are lifted to second order") }
+    let (zero, one, beta) = (S::Real::integer(0), S::Real::integer(1), S::Real::from_f64(exponent));
+    let most = values.iter().fold(zero, |most, q| larger(most, q.real().magnitude()));
+    if is_zero(most) {
+        return S::zero();
+    }
+    // y^(β − k), zero where it would be infinite.
+    let raised = |y: S::Real, k: i32| match exponent - f64::from(k) {
+        0.0 => one,
+        1.0 => y,
+        2.0 => y * y,
+        left if left < 0.0 && is_zero(y) => zero,
+        _ => y.power(beta - S::Real::integer(k)),
+    };
+    let scaled: Vec<S::Real> = values.iter().map(|q| q.real() / most).collect();
+    let bracket = scaled.iter().zip(signs).fold(zero, |sum, (y, sign)| sum + *sign * raised(*y, 0));
+    if bracket.less(zero) {
+        flags.add(Flag::NegativePotential);
+    }
+    if !zero.less(bracket) {
+        return S::zero();
+    }
+    let root = if exponent == 2.0 { bracket.square_root() } else { bracket.power(one / beta) };
+    let value = S::from_real(root * most);
+    if S::ORDER == 0 {
+        return value;
+    }
+    let inverse = one / most;
+    let slope = root / bracket; // β dP/dΣ over M
+    let (mut first, mut second) = (S::zero(), S::zero());
+    for ((q, y), sign) in values.iter().zip(&scaled).zip(signs) {
+        let e = q.nilpotent();
+        first = first + e.scale(*sign * slope * raised(*y, 1));
+        if S::ORDER > 1 && exponent != 1.0 {
+            let bend = *sign * slope * (beta - one) * raised(*y, 2);
+            second = second + (e * e.scale(inverse)).scale(bend);
+        }
+    }
+    if S::ORDER > 1 {
+        second = second + (first * first.scale(inverse)).scale((one - beta) / root);
+    }
+    value + first + second.scale(S::Real::ratio(1, 2))
 }
 
 impl Contribution {

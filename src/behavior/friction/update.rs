@@ -688,25 +688,31 @@ where
 
     /// ∂P/∂f at real forces, as the scale factors of derived components move with the context.
     fn gradient(&self, potential: &Potential, force: &[S::Real; 6], context: &Context<'_, S>) -> [S; 6] {
-        type Second<R> = <R as Differentiable>::Hessian<18>;
-        let at = |x: S, index: usize| Second::<S::Real>::seed(x.real(), index);
-        let seeded = [0, 1, 2, 3, 4, 5].map(|k| Second::<S::Real>::seed(force[k], k));
-        let mut moving = context.map(|x| Second::<S::Real>::from_real(x.real()));
-        for k in 0..6 {
-            moving.position[k] = at(context.position[k], 6 + k);
-            moving.motion[k] = at(context.motion[k], 12 + k);
+        type First<R> = <R as Differentiable>::Gradient<6>;
+        type Mixed<R> = <R as Differentiable>::Hessian<2>;
+        let seeded = [0, 1, 2, 3, 4, 5].map(|k| First::<S::Real>::seed(force[k], k));
+        let still = context.map(|x| First::<S::Real>::from_real(x.real()));
+        let p = potential.evaluate(&seeded, &still, &mut Flags::default());
+        let mut lifted = p.gradient().map(S::from_real);
+        if S::ORDER == 0 || !potential.moves() {
+            return lifted;
         }
-        let p = potential.evaluate(&seeded, &moving, &mut Flags::default());
-        let (gradient, hessian) = (p.gradient(), p.hessian());
-        let mut lifted = gradient.map(S::from_real);
-        for k in 0..6 {
+        for (k, _) in self.radii {
+            let mut forces = force.map(Mixed::<S::Real>::from_real);
+            forces[*k] = Mixed::<S::Real>::seed(force[*k], 0);
             for j in 0..6 {
-                lifted[k] = lifted[k]
-                    + context.position[j].nilpotent().scale(hessian[k][6 + j])
-                    + context.motion[j].nilpotent().scale(hessian[k][12 + j]);
+                let mut moving = context.map(|x| Mixed::<S::Real>::from_real(x.real()));
+                moving.position[j] = Mixed::<S::Real>::seed(context.position[j].real(), 1);
+                let by_position = potential.evaluate(&forces, &moving, &mut Flags::default()).hessian()[0][1];
+                moving.position[j] = Mixed::<S::Real>::from_real(context.position[j].real());
+                moving.motion[j] = Mixed::<S::Real>::seed(context.motion[j].real(), 1);
+                let by_motion = potential.evaluate(&forces, &moving, &mut Flags::default()).hessian()[0][1];
+                lifted[*k] = lifted[*k]
+                    + context.position[j].nilpotent().scale(by_position)
+                    + context.motion[j].nilpotent().scale(by_motion);
             }
         }
-        [0, 1, 2, 3, 4, 5].map(|k| lifted[k])
+        lifted
     }
 
     /// f = s f_tr with P(f) = L and the slip that this takes, Δγ = (1 − s) Σ f_tr,k²/(K_k P(f_tr)): by bisection, which cannot

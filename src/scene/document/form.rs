@@ -151,6 +151,8 @@ form! {
         time: Option<f64>,
         /// Motions by node number; a node that is not among them is at rest in its initial place.
         nodes: Entries<Motion>,
+        /// Component forces by element number: f1 to f3, m1 to m3; CRF1 to CRM3. Positive resists growth of the component.
+        forces: Entries<Entries<Spanned<f64>>>,
     }
 }
 

@@ -166,8 +166,9 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
         scene.rotating_nodes.insert(label);
     }
     let states = states.into_iter().map(|state| {
-        let form::State { number, time, nodes } = state.value;
-        Spanned::new((number, time, nodes.0), state.span)
+        let form::State { number, time, nodes, forces } = state.value;
+        let forces = forces.0.into_iter().map(|(element, named)| (element, named.0)).collect();
+        Spanned::new(states::Given { number, time, nodes: nodes.0, forces }, state.span)
     });
     scene.states = states::of_scene(states, &scene)?;
     Ok(scene)

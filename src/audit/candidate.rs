@@ -1,0 +1,214 @@
+//! Somebody else's routine: a function from a state to values and a Jacobian, checked like the product's own.
+//!
+//! ```
+//! use pintle::audit::Candidate;
+//! use pintle::catalog::ConnectionType;
+//! use pintle::connector::Definition;
+//! use pintle::node::{Node, Pair};
+//! use pintle::vector::identity;
+//!
+//! let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
+//! let axial = Definition::new(ConnectionType::named("AXIAL", None)?, Pair { reference: [2.0, 0.0, 0.0], a: node, b: node });
+//!
+//! // u1 = |d| − |d₀|, and its row: −q on x_a, q on x_b.
+//! let report = Candidate::new("my AXIAL", &axial).check(|state| {
+//!     let d = state.pair.separation();
+//!     let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
+//!     let mut row = [0.0; 14];
+//!     for i in 0..3 {
+//!         row[i] = -d[i] / length;
+//!         row[7 + i] = d[i] / length;
+//!     }
+//!     ([Some(length - 2.0), None, None, None, None, None], [Some(row), None, None, None, None, None])
+//! });
+//! report.assert_ok();
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use super::bound::Bound;
+use super::case::{Case, dof_size, moved};
+use super::engine::{Against, Check, Report, Settings, Subject, checks_of};
+use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
+use super::quantity::{Entries, Numbers, Quantity};
+use super::sample::{Draw, Motion};
+use super::truth::Truth;
+use super::verdict::{Score, Surroundings, Verdict, judge};
+use crate::connector::{Components, Definition, NodalRow, State};
+use crate::node::DOFS;
+use crate::scalar::elementary::norm;
+use crate::vector::scale;
+
+/// What a candidate gives at a state: the residual of each constrained component and the displacement of any other, and their
+/// rows of derivatives by the nodal degrees of freedom.
+pub type Given = (Components<f64>, Components<NodalRow<f64>>);
+
+/// A routine to be checked against one connector.
+#[derive(Clone, Debug)]
+pub struct Candidate<'a> {
+    name: &'a str,
+    definition: &'a Definition,
+    settings: Settings,
+    reference_length: f64,
+}
+
+impl<'a> Candidate<'a> {
+    /// A routine of that name, for this connector; 200 states, 30 of them on 237 bits.
+    pub fn new(name: &'a str, definition: &'a Definition) -> Self {
+        let settings = Settings { states: 200, near_singular_states: 0, atlas: false, ..Settings::default() };
+        Self { name, definition, settings, reference_length: 0.0 }
+    }
+
+    /// Another number of states, oracles or seed.
+    #[must_use]
+    pub fn settings(mut self, settings: Settings) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    /// A length that is typical of the model: for connectors whose nodes coincide.
+    #[must_use]
+    pub const fn reference_length(mut self, length: f64) -> Self {
+        self.reference_length = length;
+        self
+    }
+
+    /// Draws states about the initial one and checks what the routine gives there: its values against the connector's, its
+    /// Jacobian against differences on 237 bits *and* against differences of its own values, so that a wrong derivative is told
+    /// from another formula.
+    pub fn check(&self, routine: impl Fn(&State<f64>) -> Given) -> Report {
+        let draw = &mut Draw::new(&format!("{} {}", self.settings.seed, self.name));
+        let length = norm(self.definition.initial.reference).max(self.reference_length);
+        let length = if length > 0.0 { length } else { 1.0 };
+        let mut found: Vec<Check> = Vec::new();
+        let mut cases = 0;
+        for i in 0..self.settings.states {
+            let Some(case) = self.case(i, length, draw) else { continue };
+            cases += 1;
+            let wide = i < self.settings.wide_states;
+            checks_of(&mut found, self.judge(&case, &routine, wide));
+        }
+        let connection = &self.definition.connection;
+        let mut subject = Subject::new(self.name.to_string(), connection, cases, found);
+        // A candidate's formula is judged state by state.
+        let values = subject.checks.iter().filter(|check| check.quantity == Some(Quantity::Value));
+        subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
+        Report {
+            version: crate::VERSION,
+            settings: self.settings.clone(),
+            constant: super::C,
+            subjects: vec![subject],
+            atlas: Vec::new(),
+        }
+    }
+
+    /// State `i`: the initial one, then random motions of both nodes, clear of singular sets.
+    fn case(&self, i: usize, length: f64, draw: &mut Draw) -> Option<Case> {
+        const ATTEMPTS: usize = 100;
+        let turn = |draw: &mut Draw, most: f64| {
+            let size = draw.between(0.0, most);
+            scale(draw.direction(), size)
+        };
+        for _ in 0..ATTEMPTS {
+            let [common, spin] = if i == 0 { [[0.0; 3]; 2] } else { [turn(draw, 3.0), turn(draw, 1.2)] };
+            let mut motion = Motion { common, ..Motion::random(draw, length, spin) };
+            if i == 0 {
+                (motion.displacement, motion.flow) = ([[0.0; 3]; 2], [0.0; 2]);
+            }
+            let mut path = motion.path(&self.definition.initial);
+            if let Some(end) = path.last_mut() {
+                end.state.velocity = draw.rates(length);
+                end.state.acceleration = draw.rates(length);
+            }
+            let name = format!("{} state {i}", self.name);
+            let case = Case { name, definition: self.definition.clone(), start: None, path, length };
+            if case.is_clear(0.0, 0.01) {
+                return Some(case);
+            }
+            if i == 0 {
+                return None;
+            }
+        }
+        None
+    }
+
+    fn judge(&self, case: &Case, routine: &impl Fn(&State<f64>) -> Given, wide: bool) -> Vec<Check> {
+        let mut checks = Vec::new();
+        let (Some(step), Some(narrow)) = (case.last(), Narrow::of(case)) else { return checks };
+        let (values, rows) = routine(&step.state);
+        let mut given = Numbers::<f64>::default();
+        given.set(Quantity::Value, Entries(values.map(|x| x.map(|x| vec![x]))));
+        given.set(Quantity::FirstDerivatives, Entries(rows.map(|row| row.map(|row| row.to_vec()))));
+        let Some(product) = super::quantity::product(case) else { return checks };
+        let truth = if wide { Truth::of(case) } else { None };
+        let answers = truth.as_ref().map(WideAnswers::of);
+        let trusted = answers
+            .as_ref()
+            .map_or_else(|| product.clone(), |answers| super::atlas::truth_to_f64(&answers.differences));
+        let nearness = narrow.nearness();
+        let bound =
+            Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+        let mut compare = |quantity: Quantity, answer: &Answer| {
+            let got = given.entries(quantity);
+            let around = Surroundings { bound: &bound, exact: None, nearness, one_sided: None };
+            let judgement = judge(quantity, got, answer, &around);
+            let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
+            let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
+            check.add(judgement, Score::default(), case);
+            if let Some((k, i, _)) = missing {
+                check.missing(quantity.entry_name(k, i), case);
+            }
+            checks.push(check);
+        };
+        match &answers {
+            Some(answers) => {
+                for quantity in [Quantity::Value, Quantity::FirstDerivatives] {
+                    if let Some(answer) = answers.answer(Oracle::WideDifferences, quantity) {
+                        compare(quantity, &answer);
+                    }
+                }
+            }
+            None => {
+                compare(Quantity::Value, &Answer::of(Oracle::NodalDual, product.entries(Quantity::Value)));
+                compare(Quantity::FirstDerivatives, &narrow.nodal_dual(&bound));
+            }
+        }
+        let own = central_differences(
+            |by: &[f64; DOFS]| {
+                let mut state = step.state;
+                state.pair = moved(&state.pair, by);
+                routine(&state).0
+            },
+            rows.map(|row| row.is_some()),
+            &|j| dof_size(j, case.length) * nearness,
+            narrow.active(),
+            &bound,
+        );
+        let mut check = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
+        let around = Surroundings { bound: &bound, exact: None, nearness, one_sided: None };
+        let judgement =
+            judge(Quantity::FirstDerivatives, given.entries(Quantity::FirstDerivatives), &own, &around);
+        check.add(judgement, Score::default(), case);
+        checks.push(check);
+        checks
+    }
+}
+
+impl Report {
+    /// Panics with the report for reading, unless nothing is wrong: for `#[test]`s.
+    ///
+    /// # Panics
+    /// Where a number is wrong, nothing was compared, or a mutant survived.
+    #[track_caller]
+    pub fn assert_ok(&self) {
+        let fine = self.mismatches() == 0 && self.survivors() == 0 && self.compared() > 0;
+        if !fine {
+            let mut text = Vec::new();
+            let written = crate::report::audit::human(&mut text, self, 100, false);
+            let text = written.map(|()| String::from_utf8_lossy(&text).into_owned()).unwrap_or_default();
+            #[expect(clippy::panic, reason = "an assertion for tests")]
+            {
+                panic!("{}", anstream::adapter::strip_str(&text));
+            }
+        }
+    }
+}

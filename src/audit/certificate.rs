@@ -1,0 +1,47 @@
+//! What was proven once per type, outside this program: the formulas by JAX, the declaration by the transcribed manual.
+//!
+//! The certificates are part of the source (`certificates.json`). The test suite recomputes them: it fails where a type has none,
+//! or one that no longer follows from the golden values and the transcribed tables.
+
+use crate::catalog::ConnectionType;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+/// What is known of one type.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Certificate {
+    /// States at which JAX, with formulas of its own, gives the same values, rates, rows and second derivatives.
+    pub jax_states: u64,
+    /// The page of the manual whose summary was typed a second time and agrees; it says what of it could not be read.
+    pub manual_page: String,
+}
+
+impl Certificate {
+    /// Whether all that the declaration says was read in the manual.
+    pub fn is_declaration_read(&self) -> bool {
+        !self.manual_page.is_empty() && !self.manual_page.contains("unread")
+    }
+}
+
+static CERTIFICATES: LazyLock<BTreeMap<String, Certificate>> =
+    LazyLock::new(|| serde_json::from_str(include_str!("certificates.json")).unwrap_or_default());
+
+/// All certificates, by type.
+pub fn certificates() -> &'static BTreeMap<String, Certificate> {
+    &CERTIFICATES
+}
+
+/// The certificate of a type; a free pair has what both of its halves have. `None` where a proof is missing.
+pub fn certificate(connection: &ConnectionType) -> Option<Certificate> {
+    if let Some(own) = CERTIFICATES.get(connection.name.as_ref()) {
+        return Some(own.clone());
+    }
+    let [Some(translational), Some(rotational)] = connection.halves else { return None };
+    let (t, r) = (CERTIFICATES.get(translational.name)?, CERTIFICATES.get(rotational.name)?);
+    Some(Certificate {
+        jax_states: t.jax_states.min(r.jax_states),
+        manual_page: format!("{} + {}", t.manual_page, r.manual_page),
+    })
+}

@@ -1,0 +1,354 @@
+//! A counter-example as values, not as the seed of a random stream: every number bit for bit, so that any version on any
+//! machine sees the same state.
+
+use super::case::{Case, Step};
+use super::engine::{Against, Check};
+use super::hex::Hex;
+use super::quantity::Quantity;
+use crate::catalog::{ConnectionType, NameError};
+use crate::connector::{Branch, Definition, Increment, State, Stop, Turns};
+use crate::node::{DOFS, Node, Pair};
+use crate::vector::{Matrix, Vector};
+use serde::{Deserialize, Serialize};
+
+/// The schema of the file.
+pub const SCHEMA: &str = "pintle-counterexample/1";
+
+type HexVector = [Hex; 3];
+type HexMatrix = [[Hex; 3]; 3];
+
+/// One failing check at one state, everything in it bit-exact.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CounterExample {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The version of pintle that wrote it.
+    pub version: String,
+    /// Who gave the numbers: pintle, or the name of a candidate.
+    pub subject: String,
+    /// What they were compared with.
+    pub against: String,
+    /// The kind of number.
+    pub quantity: Option<Quantity>,
+    /// The entry by name.
+    pub entry: String,
+    /// What was given.
+    pub got: Hex,
+    /// What it must be.
+    pub want: Hex,
+    /// How far it may be from that.
+    pub tolerance: Hex,
+    /// The connector.
+    pub connector: ConnectorValues,
+    /// What the states before left; none is the initial branch.
+    pub start: Option<BranchValues>,
+    /// The states up to the one judged.
+    pub path: Vec<StepValues>,
+}
+
+/// A connector in values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConnectorValues {
+    /// One type, or a basic translational and a basic rotational one.
+    pub types: Vec<String>,
+    /// The initial state.
+    pub initial: PairValues,
+    /// β_s (rad/length).
+    pub flow_scale: Hex,
+    /// The direction of a coincident AXIAL.
+    pub fixed_direction: HexVector,
+    /// Reference lengths and angles (degrees).
+    pub references: [Option<Hex>; 6],
+    /// Lower and upper stops.
+    pub stops: [Option<[Option<Hex>; 2]>; 6],
+    /// Two-dimensional.
+    pub planar: bool,
+    /// Whether a and b have degrees of freedom.
+    pub moves: [bool; 2],
+    /// Whether a and b have rotational ones.
+    pub rotates: [bool; 2],
+    /// s, the connector's own length.
+    pub length: Hex,
+}
+
+/// Two nodes in values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairValues {
+    /// X_b − X_a.
+    pub reference: HexVector,
+    /// U_a, U_b.
+    pub displacement: [HexVector; 2],
+    /// The triads, directions as columns.
+    pub triad: [HexMatrix; 2],
+    /// Ψ_a, Ψ_b.
+    pub flow: [Hex; 2],
+}
+
+/// One state in values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepValues {
+    /// The nodes.
+    pub pair: PairValues,
+    /// Rates, in the order of the nodal degrees of freedom.
+    pub velocity: Vec<Hex>,
+    /// Accelerations.
+    pub acceleration: Vec<Hex>,
+    /// Δθ of a and b.
+    pub rotation: [HexVector; 2],
+    /// The whole turns in them.
+    pub whole_turns: [HexVector; 2],
+    /// ΔΨ of a and b.
+    pub flow_change: [Hex; 2],
+}
+
+/// A branch in values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BranchValues {
+    /// (turns, principal) of each component, then of the torsion.
+    pub turns: Vec<[Hex; 2]>,
+    /// The last well-conditioned rotation vector.
+    pub rotation_vector: HexVector,
+    /// The sign of sin β.
+    pub euler_sign: Hex,
+    /// The sum of a one-form, and what rounding left out of it.
+    pub accumulated: [Hex; 2],
+}
+
+/// Why a counter-example cannot be replayed.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// Another kind of file.
+    #[error("schema {0:?}, not {SCHEMA:?}")]
+    Schema(String),
+    /// No such type.
+    #[error(transparent)]
+    Type(#[from] NameError),
+    /// The wrong number of values.
+    #[error("{what} has {found} values, not {wanted}")]
+    Count {
+        /// Of what.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        wanted: usize,
+    },
+    /// A number that is infinite or not a number.
+    #[error("a value is not finite")]
+    NotFinite,
+}
+
+fn hex(v: Vector<f64>) -> HexVector {
+    v.map(Hex)
+}
+
+fn hex_matrix(m: &Matrix<f64>) -> HexMatrix {
+    m.map(hex)
+}
+
+fn plain(v: HexVector) -> Vector<f64> {
+    v.map(|x| x.0)
+}
+
+fn plain_matrix(m: &HexMatrix) -> Matrix<f64> {
+    m.map(plain)
+}
+
+impl PairValues {
+    fn of(pair: &Pair<f64>) -> Self {
+        Self {
+            reference: hex(pair.reference),
+            displacement: [hex(pair.a.displacement), hex(pair.b.displacement)],
+            triad: [hex_matrix(&pair.a.triad), hex_matrix(&pair.b.triad)],
+            flow: [Hex(pair.a.flow), Hex(pair.b.flow)],
+        }
+    }
+
+    fn pair(&self) -> Pair<f64> {
+        let node = |end: usize| Node {
+            displacement: plain(self.displacement[end]),
+            triad: plain_matrix(&self.triad[end]),
+            flow: self.flow[end].0,
+        };
+        Pair { reference: plain(self.reference), a: node(0), b: node(1) }
+    }
+}
+
+impl StepValues {
+    fn of(step: &Step) -> Self {
+        Self {
+            pair: PairValues::of(&step.state.pair),
+            velocity: step.state.velocity.map(Hex).to_vec(),
+            acceleration: step.state.acceleration.map(Hex).to_vec(),
+            rotation: step.increment.rotation.map(hex),
+            whole_turns: step.increment.whole_turns.map(hex),
+            flow_change: step.increment.flow.map(Hex),
+        }
+    }
+
+    fn step(&self) -> Result<Step, ReplayError> {
+        let rates = |what: &'static str, values: &[Hex]| -> Result<[f64; DOFS], ReplayError> {
+            let count = ReplayError::Count { what, found: values.len(), wanted: DOFS };
+            let plain: Vec<f64> = values.iter().map(|x| x.0).collect();
+            plain.try_into().map_err(|_| count)
+        };
+        Ok(Step {
+            state: State {
+                pair: self.pair.pair(),
+                velocity: rates("velocity", &self.velocity)?,
+                acceleration: rates("acceleration", &self.acceleration)?,
+            },
+            increment: Increment {
+                rotation: self.rotation.map(plain),
+                whole_turns: self.whole_turns.map(plain),
+                flow: self.flow_change.map(|x| x.0),
+            },
+        })
+    }
+}
+
+impl BranchValues {
+    fn of(branch: &Branch<f64>) -> Self {
+        let both = |t: &Turns<f64>| [Hex(t.turns), Hex(t.principal)];
+        Self {
+            turns: branch.turns.iter().chain([&branch.torsion]).map(both).collect(),
+            rotation_vector: hex(branch.rotation_vector),
+            euler_sign: Hex(branch.euler_sign),
+            accumulated: [Hex(branch.accumulated), Hex(branch.accumulated_rest)],
+        }
+    }
+
+    fn branch(&self) -> Result<Branch<f64>, ReplayError> {
+        const WANTED: usize = 7;
+        let found = self.turns.len();
+        let count = ReplayError::Count { what: "turns", found, wanted: WANTED };
+        let all: Vec<Turns<f64>> = self
+            .turns
+            .iter()
+            .map(|[turns, principal]| Turns { turns: turns.0, principal: principal.0 })
+            .collect();
+        let all: [Turns<f64>; WANTED] = all.try_into().map_err(|_| count)?;
+        let [t1, t2, t3, t4, t5, t6, torsion] = all;
+        Ok(Branch {
+            turns: [t1, t2, t3, t4, t5, t6],
+            torsion,
+            rotation_vector: plain(self.rotation_vector),
+            euler_sign: self.euler_sign.0,
+            accumulated: self.accumulated[0].0,
+            accumulated_rest: self.accumulated[1].0,
+        })
+    }
+}
+
+impl ConnectorValues {
+    fn of(definition: &Definition, length: f64) -> Self {
+        let types = match definition.connection.halves {
+            [Some(t), Some(r)] => vec![t.name.to_string(), r.name.to_string()],
+            _ => vec![definition.connection.name.to_string()],
+        };
+        Self {
+            types,
+            initial: PairValues::of(&definition.initial),
+            flow_scale: Hex(definition.flow_scale),
+            fixed_direction: hex(definition.fixed_direction),
+            references: definition.references.map(|x| x.map(Hex)),
+            stops: definition.stops.map(|stop| stop.map(|s| [s.lower.map(Hex), s.upper.map(Hex)])),
+            planar: definition.planar,
+            moves: definition.moves,
+            rotates: definition.rotates,
+            length: Hex(length),
+        }
+    }
+
+    fn definition(&self) -> Result<Definition, ReplayError> {
+        let [first, rest @ ..] = self.types.as_slice() else {
+            return Err(ReplayError::Count { what: "types", found: 0, wanted: 1 });
+        };
+        let connection = ConnectionType::named(first, rest.first().map(String::as_str))?;
+        Ok(Definition {
+            flow_scale: self.flow_scale.0,
+            fixed_direction: plain(self.fixed_direction),
+            references: self.references.map(|x| x.map(|x| x.0)),
+            stops: self.stops.map(|stop| {
+                stop.map(|[lower, upper]| Stop { lower: lower.map(|x| x.0), upper: upper.map(|x| x.0) })
+            }),
+            planar: self.planar,
+            moves: self.moves,
+            rotates: self.rotates,
+            ..Definition::new(connection, self.initial.pair())
+        })
+    }
+}
+
+impl CounterExample {
+    /// Of a check that failed; `None` for one that did not.
+    pub fn of(check: &Check, subject: &str) -> Option<Self> {
+        let (case, worst) = (check.failing.as_ref()?, check.worst.as_ref()?);
+        Some(Self {
+            schema: SCHEMA.to_string(),
+            version: crate::VERSION.to_string(),
+            subject: subject.to_string(),
+            against: check.against.name().to_string(),
+            quantity: check.quantity,
+            entry: worst.entry.clone(),
+            got: Hex(worst.got),
+            want: Hex(worst.want),
+            tolerance: Hex(worst.tolerance),
+            connector: ConnectorValues::of(&case.definition, case.length),
+            start: case.start.as_ref().map(BranchValues::of),
+            path: case.path.iter().map(StepValues::of).collect(),
+        })
+    }
+
+    /// The values of a case, with no verdict on it.
+    pub fn record(case: &Case, against: Against) -> Self {
+        Self {
+            schema: SCHEMA.to_string(),
+            version: crate::VERSION.to_string(),
+            subject: "pintle".to_string(),
+            against: against.name().to_string(),
+            quantity: None,
+            entry: String::new(),
+            got: Hex(0.0),
+            want: Hex(0.0),
+            tolerance: Hex(0.0),
+            connector: ConnectorValues::of(&case.definition, case.length),
+            start: case.start.as_ref().map(BranchValues::of),
+            path: case.path.iter().map(StepValues::of).collect(),
+        }
+    }
+
+    /// The case, bit for bit.
+    ///
+    /// # Errors
+    /// Another schema, an unknown type, a wrong number of values, a value that is not finite.
+    pub fn case(&self) -> Result<Case, ReplayError> {
+        if self.schema != SCHEMA {
+            return Err(ReplayError::Schema(self.schema.clone()));
+        }
+        let definition = self.connector.definition()?;
+        let path: Vec<Step> = self.path.iter().map(StepValues::step).collect::<Result<_, _>>()?;
+        if path.is_empty() {
+            return Err(ReplayError::Count { what: "path", found: 0, wanted: 1 });
+        }
+        let start = self.start.as_ref().map(BranchValues::branch).transpose()?;
+        let finite = |pair: &Pair<f64>| {
+            let nodes = [&pair.a, &pair.b];
+            pair.reference.iter().all(|x| x.is_finite())
+                && nodes.iter().all(|node| {
+                    node.displacement.iter().chain(node.triad.as_flattened()).all(|x| x.is_finite())
+                        && node.flow.is_finite()
+                })
+        };
+        if !finite(&definition.initial) || !path.iter().all(|step| finite(&step.state.pair)) {
+            return Err(ReplayError::NotFinite);
+        }
+        let name = format!("{} replayed", definition.connection.name);
+        Ok(Case { name, definition, start, path, length: self.connector.length.0 })
+    }
+}

@@ -1,0 +1,45 @@
+//! Is it right, and how do we know? Numbers judged against oracles that share as little with them as possible, by a bound that
+//! follows from the conditioning of the state, with mutants of the same numbers as proof that the check would have spoken.
+//!
+//! A *case* ([`Case`]) is a connector, its history and a state. Its *numbers* ([`Quantity`]) are compared with what *oracles*
+//! ([`Oracle`]) say, within the *bound* ([`bound`]); *laws* ([`Invariant`]) relate the numbers to each other and need no
+//! reference. Each check is re-run on *mutants* ([`mutant`]): one that survives fails the audit itself.
+//!
+//! Independence is per claim:
+//!
+//! | claim | rests on |
+//! |---|---|
+//! | the derivative is that of the function | another mechanism and other elementary functions, state by state |
+//! | the formula is the manual's | JAX, certified per type ([`certificate`]) |
+//! | the declaration is the manual's | its summary table, transcribed a second time, certified per type |
+
+pub mod atlas;
+pub mod bound;
+mod candidate;
+pub mod case;
+pub mod certificate;
+pub mod counterexample;
+mod engine;
+mod hex;
+pub mod invariant;
+pub mod mutant;
+pub mod oracle;
+pub mod quantity;
+pub mod sample;
+pub mod shrink;
+#[cfg(feature = "proptest")]
+pub mod strategies;
+pub mod truth;
+pub mod verdict;
+
+pub use atlas::Approach;
+pub use bound::{Bound, C, U};
+pub use candidate::{Candidate, Given};
+pub use case::{Case, Step};
+pub use counterexample::CounterExample;
+pub use engine::{Against, Check, Report, Settings, Subject, audit_case, audit_cases, audit_catalogue};
+pub use hex::Hex;
+pub use invariant::Invariant;
+pub use oracle::Oracle;
+pub use quantity::{Entries, Numbers, Quantity};
+pub use verdict::{Finding, Judgement, Score, Verdict};

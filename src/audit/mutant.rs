@@ -1,0 +1,329 @@
+//! The self-test: the same numbers with one mistake in them, as people make them, on which every check must speak.
+
+use super::case::Case;
+use super::quantity::{Entries, Numbers, Quantity};
+use crate::measure::Unit;
+use crate::node::{self, DOFS, Pair};
+use crate::vector::{Vector, apply_transposed, cross};
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// The relative changes tried on every entry: decades from a tenth down to the last digit.
+pub const LADDER: [f64; 14] =
+    [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14];
+
+/// A mistake.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mistake {
+    /// An entry is missing.
+    Dropped,
+    /// An entry has the wrong sign.
+    Sign,
+    /// An entry that must be zero is not.
+    Spurious,
+    /// An entry is multiplied by 1 + δ.
+    Scaled(f64),
+    /// Two components are exchanged.
+    RowsSwapped,
+    /// Two neighbouring columns are exchanged.
+    ColumnsSwapped,
+    /// A 3 × 3 block is transposed.
+    BlockTransposed,
+    /// The rotation degrees of freedom of a node are taken as local: its block is multiplied by its triad.
+    RotationTakenAsLocal,
+    /// The blocks of a and b are exchanged.
+    NodesSwapped,
+    /// The block of a has the sign of b's.
+    SameSignForBoth,
+    /// The rotation block of a node is halved.
+    RotationHalved,
+    /// Derivatives per degree instead of per radian.
+    DegreesForRadians,
+    /// The lever term g × d in the rotations of a is missing; of second derivatives, the second variation of the map.
+    GeometricTermMissing,
+    /// Second derivatives are those of the rows, without the half bracket that makes them symmetric.
+    BracketKept,
+    /// The angle is half a turn off: nπ of the wrong parity.
+    WrongParity,
+    /// The turns counted up to now are forgotten.
+    TurnForgotten,
+    /// The rates of node a are ignored.
+    RatesOfAIgnored,
+    /// The part quadratic in the rates is missing.
+    QuadraticPartMissing,
+}
+
+impl Mistake {
+    /// In words.
+    pub fn name(self) -> String {
+        match self {
+            Self::Dropped => "entry dropped".into(),
+            Self::Sign => "sign of an entry".into(),
+            Self::Spurious => "entry that must be zero".into(),
+            Self::Scaled(delta) => format!("entry × (1 + {delta:e})"),
+            Self::RowsSwapped => "components swapped".into(),
+            Self::ColumnsSwapped => "columns swapped".into(),
+            Self::BlockTransposed => "block transposed".into(),
+            Self::RotationTakenAsLocal => "rotation taken as local".into(),
+            Self::NodesSwapped => "nodes swapped".into(),
+            Self::SameSignForBoth => "sign of node a".into(),
+            Self::RotationHalved => "rotation block halved".into(),
+            Self::DegreesForRadians => "degrees for radians".into(),
+            Self::GeometricTermMissing => "geometric term missing".into(),
+            Self::BracketKept => "second derivatives not symmetrised".into(),
+            Self::WrongParity => "nπ of the wrong parity".into(),
+            Self::TurnForgotten => "previous turns forgotten".into(),
+            Self::RatesOfAIgnored => "rates of node a ignored".into(),
+            Self::QuadraticPartMissing => "quadratic part missing".into(),
+        }
+    }
+}
+
+/// One mistake made once: the entries that it changes.
+#[derive(Clone, Debug)]
+pub struct Mutant {
+    /// The mistake.
+    pub mistake: Mistake,
+    /// (component, entry, changed number).
+    pub changes: Vec<(usize, usize, f64)>,
+}
+
+impl Mutant {
+    /// The numbers with the mistake in them.
+    pub fn applied(&self, entries: &Entries<f64>) -> Entries<f64> {
+        let mut changed = entries.clone();
+        for (k, i, x) in &self.changes {
+            if let Some(entry) =
+                changed.0.get_mut(*k).and_then(Option::as_mut).and_then(|all| all.get_mut(*i))
+            {
+                *entry = *x;
+            }
+        }
+        changed
+    }
+}
+
+/// What mistakes need to know of the state.
+pub struct Scene<'a> {
+    /// The numbers of the product.
+    pub numbers: &'a Numbers<f64>,
+    /// The case, for its triads and rates.
+    pub case: &'a Case,
+    /// The unit of each component, where it has one.
+    pub units: [Option<Unit>; 6],
+    /// The whole turns of each component.
+    pub turns: [f64; 6],
+    /// The size of each entry that a mistake adds where there must be zero.
+    pub scale: &'a dyn Fn(usize, usize) -> f64,
+}
+
+/// Every mistake in a quantity, wherever it can be made.
+pub fn mutants(quantity: Quantity, scene: &Scene<'_>) -> Vec<Mutant> {
+    let entries = scene.numbers.entries(quantity);
+    let mut found = entry_mistakes(entries, scene);
+    match quantity {
+        Quantity::Value => found.extend(value_mistakes(entries, scene)),
+        Quantity::FirstDerivatives => found.extend(row_mistakes(entries, scene)),
+        Quantity::SecondDerivatives => found.extend(matrix_mistakes(entries, scene)),
+        Quantity::Rate | Quantity::Acceleration => found.extend(rate_mistakes(quantity, entries, scene)),
+    }
+    found
+}
+
+fn entry_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
+    let mut found = Vec::new();
+    for (k, i, x) in entries.iter() {
+        let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
+        if x == 0.0 {
+            one(Mistake::Spurious, 1e-3 * (scene.scale)(k, i));
+            continue;
+        }
+        one(Mistake::Dropped, 0.0);
+        one(Mistake::Sign, -x);
+        for delta in LADDER {
+            one(Mistake::Scaled(delta), x * (1.0 + delta));
+        }
+    }
+    found
+}
+
+fn value_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
+    let mut found = Vec::new();
+    for (k, i, x) in entries.iter() {
+        if scene.units[k] != Some(Unit::Angle) {
+            continue;
+        }
+        let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
+        one(Mistake::WrongParity, x + PI);
+        one(Mistake::DegreesForRadians, x.to_degrees());
+        if scene.turns[k] != 0.0 {
+            one(Mistake::TurnForgotten, x - 2.0 * PI * scene.turns[k]);
+        }
+    }
+    found.extend(swapped_components(entries, 1));
+    found
+}
+
+/// Exchanged neighbours of one class: u1, u2, u3 or ur1, ur2, ur3.
+fn swapped_components(entries: &Entries<f64>, width: usize) -> Vec<Mutant> {
+    let mut found = Vec::new();
+    for (k, l) in [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5)] {
+        if let (Some(x), Some(y)) = (&entries.0[k], &entries.0[l]) {
+            let changes = (0..width).flat_map(|i| [(k, i, y[i]), (l, i, x[i])]).collect();
+            found.push(Mutant { mistake: Mistake::RowsSwapped, changes });
+        }
+    }
+    found
+}
+
+const BLOCKS: [usize; 4] = [node::XA, node::THETA_A, node::XB, node::THETA_B];
+
+fn part(row: &[f64], at: usize) -> Vector<f64> {
+    [row[at], row[at + 1], row[at + 2]]
+}
+
+fn put(changes: &mut Vec<(usize, usize, f64)>, k: usize, at: usize, v: Vector<f64>) {
+    changes.extend(v.into_iter().enumerate().map(|(i, x)| (k, at + i, x)));
+}
+
+fn row_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
+    let mut found = swapped_components(entries, DOFS);
+    let pair = scene.case.last().map(|step| step.state.pair);
+    for (k, row) in entries.0.iter().enumerate() {
+        let Some(row) = row else { continue };
+        let mut add = |mistake, changes| found.push(Mutant { mistake, changes });
+        for at in BLOCKS {
+            for i in 0..2 {
+                let (x, y) = (row[at + i], row[at + i + 1]);
+                add(Mistake::ColumnsSwapped, vec![(k, at + i, y), (k, at + i + 1, x)]);
+            }
+        }
+        let half = DOFS / 2;
+        add(Mistake::NodesSwapped, (0..DOFS).map(|j| (k, j, row[(j + half) % DOFS])).collect());
+        add(Mistake::SameSignForBoth, (0..half).map(|j| (k, j, -row[j])).collect());
+        let angle = scene.units[k] == Some(Unit::Angle);
+        let per_degree = if angle { 1.0 } else { PI / 180.0 };
+        let mut degrees = Vec::new();
+        for at in [node::THETA_A, node::THETA_B] {
+            let block = part(row, at);
+            let mut changes = Vec::new();
+            put(&mut changes, k, at, block.map(|x| x / 2.0));
+            add(Mistake::RotationHalved, changes);
+            put(&mut degrees, k, at, block.map(|x| x * per_degree));
+            if let Some(pair) = &pair {
+                let triad = if at == node::THETA_A { &pair.a.triad } else { &pair.b.triad };
+                let mut changes = Vec::new();
+                put(&mut changes, k, at, apply_transposed(triad, block));
+                add(Mistake::RotationTakenAsLocal, changes);
+            }
+        }
+        if angle {
+            // An angle in degrees against lengths and rotations in radians.
+            degrees = row.iter().enumerate().map(|(j, x)| (k, j, x.to_degrees())).collect();
+        }
+        add(Mistake::DegreesForRadians, degrees);
+        if let Some(pair) = &pair {
+            let lever = cross(part(row, node::XB), pair.separation());
+            let block = part(row, node::THETA_A);
+            let mut changes = Vec::new();
+            put(&mut changes, k, node::THETA_A, [0, 1, 2].map(|i| block[i] - lever[i]));
+            add(Mistake::GeometricTermMissing, changes);
+        }
+    }
+    for first in [0, 3] {
+        let rows = [0, 1, 2].map(|i| entries.0[first + i].as_ref());
+        let [Some(x), Some(y), Some(z)] = rows else { continue };
+        for at in BLOCKS {
+            let block = [part(x, at), part(y, at), part(z, at)];
+            let changes = (0..9).map(|n| (first + n / 3, at + n % 3, block[n % 3][n / 3])).collect();
+            found.push(Mutant { mistake: Mistake::BlockTransposed, changes });
+        }
+    }
+    found
+}
+
+/// The second variations of the map from nodal to relative variations, for a row with g = ∂f/∂x_b and h = ∂f/∂θ_b.
+fn second_variation(row: &[f64], pair: &Pair<f64>) -> Vec<(usize, usize, f64)> {
+    let (g, h, d) = (part(row, node::XB), part(row, node::THETA_B), pair.separation());
+    let skew = |v: Vector<f64>| [[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]];
+    let (spin_g, spin_h) = (skew(g), skew(h));
+    let along: f64 = (0..3).map(|i| g[i] * d[i]).sum();
+    let mut terms = Vec::new();
+    for i in 0..3 {
+        for j in 0..3 {
+            let mut both = |a: usize, b: usize, x: f64| {
+                terms.push((a, b, x));
+                terms.push((b, a, x));
+            };
+            both(node::THETA_A + i, node::XB + j, spin_g[i][j]);
+            both(node::THETA_A + i, node::XA + j, -spin_g[i][j]);
+            both(node::THETA_A + i, node::THETA_B + j, 0.5 * spin_h[i][j]);
+            let centripetal = 0.5 * (g[i] * d[j] + g[j] * d[i]) - if i == j { along } else { 0.0 };
+            terms.push((node::THETA_A + i, node::THETA_A + j, centripetal));
+        }
+    }
+    terms
+}
+
+fn matrix_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
+    let mut found = swapped_components(entries, DOFS * DOFS);
+    let pair = scene.case.last().map(|step| step.state.pair);
+    let first = scene.numbers.entries(Quantity::FirstDerivatives);
+    for (k, matrix) in entries.0.iter().enumerate() {
+        let Some(matrix) = matrix else { continue };
+        let at = |i: usize, j: usize| matrix[i * DOFS + j];
+        let mut add = |mistake, changes| found.push(Mutant { mistake, changes });
+        let all = |f: &dyn Fn(usize, usize) -> f64| -> Vec<(usize, usize, f64)> {
+            (0..DOFS * DOFS).map(|n| (k, n, f(n / DOFS, n % DOFS))).collect()
+        };
+        let half = DOFS / 2;
+        add(Mistake::BlockTransposed, all(&|i, j| at(j, i)));
+        add(Mistake::NodesSwapped, all(&|i, j| at((i + half) % DOFS, (j + half) % DOFS)));
+        let turns = |j: usize| matches!(j % half, 3..=5);
+        add(
+            Mistake::RotationHalved,
+            all(&|i, j| if turns(i) && turns(j) { at(i, j) / 2.0 } else { at(i, j) }),
+        );
+        let (Some(pair), Some(row)) = (&pair, &first.0[k]) else { continue };
+        let mut missing: Vec<f64> = matrix.clone();
+        for (i, j, term) in second_variation(row, pair) {
+            if missing[i * DOFS + j] != 0.0 {
+                missing[i * DOFS + j] -= term;
+            }
+        }
+        add(Mistake::GeometricTermMissing, all(&|i, j| missing[i * DOFS + j]));
+        let bracket = |i: usize, j: usize| {
+            if !(turns(i) && turns(j) && i / half == j / half) {
+                return 0.0;
+            }
+            let axis = |n: usize| [0, 1, 2].map(|m| if m == n % half - 3 { 1.0 } else { 0.0 });
+            let v = cross(axis(i), axis(j));
+            let gradient = part(row, half * (i / half) + node::THETA_A);
+            (0..3).map(|m| v[m] * gradient[m]).sum::<f64>() / 2.0
+        };
+        add(Mistake::BracketKept, all(&|i, j| at(i, j) + bracket(i, j)));
+    }
+    found
+}
+
+fn rate_mistakes(quantity: Quantity, entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
+    let mut found = swapped_components(entries, 1);
+    let rows = scene.numbers.entries(Quantity::FirstDerivatives);
+    let Some(state) = scene.case.last().map(|step| step.state) else { return found };
+    let along = if quantity == Quantity::Rate { &state.velocity } else { &state.acceleration };
+    for (k, i, x) in entries.iter() {
+        let Some(row) = &rows.0[k] else { continue };
+        let linear: f64 = row.iter().zip(along).map(|(r, v)| r * v).sum();
+        let of_a: f64 = row.iter().zip(along).take(DOFS / 2).map(|(r, v)| r * v).sum();
+        let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
+        one(Mistake::RatesOfAIgnored, x - of_a);
+        if quantity == Quantity::Acceleration {
+            one(Mistake::QuadraticPartMissing, linear);
+        }
+        if scene.units[k] == Some(Unit::Angle) {
+            one(Mistake::DegreesForRadians, x.to_degrees());
+        }
+    }
+    found
+}

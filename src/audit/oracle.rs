@@ -1,0 +1,342 @@
+//! Who else can say what a number must be, and what each shares with the product.
+
+use super::bound::{Bound, U};
+use super::case::{Case, dof_size, moved};
+use super::quantity::{Entries, Numbers, Quantity};
+use super::truth::Truth;
+use crate::connector::{Components, Connector, Increment, Output, Request, State, Tally};
+use crate::measure::Unit;
+use crate::node::DOFS;
+use crate::scalar::Wide;
+use crate::vector::sub;
+use serde::{Deserialize, Serialize};
+
+/// What an oracle shares with the product: an error in a shared part is invisible to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Shares {
+    /// The source text of the kinematics: a wrong formula.
+    pub kinematics: bool,
+    /// The elementary functions on doubles: a wrong atan2, norm, log.
+    pub elementary: bool,
+    /// How derivatives come about: dual numbers and the maps to nodal degrees of freedom.
+    pub mechanism: bool,
+}
+
+/// A source of reference numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Oracle {
+    /// Central differences on 237-bit numbers.
+    WideDifferences,
+    /// The product's dual numbers over 237-bit numbers: tells rounding from a wrong derivative.
+    WideDual,
+    /// The remainder f(q + hv) − f(q) − h ∂f·v on 237-bit numbers, which must vanish like h².
+    Taylor,
+    /// Dual numbers in the fourteen nodal degrees of freedom: no relative pair, no nodal map.
+    NodalDual,
+    /// Second derivatives along two random directions by hyper-dual numbers in the nodal degrees of freedom.
+    HyperDual,
+    /// Central differences on doubles with an estimate of their own error.
+    Differences,
+}
+
+impl Oracle {
+    /// Every oracle, the sharpest first.
+    pub const ALL: [Self; 6] = [
+        Self::WideDifferences,
+        Self::WideDual,
+        Self::Taylor,
+        Self::NodalDual,
+        Self::HyperDual,
+        Self::Differences,
+    ];
+
+    /// The name, as the command line has it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::WideDifferences => "wide-differences",
+            Self::WideDual => "wide-dual",
+            Self::Taylor => "taylor",
+            Self::NodalDual => "nodal-dual",
+            Self::HyperDual => "hyper-dual",
+            Self::Differences => "differences",
+        }
+    }
+
+    /// One line on what it does.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::WideDifferences => {
+                "central differences on 237-bit numbers, 45 digits for first derivatives"
+            }
+            Self::WideDual => {
+                "the product's dual numbers over 237-bit numbers: rounding apart from derivative"
+            }
+            Self::Taylor => "order of the Taylor remainder along random directions, on 237-bit numbers",
+            Self::NodalDual => "dual numbers in the nodal degrees of freedom, without the relative pair",
+            Self::HyperDual => "hyper-dual numbers along random directions of the nodes",
+            Self::Differences => "central differences on doubles, with an estimate of their error",
+        }
+    }
+
+    /// What it has in common with the product.
+    pub const fn shares(self) -> Shares {
+        let (elementary, mechanism) = match self {
+            Self::WideDifferences | Self::Taylor => (false, false),
+            Self::WideDual => (false, true),
+            Self::NodalDual | Self::HyperDual => (true, true),
+            Self::Differences => (true, false),
+        };
+        Shares { kinematics: true, elementary, mechanism }
+    }
+
+    /// Whether it works on 237-bit numbers, which takes a thousand times as long.
+    pub const fn is_wide(self) -> bool {
+        matches!(self, Self::WideDifferences | Self::WideDual | Self::Taylor)
+    }
+
+    /// Whether its word alone decides on a derivative: another mechanism, and other elementary functions.
+    pub const fn is_independent(self) -> bool {
+        let shares = self.shares();
+        !shares.mechanism && !shares.elementary
+    }
+
+    /// Whether it can answer for a quantity, entry by entry.
+    pub const fn answers(self, quantity: Quantity) -> bool {
+        match self {
+            Self::WideDifferences | Self::WideDual => true,
+            Self::NodalDual | Self::Differences => matches!(quantity, Quantity::FirstDerivatives),
+            Self::Taylor | Self::HyperDual => false,
+        }
+    }
+}
+
+/// What an oracle says: numbers, and how far they may be off by themselves.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// Who says it.
+    pub oracle: Oracle,
+    /// What the entries must be.
+    pub numbers: Entries<Wide>,
+    /// The oracle's own error, entry by entry.
+    pub error: Entries<f64>,
+}
+
+impl Answer {
+    /// Doubles that are taken for exact.
+    pub fn of(oracle: Oracle, numbers: &Entries<f64>) -> Self {
+        Self::sharp(oracle, numbers.map(|_, _, x| Wide::from_f64(x)))
+    }
+
+    fn sharp(oracle: Oracle, numbers: Entries<Wide>) -> Self {
+        // 45 digits or more, against a tolerance of 16.
+        let error = numbers.map(|_, _, _| 0.0);
+        Self { oracle, numbers, error }
+    }
+}
+
+/// The wide oracles' numbers at one state, each computed once.
+pub struct WideAnswers {
+    /// By dual numbers.
+    pub dual: Numbers<Wide>,
+    /// By differences.
+    pub differences: Numbers<Wide>,
+}
+
+impl WideAnswers {
+    /// At the end of a case.
+    pub fn of(truth: &Truth) -> Self {
+        let mut differences = Numbers::default();
+        differences.set(Quantity::Value, truth.value());
+        differences.set(Quantity::FirstDerivatives, truth.first());
+        differences.set(Quantity::SecondDerivatives, truth.second());
+        let [rate, acceleration] = truth.rates();
+        differences.set(Quantity::Rate, rate);
+        differences.set(Quantity::Acceleration, acceleration);
+        Self { dual: truth.dual(), differences }
+    }
+
+    /// What one of the two says of a quantity.
+    pub fn answer(&self, oracle: Oracle, quantity: Quantity) -> Option<Answer> {
+        let numbers = match oracle {
+            Oracle::WideDifferences => &self.differences,
+            Oracle::WideDual => &self.dual,
+            _ => return None,
+        };
+        Some(Answer::sharp(oracle, numbers.entries(quantity).clone()))
+    }
+}
+
+/// A case at its end, on doubles, for oracles that move its nodes.
+pub struct Narrow {
+    connector: Connector<f64>,
+    state: State<f64>,
+    branch: crate::connector::Branch<f64>,
+    length: f64,
+}
+
+impl Narrow {
+    /// The end of a case; `None` for an empty path.
+    pub fn of(case: &Case) -> Option<Self> {
+        let connector = case.connector();
+        let end = case.last()?;
+        let branch = connector.advance(&end.state, &end.increment, &case.branch_before(&connector));
+        // Only the difference of the displacements counts: far from the origin a step would be lost in either of them.
+        let mut state = end.state;
+        state.pair.b.displacement = sub(state.pair.b.displacement, state.pair.a.displacement);
+        state.pair.a.displacement = [0.0; 3];
+        Some(Self { state, branch, length: case.length, connector })
+    }
+
+    fn values(&self, by: &[f64; DOFS]) -> Components<f64> {
+        let mut state = self.state;
+        state.pair = moved(&self.state.pair, by);
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let mut tally = Tally::default();
+        let evaluation =
+            self.connector.evaluate(&state, &Increment::none(), &self.branch, &asked, &mut tally);
+        std::array::from_fn(|k| evaluation.residual[k].or(evaluation.displacement[k]))
+    }
+
+    /// First derivatives by dual numbers in the nodal degrees of freedom. Their own error is a few roundings more than the
+    /// product's: exp and the product of two rotations come on top.
+    pub fn nodal_dual(&self, bound: &Bound) -> Answer {
+        let rows = self.connector.nodal_rows(&self.state, &self.branch);
+        let mut numbers = Entries::default();
+        let mut error = Entries::default();
+        for (k, row) in rows.iter().enumerate() {
+            numbers.0[k] = row.map(|row| row.map(Wide::from_f64).to_vec());
+            error.0[k] = row.map(|row| {
+                (0..row.len()).map(|j| bound.tolerance(Quantity::FirstDerivatives, k, j)).collect()
+            });
+        }
+        Answer { oracle: Oracle::NodalDual, numbers, error }
+    }
+
+    /// First derivatives by central differences on doubles: the best of a ladder of steps, none of which leads over a singular
+    /// set.
+    pub fn differences(&self, bound: &Bound) -> Answer {
+        let near = self.nearness();
+        let has_function = |k| self.connector.differentiated(k).is_some_and(|m| !m.is_one_form());
+        let size = |j: usize| dof_size(j, self.length) * near;
+        let components = std::array::from_fn(has_function);
+        central_differences(|by| self.values(by), components, &size, self.connector.active(), bound)
+    }
+
+    /// Σ_jk v_j w_k ∂²f/∂q_j∂q_k of every component, by hyper-dual numbers in the nodal degrees of freedom.
+    pub fn hyper_dual(&self, v: &[f64; DOFS], w: &[f64; DOFS]) -> Components<f64> {
+        self.connector.nodal_second(&self.state, &self.branch, v, w)
+    }
+
+    /// min(1, distance to the nearest singular set, in radians and lengths of the connector).
+    pub fn nearness(&self) -> f64 {
+        let margins = self.connector.margins(&self.state, &self.branch, [true; 6]);
+        margins.iter().flatten().fold(1.0_f64, |least, margin| {
+            let unit = if margin.set.unit == Unit::Length { self.length } else { 1.0 };
+            least.min(margin.distance / unit)
+        })
+    }
+
+    /// The nodal degrees of freedom that the connector has.
+    pub const fn active(&self) -> &[bool; DOFS] {
+        self.connector.active()
+    }
+}
+
+/// Central differences of a function of the nodal degrees of freedom on doubles: the best of a ladder of steps h·`size`(j), the
+/// error estimated from its neighbours and from the rounding of the values.
+pub fn central_differences(
+    values: impl Fn(&[f64; DOFS]) -> Components<f64>,
+    components: [bool; 6],
+    size: &dyn Fn(usize) -> f64,
+    active: &[bool; DOFS],
+    bound: &Bound,
+) -> Answer {
+    const LADDER: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
+    let mut numbers: Components<Vec<Wide>> = components.map(|is| is.then(|| vec![Wide::from_f64(0.0); DOFS]));
+    let mut errors: Components<Vec<f64>> = components.map(|is| is.then(|| vec![0.0; DOFS]));
+    for j in (0..DOFS).filter(|j| active[*j]) {
+        let estimates = LADDER.map(|h| {
+            let h = h * size(j);
+            let along = |sign: f64| {
+                let mut by = [0.0; DOFS];
+                by[j] = sign * h;
+                values(&by)
+            };
+            let (plus, minus) = (along(1.0), along(-1.0));
+            std::array::from_fn::<_, 6, _>(|k| Some((plus[k]? - minus[k]?) / (2.0 * h)))
+        });
+        for k in 0..6 {
+            let (Some(numbers), Some(errors)) = (&mut numbers[k], &mut errors[k]) else { continue };
+            let scale =
+                bound.scale(Quantity::Value, k, 0) + bound.scale(Quantity::FirstDerivatives, k, j) * size(j);
+            let mut best = (f64::NAN, f64::INFINITY);
+            for (i, pair) in estimates.windows(2).enumerate() {
+                let (Some(coarse), Some(fine)) = (pair[0][k], pair[1][k]) else { continue };
+                // The finer truncates a hundredth of what the coarser does; what is left of the difference is rounding.
+                let rounding = 16.0 * U * scale / (LADDER[i + 1] * size(j));
+                let error = (coarse - fine).abs() + rounding;
+                if error < best.1 {
+                    best = (fine, error);
+                }
+            }
+            numbers[j] = Wide::from_f64(best.0);
+            errors[j] = best.1;
+        }
+    }
+    Answer { oracle: Oracle::Differences, numbers: Entries(numbers), error: Entries(errors) }
+}
+
+/// The order at which the remainder f(q + hv) − f(q) − h ∂f·v vanishes, for a row that is to be judged.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Remainder {
+    /// The component (0-based).
+    pub component: usize,
+    /// The estimated order; `None` where the remainder is below the noise throughout, as for a linear function.
+    pub order: Option<f64>,
+    /// The largest remainder over h at the finest step, which is the error of ∂f·v.
+    pub error: f64,
+    /// What rounding of the row alone allows it to be.
+    pub allowed: f64,
+}
+
+/// Taylor's test of a row: 237-bit values along a direction v, on a ladder of steps. Where the row is right the remainder over
+/// h falls like h until the rounding of the row itself shows, which is the error reported.
+pub fn remainders(truth: &Truth, rows: &Entries<f64>, bound: &Bound, v: &[f64; DOFS]) -> Vec<Remainder> {
+    const LADDER: [f64; 5] = [1e-4, 1e-8, 1e-12, 1e-16, 1e-20];
+    let still = truth.displaced(&[0.0; DOFS], 0.0);
+    let near = if truth.nearness() > 0.0 { truth.nearness() } else { 1.0 };
+    let steps = LADDER.map(|h| h * near);
+    let moved = steps.map(|h| truth.displaced(v, h));
+    let mut found = Vec::new();
+    for k in 0..6 {
+        let (Some(row), Some(still)) = (&rows.0[k], still[k]) else { continue };
+        let slope = row
+            .iter()
+            .zip(v)
+            .fold(Wide::from_f64(0.0), |sum, (r, v)| sum + Wide::from_f64(*r) * Wide::from_f64(*v));
+        let allowed: f64 =
+            (0..DOFS).map(|j| bound.tolerance(Quantity::FirstDerivatives, k, j) * v[j].abs()).sum();
+        let over_h: Vec<f64> = steps
+            .iter()
+            .zip(&moved)
+            .filter_map(|(h, moved)| {
+                Some((((moved[k]? - still) / Wide::from_f64(*h)) - slope).abs().to_f64())
+            })
+            .collect();
+        // The order, from the steps whose remainder stands clear of what rounding of the row allows.
+        let clear: Vec<(f64, f64)> = steps
+            .iter()
+            .zip(&over_h)
+            .filter(|(_, r)| **r > 10.0 * allowed && **r > 0.0)
+            .map(|(h, r)| (h.ln(), r.ln()))
+            .collect();
+        let order = match clear.as_slice() {
+            [first, .., last] => Some(1.0 + (first.1 - last.1) / (first.0 - last.0)),
+            _ => None,
+        };
+        let error = over_h.last().copied().unwrap_or(f64::NAN);
+        found.push(Remainder { component: k, order, error, allowed });
+    }
+    found
+}

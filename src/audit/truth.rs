@@ -1,0 +1,246 @@
+//! A case on 237-bit numbers, with textbook formulas for the elementary functions, and derivatives of it as central
+//! differences whose step is so small that nothing is left to tune.
+//!
+//! First derivatives: h = s·1e-25, error of the difference about 1e-50, of rounding 1e-45. Second derivatives of values, as
+//! accelerations are: h = s·1e-18. s is the size of the degree of freedom, or the distance to the nearest singular set where
+//! that is less.
+
+use super::case::{Case, dof_size, exact_branch, exact_state, moved};
+use super::quantity::{Entries, Numbers, request};
+use crate::connector::{
+    Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
+};
+use crate::node::{self, DOFS};
+use crate::scalar::{Real, Scalar, Wide};
+use crate::vector::{Vector, cross, dot};
+
+const FIRST_STEP: f64 = 1e-25;
+const SECOND_STEP: f64 = 1e-18;
+
+/// A case on 237-bit numbers, from the same doubles.
+pub struct Truth {
+    connector: Connector<Wide>,
+    state: State<Wide>,
+    /// The branch that the end of the case leaves: what moves from there stays on its sheet, even at an exact half turn, which
+    /// is equally far from two sheets of the state before.
+    branch: Branch<Wide>,
+    length: f64,
+    /// min(1, distance to the nearest singular set, in radians and lengths of the connector).
+    nearness: f64,
+}
+
+impl Truth {
+    /// The end of a case; `None` for an empty path.
+    pub fn of(case: &Case) -> Option<Self> {
+        let narrow = case.connector();
+        let end = case.last()?;
+        let after = narrow.advance(&end.state, &end.increment, &case.branch_before(&narrow));
+        let nearness = super::oracle::Narrow::of(case)?.nearness();
+        Some(Self {
+            connector: Connector::new(&case.definition),
+            state: exact_state(&end.state),
+            branch: exact_branch(&after),
+            length: case.length,
+            nearness,
+        })
+    }
+
+    /// min(1, distance to the nearest singular set): 0 on one, where no two-sided derivative exists.
+    pub const fn nearness(&self) -> f64 {
+        self.nearness
+    }
+
+    fn step(&self, j: usize, size: f64) -> Wide {
+        let nearness = if self.nearness > 0.0 { self.nearness } else { 1.0 };
+        Wide::from_f64(size * nearness) * Wide::from_f64(dof_size(j, self.length))
+    }
+
+    fn evaluate(&self, by: &NodalRow<Wide>, request: &Request) -> Evaluation<Wide> {
+        let mut state = self.state;
+        state.pair = moved(&self.state.pair, by);
+        self.connector.evaluate(&state, &Increment::none(), &self.branch, request, &mut Tally::default())
+    }
+
+    /// The value of a one-form from the end of the case on, along an increment.
+    fn accumulated(&self, by: &NodalRow<Wide>) -> Wide {
+        let mut state = self.state;
+        state.pair = moved(&self.state.pair, by);
+        let part = |at: usize| [by[at], by[at + 1], by[at + 2]];
+        let increment = Increment {
+            rotation: [part(node::THETA_A), part(node::THETA_B)],
+            whole_turns: [[Wide::zero(); 3]; 2],
+            flow: [by[node::PSI_A], by[node::PSI_B]],
+        };
+        let after = self.connector.advance(&state, &increment, &self.branch);
+        (after.accumulated - self.branch.accumulated)
+            + (after.accumulated_rest - self.branch.accumulated_rest)
+    }
+
+    fn along(j: usize, h: Wide) -> NodalRow<Wide> {
+        let mut by = [Wide::zero(); DOFS];
+        by[j] = h;
+        by
+    }
+
+    fn values(&self, by: &NodalRow<Wide>) -> Components<Wide> {
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let evaluation = self.evaluate(by, &asked);
+        std::array::from_fn(|k| {
+            if self.connector.differentiated(k)?.is_one_form() {
+                return Some(self.accumulated(by));
+            }
+            evaluation.residual[k].or(evaluation.displacement[k])
+        })
+    }
+
+    fn rows(&self, by: &NodalRow<Wide>) -> Components<NodalRow<Wide>> {
+        self.evaluate(by, &Request::new(&[], [true; 6], 1)).jacobian
+    }
+
+    /// Everything by dual numbers over 237 bits: the product's own source, without its rounding.
+    pub fn dual(&self) -> Numbers<Wide> {
+        Numbers::of(&self.evaluate(&[Wide::zero(); DOFS], &request()))
+    }
+
+    /// The values.
+    pub fn value(&self) -> Entries<Wide> {
+        let still = self.evaluate(&[Wide::zero(); DOFS], &request());
+        Numbers::of(&still).entries(super::Quantity::Value).clone()
+    }
+
+    /// (f(q + h) − f(q − h))/2h for each degree of freedom that the connector has; zero for the others.
+    pub fn first(&self) -> Entries<Wide> {
+        let mut found: Components<Vec<Wide>> = self.empty(DOFS);
+        for j in self.active() {
+            let h = self.step(j, FIRST_STEP);
+            let (plus, minus) = (self.values(&Self::along(j, h)), self.values(&Self::along(j, -h)));
+            for (k, entries) in found.iter_mut().enumerate() {
+                if let (Some(entries), Some(plus), Some(minus)) = (entries, plus[k], minus[k]) {
+                    entries[j] = (plus - minus) / (h + h);
+                }
+            }
+        }
+        Entries(found)
+    }
+
+    /// One-sided first derivatives along `sign`·q_j, for states on a kink.
+    pub fn one_sided(&self, sign: i32) -> Entries<Wide> {
+        let mut found: Components<Vec<Wide>> = self.empty(DOFS);
+        let still = self.values(&[Wide::zero(); DOFS]);
+        for j in self.active() {
+            let h = self.step(j, FIRST_STEP) * Wide::integer(sign);
+            let moved = self.values(&Self::along(j, h));
+            for (k, entries) in found.iter_mut().enumerate() {
+                if let (Some(entries), Some(moved), Some(still)) = (entries, moved[k], still[k]) {
+                    entries[j] = (moved - still) / h;
+                }
+            }
+        }
+        Entries(found)
+    }
+
+    /// The rows at q ± h along q_k, differenced, less the half of the bracket by which finite rotations about different axes
+    /// do not commute: exp(ε e_j) exp(h e_k) = exp(ε e_j + h e_k + ½ εh e_j × e_k). The row of a one-form has no such term.
+    pub fn second(&self) -> Entries<Wide> {
+        let mut found: Components<Vec<Wide>> = self.empty(DOFS * DOFS);
+        let at_rest = self.rows(&[Wide::zero(); DOFS]);
+        for k in self.active() {
+            let h = self.step(k, FIRST_STEP);
+            let (plus, minus) = (self.rows(&Self::along(k, h)), self.rows(&Self::along(k, -h)));
+            for (c, entries) in found.iter_mut().enumerate() {
+                let (Some(entries), Some(plus), Some(minus)) = (entries, plus[c], minus[c]) else { continue };
+                let one_form = self.connector.differentiated(c).is_some_and(|m| m.is_one_form());
+                for j in self.active() {
+                    let mut want = (plus[j] - minus[j]) / (h + h);
+                    if let (Some(first), Some(second), Some(row), false) =
+                        (rotation(j), rotation(k), at_rest[c], one_form)
+                        && j / 7 == k / 7
+                    {
+                        let axis = |i: usize| {
+                            let mut axis = [Wide::zero(); 3];
+                            axis[i] = Wide::integer(1);
+                            axis
+                        };
+                        let at = 7 * (j / 7) + node::THETA_A;
+                        let gradient: Vector<Wide> = [row[at], row[at + 1], row[at + 2]];
+                        want -= dot(cross(axis(first), axis(second)), gradient) / Wide::integer(2);
+                    }
+                    entries[j * DOFS + k] = want;
+                }
+            }
+        }
+        Entries(found)
+    }
+
+    /// Rate and acceleration: values at ±h along q(t) = q̇ t + q̈ t²/2, which turns the nodes by exp(q_θ(t)^), differenced.
+    pub fn rates(&self) -> [Entries<Wide>; 2] {
+        let speed = (0..DOFS).fold(0.0_f64, |most, j| {
+            let size = dof_size(j, self.length);
+            let (v, a) = (self.state.velocity[j].to_f64() / size, self.state.acceleration[j].to_f64() / size);
+            most.max(v.abs()).max(a.abs().max(0.0).powf(0.5))
+        });
+        let time = if speed > 0.0 { self.nearness.max(f64::MIN_POSITIVE) / speed } else { 1.0 };
+        let at = |t: Wide| -> NodalRow<Wide> {
+            std::array::from_fn(|j| {
+                self.state.velocity[j] * t + self.state.acceleration[j] * t * t / Wide::integer(2)
+            })
+        };
+        let still = self.values(&[Wide::zero(); DOFS]);
+        let both = |h: Wide| [self.values(&at(h)), self.values(&at(-h))];
+        let (first_step, second_step) =
+            (Wide::from_f64(FIRST_STEP) * time, Wide::from_f64(SECOND_STEP) * time);
+        let [near, behind] = both(first_step);
+        let [far, far_behind] = both(second_step);
+        let mut rate: Components<Vec<Wide>> = self.empty(1);
+        let mut acceleration: Components<Vec<Wide>> = self.empty(1);
+        for k in 0..6 {
+            if self.connector.differentiated(k).is_some_and(|m| m.has_nodal_rates()) {
+                let [v, a] = self.resolved_in_b(k);
+                rate[k] = Some(vec![v]);
+                acceleration[k] = Some(vec![a]);
+                continue;
+            }
+            if let (Some(plus), Some(minus)) = (near[k], behind[k]) {
+                rate[k] = Some(vec![(plus - minus) / (first_step + first_step)]);
+            }
+            if let (Some(plus), Some(minus), Some(middle)) = (far[k], far_behind[k], still[k]) {
+                acceleration[k] =
+                    Some(vec![((plus - middle) - (middle - minus)) / (second_step * second_step)]);
+            }
+        }
+        [Entries(rate), Entries(acceleration)]
+    }
+
+    /// (v_b − v_a)·e_i^b, or (ω_b − ω_a)·e_i^b, and likewise the accelerations: rates that are declared so, not derivatives.
+    fn resolved_in_b(&self, k: usize) -> [Wide; 2] {
+        let (at, i) = if k < 3 { (node::XA, k) } else { (node::THETA_A, k - 3) };
+        let triad = &self.state.pair.b.triad;
+        [&self.state.velocity, &self.state.acceleration].map(|rates| {
+            (0..3).fold(Wide::zero(), |sum, j| sum + (rates[at + DOFS / 2 + j] - rates[at + j]) * triad[j][i])
+        })
+    }
+
+    /// The values after the nodes have moved by `by`, in 237 bits.
+    pub fn displaced(&self, by: &[f64; DOFS], factor: f64) -> Components<Wide> {
+        let factor = Wide::from_f64(factor);
+        self.values(&by.map(|x| Wide::from_f64(x) * factor))
+    }
+
+    /// The degrees of freedom that the connector has.
+    pub fn active(&self) -> impl Iterator<Item = usize> + use<> {
+        let active = *self.connector.active();
+        (0..DOFS).filter(move |j| active[*j])
+    }
+
+    fn empty(&self, entries: usize) -> Components<Vec<Wide>> {
+        std::array::from_fn(|k| self.connector.differentiated(k).map(|_| vec![Wide::zero(); entries]))
+    }
+}
+
+/// Which rotation (0, 1, 2) of its node a degree of freedom is.
+const fn rotation(j: usize) -> Option<usize> {
+    match j % 7 {
+        i @ 3..=5 => Some(i - 3),
+        _ => None,
+    }
+}

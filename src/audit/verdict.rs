@@ -1,0 +1,306 @@
+//! Judging numbers against an answer: which entry, by how much, and how small an error would have been seen.
+
+use super::bound::Bound;
+use super::mutant::{Mistake, Mutant};
+use super::oracle::Answer;
+use super::quantity::{Entries, Quantity};
+use crate::scalar::Wide;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What is said of a quantity at a state, the mildest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Every entry is right to rounding.
+    Pass,
+    /// Every entry is as right as the state allows, which is not much: the point is ill-conditioned.
+    IllConditioned,
+    /// There is no derivative here, only one-sided ones.
+    Kink,
+    /// No independent oracle could answer.
+    Undecided,
+    /// The formula is right and loses digits on doubles.
+    UnstableFormula,
+    /// An entry is wrong.
+    Wrong,
+    /// A number is infinite or not a number.
+    Invalid,
+}
+
+impl Verdict {
+    /// Every verdict.
+    pub const ALL: [Self; 7] = [
+        Self::Pass,
+        Self::IllConditioned,
+        Self::Kink,
+        Self::Undecided,
+        Self::UnstableFormula,
+        Self::Wrong,
+        Self::Invalid,
+    ];
+
+    /// In words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::IllConditioned => "ill-conditioned point",
+            Self::Kink => "kink",
+            Self::Undecided => "undecided",
+            Self::UnstableFormula => "unstable formula",
+            Self::Wrong => "wrong",
+            Self::Invalid => "invalid",
+        }
+    }
+
+    /// The verdict as a headline: a state that is ill-conditioned passes.
+    pub const fn headline(self) -> Self {
+        if matches!(self, Self::IllConditioned) { Self::Pass } else { self }
+    }
+
+    /// Whether it is a verified mismatch.
+    pub const fn is_mismatch(self) -> bool {
+        matches!(self, Self::UnstableFormula | Self::Wrong | Self::Invalid)
+    }
+}
+
+/// One entry, what it is and what it must be.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// The entry by name: `∂ur1/∂θb3`.
+    pub entry: String,
+    /// The component (0-based) and the place within it.
+    #[serde(skip)]
+    pub at: (usize, usize),
+    /// What was given.
+    pub got: f64,
+    /// What it must be.
+    pub want: f64,
+    /// How far apart they may be.
+    pub tolerance: f64,
+    /// |got − want| in units of the tolerance.
+    pub units: f64,
+    /// On a kink: the derivatives from below and from above.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub one_sided: Option<[f64; 2]>,
+}
+
+/// The outcome of one comparison.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Judgement {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The entry that decided it, or that came nearest to its tolerance.
+    pub worst: Option<Finding>,
+    /// How many entries were compared.
+    pub compared: usize,
+}
+
+/// Beyond this fraction of a row's largest entry, a tolerance lets errors through that matter: the point is called
+/// ill-conditioned.
+const COARSE: f64 = 1e-6;
+
+/// How far the product's dual numbers over 237 bits may be from the truth, relative to the tolerance on doubles, and still
+/// prove the formula right.
+const EXACT: f64 = 1e-9;
+
+/// An error larger than this, relative to the conditioned scale, is no loss of digits.
+const LOST_DIGITS: f64 = 1e-4;
+
+/// What surrounds a comparison.
+pub struct Surroundings<'a> {
+    /// The tolerances.
+    pub bound: &'a Bound,
+    /// The product's own source without rounding, where the numbers are the product's.
+    pub exact: Option<&'a Entries<Wide>>,
+    /// min(1, distance to the nearest singular set); 0 on it.
+    pub nearness: f64,
+    /// One-sided derivatives, for states on a singular set.
+    pub one_sided: Option<[&'a Entries<Wide>; 2]>,
+}
+
+/// |got − want| in units of what is allowed; infinite where it is not a number.
+fn units(got: f64, want: Wide, allowed: f64) -> f64 {
+    let error = (Wide::from_f64(got) - want).abs().to_f64();
+    if error == 0.0 {
+        return 0.0;
+    }
+    let units = error / allowed;
+    if units.is_nan() { f64::INFINITY } else { units }
+}
+
+/// Judges the entries of one quantity.
+pub fn judge(
+    quantity: Quantity,
+    got: &Entries<f64>,
+    answer: &Answer,
+    around: &Surroundings<'_>,
+) -> Judgement {
+    let mut worst: Option<Finding> = None;
+    let mut compared = 0;
+    let mut coarse = false;
+    let mut largest = [0.0_f64; 6];
+    for (k, _, x) in got.iter() {
+        largest[k] = largest[k].max(x.abs());
+    }
+    for (k, i, x) in got.iter() {
+        let Some(want) = answer.numbers.get(k, i) else { continue };
+        compared += 1;
+        let allowed = around.bound.tolerance(quantity, k, i) + answer.error.get(k, i).unwrap_or(0.0);
+        let units = units(x, want, allowed);
+        coarse |= allowed > COARSE * largest[k] && largest[k] > 0.0 && quantity != Quantity::Value;
+        if worst.as_ref().is_none_or(|w| units > w.units || !x.is_finite()) {
+            worst = Some(Finding {
+                entry: quantity.entry_name(k, i),
+                at: (k, i),
+                got: x,
+                want: want.to_f64(),
+                tolerance: allowed,
+                units,
+                one_sided: None,
+            });
+        }
+        if !x.is_finite() {
+            return Judgement { verdict: Verdict::Invalid, worst, compared };
+        }
+    }
+    if compared == 0 {
+        return Judgement { verdict: Verdict::Undecided, worst: None, compared };
+    }
+    let beyond = worst.as_ref().is_some_and(|w| w.units > 1.0);
+    let verdict = match (beyond, &mut worst) {
+        (false, _) if coarse && answer.oracle.is_wide() => Verdict::IllConditioned,
+        (true, Some(worst)) => why(quantity, worst, around),
+        _ => Verdict::Pass,
+    };
+    Judgement { verdict, worst, compared }
+}
+
+/// Why an entry is beyond its tolerance.
+fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Verdict {
+    let (k, i) = worst.at;
+    if around.nearness == 0.0 {
+        if let Some([below, above]) = around.one_sided {
+            worst.one_sided = below.get(k, i).zip(above.get(k, i)).map(|(b, a)| [b.to_f64(), a.to_f64()]);
+        }
+        return Verdict::Kink;
+    }
+    let scale = around.bound.scale(quantity, k, i);
+    let error = (worst.got - worst.want).abs();
+    let proven = around
+        .exact
+        .and_then(|exact| exact.get(k, i))
+        .is_some_and(|exact| units(worst.want, exact, worst.tolerance.max(f64::MIN_POSITIVE)) < 1.0 + EXACT);
+    if proven && error <= LOST_DIGITS * scale { Verdict::UnstableFormula } else { Verdict::Wrong }
+}
+
+/// How mutants of the same numbers fared.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Score {
+    /// By mistake: noticed.
+    pub killed: u64,
+    /// Changed nothing.
+    pub equivalent: u64,
+    /// Changed less than twice what is allowed.
+    pub below_resolution: u64,
+    /// Not noticed, though the change exceeds twice what is allowed.
+    pub survived: u64,
+    /// The mistakes that survived, with an entry each.
+    pub survivors: BTreeMap<String, String>,
+    /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states.
+    pub detectable: f64,
+    /// The same at the median state.
+    pub detectable_median: f64,
+    /// The smallest δ at each state.
+    #[serde(skip)]
+    pub detectable_at: Vec<f64>,
+}
+
+impl Score {
+    /// Adds another score.
+    pub fn merge(&mut self, other: Self) {
+        self.killed += other.killed;
+        self.equivalent += other.equivalent;
+        self.below_resolution += other.below_resolution;
+        self.survived += other.survived;
+        for (mistake, entry) in other.survivors {
+            self.survivors.entry(mistake).or_insert(entry);
+        }
+        self.detectable_at.extend(other.detectable_at);
+    }
+
+    /// Settles the figures over all states.
+    pub fn finish(&mut self) {
+        self.detectable_at.sort_by(f64::total_cmp);
+        self.detectable = self.detectable_at.last().copied().unwrap_or(0.0);
+        self.detectable_median = self.detectable_at.get(self.detectable_at.len() / 2).copied().unwrap_or(0.0);
+    }
+
+    /// Mutants that had to be noticed.
+    pub const fn decisive(&self) -> u64 {
+        self.killed + self.survived
+    }
+}
+
+/// Entries smaller than this part of the largest of their row, in units of the degrees of freedom, do not count for the smallest
+/// error that is noticed: what is left of a cancellation has no relative error of its own.
+const SIGNIFICANT: f64 = 1e-3;
+
+/// Tries every mutant on the same comparison; `size` is the unit of an entry's degrees of freedom.
+pub fn try_mutants(
+    quantity: Quantity,
+    got: &Entries<f64>,
+    answer: &Answer,
+    bound: &Bound,
+    size: &dyn Fn(usize) -> f64,
+    mutants: &[Mutant],
+) -> Score {
+    let mut score = Score::default();
+    // The smallest ladder step from which on every entry was noticed.
+    let mut missed = 0.0_f64;
+    let mut smallest = f64::INFINITY;
+    let entry_size = size;
+    let mut largest = [0.0_f64; 6];
+    for (k, i, x) in got.iter() {
+        largest[k] = largest[k].max(x.abs() * entry_size(i));
+    }
+    let answered = |(k, _, _): &(usize, usize, f64)| answer.numbers.0[*k].is_some();
+    for mutant in mutants.iter().filter(|mutant| mutant.changes.iter().any(answered)) {
+        let mut change = 0.0_f64;
+        let mut noticed = false;
+        for (k, i, x) in mutant.changes.iter().filter(|change| answered(change)) {
+            let Some(was) = got.get(*k, *i) else { continue };
+            let Some(want) = answer.numbers.get(*k, *i) else {
+                // An entry that nobody compares: whatever changes it survives.
+                change = f64::INFINITY;
+                continue;
+            };
+            let allowed = bound.tolerance(quantity, *k, *i) + answer.error.get(*k, *i).unwrap_or(0.0);
+            let moved = (x - was).abs();
+            change = change.max(if moved == 0.0 { 0.0 } else { moved / allowed });
+            noticed |= units(*x, want, allowed) > 1.0;
+        }
+        if let (Mistake::Scaled(delta), Some((k, i, _))) = (mutant.mistake, mutant.changes.first()) {
+            smallest = smallest.min(delta);
+            let size = got.get(*k, *i).unwrap_or(0.0).abs() * entry_size(*i);
+            if !noticed && size >= SIGNIFICANT * largest[*k] {
+                missed = missed.max(delta);
+            }
+        }
+        if noticed {
+            score.killed += 1;
+        } else if change == 0.0 {
+            score.equivalent += 1;
+        } else if change < 2.0 {
+            score.below_resolution += 1;
+        } else {
+            score.survived += 1;
+            let entry = mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
+            score.survivors.insert(mutant.mistake.name(), entry.unwrap_or_default());
+        }
+    }
+    if smallest.is_finite() {
+        score.detectable_at.push(if missed > 0.0 { missed * 10.0 } else { smallest });
+    }
+    score
+}

@@ -1,0 +1,52 @@
+//! `pintle replay`.
+
+use super::Failure;
+use super::audit::AuditFormat;
+use clap::Args;
+use pintle::audit::{Case, CounterExample, Settings, audit_cases};
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(crate) struct Replay {
+    /// A counter-example, as `pintle audit --counter-examples` writes it
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// How to write it
+    #[arg(long, value_enum, default_value_t)]
+    format: AuditFormat,
+}
+
+/// Judges the state of a counter-example again, by every oracle.
+pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
+    let name = arguments.file.display();
+    let text = fs::read_to_string(&arguments.file)
+        .map_err(|error| Failure::Input(format!("cannot read {name}: {error}")))?;
+    let example: CounterExample = serde_json::from_str(&text).map_err(|error| {
+        Failure::Input(format!("{name} is no counter-example, as --counter-examples writes it: {error}"))
+    })?;
+    let case: Case =
+        example.case().map_err(|error| Failure::Input(format!("{name} cannot be replayed: {error}")))?;
+    if matches!(arguments.format, AuditFormat::Human) {
+        let mut out = BufWriter::new(anstream::stdout().lock());
+        writeln!(
+            out,
+            "{name}: {} by {} of version {}: {} against {}\n  given {}, must be {}, tolerance {}\n",
+            case.definition.connection.name,
+            example.subject,
+            example.version,
+            if example.entry.is_empty() { "no entry" } else { &example.entry },
+            example.against,
+            example.got,
+            example.want,
+            example.tolerance
+        )?;
+        out.flush()?;
+    }
+    let settings = Settings { wide_states: 1, atlas: false, ..Settings::default() };
+    let title = format!("{} now", case.definition.connection.name);
+    let report = audit_cases(&settings, &[(title, vec![case])], &|_| {});
+    super::audit::write(arguments.format, true, &report)?;
+    super::audit::verdict(false, &report)
+}

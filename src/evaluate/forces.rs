@@ -1,0 +1,174 @@
+//! Component forces given from outside, and what they do to the nodes.
+
+use super::model::{ConnectorElement, Model};
+use crate::catalog::{COMPONENT, FORCE};
+use crate::connector::{
+    Branch, Components, Connector, Flag, Mask, NodalMatrix, NodalRow, Output, Request, State, Tally,
+};
+use crate::force::{ForceRows, Want};
+use crate::measure::SingularClass;
+use crate::scene::{Code, Diagnostic, ElementForces, ForceSign, Label, State as SceneState};
+use std::collections::HashMap;
+
+/// What the forces of a connector's components give at one state; each part is present where it was asked for.
+#[derive(Clone, Debug)]
+pub struct ForceResult {
+    /// CTF: the forces of the components.
+    pub components: Components<f64>,
+    /// PM: the moments by which the printed formula gives the same moment.
+    pub printed: Components<f64>,
+    /// LM: the multipliers of the equations enforced.
+    pub multipliers: Components<f64>,
+    /// NF: nodal forces of both ends, the ground's reaction among them, in the order of [`crate::node::DOF`].
+    pub nodal: Option<NodalRow<f64>>,
+    /// KG: the geometric stiffness Σ f_k ∂²c_k.
+    pub geometric: Option<NodalMatrix<f64>>,
+    /// DNF: ∂NF/∂q at constant component forces.
+    pub derivative: Option<NodalMatrix<f64>>,
+    /// What needs care about them.
+    pub flags: Vec<Flag>,
+}
+
+/// Why forces do not belong to a connector.
+struct Fault {
+    code: Code,
+    message: String,
+    remedy: String,
+}
+
+impl Model {
+    /// Whether the forces given to states belong to connectors that have them; `file` is where they were read.
+    ///
+    /// # Errors
+    /// The first that does not, with its state, element, component and a remedy.
+    pub fn check_forces(&self, states: &[SceneState], first: u64, file: &str) -> Result<(), Diagnostic> {
+        let elements: HashMap<Label, &ConnectorElement> =
+            self.connectors.iter().map(|element| (element.label, element)).collect();
+        for (counted, state) in (first..).zip(states) {
+            let number = state.number.unwrap_or(counted);
+            for (label, given) in &state.forces {
+                let Some(element) = elements.get(label) else { continue };
+                let Err(Fault { code, message, remedy }) = component_forces(&element.connector, given) else {
+                    continue;
+                };
+                let name = &element.connector.connection().name;
+                let message = format!("state {number}, {name} {label}: {message}");
+                return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The internal forces of the components of a connector.
+fn component_forces(connector: &Connector<f64>, given: &ElementForces) -> Result<Components<f64>, Fault> {
+    let mut forces = [None; 6];
+    let total = |k: usize| FORCE[k].replace('f', "CTF").replace('m', "CTM");
+    let reaction = |k: usize| total(k).replace("CT", "CR");
+    for k in 0..6 {
+        let fail = |code, message: String, remedy: String| Err(Fault { code, message, remedy });
+        let (of_total, of_reaction) = (given.total[k], given.reaction[k]);
+        if !connector.has_force(k) {
+            if of_total.or(of_reaction).is_some_and(|force| force != 0.0) {
+                let message = format!("it has no force {}", FORCE[k]);
+                let list: Vec<&str> = (0..6).filter(|k| connector.has_force(*k)).map(|k| FORCE[k]).collect();
+                let has = if list.is_empty() { "none".to_string() } else { list.join(", ") };
+                return fail(
+                    Code::ForcesAbsentComponent,
+                    message,
+                    format!("leave it out, or write 0; its forces are: {has}"),
+                );
+            }
+            continue;
+        }
+        let is_constrained = connector.is_constrained(k);
+        let force = match (of_total, of_reaction) {
+            (Some(total_force), Some(other)) if is_constrained && total_force != other => {
+                let message = format!(
+                    "{} is constrained, and its total force {total_force} differs from its reaction {other}",
+                    COMPONENT[k]
+                );
+                let remedy = format!("give one of {} and {}", total(k), reaction(k));
+                return fail(Code::ForcesContradiction, message, remedy);
+            }
+            (Some(force), _) => force,
+            (None, Some(force)) if is_constrained => force,
+            (None, Some(_)) => {
+                let message = format!(
+                    "{} is available, and {} alone is a part of its force",
+                    COMPONENT[k],
+                    reaction(k)
+                );
+                let remedy = format!("give the total force as {} or {}", FORCE[k], total(k));
+                return fail(Code::ForcesNotATotal, message, remedy);
+            }
+            (None, None) => {
+                let message = format!("its force {} is missing", FORCE[k]);
+                let remedy = format!("give {} or {}; 0 where there is none", FORCE[k], total(k));
+                return fail(Code::ForcesMissingComponent, message, remedy);
+            }
+        };
+        let is_on_b = is_constrained && given.sign == ForceSign::ConstraintsOnB;
+        forces[k] = Some(if is_on_b { -force } else { force });
+    }
+    Ok(forces)
+}
+
+impl ForceResult {
+    /// What a request names of the forces given; `None` where there are none, or nothing of them is asked for.
+    pub(super) fn of(
+        connector: &Connector<f64>,
+        (state, branch): (&State<f64>, &Branch<f64>),
+        given: Option<&ElementForces>,
+        request: &Request,
+        tally: &mut Tally,
+    ) -> Option<Self> {
+        if !request.outputs().any(Output::is_of_forces) {
+            return None;
+        }
+        let components = component_forces(connector, given?).ok()?;
+        let mask = |output: Output| [0, 1, 2, 3, 4, 5].map(|k| request.wants(output, k));
+        let [nodal, geometric, derivative] = [Output::NF, Output::KG, Output::DNF].map(mask);
+        let is_wanted = |mask: Mask| mask.contains(&true);
+        let prints = connector.connection().printed.is_some() && is_wanted(mask(Output::PM));
+        let rotations = |k: usize| k > 2 && prints;
+        let constraints = |k: usize| connector.is_constrained(k) && is_wanted(mask(Output::LM));
+        let needed = [0, 1, 2, 3, 4, 5]
+            .map(|k| nodal[k] || geometric[k] || derivative[k] || rotations(k) || constraints(k));
+        let want = Want {
+            stiffness: is_wanted(geometric) || is_wanted(derivative),
+            multipliers: (0..6).any(constraints),
+        };
+        let rows = connector.force_rows(state, branch, needed, want, tally);
+        let of = |mask: Mask| [0, 1, 2, 3, 4, 5].map(|k| components[k].filter(|_| mask[k]));
+        let has_forces = components.iter().any(Option::is_some);
+        let given = |mask: Mask| is_wanted(mask) && has_forces;
+        let none = [None; 6];
+        Some(Self {
+            components,
+            printed: if prints { rows.printed(&components) } else { none },
+            multipliers: if want.multipliers { rows.multipliers(&components) } else { none },
+            nodal: given(nodal).then(|| rows.nodal(&of(nodal))),
+            geometric: given(geometric).then(|| rows.geometric_stiffness(&of(geometric))),
+            derivative: given(derivative).then(|| rows.derivative(&of(derivative))),
+            flags: if want.multipliers { dependent(&rows) } else { Vec::new() },
+        })
+    }
+}
+
+/// Multipliers of equations that are dependent, or nearly so.
+fn dependent(rows: &ForceRows<f64>) -> Vec<Flag> {
+    const AT: &str = "equations enforced that are dependent";
+    let (class, mut flags) = (SingularClass::TrueSingularity, Vec::new());
+    for (k, sine) in rows.independence().into_iter().enumerate() {
+        let component = COMPONENT[3 + k];
+        match sine {
+            Some(0.0) => flags.push(Flag::Singular { component, at: AT, class }),
+            Some(distance) if distance < crate::connector::ILL_CONDITIONED => {
+                flags.push(Flag::IllConditioned { component, at: AT, class, distance });
+            }
+            _ => {}
+        }
+    }
+    flags
+}

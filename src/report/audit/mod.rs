@@ -1,0 +1,61 @@
+//! Reports of an audit: for reading, as JSON, as JUnit XML.
+
+mod human;
+mod junit;
+
+pub use human::human;
+pub use junit::junit;
+
+use crate::audit::Report;
+use std::io::{self, Write};
+
+/// The schema of the JSON report.
+pub const SCHEMA: &str = "pintle-audit/1";
+
+#[derive(serde::Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    signs: &'static str,
+    rows: &'static str,
+    oracles: Vec<Described>,
+    mismatches: usize,
+    undecided: usize,
+    survivors: u64,
+    compared: u64,
+    #[serde(flatten)]
+    report: &'a Report,
+}
+
+#[derive(serde::Serialize)]
+struct Described {
+    name: &'static str,
+    meaning: &'static str,
+    shares: crate::audit::oracle::Shares,
+    independent: bool,
+}
+
+/// One JSON document, schema [`SCHEMA`].
+///
+/// # Errors
+/// Where the stream cannot be written to.
+pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+    let oracles = report.settings.oracles.iter().map(|oracle| Described {
+        name: oracle.name(),
+        meaning: oracle.meaning(),
+        shares: oracle.shares(),
+        independent: oracle.is_independent(),
+    });
+    let document = Document {
+        schema: SCHEMA,
+        signs: super::SIGNS,
+        rows: super::ROWS,
+        oracles: oracles.collect(),
+        mismatches: report.mismatches(),
+        undecided: report.undecided(),
+        survivors: report.survivors(),
+        compared: report.compared(),
+        report,
+    };
+    serde_json::to_writer_pretty(&mut *out, &document).map_err(io::Error::from)?;
+    writeln!(out)
+}

@@ -1,0 +1,336 @@
+//! The audit: it finds nothing wrong with the catalogue, and everything wrong with what is made wrong on purpose.
+
+use crate::{golden, manual};
+use pintle::audit::certificate::{Certificate, certificates};
+use pintle::audit::mutant::{Mistake, Scene, mutants};
+use pintle::audit::quantity::{Entries, product};
+use pintle::audit::sample::{Draw, Extent, Region, cases, draw_case};
+use pintle::audit::shrink::shrink;
+use pintle::audit::{
+    Against, Bound, Candidate, Case, CounterExample, Hex, Numbers, Oracle, Quantity, Report, Settings,
+    Verdict, atlas, audit_catalogue, invariant,
+};
+use pintle::catalog::{ConnectionType, TABLE};
+use pintle::connector::{Connector, Definition, Increment, NodalRow, Request, State, Tally};
+use pintle::node::{DOFS, Node, Pair};
+use pintle::vector::identity;
+use std::collections::BTreeMap;
+
+/// Every kind of check, at few states: the program's default has twenty times as many.
+fn brief() -> Settings {
+    Settings { states: 40, near_singular_states: 20, wide_states: 4, ..Settings::default() }
+}
+
+fn silent(_: &str) {}
+
+fn named(name: &str) -> &'static ConnectionType {
+    TABLE.iter().find(|entry| entry.name == name).unwrap()
+}
+
+/// Nothing is wrong, nothing survives, every singular set is what it is declared to be, and every quantity of every type was
+/// compared with an independent oracle.
+#[test]
+fn the_catalogue_passes() {
+    let report = audit_catalogue(&brief(), &silent);
+    let mut text = Vec::new();
+    pintle::report::audit::human(&mut text, &report, 120, false).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{text}");
+    assert!(report.atlas.iter().all(pintle::audit::Approach::is_confirmed), "{text}");
+    assert!(report.atlas.len() > 40);
+    for subject in &report.subjects {
+        assert_eq!(subject.derivative.headline(), Verdict::Pass, "{text}");
+        assert_eq!(subject.formula, Verdict::Pass, "{text}");
+        for quantity in Quantity::ALL {
+            let sharp = Against::Oracle(Oracle::WideDifferences);
+            let check = subject.checks.iter().find(|c| c.quantity == Some(quantity) && c.against == sharp);
+            let check = check.unwrap_or_else(|| panic!("{}: {} unchecked", subject.name, quantity.name()));
+            assert!(check.compared > 0 && check.score.killed > 0, "{}: {check:?}", subject.name);
+        }
+    }
+}
+
+/// The same audit on one thread and on three is the same, number by number.
+#[test]
+fn threads_do_not_matter() {
+    let settings =
+        Settings { states: 20, near_singular_states: 5, wide_states: 1, atlas: false, ..Settings::default() };
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let report = pool.install(|| audit_catalogue(&settings, &silent));
+        let mut text = Vec::new();
+        pintle::report::audit::json(&mut text, &report).unwrap();
+        text
+    };
+    assert!(on(1) == on(3));
+}
+
+/// The certificates in the source are what the golden values and the transcribed tables say.
+#[test]
+fn certificates_follow_from_the_tests() {
+    let states = golden::states_by_type();
+    let want: BTreeMap<String, Certificate> = manual::pages()
+        .map(|(name, page)| {
+            let jax_states = states.get(name).copied().unwrap_or(0);
+            (name.to_string(), Certificate { jax_states, manual_page: page.to_string() })
+        })
+        .collect();
+    let text = serde_json::to_string_pretty(&want).unwrap() + "\n";
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/audit/certificates.json");
+    if std::env::var_os("PINTLE_WRITE_CERTIFICATES").is_some() {
+        std::fs::write(path, &text).unwrap();
+        return;
+    }
+    assert!(
+        *certificates() == want,
+        "src/audit/certificates.json is not current: PINTLE_WRITE_CERTIFICATES=1 cargo test certificates_follow"
+    );
+}
+
+fn at_rest(name: &str) -> Definition {
+    let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
+    Definition::new(named(name).clone(), Pair { reference: [0.7, -0.4, 0.9], a: node, b: node })
+}
+
+/// The product as somebody's routine, with a mistake in one row.
+fn spoiled(name: &str, spoil: impl Fn(&State<f64>, &mut [Option<NodalRow<f64>>; 6])) -> Report {
+    let definition = at_rest(name);
+    let connector = Connector::<f64>::new(&definition);
+    Candidate::new("candidate", &definition).check(|state| {
+        let branch = connector.advance(state, &Increment::none(), &connector.initial_branch());
+        let asked = Request::everything(1);
+        let found = connector.evaluate(state, &Increment::none(), &branch, &asked, &mut Tally::default());
+        let values = std::array::from_fn(|k| found.residual[k].or(found.displacement[k]));
+        let mut rows = found.jacobian;
+        spoil(state, &mut rows);
+        (values, rows)
+    })
+}
+
+/// The entry that the report names as wrong.
+fn wrong_entry(report: &Report) -> String {
+    let wrong = report.subjects[0].checks.iter().find(|check| check.verdict == Verdict::Wrong);
+    wrong.map_or_else(|| "none".to_string(), |check| check.worst.as_ref().unwrap().entry.clone())
+}
+
+#[test]
+fn a_right_candidate_passes_and_a_wrong_one_is_named() {
+    for name in ["REVOLUTE", "CARTESIAN", "TRANSLATOR", "AXIAL", "UJOINT", "ROTATION"] {
+        spoiled(name, |_, _| {}).assert_ok();
+    }
+    let dropped = spoiled("REVOLUTE", |_, rows| {
+        rows[3].as_mut().unwrap()[10] = 0.0;
+    });
+    assert_eq!(wrong_entry(&dropped), "∂ur1/∂θb1");
+    let tiny = spoiled("CARTESIAN", |_, rows| {
+        rows[1].as_mut().unwrap()[8] *= 1.0 + 1e-9;
+    });
+    assert_eq!(wrong_entry(&tiny), "∂u2/∂xb2");
+    let lever = spoiled("CARTESIAN", |state, rows| {
+        let d = state.pair.separation();
+        let row = rows[0].as_mut().unwrap();
+        let g = [row[7], row[8], row[9]];
+        let lever = pintle::vector::cross(g, d);
+        for i in 0..3 {
+            row[3 + i] -= lever[i];
+        }
+    });
+    assert!(wrong_entry(&lever).starts_with("∂u1/∂θa"), "{}", wrong_entry(&lever));
+    let missing = spoiled("CARTESIAN", |_, rows| rows[2] = None);
+    assert!(wrong_entry(&missing).contains("is missing"), "{}", wrong_entry(&missing));
+    let infinite = spoiled("CARTESIAN", |_, rows| rows[2].as_mut().unwrap()[0] = f64::NAN);
+    let verdicts: Vec<Verdict> = infinite.subjects[0].checks.iter().map(|check| check.verdict).collect();
+    assert!(verdicts.contains(&Verdict::Invalid), "{verdicts:?}");
+}
+
+#[test]
+#[should_panic(expected = "∂ur1/∂θb1")]
+fn assert_ok_names_the_entry() {
+    spoiled("REVOLUTE", |_, rows| rows[3].as_mut().unwrap()[10] = 0.0).assert_ok();
+}
+
+/// Bound, numbers and truth of a case.
+fn judged(case: &Case) -> (Numbers<f64>, Bound, f64) {
+    let numbers = product(case).unwrap();
+    let step = case.last().unwrap();
+    let narrow = pintle::audit::oracle::Narrow::of(case).unwrap();
+    let nearness = narrow.nearness();
+    let bound = Bound::new(&numbers, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+    (numbers, bound, nearness)
+}
+
+/// At well-conditioned states every mistake of δ ≥ 1e-9 exceeds the tolerance, in every quantity of every type.
+#[test]
+fn mistakes_are_beyond_the_tolerance() {
+    for connection in TABLE {
+        let draw = &mut Draw::new(&connection.name);
+        for region in [Region::Aligned, Region::Misaligned] {
+            let case = draw_case(connection, region, draw).unwrap();
+            let (numbers, bound, _) = judged(&case);
+            for quantity in Quantity::ALL {
+                let entries = numbers.entries(quantity);
+                let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
+                let scene = Scene {
+                    numbers: &numbers,
+                    case: &case,
+                    units: [None; 6],
+                    turns: [0.0; 6],
+                    scale: &scale,
+                };
+                let largest: Vec<f64> = (0..6)
+                    .map(|k| entries.0[k].iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs())))
+                    .collect();
+                for mutant in mutants(quantity, &scene) {
+                    let Mistake::Scaled(delta) = mutant.mistake else { continue };
+                    let (k, i, x) = mutant.changes[0];
+                    let was = entries.get(k, i).unwrap();
+                    if delta >= 1e-9 && was.abs() > 1e-3 * largest[k] {
+                        let tolerance = bound.tolerance(quantity, k, i);
+                        assert!(
+                            (x - was).abs() > 2.0 * tolerance,
+                            "{} {} × (1 + {delta:e}): {:e} of {tolerance:e}",
+                            case.name,
+                            quantity.entry_name(k, i),
+                            x - was
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The verdict is the same in metres and millimetres, and in any axes: error and tolerance grow by the same factor, exactly so
+/// for a factor of 1024.
+#[test]
+fn units_and_axes_do_not_change_the_verdict() {
+    const FACTOR: f64 = 1024.0;
+    for connection in TABLE {
+        for case in cases(connection, Extent::Brief) {
+            let mut small = case.clone();
+            let shorten = |pair: &mut Pair<f64>| {
+                pair.reference = pair.reference.map(|x| x / FACTOR);
+                for node in [&mut pair.a, &mut pair.b] {
+                    node.displacement = node.displacement.map(|x| x / FACTOR);
+                    node.flow /= FACTOR;
+                }
+            };
+            shorten(&mut small.definition.initial);
+            small.definition.flow_scale *= FACTOR;
+            small.length /= FACTOR;
+            for step in &mut small.path {
+                shorten(&mut step.state.pair);
+                step.increment.flow = step.increment.flow.map(|x| x / FACTOR);
+                for rates in [&mut step.state.velocity, &mut step.state.acceleration] {
+                    for (j, rate) in rates.iter_mut().enumerate() {
+                        if !matches!(j % 7, 3..=5) {
+                            *rate /= FACTOR;
+                        }
+                    }
+                }
+            }
+            let [(large, bound, near), (little, fine, same)] = [judged(&case), judged(&small)];
+            assert_eq!(near, same);
+            for quantity in Quantity::ALL {
+                for (k, i, x) in large.entries(quantity).iter() {
+                    let y = little.entries(quantity).get(k, i).unwrap();
+                    let [t, s] = [bound.tolerance(quantity, k, i), fine.tolerance(quantity, k, i)];
+                    // A power of two, or the numbers are zero.
+                    assert!(
+                        x * s == y * t || (x - y * t / s).abs() <= 1e-12 * x.abs(),
+                        "{}: {x} {y} {t} {s}",
+                        case.name
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Values, not seeds: a counter-example is read back bit for bit, and a shrunk one is still one.
+#[test]
+fn counter_examples_are_values() {
+    for connection in TABLE {
+        let case = &cases(connection, Extent::Brief)[0];
+        let record = CounterExample::record(case, Against::Own);
+        let text = serde_json::to_string(&record).unwrap();
+        let again: CounterExample = serde_json::from_str(&text).unwrap();
+        assert_eq!(again, record);
+        let replayed = again.case().unwrap();
+        let [was, is] = [product(case).unwrap(), product(&replayed).unwrap()];
+        for quantity in Quantity::ALL {
+            let bits = |x: &Entries<f64>| x.iter().map(|(_, _, x)| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(was.entries(quantity)), bits(is.entries(quantity)), "{}", connection.name);
+        }
+    }
+    for x in [0.0, -0.0, 1.5, -5e-324, f64::MAX, f64::MIN_POSITIVE, 0.1, -1e300, f64::INFINITY] {
+        assert_eq!(Hex(x).to_string().parse::<Hex>().unwrap().0.to_bits(), x.to_bits());
+    }
+    for text in ["0x", "0x1.8", "0x2p+0", "0x1.00000000000001p+0", "0x1p+1024", "x", ""] {
+        assert!(text.parse::<Hex>().is_err(), "{text}");
+    }
+    let other = CounterExample { schema: "pintle-eval/1".into(), ..record_of("AXIAL") };
+    assert!(other.case().unwrap_err().to_string().contains("pintle-counterexample/1"));
+}
+
+fn record_of(name: &str) -> CounterExample {
+    CounterExample::record(&cases(named(name), Extent::Brief)[0], Against::Own)
+}
+
+#[test]
+fn a_counter_example_is_shrunk_while_it_fails() {
+    let case = cases(named("CARTESIAN"), Extent::Full).swap_remove(0);
+    // What fails is a lever on θ_a2: it needs a length across, and nothing else.
+    let fails = |case: &Case| {
+        let row = product(case).unwrap().entries(Quantity::FirstDerivatives).get(0, 4).unwrap();
+        row.abs() > 0.1
+    };
+    let small = shrink(&case, &fails);
+    assert!(fails(&small));
+    assert_eq!(small.last().unwrap().state.pair.b.triad, identity::<f64>());
+    let simple = |x: &f64| [0.0, 1.0, -1.0, 0.5, -0.5].contains(x);
+    assert!(
+        small.definition.initial.reference.iter().all(simple),
+        "{:?}",
+        small.definition.initial.reference
+    );
+    assert!(small.last().unwrap().state.velocity.iter().all(|x| *x == 0.0));
+}
+
+/// A check that compares nothing is no pass, and a law whose numbers are wrong speaks.
+#[test]
+fn nothing_compared_is_undecided() {
+    let settings =
+        Settings { oracles: [Oracle::NodalDual].into(), states: 5, near_singular_states: 0, ..brief() };
+    let report = audit_catalogue(&settings, &silent);
+    assert_eq!(report.undecided(), report.subjects.len());
+    let case = cases(named("BEAM"), Extent::Brief).swap_remove(0);
+    let (mut numbers, bound, _) = judged(&case);
+    let mut rows = numbers.entries(Quantity::FirstDerivatives).clone();
+    rows.0[4].as_mut().unwrap()[11] += 1e-9;
+    numbers.set(Quantity::FirstDerivatives, rows);
+    let context = invariant::Context::new(&case, &numbers, &bound).unwrap();
+    for law in [pintle::audit::Invariant::RigidModes, pintle::audit::Invariant::Halves] {
+        let demands = context.demands(law);
+        let (demand, units) = invariant::worst(&numbers, &demands).unwrap();
+        assert!(units > 1.0, "{law:?}");
+        assert!(demand.what.contains("ur2"), "{}", demand.what);
+    }
+}
+
+/// Steepness and errors of the atlas: a true singularity grows, a kink does not, and near each the value keeps its digits.
+#[test]
+fn the_atlas_tells_classes_apart() {
+    let of = |name: &str| atlas::atlas(named(name));
+    let lock = &of("CARDAN")[0];
+    assert!(lock.rungs[5].steepness > 1e5 && lock.is_confirmed());
+    let kink = &of("AXIAL")[0];
+    assert!(kink.rungs.iter().all(|rung| rung.steepness < 1.1) && kink.is_confirmed());
+    for approach in TABLE.iter().flat_map(atlas::atlas) {
+        for rung in &approach.rungs {
+            assert!(rung.value_error < 8.0, "{} {}: {rung:?}", approach.connection, approach.component);
+            assert!(rung.first_error < 8.0, "{} {}: {rung:?}", approach.connection, approach.component);
+        }
+    }
+    assert_eq!(DOFS, 14);
+}
