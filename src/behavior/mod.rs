@@ -9,12 +9,14 @@
 //! | [`table`] | what lies between the rows of a table? |
 //! | [`elasticity`], [`damping`] | which forces follow from displacements and velocities? |
 //! | [`friction`] | what sticks, what slips, and with which force? |
+//! | [`ground`] | what do springs and dashpots from a degree of freedom to ground give? |
 //! | [`amplitude`] | how does what is prescribed change in time? |
 
 pub mod amplitude;
 pub mod damping;
 pub mod elasticity;
 pub mod friction;
+pub mod ground;
 mod law;
 pub mod table;
 

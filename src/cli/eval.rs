@@ -113,7 +113,7 @@ fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
     let forces = arguments.forces.as_ref().map(|file| ForceFile::read(file, &scene, sign)).transpose()?;
     let with_source = |diagnostic: Diagnostic| match source {
         Source::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
-        Source::File(path) => match File::open(path) {
+        Source::File(_) => match File::open(diagnostic.file()) {
             Ok(file) => diagnostic.with_source(BufReader::new(file)),
             Err(_) => diagnostic,
         },

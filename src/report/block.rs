@@ -1,9 +1,10 @@
 //! One connector or MPC at one state, as every format writes it.
 
 use super::words;
+use crate::behavior::Unknown;
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Connector, Flag, NodalMatrix, Output, Request, StopStatus, Turns};
-use crate::evaluate::{ConnectorResult, ForceResult, Model, MpcResult};
+use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcResult};
 use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc::{self, DOFS as MPC_DOFS, ROWS as MPC_ROWS};
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
@@ -186,6 +187,8 @@ pub struct HingeFacts {
     pub given: Option<f64>,
     /// The axis as it is carried, global components.
     pub axis: [f64; 3],
+    /// What springs and dashpots to ground do to it, or why that is not known.
+    pub moments: Option<Result<HingeMoments, Unknown>>,
 }
 
 const NO_VALUES: [Option<Value>; Output::ALL.len()] = [None; Output::ALL.len()];
@@ -323,7 +326,8 @@ impl<'a> Block<'a> {
             })
         });
         let hinges = entry.angles.iter().enumerate().filter_map(|(i, name)| {
-            Some(HingeFacts { name, given: result.given[i], axis: evaluation.axes[i]? })
+            let (given, moments) = (result.given[i], result.moments[i]);
+            Some(HingeFacts { name, given, axis: evaluation.axes[i]?, moments })
         });
         Self {
             kind: Kind::Mpc,

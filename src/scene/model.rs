@@ -5,9 +5,9 @@
 
 use super::behavior::Behavior;
 use super::choice::choices;
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, Result};
 use super::label::Label;
-use super::orientation::Orientation;
+use super::orientation::{Definition, GLOBAL, Orientation, System, Triad};
 use super::span::{Span, Spanned};
 use super::states::State;
 use crate::mpc;
@@ -23,6 +23,9 @@ use std::collections::BTreeSet;
 pub struct Scene {
     /// The name of the file, or what the caller called the text.
     pub name: String,
+    /// Every file that was read, the deck first; spans count here.
+    #[serde(skip)]
+    pub files: Vec<String>,
     /// The text under `*HEADING`.
     pub heading: String,
     /// Nodes by number.
@@ -90,6 +93,15 @@ pub enum End {
     B,
 }
 
+impl Diagnostic {
+    /// The same, in the file of a scene that its place is in.
+    #[must_use]
+    pub(crate) fn in_scene(self, scene: &Scene) -> Self {
+        let file = scene.files.get(usize::from(self.span().file()));
+        self.in_file(file.unwrap_or(&scene.name))
+    }
+}
+
 impl Scene {
     /// The initial position of an end of a connector. The ground sits where the other node is.
     #[must_use]
@@ -106,6 +118,21 @@ impl Scene {
     pub fn element_nodes(&self, connector: &ConnectorElement) -> Vec<[f64; 3]> {
         let nodes = [connector.a, connector.b].into_iter().flatten();
         nodes.filter_map(|node| self.nodes.get(&node)).map(|node| node.coordinates).collect()
+    }
+
+    /// The directions in which displacements, rotations, forces and moments of a node are expressed in boundary conditions,
+    /// loads and nodal output: those of its `*TRANSFORM` at the initial position of the node, or the global ones. Connectors
+    /// do not know them: what they measure and their own forces are as without.
+    ///
+    /// # Errors
+    /// [`Code::DegenerateOrientation`](super::Code::DegenerateOrientation) where the points of the transform define no
+    /// directions at the node; the reader of decks has excluded it.
+    pub fn nodal_axes(&self, node: Label) -> Result<Triad> {
+        let Some(position) = self.nodes.get(&node).map(|node| node.coordinates) else { return Ok(GLOBAL) };
+        let holds = |transform: &&Transform| {
+            self.node_sets.get(&transform.node_set.value).is_some_and(|set| set.contains(node))
+        };
+        self.transforms.iter().find(holds).map_or(Ok(GLOBAL), |transform| transform.triad(self, position))
     }
 
     /// The section of a connector element.
@@ -136,11 +163,22 @@ pub struct Node {
 pub struct Set {
     /// The members that the scene has, each once: ascending, or as written when the set is UNSORTED.
     pub labels: Vec<Label>,
-    /// Members that are elements of types that the scene does not have.
+    /// UNSORTED: the members stand as written.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub unsorted: bool,
+    /// Members that are elements of types that the scene does not have; for a set of nodes, elements whose nodes it lacks.
     pub unmodelled: u64,
     /// Where it was first defined.
     #[serde(skip)]
     pub span: Span,
+}
+
+impl Set {
+    /// Is it a member? In logarithmic time where the members ascend.
+    #[must_use]
+    pub fn contains(&self, label: Label) -> bool {
+        if self.unsorted { self.labels.contains(&label) } else { self.labels.binary_search(&label).is_ok() }
+    }
 }
 
 /// The space a connector element lives in.
@@ -370,6 +408,23 @@ pub struct Transform {
     pub a: [f64; 3],
     /// The second point.
     pub b: [f64; 3],
+}
+
+impl Transform {
+    /// The directions at `point`: e1, e2, e3, each in global components. They are right to a few units in the last place.
+    ///
+    /// # Errors
+    /// [`Code::DegenerateOrientation`](super::Code::DegenerateOrientation) where the points define no directions there.
+    pub fn triad(&self, scene: &Scene, point: [f64; 3]) -> Result<Triad> {
+        let system = match self.kind {
+            TransformKind::Rectangular => System::Rectangular,
+            TransformKind::Cylindrical => System::Cylindrical,
+            TransformKind::Spherical => System::Spherical,
+        };
+        let definition = Definition::Coordinates { a: self.a, b: self.b, c: [0.0; 3] };
+        let axes = Orientation { system, definition, axis: 1, angle: 0.0, span: self.node_set.span };
+        axes.triad(&format!("by *TRANSFORM of set {}", self.node_set.value), scene, point, &[])
+    }
 }
 
 choices! {

@@ -203,12 +203,12 @@ impl Orientation {
     }
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// The vector times a power of two that keeps its squares within range.
-fn scaled(v: [f64; 3]) -> [f64; 3] {
+pub(crate) fn scaled(v: [f64; 3]) -> [f64; 3] {
     let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
     let factor = if largest > 1e140 {
         2f64.powi(-600)

@@ -300,13 +300,19 @@ pub(super) fn csv_rows(
             .help(format!("separate fields by commas, one row per {needed} and state"))
     };
     let mut record = csv::StringRecord::new();
-    let header = reader.read_record(&mut record).map_err(|error| malformed(&error))?;
-    if !header {
+    // A line of blanks is none, as an empty one.
+    let mut next = |record: &mut csv::StringRecord| loop {
+        let is_there = reader.read_record(record).map_err(|error| malformed(&error))?;
+        if !(is_there && record.len() == 1 && record.iter().all(str::is_empty)) {
+            return Ok(is_there);
+        }
+    };
+    if !next(&mut record)? {
         return Err(empty("columns"));
     }
     let columns = header_columns(&record, row_span(&record, text), known, find, needed)?;
     let mut is_empty = true;
-    while reader.read_record(&mut record).map_err(|error| malformed(&error))? {
+    while next(&mut record)? {
         let span = row_span(&record, text);
         if record.len() != columns.len() {
             let message = format!("a row of {} fields under a header of {}", record.len(), columns.len());

@@ -1,6 +1,6 @@
 //! The keywords that are understood: where they may stand, and which parameters they take.
 
-use super::{Deck, behavior, connector, history, mesh};
+use super::{Deck, assembly, behavior, connector, generate, history, mesh};
 use crate::scene::behavior::{
     Basis, DamageCriterion, DamageEvolutionKind, DampingKind, Degradation, Extrapolation,
     HardeningDefinition, HardeningKind, Integration, Operator, PotentialOperator, RateInterpolation,
@@ -154,14 +154,27 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "NSET",
         Model,
-        &[need("NSET", Name), may("GENERATE", Flag), pass("INTERNAL", Flag), may("UNSORTED", Flag)],
+        &[
+            need("NSET", Name),
+            may("ELSET", Name),
+            may("GENERATE", Flag),
+            may("INSTANCE", Name),
+            pass("INTERNAL", Flag),
+            may("UNSORTED", Flag),
+        ],
         "each line lists nodes or node sets; with GENERATE: first, last, increment",
         mesh::node_set,
     ),
     rule(
         "ELSET",
         Model,
-        &[need("ELSET", Name), may("GENERATE", Flag), pass("INTERNAL", Flag), may("UNSORTED", Flag)],
+        &[
+            need("ELSET", Name),
+            may("GENERATE", Flag),
+            may("INSTANCE", Name),
+            pass("INTERNAL", Flag),
+            may("UNSORTED", Flag),
+        ],
         "each line lists elements or element sets; with GENERATE: first, last, increment",
         mesh::element_set,
     ),
@@ -172,6 +185,32 @@ pub(super) static RULES: &[Rule] = &[
         "each line is: element, node, node …",
         mesh::element,
     ),
+    rule(
+        "NGEN",
+        Model,
+        &[may("NSET", Name), may("LINE", One(&["P", "C"])), may("SYSTEM", One(&["RC", "C", "S"]))],
+        "each line is: first node, last node, increment",
+        generate::nodes,
+    ),
+    rule(
+        "ELGEN",
+        Model,
+        &[may("ELSET", Name)],
+        "each line is: element, number, node increment, element increment, and again for rows and layers",
+        generate::elements,
+    ),
+    rule("PART", Model, &[need("NAME", Name)], "it takes no data lines", assembly::part),
+    rule("END PART", Model, &[], "it takes no data lines", assembly::end_part),
+    rule("ASSEMBLY", Model, &[may("NAME", Name)], "it takes no data lines", assembly::assembly),
+    rule("END ASSEMBLY", Model, &[], "it takes no data lines", assembly::end_assembly),
+    rule(
+        "INSTANCE",
+        Model,
+        &[need("NAME", Name), need("PART", Name)],
+        "line 1 is a translation, line 2: two points of an axis, and an angle in degrees",
+        assembly::instance,
+    ),
+    rule("END INSTANCE", Model, &[], "it takes no data lines", assembly::end_instance),
     rule(
         "ORIENTATION",
         Model,
@@ -562,15 +601,9 @@ pub(super) fn find(name: &str) -> Option<&'static Rule> {
 /// Why a keyword may not be skipped, if it is one of those without which the model is another.
 pub(super) fn indispensable(name: &str) -> Option<&'static str> {
     Some(match name {
-        "INCLUDE" => "copy the lines of the included file into the deck",
-        "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => {
-            "write the deck without parts and instances (in CAE: model attributes, no parts and assemblies)"
-        }
-        "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "IMPERFECTION" => {
-            "list the nodes under *NODE, at their final positions"
-        }
+        "NFILL" | "NCOPY" | "NMAP" | "IMPERFECTION" => "list the nodes under *NODE, at their final positions",
         "SYSTEM" => "list the nodes under *NODE in global coordinates, without *SYSTEM",
-        "ELGEN" | "ELCOPY" => "list the elements under *ELEMENT",
+        "ELCOPY" => "list the elements under *ELEMENT",
         "PARAMETER" => "replace the parameters by their values",
         "IMPORT" | "IMPORT NODE SET" => "list the imported nodes and elements",
         "MODEL CHANGE" => "remove or add the elements in the deck itself",
@@ -586,6 +619,32 @@ pub(super) fn outputs() -> impl Iterator<Item = &'static str> {
 /// Is it a keyword of output requests?
 pub(super) fn is_output(name: &str) -> bool {
     outputs().any(|output| output == name)
+}
+
+/// Does a keyword begin or end a part, an instance or the assembly?
+pub(super) fn is_of_assembly(name: &str) -> bool {
+    matches!(name, "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE")
+}
+
+/// Does a keyword define what belongs to a part, an instance or the assembly, where a deck has these?
+pub(super) fn is_of_level(name: &str) -> bool {
+    matches!(
+        name,
+        "NODE"
+            | "NSET"
+            | "NGEN"
+            | "ELEMENT"
+            | "ELSET"
+            | "ELGEN"
+            | "ORIENTATION"
+            | "TRANSFORM"
+            | "MASS"
+            | "ROTARY INERTIA"
+            | "SPRING"
+            | "DASHPOT"
+            | "MPC"
+            | "CONNECTOR SECTION"
+    )
 }
 
 /// Procedures that are noted but not read.

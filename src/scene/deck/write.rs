@@ -12,10 +12,12 @@ use crate::scene::document::form::{
     self, Behavior, Boundary, Damage, Document, Entries, Friction, Hardening, Independent, Item, Law, Lock,
     Member, Options, Plasticity, PointOrNode, Potential, Row, Source, Step, Target,
 };
+use crate::scene::label::{Instance, Label, LabelError};
 use crate::scene::lexer::{Places, normal};
 use crate::scene::model::{Dimension, MotionType, Operation, PointKind};
 use crate::scene::orientation::System;
 use crate::scene::span::{Span, Spanned};
+use indexmap::IndexMap;
 use std::fmt::Write as _;
 
 /// Members of a set on one data line.
@@ -39,6 +41,10 @@ pub(in crate::scene) fn deck(document: &Document) -> Result<Deck> {
     deck.heading(&document.heading)?;
     deck.mesh(document)?;
     deck.properties(document)?;
+    if !instances(document).is_empty() {
+        deck.keyword("END ASSEMBLY", Span::default());
+        deck.go();
+    }
     for (name, amplitude) in &document.amplitudes.0 {
         deck.amplitude(name, amplitude)?;
     }
@@ -297,19 +303,12 @@ impl Deck {
     }
 
     fn mesh(&mut self, document: &Document) -> Result<()> {
-        if let Some((first, _)) = document.nodes.0.first() {
-            self.keyword("NODE", first.span);
-            self.go();
+        let instances = instances(document);
+        if instances.is_empty() {
+            self.level(document, None, &mut Written::default(), &mut Written::default())?;
+        } else {
+            self.assembly(document, &instances)?;
         }
-        for (label, point) in &document.nodes.0 {
-            self.begin(label.span);
-            self.key(label);
-            for coordinate in &point.value.0 {
-                self.number(coordinate.value, coordinate.span);
-            }
-            self.end(false);
-        }
-        self.elements(document)?;
         self.sets("NSET", &document.node_sets)?;
         self.sets("ELSET", &document.element_sets)?;
         for (name, orientation) in &document.orientations.0 {
@@ -328,18 +327,80 @@ impl Deck {
         Ok(())
     }
 
-    /// A node or element number that names an entry.
+    /// A node or element number that names an entry; within its instance that is a number alone.
     fn key(&mut self, label: &Name) {
-        let text = label.value.trim();
-        let safe = !text.is_empty() && !has_control(text) && !text.contains([',', '*']);
-        let text =
-            if safe { text.to_owned() } else { format!("`{}`", text.escape_debug()).replace(',', " ") };
-        self.item(&text, label.span);
+        let text = label_of(label).map(|label| label.number().to_string());
+        let text = text.unwrap_or_else(|| {
+            // What is no label must not become another line; the reader of decks says what is wrong with it.
+            label.value.escape_debug().to_string().replace([',', '*'], " ")
+        });
+        self.item(if text.trim().is_empty() { "\"\"" } else { text.trim() }, label.span);
     }
 
-    fn elements(&mut self, document: &Document) -> Result<()> {
+    /// A part for every instance, already in its place; then the assembly, which its caller ends.
+    fn assembly(&mut self, document: &Document, instances: &IndexMap<Instance, Span>) -> Result<()> {
+        for (instance, span) in instances {
+            self.block("PART", "NAME", instance.name(), *span)?;
+            let own = Some(*instance);
+            self.level(document, own, &mut Written::default(), &mut Written::default())?;
+            self.keyword("END PART", *span);
+            self.go();
+        }
+        self.keyword("ASSEMBLY", Span::default());
+        self.parameter("NAME", "ASSEMBLY", Span::default());
+        self.go();
+        let (mut nodes, mut elements) = (Written::default(), Written::default());
+        for (instance, span) in instances {
+            let before =
+                |label: &Name| label_of(label).is_some_and(|label| label.instance() == Some(*instance));
+            nodes.until = document.nodes.0.iter().position(|(label, _)| before(label)).unwrap_or(0);
+            elements.until = document.connectors.0.iter().position(|(label, _)| before(label)).unwrap_or(0);
+            self.level(document, None, &mut nodes, &mut elements)?;
+            let name = Spanned::new(instance.name().to_owned(), *span);
+            self.keyword("INSTANCE", *span);
+            self.name("NAME", &name)?;
+            self.name("PART", &name)?;
+            self.go();
+            self.keyword("END INSTANCE", *span);
+            self.go();
+        }
+        (nodes.until, elements.until) = (usize::MAX, usize::MAX);
+        self.level(document, None, &mut nodes, &mut elements)
+    }
+
+    fn block(&mut self, keyword: &str, parameter: &str, name: &str, span: Span) -> Result<()> {
+        self.keyword(keyword, span);
+        self.name(parameter, &Spanned::new(name.to_owned(), span))?;
+        self.go();
+        Ok(())
+    }
+
+    /// The nodes and elements of an instance, or of none, that are not written yet.
+    fn level(
+        &mut self,
+        document: &Document,
+        instance: Option<Instance>,
+        nodes: &mut Written,
+        elements: &mut Written,
+    ) -> Result<()> {
+        let here = |label: &Name| label_of(label).and_then(Label::instance) == instance;
+        let mut open = false;
+        for (label, point) in nodes.next(&document.nodes.0).iter().filter(|(label, _)| here(label)) {
+            if !open {
+                self.keyword("NODE", label.span);
+                self.go();
+                open = true;
+            }
+            self.begin(label.span);
+            self.key(label);
+            for coordinate in &point.value.0 {
+                self.number(coordinate.value, coordinate.span);
+            }
+            self.end(false);
+        }
         let mut open: Option<Dimension> = None;
-        for (label, connector) in &document.connectors.0 {
+        let connectors = elements.next(&document.connectors.0);
+        for (label, connector) in connectors.iter().filter(|(label, _)| here(label)) {
             let dimension = connector.value.dimension.unwrap_or(Dimension::Three);
             if open != Some(dimension) {
                 self.keyword("ELEMENT", label.span);
@@ -351,14 +412,16 @@ impl Deck {
             self.key(label);
             for end in [&connector.value.a, &connector.value.b] {
                 match end {
-                    Some(node) => self.target(node)?,
+                    Some(node) => self.node_of(node, label, instance)?,
                     None => self.item("", label.span),
                 }
             }
             self.end(connector.value.b.is_none());
         }
+        // Point elements of the assembly come last: nothing depends on their order among the connectors.
+        let points = if elements.until == usize::MAX { document.point_elements.0.as_slice() } else { &[] };
         let mut open: Option<PointKind> = None;
-        for (label, element) in &document.point_elements.0 {
+        for (label, element) in points.iter().filter(|(label, _)| here(label)) {
             if open != Some(element.value.kind) {
                 self.keyword("ELEMENT", label.span);
                 self.parameter("TYPE", element.value.kind.name(), label.span);
@@ -368,11 +431,31 @@ impl Deck {
             self.begin(label.span);
             self.key(label);
             for node in &element.value.nodes {
-                self.target(node)?;
+                self.node_of(node, label, instance)?;
             }
             self.end(false);
         }
         Ok(())
+    }
+
+    /// A node of an element: within an instance its number, for there it can be no other's.
+    fn node_of(&mut self, node: &Spanned<Target>, element: &Name, instance: Option<Instance>) -> Result<()> {
+        let Some(instance) = instance else { return self.target(node) };
+        match node.value.to_string().parse::<Label>() {
+            Ok(label) if label.instance() == Some(instance) => {
+                self.item(&label.number().to_string(), node.span);
+                Ok(())
+            }
+            _ => {
+                let message = format!(
+                    "element {} belongs to instance {instance}, and its node {} does not",
+                    element.value.escape_debug(),
+                    node.value.to_string().escape_debug()
+                );
+                let remedy = "call the element by a number alone, or name a node of the instance";
+                Err(refuse(Code::BadConnectivity, node.span, message, "of another instance", remedy))
+            }
+        }
     }
 
     fn sets(&mut self, keyword: &str, sets: &Entries<Vec<Spanned<Member>>>) -> Result<()> {
@@ -1277,6 +1360,46 @@ fn number(value: f64) -> String {
     text
 }
 
+/// What of a list is written: up to `done`, and next up to `until`.
+#[derive(Debug, Clone, Copy)]
+struct Written {
+    done: usize,
+    until: usize,
+}
+
+impl Default for Written {
+    fn default() -> Self {
+        Self { done: 0, until: usize::MAX }
+    }
+}
+
+impl Written {
+    fn next<'a, T>(&mut self, list: &'a [T]) -> &'a [T] {
+        let until = self.until.min(list.len()).max(self.done);
+        let next = list.get(self.done..until).unwrap_or_default();
+        self.done = until;
+        next
+    }
+}
+
+fn label_of(name: &Name) -> Option<Label> {
+    name.value.parse().ok()
+}
+
+/// The instances of which a document has nodes or elements, in their order.
+fn instances(document: &Document) -> IndexMap<Instance, Span> {
+    let nodes = document.nodes.0.iter().map(|(label, _)| label);
+    let connectors = document.connectors.0.iter().map(|(label, _)| label);
+    let points = document.point_elements.0.iter().map(|(label, _)| label);
+    let mut found = IndexMap::new();
+    for name in nodes.chain(connectors).chain(points) {
+        if let Some(instance) = label_of(name).and_then(Label::instance) {
+            found.entry(instance).or_insert(name.span);
+        }
+    }
+    found
+}
+
 /// The number of field variables of a table: that of the row with the most.
 fn fields(rows: &[Spanned<Row>]) -> usize {
     rows.iter().map(|row| row.value.fields.len()).max().unwrap_or(0)
@@ -1289,7 +1412,6 @@ fn dependencies(count: Option<Spanned<u64>>) -> usize {
 
 /// A label as a deck writes it, or a name.
 fn label_or_name(text: &str, span: Span) -> Result<String> {
-    use crate::scene::label::{Label, LabelError};
     match text.parse::<Label>() {
         Ok(label) => Ok(label.to_string()),
         Err(LabelError::OutOfRange(_)) => Ok(text.trim().to_owned()),

@@ -12,6 +12,7 @@ mod write;
 
 use super::deck;
 use super::diagnostic::{Code, Diagnostic, Result};
+use super::include::{Named, NoFiles};
 use super::label::Label;
 use super::model::{Scene, Skipped};
 use super::span::{Span, Spanned};
@@ -130,7 +131,8 @@ fn parse(name: &str, text: &str, format: Format) -> Result<Scene> {
     if let Ok(scene) = &mut result {
         scene.warnings = std::mem::take(&mut scene.warnings).into_iter().map(wording::of_document).collect();
     }
-    deck::finish(result, name, |diagnostics| Diagnostic::attach(diagnostics, name, text.as_bytes()))
+    let source = Named { root: name, text: Some(text.as_bytes()), files: &NoFiles };
+    deck::finish((result, vec![name.to_owned()]), &source)
 }
 
 fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
@@ -151,7 +153,7 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
             .help("give nodes, such as nodes.1 = [0, 0, 0]"));
     }
     let states = std::mem::take(&mut document.states);
-    let mut scene = deck::of_document(&document)?;
+    let mut scene = deck::of_document(name, &document).0?;
     name.clone_into(&mut scene.name);
     scene.axisymmetric = document.axisymmetric;
     // Nothing of a document is passed over; the deck it stands for may name procedures without data.

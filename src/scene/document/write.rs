@@ -124,6 +124,7 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
         states,
         solver: _,
         skipped: _,
+        files: _,
         warnings: _,
     } = scene;
     let connector = |element: &super::super::model::ConnectorElement| form::Connector {
