@@ -238,7 +238,7 @@ States: a table (.csv) or a document (.json); examples below. They are evaluated
   are comments. Only node is needed.
     state              rows of one number form one state; it must not decrease
     time               the same in all rows of a state
-    node               the node number
+    node               the node number; INSTANCE.NUMBER in an assembly, CRANK-1.5
     u1 u2 u3           displacement from the initial position
     ur1 ur2 ur3        total rotation from the initial orientation, as a
                        rotation vector; turns are kept where it is longer than π
