@@ -739,8 +739,10 @@ pub struct Skipped {
     /// Elements of types that are not connectors, masses, springs or dashpots.
     pub element_types: IndexMap<String, SkippedItem>,
     /// Parameters and data of keywords that are understood, such as `*STATIC, DIRECT`.
+    #[serde(skip)]
     pub parameters: IndexMap<String, SkippedItem>,
     /// Comment lines.
+    #[serde(skip)]
     pub comments: u64,
 }
 
