@@ -10,14 +10,19 @@
 //! | [`elasticity`], [`damping`] | which forces follow from displacements and velocities? |
 //! | [`friction`] | what sticks, what slips, and with which force? |
 //! | [`ground`] | what do springs and dashpots from a degree of freedom to ground give? |
-//! | [`amplitude`] | how does what is prescribed change in time? |
+//! | [`amplitude`], [`drive`] | how does what is prescribed change in time? |
+//! | [`limits`] | when does a component lock or fail? |
+//! | [`state`] | what of all that holds at one state, after its history? |
 
 pub mod amplitude;
 pub mod damping;
+pub mod drive;
 pub mod elasticity;
 pub mod friction;
 pub mod ground;
 mod law;
+pub mod limits;
+pub mod state;
 pub mod table;
 
 pub use law::ForceKink;
@@ -78,6 +83,44 @@ pub enum Unknown {
     Field(usize),
     /// A rigid elasticity: motions do not tell its force.
     Rigid,
+    /// It depends on the time, which the state does not give.
+    Time,
+    /// It is a velocity formed from increments, and the time since the previous state is not known, or zero.
+    TimeStep,
+    /// The time lies after the last step whose length is known.
+    AfterSteps,
+    /// It is counted from where the component was at the beginning of a step, and no state was given there.
+    StepBeginning,
+    /// A subroutine, another program or the solution gives it.
+    External,
+    /// A reaction: motions do not tell it, and no total force is given.
+    Reaction,
+    /// It rests on another part that is not known.
+    Part,
+    /// Friction acts on the component, and is not evaluated.
+    Friction,
+    /// Plasticity or damage acts on the component, and is not evaluated.
+    Inelastic,
+}
+
+impl Unknown {
+    /// Why, in words.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Self::Temperature => "it depends on the temperature, which is not given",
+            Self::Field(_) => "it depends on a field variable that is not given",
+            Self::Rigid => "its elasticity is rigid, and no total force is given",
+            Self::Time => "it depends on the time, which the state does not give",
+            Self::TimeStep => "its velocity is an increment over a time step that is not known, or zero",
+            Self::AfterSteps => "the time lies after the last step whose length is known",
+            Self::StepBeginning => "it counts from the beginning of a step, and no state was given there",
+            Self::External => "a subroutine, another program or the solution gives it",
+            Self::Reaction => "motions do not tell a reaction, and no total force is given",
+            Self::Part => "a part of it is not known",
+            Self::Friction => "friction acts on the component, and is not evaluated",
+            Self::Inelastic => "plasticity or damage acts on the component, and is not evaluated",
+        }
+    }
 }
 
 /// The forces of one kind: of the components that have one, unless it is not known.

@@ -1,8 +1,9 @@
 //! `pintle eval`.
 
 use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
+use pintle::behavior::state::Velocities;
 use pintle::connector::{Flag, Output, Request};
-use pintle::evaluate::{Branches, Item, Model, Plan, Selection, Sequence, request};
+use pintle::evaluate::{Branches, ElementBehavior, Item, Model, Plan, Selection, Sequence, request};
 use pintle::report::{self, Block, Format, Subject};
 use pintle::scene::{Diagnostic, Example, ForceFile, ForceSign, GALLERY, Scene, State, StateFile};
 use serde::{Deserialize, Serialize};
@@ -53,7 +54,9 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
         match arguments.format {
             EvalFormat::Csv => {
                 let outputs = request.outputs().collect();
-                let mut format = report::csv::Csv::new(&mut out, outputs, request.order);
+                let has_slopes = request.outputs().any(|output| output == Output::TANGENT);
+                let order = request.order.max(u8::from(has_slopes));
+                let mut format = report::csv::Csv::new(&mut out, outputs, order);
                 walk(arguments, &mut loaded, &request, &mut format)?;
                 drop(format);
                 Ok(out.flush()?)
@@ -142,14 +145,24 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     let stops = |loaded: &Loaded| {
         loaded.model.connectors.iter().any(|element| element.connector.stops().iter().any(Option::is_some))
     };
-    if loaded.iter().any(stops) {
+    let elements = || loaded.iter().flat_map(|loaded| &loaded.model.connectors);
+    let acts = |what: fn(&ElementBehavior) -> bool| elements().any(|one| what(&one.behavior));
+    if loaded.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
         outputs.push(Output::CSLST);
+    }
+    for (output, is_there) in [
+        (Output::CEF, acts(|one| one.behavior.elasticity.components().contains(&true))),
+        (Output::CVF, acts(|one| one.behavior.damping.components().contains(&true))),
+        (Output::CCF, acts(|one| one.drives.loads.iter().any(Option::is_some))),
+        (Output::CFAILST, acts(|one| !one.behavior.failures.is_empty())),
+        (Output::DRIVEN, acts(|one| one.drives.motions.iter().any(Option::is_some))),
+    ] {
+        outputs.extend(is_there.then_some(output));
     }
     let has_forces = |loaded: &Loaded| {
         loaded.forces.is_some() || loaded.states.iter().any(|state| !state.forces.is_empty())
     };
     if loaded.iter().any(has_forces) {
-        let elements = || loaded.iter().flat_map(|loaded| &loaded.model.connectors);
         outputs.push(Output::CTF);
         outputs.extend(
             elements().any(|element| element.connector.connection().printed.is_some()).then_some(Output::PM),
@@ -233,6 +246,9 @@ fn walk(
     let mut progress = Progress::new();
     for (Loaded { scene, states, model, .. }, (plan, branches, shown, numbers)) in loaded.iter().zip(&walks) {
         let mut sequence = Sequence::resume(model, plan, branches.clone());
+        if !states.iter().any(moves) {
+            sequence.set_velocities(Velocities::Increments);
+        }
         let [first, last] =
             [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
         format.scene(&Subject { scene, model, plan, states: states.len(), shown, first, last })?;
@@ -245,7 +261,7 @@ fn walk(
                         Item::Connector(result) => Block::of_connector(model, request, result),
                         Item::Mpc(result) => Block::of_mpc(model, request, result),
                     };
-                    evaluated += u64::from(!block.is_empty());
+                    evaluated += u64::from(block.has_numbers());
                     care.see(index, &title(model, &item), &block.flags);
                     format.block(&block)
                 })?;

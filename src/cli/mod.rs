@@ -238,7 +238,7 @@ States: a table (.csv) or a document (.json); examples below. They are evaluated
   are comments. Only node is needed.
     state              rows of one number form one state; it must not decrease
     time               the same in all rows of a state
-    node               the node number
+    node               the node number; INSTANCE.NUMBER in an assembly, CRANK-1.5
     u1 u2 u3           displacement from the initial position
     ur1 ur2 ur3        total rotation from the initial orientation, as a
                        rotation vector; turns are kept where it is longer than π
@@ -275,9 +275,15 @@ Outputs:
   CV, CA         velocity, acceleration
   RES, RESV      residual of each constrained component, and its rate J q̇
   RESB, RESA     J̇ q̇, and the acceleration J q̈ + J̇ q̇ of the residual
-  CSLST          stop status, 1 at a limit
-  CTF, PM        given component forces; moments by which the printed formula
-                 gives the same moment, where that is another one
+  CSLST          stop and lock status, 1 at a limit
+  CEF, CVF, CCF  elastic force, viscous force, applied connector load
+  CRF, CTF       reaction; total force CEF + CVF + CRF − CCF, or as given
+  CFAILST        failure status, 1 when released
+  DRIVEN         what a connector motion prescribes; RES is how far off it is
+  TANGENT        slopes of elastic and viscous forces by displacement, velocity
+                 and, where velocities are increments, time step
+  PM             moments by which the printed formula gives the same moment,
+                 where that is another one
   LM             multipliers of the equations enforced (those of RES)
   NF             nodal forces, residual-side: rows transposed × forces; those of
                  the ground are its reactions; NF4 is the part of m1
@@ -285,11 +291,15 @@ Outputs:
                  constant component forces, rotations spatial
   TURNS, MARGIN  whole turns counted; distance to the nearest singular point
   CU names all components, CUR the rotations, CU1 to CU3 and CUR1 to CUR3 one
-  of them; likewise CP, CCU, CV, CA. The others take 1 to 6: RES4 is that of
-  ur1. Derivatives are taken of every component named.
-  Without --outputs: CP, CU, RES; CV and CA if a state has rates; CSLST if a
-  connector has stops; CTF, PM, NF if forces are given; in every format. What is
-  not asked for is not computed.
+  of them; likewise CP, CCU, CV, CA. CTF names all forces, CTM the moments, CTF1
+  to CTF3 and CTM1 to CTM3 one of them; likewise CEF, CVF, CRF, CCF. The others
+  take 1 to 6: RES4 is that of ur1. Derivatives are taken of every component
+  named.
+  Without --outputs: CP, CU, RES; CV and CA if a state has rates; CSLST, CEF, CVF,
+  CCF, CFAILST, DRIVEN if a connector has what they tell of; CTF, PM, NF if
+  forces are given; in every format. What is not asked for is not computed.
+  Velocities of dampers are the rates of the states; if no state has rates, they
+  are increments over the time between states, as in statics.
 
 Tables: a number that needs an exponent and is below 1e-10 of the largest in
   its table is shown with 4 digits: it is rounding, or nearly so.

@@ -20,7 +20,7 @@ pub struct Stop {
     pub upper: Option<f64>,
 }
 
-/// Whether a stop is reached (output CSLST).
+/// Whether a stop is reached, or a lock closed (output CSLST).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopStatus {
@@ -30,14 +30,25 @@ pub enum StopStatus {
     AtLower,
     /// At or above the upper limit: 1.
     AtUpper,
+    /// Held by a lock: 1.
+    Locked,
 }
 
 impl StopStatus {
+    /// Whether a position is at a stop.
+    pub fn at(stop: &Stop, position: f64) -> Self {
+        match *stop {
+            Stop { lower: Some(lower), .. } if position <= lower => Self::AtLower,
+            Stop { upper: Some(upper), .. } if position >= upper => Self::AtUpper,
+            _ => Self::Free,
+        }
+    }
+
     /// The value of CSLST: 1 at a limit, else 0.
     pub const fn flag(self) -> u8 {
         match self {
             Self::Free => 0,
-            Self::AtLower | Self::AtUpper => 1,
+            Self::AtLower | Self::AtUpper | Self::Locked => 1,
         }
     }
 }
@@ -97,6 +108,70 @@ pub enum Flag {
         /// `u3`, `ur1` or `ur2`, by what moved.
         component: &'static str,
     },
+    /// A force is asked for and not known.
+    NotKnown {
+        /// The component.
+        component: &'static str,
+        /// The output.
+        quantity: &'static str,
+        /// Why, in words.
+        why: &'static str,
+    },
+    /// A force whose slope jumps here: at a row of a table, or where it starts to act.
+    ForceKink {
+        /// The component.
+        component: &'static str,
+        /// Where the slopes meet.
+        at: f64,
+        /// The slope below.
+        left: f64,
+        /// The slope above.
+        right: f64,
+    },
+    /// A position lies beyond its stop.
+    BeyondStop {
+        /// The component.
+        component: &'static str,
+        /// How far.
+        by: f64,
+    },
+    /// The reaction at a stop pulls: nothing holds the component there.
+    StopPulls {
+        /// The component.
+        component: &'static str,
+        /// CRF.
+        reaction: f64,
+    },
+    /// A limit was passed, and a lock closed.
+    Locked {
+        /// The component whose limit it is.
+        component: &'static str,
+        /// The limit.
+        limit: &'static str,
+    },
+    /// A limit was passed, and a failure released components.
+    Failed {
+        /// The component whose limit it is.
+        component: &'static str,
+        /// The limit.
+        limit: &'static str,
+    },
+    /// A lock or failure has a limit that could not be checked.
+    Undecided {
+        /// The component whose limit it is.
+        component: &'static str,
+        /// `lock` or `failure`.
+        criterion: &'static str,
+        /// Why, in words.
+        why: &'static str,
+    },
+    /// The total force given for a component that nothing holds differs from the sum of its parts.
+    OutOfBalance {
+        /// The component.
+        component: &'static str,
+        /// Given minus sum.
+        by: f64,
+    },
 }
 
 impl Flag {
@@ -109,6 +184,14 @@ impl Flag {
             Self::LargeIncrement { .. } => "large-increment",
             Self::PathDependent { .. } => "path-dependent",
             Self::OutOfPlane { .. } => "out-of-plane",
+            Self::NotKnown { .. } => "not-known",
+            Self::ForceKink { .. } => "force-kink",
+            Self::BeyondStop { .. } => "beyond-stop",
+            Self::StopPulls { .. } => "stop-pulls",
+            Self::Locked { .. } => "locked",
+            Self::Failed { .. } => "failed",
+            Self::Undecided { .. } => "undecided",
+            Self::OutOfBalance { .. } => "out-of-balance",
         }
     }
 
@@ -120,7 +203,15 @@ impl Flag {
             | Self::NotFinite { component, .. }
             | Self::LargeIncrement { component, .. }
             | Self::PathDependent { component, .. }
-            | Self::OutOfPlane { component } => component,
+            | Self::OutOfPlane { component }
+            | Self::NotKnown { component, .. }
+            | Self::ForceKink { component, .. }
+            | Self::BeyondStop { component, .. }
+            | Self::StopPulls { component, .. }
+            | Self::Locked { component, .. }
+            | Self::Failed { component, .. }
+            | Self::Undecided { component, .. }
+            | Self::OutOfBalance { component, .. } => component,
         }
     }
 }
@@ -146,14 +237,7 @@ pub(crate) const CERTAIN_TURNS: f64 = 0.1;
 impl Connector<f64> {
     /// Whether stops are reached at the given positions.
     pub fn stop_status(&self, position: &Components<f64>) -> Components<StopStatus> {
-        [0, 1, 2, 3, 4, 5].map(|k| {
-            let (stop, position) = (self.stops[k]?, position[k]?);
-            Some(match stop {
-                Stop { lower: Some(lower), .. } if position <= lower => StopStatus::AtLower,
-                Stop { upper: Some(upper), .. } if position >= upper => StopStatus::AtUpper,
-                _ => StopStatus::Free,
-            })
-        })
+        [0, 1, 2, 3, 4, 5].map(|k| Some(StopStatus::at(&self.stops[k]?, position[k]?)))
     }
 
     /// The stops.

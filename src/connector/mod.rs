@@ -320,7 +320,9 @@ impl<R: Differentiable> Connector<R> {
         self.positions(&pass, tally, &mut evaluation);
         self.rates(&pass, tally, &mut evaluation);
         if request.order > 0 {
-            self.rows_of_derivatives(&pass, tally, &mut evaluation);
+            let rows: Vec<(usize, Row<R>)> =
+                rows.iter().filter(|(k, _)| request.rows()[*k]).copied().collect();
+            self.rows_of_derivatives(&Pass { rows: &rows, ..pass }, tally, &mut evaluation);
         }
         evaluation
     }

@@ -31,6 +31,20 @@ pub enum Output {
     MARGIN,
     /// Total force.
     CTF,
+    /// Elastic force.
+    CEF,
+    /// Viscous force.
+    CVF,
+    /// Reaction of a constraint, stop, lock, prescribed motion.
+    CRF,
+    /// Applied load.
+    CCF,
+    /// Failure status.
+    CFAILST,
+    /// What a connector motion prescribes.
+    DRIVEN,
+    /// Slopes of forces.
+    TANGENT,
     /// Moments as the manual prints them.
     PM,
     /// Multipliers of the equations enforced.
@@ -45,7 +59,7 @@ pub enum Output {
 
 impl Output {
     /// Every output, in the order of reports.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 25] = [
         Self::CP,
         Self::CU,
         Self::CCU,
@@ -59,6 +73,13 @@ impl Output {
         Self::TURNS,
         Self::MARGIN,
         Self::CTF,
+        Self::CEF,
+        Self::CVF,
+        Self::CRF,
+        Self::CCF,
+        Self::CFAILST,
+        Self::DRIVEN,
+        Self::TANGENT,
         Self::PM,
         Self::LM,
         Self::NF,
@@ -82,6 +103,13 @@ impl Output {
             Self::TURNS => "TURNS",
             Self::MARGIN => "MARGIN",
             Self::CTF => "CTF",
+            Self::CEF => "CEF",
+            Self::CVF => "CVF",
+            Self::CRF => "CRF",
+            Self::CCF => "CCF",
+            Self::CFAILST => "CFAILST",
+            Self::DRIVEN => "DRIVEN",
+            Self::TANGENT => "TANGENT",
             Self::PM => "PM",
             Self::LM => "LM",
             Self::NF => "NF",
@@ -97,7 +125,12 @@ impl Output {
 
     /// Whether it is a force or moment of a component, whose moments have a name of their own: CTF and CTM.
     pub const fn is_force(self) -> bool {
-        matches!(self, Self::CTF)
+        matches!(self, Self::CTF | Self::CEF | Self::CVF | Self::CRF | Self::CCF)
+    }
+
+    /// Whether it follows from behaviour, motions and loads rather than from kinematics.
+    pub const fn is_of_behavior(self) -> bool {
+        self.is_force() || matches!(self, Self::CFAILST | Self::DRIVEN | Self::TANGENT)
     }
 
     /// Whether it follows from component forces.
@@ -132,10 +165,17 @@ impl Output {
             Self::RESV => "rate of the constraint residual, J q̇",
             Self::RESB => "quadratic part of its acceleration, J̇ q̇",
             Self::RESA => "acceleration of the constraint residual, J q̈ + J̇ q̇",
-            Self::CSLST => "stop status",
+            Self::CSLST => "status of stop and lock",
             Self::TURNS => "whole turns counted",
             Self::MARGIN => "distance to the nearest singular point",
             Self::CTF => "total force, CEF + CVF + CSF + CRF − CCF",
+            Self::CEF => "elastic force",
+            Self::CVF => "viscous force",
+            Self::CRF => "reaction of a constraint, stop, lock or prescribed motion",
+            Self::CCF => "applied connector load",
+            Self::CFAILST => "failure status",
+            Self::DRIVEN => "what a connector motion prescribes",
+            Self::TANGENT => "slopes of elastic and viscous forces",
             Self::PM => "moments by which the printed formula gives the exact moment",
             Self::LM => "multiplier of the equation enforced",
             Self::NF => "nodal forces, residual-side: transposed rows × component forces",
@@ -164,6 +204,8 @@ pub struct Request {
     wanted: [Mask; Output::ALL.len()],
     /// The components that are wanted at all: those of any output, and those whose rows of derivatives are wanted.
     components: Mask,
+    /// The components whose rows of derivatives are wanted, from order 1 on.
+    rows: Mask,
     /// 0: values; 1: also the Jacobian; 2: also second derivatives.
     pub order: u8,
 }
@@ -171,7 +213,7 @@ pub struct Request {
 impl Request {
     /// No output of any component.
     pub const fn nothing(order: u8) -> Self {
-        Self { wanted: [[false; 6]; Output::ALL.len()], components: [false; 6], order }
+        Self { wanted: [[false; 6]; Output::ALL.len()], components: [false; 6], rows: [false; 6], order }
     }
 
     /// The same components of every output listed, with derivatives up to `order`. Without outputs, derivatives only.
@@ -197,14 +239,28 @@ impl Request {
         self.add_rows(components);
     }
 
-    /// Adds rows of derivatives of components, without any output.
-    pub fn add_rows(&mut self, components: Mask) {
+    /// Adds components of an output, without their rows of derivatives.
+    pub fn add_values(&mut self, output: Output, components: Mask) {
         for (k, wanted) in components.into_iter().enumerate() {
+            self.wanted[output as usize][k] |= wanted;
             self.components[k] |= wanted;
         }
     }
 
-    /// The components that are wanted in any way. Their rows of derivatives are, from order 1 on.
+    /// Adds rows of derivatives of components, without any output.
+    pub fn add_rows(&mut self, components: Mask) {
+        for (k, wanted) in components.into_iter().enumerate() {
+            self.components[k] |= wanted;
+            self.rows[k] |= wanted;
+        }
+    }
+
+    /// The components whose rows of derivatives are wanted, from order 1 on.
+    pub const fn rows(&self) -> Mask {
+        self.rows
+    }
+
+    /// The components that are wanted in any way.
     pub const fn components(&self) -> Mask {
         self.components
     }

@@ -60,6 +60,15 @@ impl Model {
     }
 }
 
+/// The internal forces of the components of a connector that its state gives, where they have been found to be those of its type.
+pub(super) fn given_forces(
+    connector: &Connector<f64>,
+    state: &SceneState,
+    element: Label,
+) -> Option<Components<f64>> {
+    component_forces(connector, state.forces.get(&element)?).ok()
+}
+
 /// The internal forces of the components of a connector.
 fn component_forces(connector: &Connector<f64>, given: &ElementForces) -> Result<Components<f64>, Fault> {
     let mut forces = [None; 6];
@@ -119,14 +128,14 @@ impl ForceResult {
     pub(super) fn of(
         connector: &Connector<f64>,
         (state, branch): (&State<f64>, &Branch<f64>),
-        given: Option<&ElementForces>,
+        given: Option<Components<f64>>,
         request: &Request,
         tally: &mut Tally,
     ) -> Option<Self> {
         if !request.outputs().any(Output::is_of_forces) {
             return None;
         }
-        let components = component_forces(connector, given?).ok()?;
+        let components = given?;
         let mask = |output: Output| [0, 1, 2, 3, 4, 5].map(|k| request.wants(output, k));
         let [nodal, geometric, derivative] = [Output::NF, Output::KG, Output::DNF].map(mask);
         let is_wanted = |mask: Mask| mask.contains(&true);

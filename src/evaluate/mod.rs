@@ -5,6 +5,7 @@
 //! what is to be computed, and of the nodes that need it. [`Sequence`] walks through states in order, one at a time,
 //! committing every branch as it goes.
 
+mod behavior;
 mod forces;
 mod model;
 mod mpc;
@@ -16,11 +17,18 @@ mod sequence;
 mod shared;
 
 pub use forces::ForceResult;
-pub use model::{ConnectorElement, Model};
+pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
 pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};
 
 /// The suboptions of `*CONNECTOR BEHAVIOR` that are evaluated; of all others `pintle eval` says that they were read and are not.
-pub const SUBOPTIONS: &[&str] = &["CONNECTOR CONSTITUTIVE REFERENCE", "CONNECTOR STOP"];
+pub const SUBOPTIONS: &[&str] = &[
+    "CONNECTOR CONSTITUTIVE REFERENCE",
+    "CONNECTOR ELASTICITY",
+    "CONNECTOR DAMPING",
+    "CONNECTOR STOP",
+    "CONNECTOR LOCK",
+    "CONNECTOR FAILURE",
+];

@@ -2,12 +2,15 @@
 
 use super::mpc::MpcElement;
 use super::{mpc, plane, rules, shared};
+use crate::behavior::drive::{Drives, Schedule, drives};
+use crate::behavior::state::Behavior;
 use crate::catalog::{ConnectionType, Evidence, NameError, Orientation};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
 use crate::node::{End, Node, PSI_A, PSI_B, Pair};
 use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, NodeFreedom, Scene, Solver};
 use crate::vector::{self, Matrix, column, identity, sub};
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -26,6 +29,19 @@ pub struct ConnectorElement {
     pub definition: Definition,
     /// The connector.
     pub connector: Connector<f64>,
+    /// Its behaviour, and its motions and loads.
+    pub behavior: Arc<ElementBehavior>,
+}
+
+/// The behaviour of a connector, and what is prescribed for it.
+#[derive(Clone, Debug, Default)]
+pub struct ElementBehavior {
+    /// Springs, dampers, locks …, shared by all connectors of a section.
+    pub behavior: Arc<Behavior>,
+    /// Motions and loads.
+    pub drives: Drives,
+    /// A number that tells this behaviour from others: saved histories belong to it.
+    pub identity: u64,
 }
 
 /// A scene, resolved.
@@ -39,6 +55,8 @@ pub struct Model {
     pub grounded: HashSet<Label>,
     /// The MPCs that are kept and not evaluated, by type, with their number.
     pub other_mpcs: BTreeMap<String, usize>,
+    /// The steps in time.
+    pub schedule: Schedule,
     /// Element sets: the connectors in each, by index.
     pub sets: BTreeMap<String, Vec<usize>>,
     /// Rules broken that warn instead of refusing.
@@ -55,6 +73,10 @@ impl Model {
         let mut model = Self::default();
         let mut types: HashMap<usize, Arc<ConnectionType>> = HashMap::new();
         let actions = rules::actions(scene);
+        model.schedule = Schedule::new(scene);
+        let mut drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
+            .map_err(|error| error.in_file(&scene.name))?;
+        let mut behaviors: HashMap<(usize, bool), Arc<ElementBehavior>> = HashMap::new();
         let mut warned = HashSet::new();
         let freedom = NodeFreedom::of(scene);
         for (label, element) in &scene.connectors {
@@ -144,7 +166,30 @@ impl Model {
                 moves: moving.map(|node| node.is_some()),
                 rotates: moving.map(|node| node.is_some_and(|node| freedom.rotates(node))),
             };
+            let shared = match behaviors.entry((element.section, facts.planar)) {
+                Entry::Occupied(known) => Arc::clone(known.get()),
+                Entry::Vacant(place) => {
+                    let is_explicit = scene.solver == Some(Solver::Explicit);
+                    let law = match behavior {
+                        Some(given) => Behavior::new(given, connection, facts.planar, is_explicit)
+                            .map_err(|error| error.in_file(&scene.name))?,
+                        None => Behavior::none(connection, facts.planar),
+                    };
+                    let behavior = Arc::new(law);
+                    let identity = scene.behavior(section).map_or(0, fingerprint);
+                    Arc::clone(place.insert(Arc::new(ElementBehavior {
+                        behavior,
+                        identity,
+                        ..Default::default()
+                    })))
+                }
+            };
+            let behavior = match drives.remove(label) {
+                Some(drives) => Arc::new(ElementBehavior { drives, ..(*shared).clone() }),
+                None => shared,
+            };
             model.connectors.push(ConnectorElement {
+                behavior,
                 label: *label,
                 nodes: moving,
                 triads: [triad_a, triad_b],
@@ -217,6 +262,13 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
         };
         Diagnostic::error(Code::UnknownConnectionType, span, error.to_string(), "this type").help(remedy)
     })
+}
+
+/// A number that tells a behaviour from others: FNV-1a over what the deck says.
+fn fingerprint(behavior: &crate::scene::Behavior) -> u64 {
+    let text = serde_json::to_string(behavior).unwrap_or_default();
+    let step = |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
 impl ConnectorElement {

@@ -1,9 +1,10 @@
 //! Outputs by name, as decks and the command line write them.
 //!
 //! CP, CU, CCU, CV and CA name all components; with R (CPR, CUR …) the rotations; with a digit 1 to 3 one of them (CU1 is u1,
-//! CUR1 is ur1). CTF names all forces and moments; CTF1 to CTF3 are forces, CTM the moments, CTM1 to CTM3 one of them. CSLST, RES,
-//! RESV, RESB, RESA, TURNS, MARGIN, PM, LM, NF, KG and DNF name all components, with a digit 1 to 6 one: NF4 is the nodal forces of
-//! m1. ALL is every output, NONE is no output (derivatives only).
+//! CUR1 is ur1). CTF, CEF, CVF, CRF and CCF name all components; CTF1 to CTF3 are forces, CTM the moments, CTM1 to CTM3 one of
+//! them. CSLST, CFAILST, DRIVEN, TANGENT, RES, RESV, RESB, RESA, TURNS, MARGIN, PM, LM, NF, KG and DNF
+//! name all components, with a digit 1 to 6 one: NF4 is the nodal forces of m1. ALL
+//! is every output, NONE is no output (derivatives only).
 
 use crate::connector::{Mask, Output, Request};
 
@@ -39,9 +40,9 @@ pub enum OutputError {
 }
 
 /// The outputs of the manual that need forces or behaviour.
-const OF_BEHAVIOR: [&str; 24] = [
-    "CEF", "CEM", "CVF", "CVM", "CUF", "CUM", "CSF", "CSM", "CNF", "CNM", "CRF", "CRM", "CCF", "CCM", "CUE",
-    "CUP", "CALPHA", "CDMG", "CDIF", "CDIM", "CDIP", "CFAILST", "CASU", "CIVC",
+const OF_BEHAVIOR: [&str; 15] = [
+    "CUF", "CUM", "CSF", "CSM", "CNF", "CNM", "CUE", "CUP", "CALPHA", "CDMG", "CDIF", "CDIM", "CDIP", "CASU",
+    "CIVC",
 ];
 
 /// The outputs of a list of names, with derivatives up to `order`.
@@ -159,6 +160,8 @@ mod tests {
             ("CTF", "111111"),
             ("CTF2", "010000"),
             ("CTM", "000111"),
+            ("CRM3", "000001"),
+            ("CFAILST6", "000001"),
             ("NF4", "000100"),
             ("PM", "111111"),
         ] {
@@ -174,6 +177,7 @@ mod tests {
             ("CSLST7", "CSLST1 to CSLST6"),
             ("CUF1", "not evaluated yet"),
             ("CTF4", "CTM1 to CTM3 moments"),
+            ("CEM0", "CEM1 to CEM3 are the moments"),
             ("CUEL", "not evaluated yet"),
             ("TRUNS", "did you mean TURNS?"),
             ("CX", "did you mean C"),

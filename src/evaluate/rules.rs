@@ -11,13 +11,7 @@ use std::collections::HashMap;
 pub(super) fn actions(scene: &Scene) -> HashMap<Label, Vec<(usize, Span)>> {
     let mut found: HashMap<Label, Vec<(usize, Span)>> = HashMap::new();
     let mut act = |target: &Spanned<Target>, component: u8| {
-        let labels: &[Label] = match &target.value {
-            Target::Label(label) => std::slice::from_ref(label),
-            Target::Set(name) => {
-                scene.element_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice())
-            }
-        };
-        for label in labels {
+        for label in labels(scene, &target.value) {
             found.entry(*label).or_default().push((usize::from(component) - 1, target.span));
         }
     };
@@ -29,6 +23,14 @@ pub(super) fn actions(scene: &Scene) -> HashMap<Label, Vec<(usize, Span)>> {
         act(&load.target, load.component);
     }
     found
+}
+
+/// The elements that a target names.
+pub(super) fn labels<'a>(scene: &'a Scene, target: &'a Target) -> &'a [Label] {
+    match target {
+        Target::Label(label) => std::slice::from_ref(label),
+        Target::Set(name) => scene.element_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice()),
+    }
 }
 
 /// What the rules of its type ask about one connector.

@@ -1,9 +1,12 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
-use super::forces::ForceResult;
-use super::model::{ConnectorElement, Model};
+use super::behavior::{flag, not_known, wants};
+use super::forces::{ForceResult, given_forces};
+use super::model::{ConnectorElement, ElementBehavior, Model};
 use super::mpc::{MpcResult, START};
 use super::plan::Plan;
+use crate::behavior::Conditions;
+use crate::behavior::state::{Event, History, Kinematics, Outcome, Tangent, Velocities};
 use crate::connector::{
     Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
 };
@@ -81,26 +84,35 @@ struct Saved {
     reference: Vector<f64>,
     triads: [Matrix<f64>; 2],
     branch: Branch<f64>,
+    /// What the behaviour has decided, and the number that tells it from others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    behavior: Option<(u64, History)>,
 }
 
 impl Saved {
-    fn new(element: &ConnectorElement, branch: Branch<f64>) -> Self {
+    fn new(element: &ConnectorElement, branch: Branch<f64>, behavior: Option<History>) -> Self {
+        let identity = element.behavior.identity;
         Self {
             connection: element.connector.connection().name.to_string(),
             nodes: element.nodes,
             reference: element.reference,
             triads: element.triads,
             branch,
+            behavior: behavior.map(|history| (identity, history)),
         }
     }
 
     /// What differs from the element, in words.
     fn difference(&self, element: &ConnectorElement) -> Option<String> {
-        let now = Self::new(element, self.branch);
+        let now = Self::new(element, self.branch, Some(History::default()));
         let label = element.label;
         if self.connection != now.connection {
             let (saved, now) = (&self.connection, &now.connection);
             return Some(format!("the branch of connector {label} was saved for {saved}, and it is {now}"));
+        }
+        let identity = |saved: &Self| saved.behavior.as_ref().map(|(identity, _)| *identity);
+        if identity(self).is_some_and(|identity_then| Some(identity_then) != identity(&now)) {
+            return Some(format!("the history of connector {label} was saved for another behaviour"));
         }
         let place = (self.nodes, self.reference, self.triads) != (now.nodes, now.reference, now.triads);
         place.then(|| {
@@ -162,6 +174,10 @@ pub struct ConnectorResult {
     pub margins: Components<Margin>,
     /// What needs care.
     pub flags: Vec<Flag>,
+    /// Forces and what else follows from behaviour, motions and loads, where it was needed.
+    pub behavior: Option<Box<Outcome>>,
+    /// TANGENT.
+    pub tangent: Option<Box<Tangent<f64>>>,
     /// What follows from component forces, where they are given and it is asked for.
     pub forces: Option<Box<ForceResult>>,
 }
@@ -195,12 +211,31 @@ pub struct Sequence<'a> {
     plan: &'a Plan,
     branches: Branches,
     tally: Tally,
+    velocities: Velocities,
+    conditions: Conditions,
 }
 
 impl<'a> Sequence<'a> {
     /// A walk that starts from the initial state of the model.
     pub fn new(model: &'a Model, plan: &'a Plan) -> Self {
-        Self { model, plan, branches: Branches::default(), tally: Tally::default() }
+        Self {
+            model,
+            plan,
+            branches: Branches::default(),
+            tally: Tally::default(),
+            velocities: Velocities::default(),
+            conditions: Conditions::default(),
+        }
+    }
+
+    /// Where the velocities of damping come from: the rates of the states, unless they are said to be increments.
+    pub const fn set_velocities(&mut self, velocities: Velocities) {
+        self.velocities = velocities;
+    }
+
+    /// The temperature and field variables of the states that follow.
+    pub fn set_conditions(&mut self, conditions: Conditions) {
+        self.conditions = conditions;
     }
 
     /// A walk that continues where another stopped.
@@ -318,7 +353,15 @@ impl<'a> Sequence<'a> {
         let connector = &element.connector;
         let known = self.branches.connectors.get(&element.label);
         let before = known.map_or_else(|| connector.initial_branch(), |saved| saved.branch);
-        let evaluation = connector.evaluate(&state, &increment, &before, request, &mut self.tally);
+        let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request));
+        let needed = behavior.map(|behavior| behavior.request(request));
+        let mut evaluation = connector.evaluate(
+            &state,
+            &increment,
+            &before,
+            needed.as_ref().unwrap_or(request),
+            &mut self.tally,
+        );
         let mut stops = connector.stop_status(&evaluation.position);
         for (k, status) in stops.iter_mut().enumerate() {
             *status = status.filter(|_| request.wants(Output::CSLST, k));
@@ -326,12 +369,73 @@ impl<'a> Sequence<'a> {
         let margins = connector.margins(&state, &evaluation.branch, request.components());
         let mut flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
         let after = evaluation.branch;
-        let given = scene_state.forces.get(&element.label);
-        let forces = ForceResult::of(connector, (&state, &after), given, request, &mut self.tally);
+        let given = given_forces(connector, scene_state, element.label);
+        let outcome = behavior.map(|behavior| {
+            let now = Kinematics {
+                position: &evaluation.position,
+                displacement: &evaluation.displacement,
+                constitutive: &evaluation.constitutive,
+                velocity: &evaluation.velocity,
+                acceleration: &evaluation.acceleration,
+                time: scene_state.time,
+                velocities: self.velocities,
+            };
+            let none = History::default();
+            let history =
+                known.and_then(|saved| saved.behavior.as_ref()).map_or(&none, |(_, history)| history);
+            let given = given.unwrap_or_default();
+            let driven = (&behavior.drives, &self.model.schedule);
+            behavior.behavior.at(&now, &given, driven, &self.conditions, history)
+        });
+        let mut tangent = None;
+        if let (Some(behavior), Some(outcome)) = (behavior, &outcome) {
+            for k in (0..6).filter(|k| request.wants(Output::CSLST, *k)) {
+                stops[k] = outcome.held[k];
+            }
+            for (k, residual) in outcome.residual.iter().enumerate() {
+                let Some([position, rate, second]) = residual else { continue };
+                let put = |place: &mut Option<f64>, output, value: Option<f64>| {
+                    if request.wants(output, k) {
+                        *place = value;
+                    }
+                };
+                put(&mut evaluation.residual[k], Output::RES, *position);
+                put(&mut evaluation.residual_rate[k], Output::RESV, *rate);
+                put(&mut evaluation.residual_acceleration[k], Output::RESA, *second);
+            }
+            let wants_slopes = wants(request, Output::TANGENT);
+            // Where slopes jump matters to those who ask for slopes.
+            let told = outcome.events.iter().filter(|event| wants_slopes || !matches!(event, Event::Kink(_)));
+            flags.extend(told.map(|event| flag(*event)));
+            flags.extend(not_known(outcome, request));
+            if wants_slopes {
+                let Outcome { motion, time_step, failed, .. } = outcome;
+                let slopes = behavior.behavior.tangent(motion, &self.conditions, *time_step, *failed);
+                tangent = Some(Box::new(slopes));
+            }
+        }
+        // The total forces that are known: as given, or as the behaviour tells.
+        let known_forces = outcome.as_ref().map(|outcome| {
+            let given = given.unwrap_or_default();
+            [0, 1, 2, 3, 4, 5].map(|k| outcome.total.value[k].or(given[k]))
+        });
+        let total = known_forces.filter(|forces| forces.iter().any(Option::is_some)).or(given);
+        let forces = ForceResult::of(connector, (&state, &after), total, request, &mut self.tally);
         flags.extend(forces.iter().flat_map(|forces| &forces.flags));
-        let saved = self.branches.connectors.entry(element.label);
-        saved.and_modify(|saved| saved.branch = after).or_insert_with(|| Saved::new(element, after));
-        ConnectorResult { index, evaluation, stops, margins, flags, forces: forces.map(Box::new) }
+        let history = outcome.as_ref().filter(|_| behavior.is_some_and(ElementBehavior::has_history));
+        let history = history.map(|outcome| outcome.history.clone());
+        self.branches.connectors.insert(element.label, Saved::new(element, after, history));
+        let behavior = outcome.map(Box::new);
+        ConnectorResult {
+            index,
+            evaluation,
+            stops,
+            margins,
+            flags,
+            behavior,
+            tangent,
+            forces: forces.map(Box::new),
+        }
     }
 }
 

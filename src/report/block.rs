@@ -1,7 +1,8 @@
 //! One connector or MPC at one state, as every format writes it.
 
 use super::words;
-use crate::behavior::Unknown;
+use crate::behavior::state::{Outcome, Tangent};
+use crate::behavior::{Forces, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Connector, Flag, NodalMatrix, Output, Request, StopStatus, Turns};
 use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcResult};
@@ -94,6 +95,8 @@ pub struct Block<'a> {
     pub columns: Vec<Column>,
     /// Rows of derivatives.
     pub derivatives: Vec<Derivative>,
+    /// Slopes of forces, where they are asked for.
+    pub tangent: Option<Tangent<f64>>,
     /// Nodal forces and their derivatives, where component forces are known and these are asked for.
     pub nodal: Nodal,
     /// The branch, where turns are asked for.
@@ -208,6 +211,7 @@ impl<'a> Block<'a> {
             let slot = connection.slots[k];
             let Some(position) = slot.position() else { continue };
             let number = |value: Option<f64>| value.map(Value::Number);
+            let behavior = result.behavior.as_deref();
             let values = Output::ALL.map(|output| {
                 let value = match output {
                     Output::CP => number(evaluation.position[k]),
@@ -222,10 +226,16 @@ impl<'a> Block<'a> {
                     Output::CSLST => result.stops[k].map(Value::Stop),
                     Output::TURNS => evaluation.turns[k].map(Value::Turns),
                     Output::MARGIN => result.margins[k].map(Value::Margin),
-                    Output::CTF => number(forces.and_then(|forces| forces.components[k])),
+                    Output::CTF => number(
+                        forces
+                            .and_then(|forces| forces.components[k])
+                            .or(behavior.and_then(|outcome| outcome.total.value[k])),
+                    ),
                     Output::PM => number(forces.and_then(|forces| forces.printed[k])),
                     Output::LM => number(forces.and_then(|forces| forces.multipliers[k])),
                     Output::NF | Output::KG | Output::DNF => None,
+                    Output::TANGENT => None,
+                    of_behavior => behavior.and_then(|outcome| force(outcome, of_behavior, k)),
                 };
                 value.filter(|_| request.wants(output, k))
             });
@@ -259,6 +269,7 @@ impl<'a> Block<'a> {
             rows,
             columns: columns.collect(),
             derivatives,
+            tangent: result.tangent.as_deref().cloned(),
             nodal: forces.map(|forces| Nodal::of(connector, element.nodes, forces)).unwrap_or_default(),
             branch: wants_turns.then_some(evaluation.branch),
             mpc: None,
@@ -337,6 +348,7 @@ impl<'a> Block<'a> {
             rows,
             columns: columns.collect(),
             derivatives: derivatives.collect(),
+            tangent: None,
             nodal: Nodal::default(),
             branch: None,
             mpc: Some(MpcFacts { hinges: hinges.collect(), misalignment: result.misalignment }),
@@ -372,9 +384,18 @@ impl<'a> Block<'a> {
         self
     }
 
-    /// Whether there is nothing to show.
+    /// Whether there is a number to show.
+    pub fn has_numbers(&self) -> bool {
+        !(self.rows.is_empty()
+            && self.derivatives.is_empty()
+            && self.nodal.is_empty()
+            && self.tangent.is_none())
+    }
+
+    /// Whether there is nothing to show: neither a number, nor a reason why one is missing.
     pub fn is_empty(&self) -> bool {
-        self.rows.is_empty() && self.derivatives.is_empty() && self.nodal.is_empty()
+        let is_missing = self.flags.iter().any(|flag| matches!(flag, Flag::NotKnown { .. }));
+        !self.has_numbers() && !is_missing
     }
 
     /// `HINGE 101`, `MPC REVOLUTE`.
@@ -389,6 +410,39 @@ impl<'a> Block<'a> {
     pub fn outputs(&self) -> Vec<Output> {
         let has = |output: &Output| self.rows.iter().any(|row| row.values[*output as usize].is_some());
         Output::ALL.into_iter().filter(has).collect()
+    }
+}
+
+/// The names of component forces.
+pub(crate) const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
+
+/// The names of component velocities.
+const VELOCITY: [&str; 6] = ["v1", "v2", "v3", "vr1", "vr2", "vr3"];
+
+/// The slopes that are not zero: force, motion (u, v or the time step dt), slope.
+pub(crate) fn slopes(tangent: &Tangent<f64>) -> Vec<(&'static str, &'static str, f64)> {
+    let mut all = Vec::new();
+    for i in 0..6 {
+        let of = |names: [&'static str; 6], line: [f64; 6]| names.into_iter().zip(line);
+        let motions = of(COMPONENT, tangent.displacement[i]).chain(of(VELOCITY, tangent.velocity[i]));
+        all.extend(motions.chain([("dt", tangent.time[i])]).map(|(name, slope)| (FORCE[i], name, slope)));
+    }
+    all.retain(|(_, _, slope)| *slope != 0.0);
+    all
+}
+
+/// An output of behaviour.
+fn force(outcome: &Outcome, output: Output, k: usize) -> Option<Value> {
+    let number = |forces: &Forces<f64>| forces.value[k].map(Value::Number);
+    match output {
+        Output::CTF => number(&outcome.total),
+        Output::CEF => number(&outcome.elastic),
+        Output::CVF => number(&outcome.viscous),
+        Output::CRF => number(&outcome.reaction),
+        Output::CCF => number(&outcome.load),
+        Output::CFAILST => Some(Value::Number(f64::from(u8::from(outcome.failed[k])))),
+        Output::DRIVEN => outcome.prescribed[k]?.value().1.map(Value::Number),
+        _ => None,
     }
 }
 
@@ -424,6 +478,9 @@ fn differ_in_component(one: &Flag, other: &Flag) -> bool {
             Flag::IllConditioned { at: other_at, class: other_class, .. },
         ) => (at, class) == (other_at, other_class),
         (Flag::NotFinite { quantity, .. }, Flag::NotFinite { quantity: other, .. }) => quantity == other,
+        (Flag::NotKnown { quantity, why, .. }, Flag::NotKnown { quantity: other, why: other_why, .. }) => {
+            (quantity, why) == (other, other_why)
+        }
         _ => false,
     };
     is_alike && one.component() != other.component()
@@ -482,6 +539,29 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
                 "a node moves out of the plane of this two-dimensional connector, as {component}: that part is not its own"
             )
         }
+        Flag::NotKnown { quantity, why, .. } => format!("{quantity} of {components} is not known: {why}"),
+        Flag::ForceKink { component, at, left, right } => format!(
+            "the slope of the force of {component} jumps from {left:?} to {right:?} at {at:?}: the one of smaller magnitude is used, \
+             or 0 between opposite signs"
+        ),
+        Flag::BeyondStop { component, by } => {
+            format!("{component} lies {by:.3e} beyond its stop: a motion that a stop does not allow")
+        }
+        Flag::StopPulls { component, reaction } => format!(
+            "the forces given leave {component} a reaction of {reaction:.6e} at its stop, which pulls: a stop only pushes"
+        ),
+        Flag::Locked { component, limit } => {
+            format!("the {limit} limit of {component} is passed: a lock closes")
+        }
+        Flag::Failed { component, limit } => {
+            format!("the {limit} limit of {component} is passed: the connector fails")
+        }
+        Flag::Undecided { component, criterion, why } => {
+            format!("whether the {criterion} of {component} acts is not decided: {why}")
+        }
+        Flag::OutOfBalance { component, by } => format!(
+            "the force given for {component} is {by:.6e} more than its parts, and nothing holds the component that could take it"
+        ),
         Flag::LargeIncrement { component, change } => format!(
             "{component} moved by {change:.6} rad since the previous state, more than 0.9 π: its turns are not certain"
         ),

@@ -7,7 +7,7 @@
 //! of the force on `dof_1` by `dof_2`.
 //! `flags` names what needs care, on the lines of the component. Numbers read back to the same double.
 
-use super::block::{Block, Derivative, Kind, Value, node_name};
+use super::block::{Block, Derivative, Kind, Value, node_name, slopes};
 use super::evaluation::{Format, Subject};
 use super::words;
 use crate::connector::{Flag, Output, Tally};
@@ -175,6 +175,13 @@ impl Format for Csv<'_> {
             if self.has_dofs {
                 cells.extend([const { String::new() }; 5]);
             }
+            self.line(cells.iter().map(String::as_str))?;
+        }
+        for (force, motion, slope) in block.tangent.iter().flat_map(slopes) {
+            let mut cells = self.start(block, force, "", "").to_vec();
+            cells.extend(self.outputs.iter().map(|_| String::new()));
+            cells.extend([motion, "", "", ""].map(String::from));
+            cells.push(exact(slope));
             self.line(cells.iter().map(String::as_str))?;
         }
         let columns: Vec<[String; 2]> =

@@ -3,7 +3,7 @@
 use super::block::Block;
 use crate::connector::Tally;
 use crate::evaluate::{Model, Plan, SUBOPTIONS};
-use crate::scene::{Scene, Skipped, SkippedItem, Step};
+use crate::scene::{Behavior, DampingKind, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions};
 use indexmap::IndexMap;
 use std::io;
 use std::ops::RangeInclusive;
@@ -84,12 +84,32 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
         .iter()
         .filter_map(|(name, behavior)| {
             let kept = behavior.suboptions().filter(|(keyword, _)| !SUBOPTIONS.contains(keyword));
-            let parts: Vec<String> =
+            let mut parts: Vec<String> =
                 kept.map(|(keyword, count)| format!("{}*{keyword}", times(count as u64))).collect();
+            let structural =
+                behavior.damping.iter().filter(|damping| damping.kind == DampingKind::Structural).count();
+            if structural > 0 {
+                let what = "structural damping (a complex stiffness, in harmonic response only)";
+                parts.push(format!("{}{what}", times(structural as u64)));
+            }
             (!parts.is_empty()).then(|| format!("{name}: {}", parts.join(", ")))
         })
         .collect();
     add(behaviors.len() as u64, ["connector behaviour", "connector behaviours"], behaviors);
+    let is_regularized = |behavior: &Behavior| {
+        let laws = behavior.elasticity.iter().map(|law| (&law.law, &law.table));
+        let laws = laws.chain(behavior.damping.iter().map(|law| (&law.law, &law.table)));
+        let is_on = |table: &TableOptions| table.regularize.or(behavior.table.regularize) != Some(false);
+        laws.filter(|(law, _)| matches!(law, Law::Nonlinear { .. })).any(|(_, table)| is_on(table))
+    };
+    let regularized: Vec<String> = match scene.solver {
+        Some(Solver::Explicit) => {
+            let names = scene.behaviors.iter().filter(|(_, behavior)| is_regularized(behavior));
+            names.map(|(name, _)| format!("{name}: the rows are used as they are given")).collect()
+        }
+        _ => Vec::new(),
+    };
+    add(regularized.len() as u64, ["regularisation of tables", "regularisations of tables"], regularized);
     let others: Vec<String> =
         model.other_mpcs.iter().map(|(name, count)| format!("{name}: {count}")).collect();
     add(model.other_mpcs.values().sum::<usize>() as u64, ["MPC", "MPCs"], others);
@@ -109,11 +129,6 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
             scene.boundaries.len() + in_steps(|step| step.boundaries.len()),
             ["boundary condition", "boundary conditions"],
         ),
-        (
-            scene.connector_motions.len() + in_steps(|step| step.connector_motions.len()),
-            ["connector motion", "connector motions"],
-        ),
-        (in_steps(|step| step.connector_loads.len()), ["connector load", "connector loads"]),
         (
             in_steps(|step| step.concentrated_loads.len() + step.distributed_loads.len()),
             ["nodal or distributed load", "nodal or distributed loads"],

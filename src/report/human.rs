@@ -1,6 +1,6 @@
 //! Evaluations as tables for reading.
 
-use super::block::{Block, Derivative, HingeFacts, Value, flags_in_words, node_name};
+use super::block::{Block, Derivative, HingeFacts, Value, flags_in_words, node_name, slopes};
 use super::evaluation::{Format, Subject, Unevaluated, unevaluated};
 use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
@@ -270,6 +270,25 @@ impl<'w> Human<'w> {
         Ok(())
     }
 
+    /// Slopes of forces that are not zero.
+    fn tangent(&mut self, block: &Block<'_>) -> io::Result<()> {
+        let Some(tangent) = &block.tangent else { return Ok(()) };
+        let slopes: Vec<(String, f64)> = slopes(tangent)
+            .into_iter()
+            .map(|(force, motion, slope)| (format!("∂{force}/∂{motion}"), slope))
+            .collect();
+        if slopes.is_empty() {
+            return writeln!(self.out, "  slopes of forces: every entry is 0");
+        }
+        writeln!(self.out, "  {}", styled(DIM, "slopes of elastic and viscous forces that are not 0"))?;
+        let largest = largest(slopes.iter().map(|(_, slope)| *slope));
+        let names = slopes.iter().map(|(name, _)| layout::width(name)).max().unwrap_or(0);
+        for (name, slope) in &slopes {
+            writeln!(self.out, "  {} {}", layout::left(name, names), self.beside(*slope, largest))?;
+        }
+        Ok(())
+    }
+
     fn notes(&mut self, notes: &[Unevaluated]) -> io::Result<()> {
         if notes.is_empty() {
             return Ok(());
@@ -434,6 +453,7 @@ impl Format for Human<'_> {
         self.nodal(block)?;
         self.jacobian(block)?;
         self.hessian(block)?;
+        self.tangent(block)?;
         for text in flags_in_words(&block.flags) {
             for line in layout::wrap(&format!("! {text}"), self.style.width.saturating_sub(INDENT)) {
                 writeln!(self.out, "  {}", styled(CARE, line))?;

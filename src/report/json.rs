@@ -115,6 +115,9 @@ impl Serialize for Block<'_> {
         if self.derivatives.iter().any(|row| row.hessian.is_some()) {
             map.serialize_entry("hessian", &named(&self.derivatives, |row| (row.component, &row.hessian)))?;
         }
+        if let Some(tangent) = &self.tangent {
+            map.serialize_entry("tangent", tangent)?;
+        }
         if !self.nodal.forces.is_empty() {
             map.serialize_entry("nodal_forces", &self.nodal.forces)?;
         }

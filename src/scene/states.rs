@@ -7,6 +7,7 @@
 //! `ar3` (spatial angular acceleration), `flow`, `flow_v`, `flow_a`. Only `node` is needed. Rows with the same
 //! number in `state` form one state; the numbers increase, and reports call the states by them. Lines that begin with #
 //! are comments.
+//! In an assembly, `node` is `INSTANCE.NUMBER`, such as `CRANK-1.5`; likewise in JSON.
 //!
 //! # JSON
 //! `{"schema": "pintle-states/1", "states": [{"time": 0.5, "nodes": {"2": {"displacement": [0, 0, 0],

@@ -1,0 +1,720 @@
+//! The behaviour of one connector at one state, after its history.
+//!
+//! [`Behavior`] holds what a section's `*CONNECTOR BEHAVIOR` says for its connection type; [`History`] what the states before have
+//! decided (locks, failures, where the component was); [`Behavior::at`] gives all forces at the next state, and the history to commit.
+//! A history is committed by keeping it: none is changed in place, so that an iteration can be repeated.
+//!
+//! *What a motion tells.* Elastic and viscous forces and loads follow from the motion. A component that is held by a stop, a lock, a
+//! prescribed motion or a rigid elasticity has a reaction besides, which follows only from a given total force:
+//! CRF = CTF − CEF − CVF − CSF + CCF. Where it is not given, CRF and CTF of that component are not known, and said to be so. A
+//! component that is free has CRF = 0. A constrained component has CTF = CRF, given or not known.
+
+use super::damping::Damping;
+use super::drive::{Drives, Prescribed, Schedule};
+use super::elasticity::Elasticity;
+use super::limits::{Criterion, Passed, Verdict};
+use super::{Conditions, ForceKink, Forces, Motion, Unknown};
+use crate::catalog::ConnectionType;
+use crate::connector::{Components, Mask, Stop, StopStatus};
+use crate::scalar::{Differentiable, Scalar, Seeded};
+use crate::scene::{self, Diagnostic, FrictionKind, MotionType};
+use num_dual::Dual2_64;
+use serde::{Deserialize, Serialize};
+
+/// The behaviour of a connection type, as a deck gives it.
+#[derive(Clone, Debug, Default)]
+pub struct Behavior {
+    /// Springs.
+    pub elasticity: Elasticity,
+    /// Dampers.
+    pub damping: Damping,
+    /// Locks.
+    pub locks: Vec<Criterion>,
+    /// Failures.
+    pub failures: Vec<Criterion>,
+    stops: Components<Stop>,
+    available: Mask,
+    constrained: Mask,
+    /// The components on which friction acts.
+    slips: Mask,
+    /// The components on which plasticity or damage acts.
+    inelastic: Mask,
+}
+
+/// What the states up to now decide about the next.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct History {
+    /// The position at which a component was locked.
+    pub locked: Components<f64>,
+    /// The components that have failed.
+    pub failed: Mask,
+    /// The time of the last state.
+    pub time: Option<f64>,
+    /// The displacements at the last state.
+    pub displacement: Components<f64>,
+    /// The displacements at the beginnings of steps, by the number of the step.
+    pub beginnings: Vec<(usize, Components<f64>)>,
+}
+
+/// Where velocities come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Velocities {
+    /// From the rates of the nodes, as in dynamics.
+    #[default]
+    Rates,
+    /// From increments of displacement over the time between states, as in statics.
+    Increments,
+}
+
+/// What is known of a state.
+#[derive(Clone, Copy, Debug)]
+pub struct Kinematics<'a> {
+    /// CP.
+    pub position: &'a Components<f64>,
+    /// CU.
+    pub displacement: &'a Components<f64>,
+    /// CCU.
+    pub constitutive: &'a Components<f64>,
+    /// CV.
+    pub velocity: &'a Components<f64>,
+    /// CA.
+    pub acceleration: &'a Components<f64>,
+    /// The time.
+    pub time: Option<f64>,
+    /// Which velocities are meant.
+    pub velocities: Velocities,
+}
+
+/// The slopes of Σ CEF + CVF: 6×6 blocks ∂F_i/∂x_j.
+///
+/// Serialised, the rows and columns are those of u1, u2, u3, ur1, ur2, ur3.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tangent<R> {
+    /// ∂F_i/∂u_j at constant velocity.
+    pub displacement: [[R; 6]; 6],
+    /// ∂F_i/∂v_j.
+    pub velocity: [[R; 6]; 6],
+    /// The time step, where velocities are increments over it: then dF_i/du_j = ∂F_i/∂u_j + ∂F_i/∂v_j/Δt.
+    pub time_step: Option<R>,
+    /// ∂F_i/∂Δt at constant displacements: −Σ ∂F_i/∂v_j v_j/Δt; zero where velocities are rates.
+    pub time: [R; 6],
+}
+
+impl<R: Differentiable> Tangent<R> {
+    /// dF_i/du_j: with the velocity as a function of the displacement where it is an increment over a time step.
+    pub fn total(&self) -> [[R; 6]; 6] {
+        let inverse = self.time_step.map_or(R::integer(0), |step| R::integer(1) / step);
+        let mut total = self.displacement;
+        for (line, rates) in total.iter_mut().zip(&self.velocity) {
+            for (entry, rate) in line.iter_mut().zip(rates) {
+                *entry = *entry + *rate * inverse;
+            }
+        }
+        total
+    }
+}
+
+/// How far a given force may differ from the sum of its parts, relative to them: files of forces have six digits or so.
+const PRINTED: f64 = 1e-5;
+
+/// Something that happened at a state, or needs care.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// The slope of a force jumps here.
+    Kink(ForceKink<f64>),
+    /// A position lies beyond its stop by so much.
+    BeyondStop {
+        /// The component (0-based).
+        component: usize,
+        /// How far.
+        by: f64,
+    },
+    /// A given total force leaves a reaction at a stop that pulls.
+    StopPulls {
+        /// The component (0-based).
+        component: usize,
+        /// CRF.
+        reaction: f64,
+    },
+    /// A lock closed.
+    Locked {
+        /// The component (0-based) whose limit was passed.
+        component: usize,
+        /// The limit.
+        by: Passed,
+    },
+    /// A failure released components.
+    Failed {
+        /// The component (0-based) whose limit was passed.
+        component: usize,
+        /// The limit.
+        by: Passed,
+    },
+    /// A criterion could not be checked.
+    Undecided {
+        /// The component (0-based).
+        component: usize,
+        /// Whether it is a failure, else a lock.
+        is_failure: bool,
+        /// Why.
+        why: Unknown,
+    },
+    /// The total force given for a component that nothing holds differs from the sum of its parts.
+    OutOfBalance {
+        /// The component (0-based).
+        component: usize,
+        /// Given minus sum.
+        by: f64,
+    },
+}
+
+/// The behaviour at one state.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// CEF.
+    pub elastic: Forces<f64>,
+    /// CVF.
+    pub viscous: Forces<f64>,
+    /// CCF.
+    pub load: Forces<f64>,
+    /// CRF.
+    pub reaction: Forces<f64>,
+    /// CTF.
+    pub total: Forces<f64>,
+    /// What is prescribed.
+    pub prescribed: Components<Prescribed<f64>>,
+    /// What a prescribed motion, a lock or a rigid elasticity enforces to be zero: value, rate and acceleration as far as they are
+    /// enforced.
+    pub residual: Components<[Option<f64>; 3]>,
+    /// CSLST: a stop reached or a lock closed.
+    pub held: Components<StopStatus>,
+    /// The components that a lock holds.
+    pub locked: Mask,
+    /// CFAILST.
+    pub failed: Mask,
+    /// The motion from which forces were taken; velocities that are not known are zero.
+    pub motion: Motion<f64>,
+    /// The time step of velocities that are increments.
+    pub time_step: Option<f64>,
+    /// What happened, and what needs care.
+    pub events: Vec<Event>,
+    /// The history to commit.
+    pub history: History,
+}
+
+impl Behavior {
+    /// The behaviour that a deck gives to a connection type.
+    ///
+    /// # Errors
+    /// Tables out of order or incomplete; a component that is not available; two laws of one kind for one component.
+    pub fn new(
+        given: &scene::Behavior,
+        connection: &ConnectionType,
+        is_planar: bool,
+        is_explicit: bool,
+    ) -> Result<Self, Diagnostic> {
+        let has = |k: usize| !is_planar || matches!(k, 0 | 1 | 5);
+        let available = [0, 1, 2, 3, 4, 5].map(|k| has(k) && connection.slots[k].is_available());
+        let constrained = [0, 1, 2, 3, 4, 5].map(|k| has(k) && connection.slots[k].is_constrained());
+        let mut stops = [None; 6];
+        for stop in &given.stops {
+            if let Some(place) = stops.get_mut(usize::from(stop.component).wrapping_sub(1)) {
+                *place = Some(Stop { lower: stop.lower, upper: stop.upper });
+            }
+        }
+        let masks = [available, constrained];
+        let defaults = &given.table;
+        let locks = given.locks.iter().map(|lock| Criterion::lock(lock, available, defaults));
+        let failures =
+            given.failures.iter().map(|failure| Criterion::failure(failure, masks, is_explicit, defaults));
+        Ok(Self {
+            elasticity: Elasticity::new(&given.elasticity, available, defaults)?,
+            damping: Damping::new(&given.damping, available, defaults)?,
+            locks: locks.collect::<Result<_, _>>()?,
+            failures: failures.collect::<Result<_, _>>()?,
+            stops,
+            available,
+            constrained,
+            slips: rubbing(given, available),
+            inelastic: inelastic(given, available),
+        })
+    }
+
+    /// No behaviour: a connection type with its motions and loads alone.
+    pub fn none(connection: &ConnectionType, is_planar: bool) -> Self {
+        let has = |k: usize| !is_planar || matches!(k, 0 | 1 | 5);
+        Self {
+            available: [0, 1, 2, 3, 4, 5].map(|k| has(k) && connection.slots[k].is_available()),
+            constrained: [0, 1, 2, 3, 4, 5].map(|k| has(k) && connection.slots[k].is_constrained()),
+            ..Self::default()
+        }
+    }
+
+    /// Whether there is nothing that acts or is said of a component.
+    pub fn is_empty(&self) -> bool {
+        let acts = [self.elasticity.components(), self.damping.components()].as_flattened().contains(&true);
+        let acts = acts || [self.slips, self.inelastic].as_flattened().contains(&true);
+        !acts && self.locks.is_empty() && self.failures.is_empty() && self.stops.iter().all(Option::is_none)
+    }
+
+    /// Whether there are stops.
+    pub fn has_stops(&self) -> bool {
+        self.stops.iter().any(Option::is_some)
+    }
+
+    /// Whether the history matters: locks, failures, and velocities from increments follow it.
+    pub fn has_history(&self) -> bool {
+        !self.locks.is_empty() || !self.failures.is_empty() || self.damping.components().contains(&true)
+    }
+
+    /// The components whose motion the behaviour depends on.
+    pub const fn available(&self) -> Mask {
+        self.available
+    }
+
+    /// The components whose positions stops, locks and failures ask for, or may freeze.
+    pub fn limited(&self) -> Mask {
+        let criteria = self.locks.iter().chain(&self.failures);
+        let mut limited = [0, 1, 2, 3, 4, 5].map(|k| self.stops[k].is_some());
+        for criterion in criteria {
+            for k in 0..6 {
+                limited[k] |= k == criterion.component || criterion.affected[k];
+            }
+        }
+        limited
+    }
+
+    /// CEF + CVF on any scalar: the function whose derivatives are the tangent. Unknown parts are left out.
+    pub fn forces<S: Scalar>(&self, motion: &Motion<S>, conditions: &Conditions) -> [S; 6] {
+        let elastic = self.elasticity.forces(motion, conditions).value;
+        let viscous = self.damping.forces(motion, conditions).value;
+        [0, 1, 2, 3, 4, 5].map(|k| elastic[k].unwrap_or(S::zero()) + viscous[k].unwrap_or(S::zero()))
+    }
+
+    /// The slopes of CEF + CVF of the components that have not failed, exact. `time_step` is that of velocities that are
+    /// increments.
+    pub fn tangent<R: Differentiable>(
+        &self,
+        motion: &Motion<R>,
+        conditions: &Conditions,
+        time_step: Option<R>,
+        failed: Mask,
+    ) -> Tangent<R> {
+        let seeded = |values: &[R; 6], first: usize| {
+            let seed = |k: usize| R::Gradient::<12>::seed(values[k], first + k);
+            [seed(0), seed(1), seed(2), seed(3), seed(4), seed(5)]
+        };
+        let constitutive = seeded(&motion.constitutive, 0);
+        let moving = Motion {
+            position: seeded(&motion.position, 0),
+            constitutive,
+            velocity: seeded(&motion.velocity, 6),
+        };
+        let zero = R::integer(0);
+        let mut tangent =
+            Tangent { displacement: [[zero; 6]; 6], velocity: [[zero; 6]; 6], time_step, time: [zero; 6] };
+        for (k, force) in
+            self.forces(&moving, conditions).into_iter().enumerate().filter(|(k, _)| !failed[*k])
+        {
+            let slopes = force.gradient();
+            tangent.displacement[k].copy_from_slice(&slopes[..6]);
+            tangent.velocity[k].copy_from_slice(&slopes[6..]);
+            if let Some(step) = time_step {
+                let pairs = tangent.velocity[k].iter().zip(&motion.velocity);
+                tangent.time[k] = -(pairs.fold(zero, |sum, (slope, v)| sum + *slope * *v) / step);
+            }
+        }
+        tangent
+    }
+
+    /// The behaviour at a state that follows `history`, with the total forces (CTF) that are given.
+    pub fn at(
+        &self,
+        now: &Kinematics<'_>,
+        total: &Components<f64>,
+        (drives, schedule): (&Drives, &Schedule),
+        conditions: &Conditions,
+        history: &History,
+    ) -> Outcome {
+        let mut events = Vec::new();
+        let time_step = match now.velocities {
+            Velocities::Rates => None,
+            Velocities::Increments => {
+                // Before the first state the model was at rest in its initial place, at time 0.
+                now.time.map(|time| time - history.time.unwrap_or(0.0)).filter(|step| *step > 0.0)
+            }
+        };
+        let velocity = self.velocity(now, time_step, history);
+        let value = |of: &Components<f64>| of.map(|value| value.unwrap_or(0.0));
+        let motion = Motion {
+            position: value(now.position),
+            constitutive: value(now.constitutive),
+            velocity: value(&velocity),
+        };
+        let mut elastic = self.elasticity.forces(&motion, conditions);
+        for k in (0..6).filter(|k| self.inelastic[*k]) {
+            (elastic.value[k], elastic.unknown[k]) = (None, Some(Unknown::Inelastic));
+        }
+        let mut viscous = self.damping.forces(&motion, conditions);
+        for k in (0..6).filter(|k| self.damping.components()[*k]) {
+            let is_known = (0..6).all(|j| !self.available[j] || velocity[j].is_some());
+            if !is_known && viscous.value[k].is_some() {
+                (viscous.value[k], viscous.unknown[k]) = (None, Some(Unknown::TimeStep));
+            }
+        }
+        let load = self.loads(drives, schedule, now.time);
+        let prescribed = self.prescribed(drives, schedule, now, history);
+
+        let stopped = self.stopped(now.position);
+        let locked = history.locked.map(|at| at.is_some());
+        let rigid = self.elasticity.rigid();
+        let mut outcome = Outcome {
+            elastic,
+            viscous,
+            load,
+            reaction: Forces::none(),
+            total: Forces::none(),
+            prescribed: prescribed.map(|prescribed| prescribed.map(real_part)),
+            residual: [None; 6],
+            held: stopped,
+            locked,
+            failed: history.failed,
+            motion,
+            time_step,
+            events: Vec::new(),
+            history: history.clone(),
+        };
+        for k in 0..6 {
+            let is_held = locked[k]
+                || rigid[k]
+                || prescribed[k].is_some()
+                || matches!(stopped[k], Some(StopStatus::AtLower | StopStatus::AtUpper));
+            self.balance(k, is_held, total[k], &mut outcome, &mut events);
+        }
+        self.fail(now, conditions, &mut outcome, &mut events);
+        self.lock(now, conditions, &mut outcome, &mut events);
+        // The total of a component that has failed since is not what it was compared with.
+        events.retain(
+            |event| !matches!(event, Event::OutOfBalance { component, .. } if outcome.failed[*component]),
+        );
+        for k in (0..6).filter(|k| !outcome.failed[*k]) {
+            outcome.residual[k] = self.residual(k, now, &velocity, prescribed[k], &outcome.history);
+            self.check_stop(k, now.position[k], &outcome, &mut events);
+            if outcome.locked[k] {
+                outcome.held[k] = Some(StopStatus::Locked);
+            }
+        }
+        let is_known = |kink: &ForceKink<f64>| !outcome.failed[kink.component];
+        let kinks = self.elasticity.kinks(&motion, conditions).into_iter();
+        let kinks = kinks.chain(self.damping.kinks(&motion, conditions));
+        events.extend(kinks.filter(is_known).map(Event::Kink));
+
+        outcome.history.time = now.time.or(history.time);
+        outcome.history.displacement = *now.displacement;
+        for step in now.time.into_iter().flat_map(|time| schedule.beginning_at(time)) {
+            if outcome.history.beginnings.iter().all(|(known, _)| *known != step) {
+                outcome.history.beginnings.push((step, *now.displacement));
+            }
+        }
+        outcome.events = events;
+        outcome
+    }
+
+    fn velocity(&self, now: &Kinematics<'_>, time_step: Option<f64>, history: &History) -> Components<f64> {
+        match now.velocities {
+            Velocities::Rates => *now.velocity,
+            Velocities::Increments => [0, 1, 2, 3, 4, 5].map(|k| {
+                let change = now.displacement[k]? - history.displacement[k].unwrap_or(0.0);
+                // What has not moved has no velocity, however long that took.
+                if change == 0.0 { Some(0.0) } else { Some(change / time_step?) }
+            }),
+        }
+    }
+
+    fn loads(&self, drives: &Drives, schedule: &Schedule, time: Option<f64>) -> Forces<f64> {
+        let mut forces = Forces::none();
+        for k in (0..6).filter(|k| self.available[*k]) {
+            match drives.loads[k].as_ref().map(|drive| drive.load(schedule, time)) {
+                Some(Ok(load)) => forces.value[k] = Some(load),
+                Some(Err(unknown)) => forces.unknown[k] = Some(unknown),
+                None => {}
+            }
+        }
+        forces
+    }
+
+    fn prescribed(
+        &self,
+        drives: &Drives,
+        schedule: &Schedule,
+        now: &Kinematics<'_>,
+        history: &History,
+    ) -> Components<Prescribed<Dual2_64>> {
+        let time = now.time.map(|time| Dual2_64::new(time, 1.0, 0.0));
+        [0, 1, 2, 3, 4, 5].map(|k| {
+            let drive = drives.motions[k].as_ref().filter(|_| self.available[k] && !history.failed[k])?;
+            drive.at(schedule, time, |step| {
+                let found = history.beginnings.iter().find(|(known, _)| *known == step);
+                found.and_then(|(_, displacement)| displacement[k])
+            })
+        })
+    }
+
+    /// Whether stops are reached.
+    fn stopped(&self, position: &Components<f64>) -> Components<StopStatus> {
+        [0, 1, 2, 3, 4, 5].map(|k| Some(StopStatus::at(&self.stops[k]?, position[k]?)))
+    }
+
+    /// CRF and CTF of component k: the reaction is what a given total force leaves.
+    fn balance(
+        &self,
+        k: usize,
+        is_held: bool,
+        given: Option<f64>,
+        outcome: &mut Outcome,
+        events: &mut Vec<Event>,
+    ) {
+        if outcome.failed[k] || !(self.available[k] || self.constrained[k]) {
+            return;
+        }
+        if self.constrained[k] {
+            (outcome.reaction.value[k], outcome.total.value[k]) = (given, given);
+            if given.is_none() {
+                (outcome.reaction.unknown[k], outcome.total.unknown[k]) =
+                    (Some(Unknown::Reaction), Some(Unknown::Reaction));
+            }
+            return;
+        }
+        let parts = [&outcome.elastic, &outcome.viscous];
+        let rigid = self.elasticity.rigid()[k];
+        let is_missing = parts.iter().any(|part| part.unknown[k].is_some_and(|why| why != Unknown::Rigid));
+        let missing = is_missing || outcome.load.unknown[k].is_some() || self.slips[k];
+        let sum: f64 =
+            parts.iter().filter_map(|part| part.value[k]).sum::<f64>() - outcome.load.value[k].unwrap_or(0.0);
+        let scale: f64 =
+            parts.iter().chain(&[&outcome.load]).filter_map(|part| part.value[k]).map(f64::abs).sum();
+        let (total, reaction) = match (is_held, given) {
+            _ if missing => {
+                let why = if self.slips[k] { Unknown::Friction } else { Unknown::Part };
+                (given.ok_or(why), Err(why))
+            }
+            (true, Some(given)) => (Ok(given), Ok(given - sum)),
+            (true, None) => (Err(Unknown::Reaction), Err(Unknown::Reaction)),
+            (false, _) => (Ok(sum), Ok(0.0)),
+        };
+        if let (false, false, Some(given)) = (is_held, missing, given)
+            && (given - sum).abs() > PRINTED * (given.abs() + scale)
+        {
+            events.push(Event::OutOfBalance { component: k, by: given - sum });
+        }
+        (outcome.total.value[k], outcome.total.unknown[k]) = (total.ok(), total.err());
+        // What keeps a rigid elasticity at its reference is its elastic force.
+        if rigid
+            && matches!(outcome.held[k], None | Some(StopStatus::Free))
+            && !outcome.locked[k]
+            && outcome.prescribed[k].is_none()
+        {
+            (outcome.elastic.value[k], outcome.elastic.unknown[k]) =
+                (reaction.ok(), reaction.err().map(|_| Unknown::Rigid));
+            outcome.reaction.value[k] = Some(0.0);
+        } else {
+            (outcome.reaction.value[k], outcome.reaction.unknown[k]) = (reaction.ok(), reaction.err());
+        }
+    }
+
+    fn fail(
+        &self,
+        now: &Kinematics<'_>,
+        conditions: &Conditions,
+        outcome: &mut Outcome,
+        events: &mut Vec<Event>,
+    ) {
+        for criterion in &self.failures {
+            let component = criterion.component;
+            if (0..6).all(|k| !criterion.affected[k] || outcome.failed[k]) {
+                continue;
+            }
+            match criterion.check(now.position, &outcome.total.value, conditions) {
+                Verdict::Met(by) => {
+                    events.push(Event::Failed { component, by });
+                    for k in (0..6).filter(|k| criterion.affected[*k]) {
+                        outcome.failed[k] = true;
+                    }
+                }
+                Verdict::NotMet => {}
+                Verdict::Undecided(why) => events.push(Event::Undecided { component, is_failure: true, why }),
+            }
+        }
+        // The forces of released components vanish in the increment of the failure.
+        for k in (0..6).filter(|k| outcome.failed[*k]) {
+            let parts = [
+                &mut outcome.elastic,
+                &mut outcome.viscous,
+                &mut outcome.load,
+                &mut outcome.reaction,
+                &mut outcome.total,
+            ];
+            for part in parts {
+                let was_there = part.value[k].is_some() || part.unknown[k].is_some();
+                (part.value[k], part.unknown[k]) = (was_there.then_some(0.0), None);
+            }
+            outcome.total.value[k] = Some(0.0);
+            outcome.reaction.value[k] = Some(0.0);
+            outcome.prescribed[k] = None;
+            outcome.locked[k] = false;
+            outcome.history.locked[k] = None;
+            outcome.held[k] = outcome.held[k].map(|_| StopStatus::Free);
+        }
+        outcome.history.failed = outcome.failed;
+    }
+
+    fn lock(
+        &self,
+        now: &Kinematics<'_>,
+        conditions: &Conditions,
+        outcome: &mut Outcome,
+        events: &mut Vec<Event>,
+    ) {
+        for criterion in &self.locks {
+            let component = criterion.component;
+            let remains = |k: usize| criterion.affected[k] && !outcome.locked[k] && !outcome.failed[k];
+            let remaining = [0, 1, 2, 3, 4, 5].map(remains);
+            if !remaining.contains(&true) {
+                continue;
+            }
+            match criterion.check(now.position, &outcome.total.value, conditions) {
+                Verdict::Met(by) => {
+                    events.push(Event::Locked { component, by });
+                    for k in (0..6).filter(|k| remaining[*k]) {
+                        outcome.locked[k] = true;
+                        outcome.history.locked[k] = now.position[k];
+                    }
+                }
+                Verdict::NotMet => {}
+                Verdict::Undecided(why) => {
+                    events.push(Event::Undecided { component, is_failure: false, why })
+                }
+            }
+        }
+    }
+
+    /// What holds component k, to be zero: a lock, else a prescribed motion, else a rigid elasticity.
+    fn residual(
+        &self,
+        k: usize,
+        now: &Kinematics<'_>,
+        velocity: &Components<f64>,
+        prescribed: Option<Prescribed<Dual2_64>>,
+        history: &History,
+    ) -> Option<[Option<f64>; 3]> {
+        let rates = [velocity[k], now.acceleration[k]];
+        if let (Some(at), Some(position)) = (history.locked[k], now.position[k]) {
+            return Some([Some(position - at), rates[0], rates[1]]);
+        }
+        match prescribed {
+            Some(Prescribed::Displacement(wanted)) => {
+                let minus = |value: Option<f64>, wanted: f64| value.map(|value| value - wanted);
+                Some([
+                    minus(now.displacement[k], wanted.re),
+                    minus(rates[0], wanted.v1),
+                    minus(rates[1], wanted.v2),
+                ])
+            }
+            Some(Prescribed::Velocity(wanted)) => {
+                Some([None, rates[0].map(|rate| rate - wanted.re), rates[1].map(|second| second - wanted.v1)])
+            }
+            Some(Prescribed::Acceleration(wanted)) => {
+                Some([None, None, rates[1].map(|second| second - wanted.re)])
+            }
+            Some(Prescribed::Unknown(..)) => None,
+            None if self.elasticity.rigid()[k] => Some([now.constitutive[k], rates[0], rates[1]]),
+            None => None,
+        }
+    }
+
+    fn check_stop(&self, k: usize, position: Option<f64>, outcome: &Outcome, events: &mut Vec<Event>) {
+        let (Some(stop), Some(position), Some(status)) = (self.stops[k], position, outcome.held[k]) else {
+            return;
+        };
+        let (limit, sign) = match status {
+            StopStatus::Free | StopStatus::Locked => return,
+            StopStatus::AtLower => (stop.lower, -1.0),
+            StopStatus::AtUpper => (stop.upper, 1.0),
+        };
+        let by = limit.map_or(0.0, |limit: f64| sign * (position - limit));
+        if by > 0.0 {
+            events.push(Event::BeyondStop { component: k, by });
+        }
+        // At the upper stop the reaction resists growth: it is positive.
+        let is_alone = !outcome.locked[k] && outcome.prescribed[k].is_none();
+        if let Some(reaction) = outcome.reaction.value[k]
+            && is_alone
+            && sign * reaction < 0.0
+        {
+            events.push(Event::StopPulls { component: k, reaction });
+        }
+    }
+}
+
+/// The components on which friction acts: predefined friction, and a potential, may act on all available ones.
+fn rubbing(given: &scene::Behavior, available: Mask) -> Mask {
+    let mut mask = [false; 6];
+    for friction in &given.friction {
+        match friction.kind {
+            FrictionKind::User { component: Some(component), .. } => add(&mut mask, component),
+            _ => mask = available,
+        }
+    }
+    mask
+}
+
+/// The components on which plasticity or damage acts: a coupled one acts on all available ones.
+fn inelastic(given: &scene::Behavior, available: Mask) -> Mask {
+    let mut mask = [false; 6];
+    let plastic = given.plasticity.iter().map(|plasticity| plasticity.component);
+    // Without an evolution damage stays 0.
+    let evolving =
+        given.damage.iter().filter_map(|damage| Some((damage.component, damage.evolution.as_ref()?)));
+    let mut damaged = Vec::new();
+    for (component, evolution) in evolving {
+        damaged.extend(evolution.affected.iter().copied().map(Some));
+        if evolution.affected.is_empty() {
+            damaged.push(component);
+        }
+    }
+    for component in plastic.chain(damaged) {
+        match component {
+            Some(component) => add(&mut mask, component),
+            None => mask = available,
+        }
+    }
+    mask
+}
+
+fn add(mask: &mut Mask, component: u8) {
+    if let Some(place) = mask.get_mut(usize::from(component).wrapping_sub(1)) {
+        *place = true;
+    }
+}
+
+/// Without the time derivatives.
+fn real_part(prescribed: Prescribed<Dual2_64>) -> Prescribed<f64> {
+    match prescribed {
+        Prescribed::Displacement(value) => Prescribed::Displacement(value.re),
+        Prescribed::Velocity(value) => Prescribed::Velocity(value.re),
+        Prescribed::Acceleration(value) => Prescribed::Acceleration(value.re),
+        Prescribed::Unknown(kind, unknown) => Prescribed::Unknown(kind, unknown),
+    }
+}
+
+impl Prescribed<f64> {
+    /// The value, and what it is of.
+    pub const fn value(self) -> (MotionType, Option<f64>) {
+        match self {
+            Self::Displacement(value) => (MotionType::Displacement, Some(value)),
+            Self::Velocity(value) => (MotionType::Velocity, Some(value)),
+            Self::Acceleration(value) => (MotionType::Acceleration, Some(value)),
+            Self::Unknown(kind, _) => (kind, None),
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What of a behaviour a request needs, and what it has to say.
+
+use super::model::ElementBehavior;
+use crate::behavior::ForceKink;
+use crate::behavior::drive::Prescribed;
+use crate::behavior::state::{Event, Outcome};
+use crate::catalog::COMPONENT;
+use crate::connector::{Flag, Mask, Output, Request};
+
+impl ElementBehavior {
+    /// Whether anything of the behaviour has to be computed for a request, or for the states that follow.
+    pub(super) fn is_needed(&self, request: &Request) -> bool {
+        let Self { behavior, drives, .. } = self;
+        let is_driven = drives.motions.iter().any(Option::is_some);
+        let holds = is_driven || !behavior.locks.is_empty() || behavior.elasticity.rigid().contains(&true);
+        let is_asked = request.outputs().any(|output| match output {
+            Output::RES | Output::RESV | Output::RESA => holds,
+            Output::CSLST => behavior.has_stops() || !behavior.locks.is_empty(),
+            other => other.is_of_behavior() || (other.is_of_forces() && !self.is_empty()),
+        });
+        is_asked || behavior.has_history() || is_driven
+    }
+
+    /// Whether nothing acts on the connector but its constraints.
+    fn is_empty(&self) -> bool {
+        self.behavior.is_empty() && self.drives.is_empty()
+    }
+
+    /// Whether the states that follow depend on what happens at this one.
+    pub(super) fn has_history(&self) -> bool {
+        self.behavior.has_history() || self.drives.motions.iter().any(Option::is_some)
+    }
+
+    /// The request with what the behaviour is a function of, as values.
+    pub(super) fn request(&self, request: &Request) -> Request {
+        let Self { behavior, drives, .. } = self;
+        let has = |mask: Mask| mask.contains(&true);
+        let is_damped = has(behavior.damping.components());
+        let has_laws = is_damped || has(behavior.elasticity.components());
+        let driven = [0, 1, 2, 3, 4, 5].map(|k| drives.motions[k].is_some());
+        let held = [0, 1, 2, 3, 4, 5].map(|k| driven[k] || behavior.limited()[k]);
+        let of = |is: bool, mask: Mask| mask.map(|one| one && is);
+        let all = behavior.available();
+        let mut needed = request.clone();
+        for (output, mask) in [
+            (Output::CP, behavior.limited()),
+            (Output::CP, of(has_laws, all)),
+            (Output::CCU, of(has_laws, all)),
+            (Output::CU, of(is_damped, all)),
+            (Output::CU, driven),
+            (Output::CV, of(is_damped, all)),
+            (Output::CV, of(wants(request, Output::RESV), held)),
+            (Output::CA, of(wants(request, Output::RESA), held)),
+        ] {
+            needed.add_values(output, mask);
+        }
+        needed
+    }
+}
+
+/// Whether an output is wanted of any component.
+pub(super) fn wants(request: &Request, output: Output) -> bool {
+    (0..6).any(|k| request.wants(output, k))
+}
+
+/// An event as a flag.
+pub(super) fn flag(event: Event) -> Flag {
+    let name = |k: usize| COMPONENT[k];
+    match event {
+        Event::Kink(ForceKink { component, kink }) => {
+            Flag::ForceKink { component: name(component), at: kink.at, left: kink.left, right: kink.right }
+        }
+        Event::BeyondStop { component, by } => Flag::BeyondStop { component: name(component), by },
+        Event::StopPulls { component, reaction } => Flag::StopPulls { component: name(component), reaction },
+        Event::Locked { component, by } => Flag::Locked { component: name(component), limit: by.in_words() },
+        Event::Failed { component, by } => Flag::Failed { component: name(component), limit: by.in_words() },
+        Event::Undecided { component, is_failure, why } => Flag::Undecided {
+            component: name(component),
+            criterion: if is_failure { "failure" } else { "lock" },
+            why: why.in_words(),
+        },
+        Event::OutOfBalance { component, by } => Flag::OutOfBalance { component: name(component), by },
+    }
+}
+
+/// The forces that are asked for and not known.
+pub(super) fn not_known(outcome: &Outcome, request: &Request) -> Vec<Flag> {
+    let mut flags = Vec::new();
+    for (k, component) in COMPONENT.into_iter().enumerate() {
+        for (output, forces) in [
+            (Output::CTF, &outcome.total),
+            (Output::CEF, &outcome.elastic),
+            (Output::CVF, &outcome.viscous),
+            (Output::CRF, &outcome.reaction),
+            (Output::CCF, &outcome.load),
+        ] {
+            if let (true, Some(unknown)) = (request.wants(output, k), forces.unknown[k]) {
+                flags.push(Flag::NotKnown { component, quantity: output.name(), why: unknown.in_words() });
+            }
+        }
+        if let (true, Some(Prescribed::Unknown(_, unknown))) =
+            (request.wants(Output::DRIVEN, k), outcome.prescribed[k])
+        {
+            flags.push(Flag::NotKnown {
+                component,
+                quantity: Output::DRIVEN.name(),
+                why: unknown.in_words(),
+            });
+        }
+    }
+    flags
+}
