@@ -163,7 +163,7 @@ pub struct Node {
 pub struct Set {
     /// The members that the scene has, each once: ascending, or as written when the set is UNSORTED.
     pub labels: Vec<Label>,
-    /// UNSORTED: the members stand as written.
+    /// The members stand as written, by UNSORTED, and do not ascend.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub unsorted: bool,
     /// Members that are elements of types that the scene does not have; for a set of nodes, elements whose nodes it lacks.
