@@ -163,7 +163,7 @@ pub struct Node {
 pub struct Set {
     /// The members that the scene has, each once: ascending, or as written when the set is UNSORTED.
     pub labels: Vec<Label>,
-    /// UNSORTED: the members stand as written.
+    /// The members stand as written, by UNSORTED, and do not ascend.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub unsorted: bool,
     /// Members that are elements of types that the scene does not have; for a set of nodes, elements whose nodes it lacks.
@@ -739,8 +739,10 @@ pub struct Skipped {
     /// Elements of types that are not connectors, masses, springs or dashpots.
     pub element_types: IndexMap<String, SkippedItem>,
     /// Parameters and data of keywords that are understood, such as `*STATIC, DIRECT`.
+    #[serde(skip)]
     pub parameters: IndexMap<String, SkippedItem>,
     /// Comment lines.
+    #[serde(skip)]
     pub comments: u64,
 }
 

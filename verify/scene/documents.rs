@@ -321,7 +321,7 @@ impl Choices<'_> {
             "dashpots": [{"element_set": "D", "nonlinear": true, "dependencies": 7,
                           "rows": [[self.number(), 0.0, null, 1.0, self.item(), 2.0, 3.0, 4.0, self.item(), 5.0]]}],
             "transforms": [{"node_set": "ALL", "kind": self.one(&["rectangular", "cylindrical", "spherical"]),
-                            "a": self.numbers(3), "b": self.numbers(3)}],
+                            "a": [1.0, 0.1, 1e-300], "b": [-0.0, 2.0, 1e-3]}],
             "amplitudes": {"A mixed Case": {"pairs": [[-1.0, self.number()], [0.0, self.number()]], "time": "total_time"},
                            "P": {"definition": "periodic", "data": self.numbers(11), "value": "absolute", "begin": self.number()}},
             "boundaries": [self.boundary(), self.boundary()],

@@ -352,10 +352,10 @@ pub(super) fn resolve(
                 .help("remove sets that no connector needs"));
             }
         }
-        set.unsorted = builder.unsorted;
         if builder.unsorted {
             let mut seen = HashSet::with_capacity(set.labels.len());
             set.labels.retain(|label| seen.insert(*label));
+            set.unsorted = !set.labels.is_sorted();
         } else {
             set.labels.sort_unstable();
             set.labels.dedup();

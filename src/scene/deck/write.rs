@@ -462,11 +462,11 @@ impl Deck {
         for (name, members) in &sets.0 {
             let mut open = false;
             let ascending = members.iter().map(|member| match &member.value {
-                Member::One(Target::Number(number)) => Some(*number),
-                _ => None,
+                Member::One(target) => target.to_string().parse().ok(),
+                Member::Range(_) => None,
             });
-            let ascending: Option<Vec<u64>> = ascending.collect();
-            let unsorted = ascending.is_none_or(|numbers| !numbers.is_sorted());
+            let ascending: Option<Vec<Label>> = ascending.collect();
+            let unsorted = ascending.is_none_or(|labels| !labels.is_sorted());
             let start = |deck: &mut Self, generate: bool| -> Result<()> {
                 deck.keyword(keyword, name.span);
                 deck.name(keyword, name)?;
