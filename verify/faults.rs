@@ -165,7 +165,10 @@ impl Fault {
             (self.line.is_none() || !diagnostic.label().is_empty(), "label"),
             (self.line.is_none() || marks_its_line(), "marked text"),
             (shown.contains(self.code.as_str()) && shown.contains(&self.place()), "rendering"),
-            (!is_rule || diagnostic.message().contains("element "), "name of the element"),
+            (
+                !is_rule || ["element ", "MPC "].iter().any(|of| diagnostic.message().contains(of)),
+                "name of the element",
+            ),
             (!is_rule || diagnostic.label().starts_with("by "), "source of the rule"),
         ];
         checks.iter().filter(|(passed, _)| !passed).map(|(_, what)| *what).collect()

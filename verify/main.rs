@@ -5,6 +5,7 @@ mod audit; // whether the audit notices what is wrong, and nothing else
 mod behavior; // forces that follow from motions
 mod cli; // the command line
 mod closed; // rows derived by hand
+mod convert; // scenes in other forms
 mod faults; // what is said about every faulty input
 mod freedom; // which degrees of freedom nodes have
 mod friction; // what sticks and slips

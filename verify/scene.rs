@@ -2,6 +2,7 @@
 #![expect(clippy::panic, reason = "a test fails by panicking")]
 
 mod assembly;
+mod documents;
 mod gallery;
 mod reading;
 mod states;

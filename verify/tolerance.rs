@@ -92,6 +92,7 @@ pub(crate) const LAWS: &[Law] = &[
     law("carried forces", 16.0),
     // The formulas take the triads to be orthonormal, which they are to a few roundings.
     law("rows by hand", 8.0),
+    law("forces by hand", 8.0),
     law("plane, values", 3.0),
     law("plane, rows", 2.0),
     law("plane, second derivatives", 2.0),

@@ -17,7 +17,7 @@ const BRANCHES: &str = "pintle-branches/1";
 
 /// Where a scene comes from.
 #[derive(Clone, Copy, Debug)]
-enum Source<'a> {
+pub(crate) enum Source<'a> {
     Gallery(&'static Example),
     File(&'a str),
 }
@@ -70,15 +70,22 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
 
 /// The scenes that are asked for.
 fn sources(arguments: &Eval) -> Result<Vec<Source<'_>>, Failure> {
-    let Some(name) = &arguments.scene else { return Ok(GALLERY.iter().map(Source::Gallery).collect()) };
+    match &arguments.scene {
+        None => Ok(GALLERY.iter().map(Source::Gallery).collect()),
+        Some(name) => source(name).map(|source| vec![source]),
+    }
+}
+
+/// The scene of that name.
+pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
     if name == "-" {
         let message =
             "a deck is not read from standard input; give the path of a file (./- if that is its name)";
         return Err(Failure::Usage(message.to_string()));
     }
-    let Some(example) = name.strip_prefix("gallery:") else { return Ok(vec![Source::File(name)]) };
+    let Some(example) = name.strip_prefix("gallery:") else { return Ok(Source::File(name)) };
     let found = GALLERY.iter().find(|known| known.name.eq_ignore_ascii_case(example));
-    found.map(|known| vec![Source::Gallery(known)]).ok_or_else(|| {
+    found.map(Source::Gallery).ok_or_else(|| {
         let names: Vec<&str> = GALLERY.iter().map(|known| known.name).collect();
         let near = names
             .iter()
@@ -99,7 +106,8 @@ fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
     let states = match (&arguments.states, source) {
         (Some(file), _) => StateFile::read(file, &scene)?.states,
         (None, Source::Gallery(example)) => example.states(&scene)?.states,
-        (None, Source::File(_)) => vec![State::default()],
+        (None, Source::File(_)) if scene.states.is_empty() => vec![State::default()],
+        (None, Source::File(_)) => scene.states.clone(),
     };
     let sign = match arguments.force_sign {
         Sign::Internal => ForceSign::Internal,
@@ -176,7 +184,8 @@ fn give(
         Ok(text) => diagnostic.with_source(BufReader::new(text)),
         Err(_) => diagnostic,
     };
-    let file = arguments.forces.as_deref().or(arguments.states.as_deref()).unwrap_or(Path::new(""));
+    let file = arguments.forces.as_deref().or(arguments.states.as_deref());
+    let file = file.or(arguments.scene.as_deref().map(Path::new)).unwrap_or(Path::new(""));
     if let Some(forces) = forces {
         forces.attach(states, first).map_err(|error| show(file, error))?;
     }

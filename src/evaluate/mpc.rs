@@ -125,7 +125,8 @@ struct Eliminated<'a> {
 }
 
 /// What speaks against a deck's use of a degree of freedom that a constraint has eliminated.
-const ELIMINATION: &str = "Abaqus eliminates the dependent degrees of freedom of an MPC [D]";
+const ELIMINATION: &str =
+    "by the rules for multi-point constraints: dependent degrees of freedom are eliminated [D]";
 
 impl<'a> Eliminated<'a> {
     /// Takes the degrees of freedom that a constraint makes dependent.

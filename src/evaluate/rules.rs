@@ -222,7 +222,7 @@ pub(super) fn diagnose(breach: &Breach, label: Label, place: Span, scene: &Scene
         Evidence::S | Evidence::D => "",
         Evidence::P | Evidence::R => " (the rule rests on our reading, so this is a warning)",
     };
-    build(code(breach.rule), place, message, here)
-        .help(format!("{}{certainty}", breach.remedy))
-        .in_scene(scene)
+    let diagnostic =
+        build(code(breach.rule), place, message, here).help(format!("{}{certainty}", breach.remedy));
+    crate::scene::in_words_of(scene, diagnostic).in_scene(scene)
 }

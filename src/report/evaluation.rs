@@ -137,7 +137,7 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     ] {
         add(count as u64, what, Vec::new());
     }
-    let Skipped { keywords, element_types } = &scene.skipped;
+    let Skipped { keywords, element_types, parameters: _, comments: _ } = &scene.skipped;
     let kinds = [
         (keywords, "*", ["skipped keyword", "skipped keywords"]),
         (element_types, "", ["element of another type", "elements of other types"]),

@@ -191,8 +191,10 @@ choices! {
     }
 
     /// What of the independent components a table depends on.
+    #[derive(Default)]
     pub enum Basis {
         /// Their positions (CP).
+        #[default]
         Position = "POSITION",
         /// Their displacements from the constitutive reference (CCU).
         ConstitutiveMotion = "CONSTITUTIVE MOTION",
@@ -235,8 +237,10 @@ choices! {
     }
 
     /// What grows with plastic motion.
+    #[derive(Default)]
     pub enum HardeningKind {
         /// The size of the elastic range.
+        #[default]
         Isotropic = "ISOTROPIC",
         /// The backforce: the middle of the elastic range.
         Kinematic = "KINEMATIC",
@@ -298,6 +302,17 @@ choices! {
         Maximum = "MAXIMUM",
         /// They multiply.
         Multiplicative = "MULTIPLICATIVE",
+    }
+}
+
+impl HardeningKind {
+    /// The definition that is meant when none is given.
+    #[must_use]
+    pub const fn definition(self) -> HardeningDefinition {
+        match self {
+            Self::Isotropic => HardeningDefinition::Tabular,
+            Self::Kinematic => HardeningDefinition::HalfCycle,
+        }
     }
 }
 

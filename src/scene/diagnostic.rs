@@ -49,6 +49,15 @@ codes! {
     Unreadable = "scene::unreadable": "The file could not be opened or read.";
     UnknownFormat = "scene::unknown-format": "The ending of the file name does not say how to read the file.";
 
+    SceneMalformed = "scene::malformed": "A scene in TOML or JSON is not well-formed.";
+    SceneTooDeep = "scene::too-deep": "Values of a scene in TOML or JSON lie more than 32 deep within each other.";
+    SceneUnknownSchema = "scene::unknown-schema": "A scene in TOML or JSON says that it has another form than this version of pintle reads.";
+    SceneUnknownField = "scene::unknown-field": "A scene in TOML or JSON has a field that does not exist there.";
+    SceneMissingField = "scene::missing-field": "A scene in TOML or JSON lacks a field that must be there.";
+    SceneRepeatedField = "scene::repeated-field": "A scene in TOML or JSON gives one field or name twice.";
+    SceneWrongType = "scene::wrong-type": "A value of a scene in TOML or JSON is of another kind than the field takes, such as a text where a number is wanted.";
+    SceneUnknownWord = "scene::unknown-word": "A field of a scene in TOML or JSON takes one of a few words, and has another one.";
+
     LineTooLong = "deck::line-too-long": "A line of a deck is longer than 65 535 bytes.";
     NotUtf8 = "deck::not-utf8": "A line that has to be read contains bytes that are not UTF-8. Comments, headings and skipped lines may.";
     UnclosedQuote = "deck::unclosed-quote": "A quotation mark opens a name and none closes it on the same line.";
@@ -246,6 +255,15 @@ impl Diagnostic {
     #[must_use]
     pub fn help(mut self, remedy: impl Into<String>) -> Self {
         self.0.remedy = remedy.into();
+        self
+    }
+
+    /// The same in other words.
+    pub(crate) fn reworded(mut self, words: impl Fn(&str) -> String) -> Self {
+        let parts = &mut self.0;
+        for text in [&mut parts.message, &mut parts.label, &mut parts.remedy] {
+            *text = words(text);
+        }
         self
     }
 

@@ -16,6 +16,40 @@ pub const MAX_LINE: usize = 65_535;
 /// The largest node or element number: up to it, a double holds every whole number.
 pub const MAX_LABEL: u64 = 1 << 53;
 
+/// Where the lines and items of a deck come from that was not written as a deck.
+#[derive(Debug, Default)]
+pub(crate) struct Places {
+    /// The place of each line, and the number of items before it.
+    lines: Vec<(Span, usize)>,
+    items: Vec<Span>,
+}
+
+impl Places {
+    /// Another line begins.
+    pub(crate) fn line(&mut self, span: Span) {
+        self.lines.push((span, self.items.len()));
+    }
+
+    /// Another item of it.
+    pub(crate) fn item(&mut self, span: Span) {
+        self.items.push(span);
+    }
+
+    fn of_line(&self, line: u32) -> Option<LinePlaces<'_>> {
+        let place = usize::try_from(line).ok()?.checked_sub(1)?;
+        let &(span, first) = self.lines.get(place)?;
+        let end = self.lines.get(place + 1).map_or(self.items.len(), |(_, next)| *next);
+        Some(LinePlaces { span, items: self.items.get(first..end).unwrap_or_default() })
+    }
+}
+
+/// Where a line and its items come from.
+#[derive(Debug, Clone, Copy)]
+struct LinePlaces<'a> {
+    span: Span,
+    items: &'a [Span],
+}
+
 /// Reads a deck line by line, and the files that it includes as if their lines stood in their place.
 pub(crate) struct Lexer<'a> {
     files: &'a dyn Files,
@@ -31,6 +65,9 @@ pub(crate) struct Lexer<'a> {
     start: u64,
     /// Bytes that may still be included.
     budget: u64,
+    places: Option<&'a Places>,
+    /// Comment lines so far.
+    pub(crate) comments: u64,
 }
 
 /// A file that is being read.
@@ -79,6 +116,7 @@ pub(crate) struct Data<'a> {
     pub(crate) text: &'a str,
     pub(crate) span: Span,
     start: u64,
+    places: Option<LinePlaces<'a>>,
 }
 
 /// An item of a data line, without the blanks around it.
@@ -86,6 +124,8 @@ pub(crate) struct Data<'a> {
 pub(crate) struct Item<'a> {
     pub(crate) text: &'a str,
     pub(crate) span: Span,
+    /// The place is not that of the text.
+    placed: bool,
 }
 
 impl<'a> Lexer<'a> {
@@ -100,7 +140,19 @@ impl<'a> Lexer<'a> {
             line: 0,
             start: 0,
             budget: MAX_INCLUDED_BYTES,
+            places: None,
+            comments: 0,
         }
+    }
+
+    /// The same deck, whose lines and items come from elsewhere.
+    pub(crate) fn placed(self, places: &'a Places) -> Self {
+        Self { places: Some(places), ..self }
+    }
+
+    fn place(&self, start: u64, length: usize) -> Span {
+        let place = self.places.and_then(|places| places.of_line(self.line));
+        place.map_or_else(|| Span::new(self.file, self.line, start, length), |place| place.span)
     }
 
     /// The names of all files, by their numbers in spans.
@@ -203,7 +255,7 @@ impl<'a> Lexer<'a> {
     }
 
     fn stray(&self) -> Diagnostic {
-        let span = Span::new(self.file, self.line, self.start, self.buffer.trim_ascii_end().len());
+        let span = self.place(self.start, self.buffer.trim_ascii_end().len());
         Diagnostic::error(
             Code::StrayData,
             span,
@@ -258,12 +310,13 @@ impl<'a> Lexer<'a> {
                 self.start += 3;
             }
             if length > MAX_LINE {
-                let place = Span::new(self.file, self.line, self.start, 1);
+                let place = self.place(self.start, 1);
                 let message = format!("a line of more than {MAX_LINE} bytes");
                 return Err(Diagnostic::error(Code::LineTooLong, place, message, "begins here")
                     .help("break the line; is this a text file?"));
             }
             self.pending = !self.buffer.trim_ascii_start().starts_with(b"**");
+            self.comments += u64::from(!self.pending);
         }
         Ok(true)
     }
@@ -347,9 +400,10 @@ impl<'a> Lexer<'a> {
     fn take(&mut self) -> Result<Data<'_>> {
         self.pending = false;
         let bytes = self.buffer.trim_ascii_end();
-        let span = Span::new(self.file, self.line, self.start, bytes.len());
+        let places = self.places.and_then(|places| places.of_line(self.line));
+        let span = self.place(self.start, bytes.len());
         match std::str::from_utf8(bytes) {
-            Ok(text) => Ok(Data { text, span, start: self.start }),
+            Ok(text) => Ok(Data { text, span, start: self.start, places }),
             Err(error) => {
                 let place = Span::new(self.file, self.line, self.start + error.valid_up_to() as u64, 1);
                 Err(not_utf8(place))
@@ -368,7 +422,7 @@ pub(crate) fn not_utf8(place: Span) -> Diagnostic {
 impl<'a> Data<'a> {
     /// The items between the commas. A line without text has none; a comma at its end adds none.
     pub(crate) fn items(&self) -> Items<'a> {
-        Items { line: *self, rest: 0, done: self.text.trim_ascii().is_empty() }
+        Items { line: *self, rest: 0, index: 0, done: self.text.trim_ascii().is_empty() }
     }
 
     /// No text on it.
@@ -376,16 +430,23 @@ impl<'a> Data<'a> {
         self.text.trim_ascii().is_empty()
     }
 
-    fn part(&self, from: usize, to: usize) -> Item<'a> {
+    fn part(&self, from: usize, to: usize, index: usize) -> Item<'a> {
         let raw = &self.text[from..to];
         let text = raw.trim_ascii();
         let lead = raw.len() - raw.trim_ascii_start().len();
         let start = if text.is_empty() { from } else { from + lead };
         let shown = if text.is_empty() { raw.len() } else { text.len() };
-        Item { text, span: Span::new(self.span.file(), self.span.line(), self.start + start as u64, shown) }
+        let span = match self.places {
+            Some(places) => places.items.get(index).copied().unwrap_or(places.span),
+            None => Span::new(self.span.file(), self.span.line(), self.start + start as u64, shown),
+        };
+        Item { text, span, placed: self.places.is_some() }
     }
 
     fn last_byte(&self) -> Span {
+        if let Some(places) = self.places {
+            return places.items.last().copied().unwrap_or(places.span);
+        }
         let length = self.text.len();
         Span::new(
             self.span.file(),
@@ -400,7 +461,7 @@ impl<'a> Data<'a> {
             return Ok(());
         }
         let from = self.text.rfind('"').unwrap_or(0);
-        let span = self.part(from, self.text.len()).span;
+        let span = self.part(from, self.text.len(), usize::MAX).span;
         Err(Diagnostic::error(
             Code::UnclosedQuote,
             span,
@@ -416,6 +477,7 @@ impl<'a> Data<'a> {
 pub(crate) struct Items<'a> {
     line: Data<'a>,
     rest: usize,
+    index: usize,
     done: bool,
 }
 
@@ -436,7 +498,8 @@ impl<'a> Iterator for Items<'a> {
         let to = end.map_or(self.line.text.len(), |length| from + length);
         self.rest = to + 1;
         self.done = end.is_none() || self.line.text[self.rest..].trim_ascii().is_empty();
-        Some(self.line.part(from, to))
+        self.index += 1;
+        Some(self.line.part(from, to, self.index - 1))
     }
 }
 
@@ -514,8 +577,12 @@ impl<'a> Item<'a> {
         let text = raw.trim_ascii();
         let start = equals + 1 + (raw.len() - raw.trim_ascii_start().len());
         let shown = if text.is_empty() { 0 } else { text.len() };
-        let span = Span::new(self.span.file(), self.span.line(), self.span.start() + start as u64, shown);
-        let value = Item { text, span };
+        let span = if self.placed {
+            self.span
+        } else {
+            Span::new(self.span.file(), self.span.line(), self.span.start() + start as u64, shown)
+        };
+        let value = Item { text, span, placed: self.placed };
         KeywordParameter { name: normal(&self.text[..equals]), span: self.span, value: Some(value.detach()) }
     }
 

@@ -43,6 +43,7 @@ mod behavior;
 mod choice;
 mod deck;
 mod diagnostic;
+mod document;
 mod forces;
 mod freedom;
 mod gallery;
@@ -64,6 +65,8 @@ pub use behavior::{
 pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
+pub(crate) use document::in_words_of;
+pub use document::{Converted, Format, MAX_DOCUMENT, schema};
 pub use forces::{ElementForces, ForceFile, ForceSign};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};

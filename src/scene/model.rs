@@ -9,9 +9,11 @@ use super::diagnostic::{Diagnostic, Result};
 use super::label::Label;
 use super::orientation::{Definition, GLOBAL, Orientation, System, Triad};
 use super::span::{Span, Spanned};
+use super::states::State;
 use crate::mpc;
 use indexmap::IndexMap;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// A model: nodes, connectors and what acts on them.
@@ -37,6 +39,8 @@ pub struct Scene {
     /// The nodes of connectors that elements and constraints which are not read give rotational degrees of freedom.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub rotating_nodes: BTreeSet<Label>,
+    /// Whether there are elements of an axisymmetric type.
+    pub axisymmetric: bool,
     /// Element sets by name.
     pub element_sets: IndexMap<String, Set>,
     /// Orientations by name.
@@ -65,6 +69,8 @@ pub struct Scene {
     pub connector_motions: Vec<ConnectorMotion>,
     /// Steps in order.
     pub steps: Vec<Step>,
+    /// States given with the scene; a deck has none.
+    pub states: Vec<State>,
     /// Which solver the procedures belong to, if there are any.
     pub solver: Option<Solver>,
     /// What was passed over.
@@ -176,7 +182,7 @@ impl Set {
 }
 
 /// The space a connector element lives in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Dimension {
     /// CONN2D2: components 1, 2 and 6; plane or axisymmetric.
     #[serde(rename = "CONN2D2")]
@@ -184,6 +190,17 @@ pub enum Dimension {
     /// CONN3D2: all components.
     #[serde(rename = "CONN3D2")]
     Three,
+}
+
+impl Dimension {
+    /// The element type as a deck writes it.
+    #[must_use]
+    pub const fn spelling(self) -> &'static str {
+        match self {
+            Self::Two => "CONN2D2",
+            Self::Three => "CONN3D2",
+        }
+    }
 }
 
 /// An element CONN3D2 or CONN2D2.
@@ -203,10 +220,11 @@ pub struct ConnectorElement {
 }
 
 /// Kinds of point elements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum PointKind {
     /// A point mass.
+    #[default]
     Mass,
     /// A point with rotary inertia.
     Rotaryi,
@@ -700,7 +718,7 @@ pub struct Step {
 pub struct OutputRequest {
     /// The keyword.
     pub keyword: String,
-    /// Its parameters as written.
+    /// Its other parameters as written.
     pub parameters: IndexMap<String, Option<String>>,
     /// `ELSET=`.
     pub element_set: Option<Spanned<String>>,
@@ -720,6 +738,21 @@ pub struct Skipped {
     pub keywords: IndexMap<String, SkippedItem>,
     /// Elements of types that are not connectors, masses, springs or dashpots.
     pub element_types: IndexMap<String, SkippedItem>,
+    /// Parameters and data of keywords that are understood, such as `*STATIC, DIRECT`.
+    pub parameters: IndexMap<String, SkippedItem>,
+    /// Comment lines.
+    pub comments: u64,
+}
+
+impl Skipped {
+    /// Counts a parameter or data of a keyword on a line.
+    pub(super) fn count(&mut self, what: String, line: u32) {
+        let item = self.parameters.entry(what).or_default();
+        if item.count == 0 {
+            item.first_line = line;
+        }
+        item.count += 1;
+    }
 }
 
 /// How much of one kind was skipped.

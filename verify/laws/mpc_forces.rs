@@ -352,7 +352,7 @@ fn springs_on_hinges() {
     let conditions = Conditions::default();
     for n in 0..40 {
         let (first, second, rate) =
-            (0.4 * f64::from(n), 0.03 * f64::from(n) - 0.6, 0.1 * f64::from(n) - 2.05);
+            (0.4 * f64::from(n), 0.03 * f64::from(n) - 0.613, 0.1 * f64::from(n) - 2.05);
         let motion = |angle: f64, rate: f64| NodeMotion {
             rotation: Rotation::Vector([0.0, 0.0, angle]),
             angular_velocity: [0.0, 0.0, rate],

@@ -529,7 +529,8 @@ fn three(items: &mut Items<'_>) -> Result<[f64; 3]> {
 
 /// The data lines of `*INSTANCE`: a translation, then two points of an axis and an angle in degrees.
 fn placement(deck: &mut Deck<'_>) -> Result<Placement> {
-    let mut placement = Placement { translation: [0.0; 3], rotation: None };
+    // −0 adds nothing, not even to −0.
+    let mut placement = Placement { translation: [-0.0; 3], rotation: None };
     let Some(line) = deck.lexer.data()? else { return Ok(placement) };
     let mut items = line.items();
     placement.translation = three(&mut items)?;

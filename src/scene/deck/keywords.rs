@@ -66,6 +66,8 @@ pub(super) struct Parameter {
     pub(super) name: &'static str,
     takes: Takes,
     needed: bool,
+    /// Is its value in the scene?
+    kept: bool,
 }
 
 /// A keyword that is understood.
@@ -82,11 +84,16 @@ pub(super) struct Rule {
 }
 
 const fn may(name: &'static str, takes: Takes) -> Parameter {
-    Parameter { name, takes, needed: false }
+    Parameter { name, takes, needed: false, kept: true }
+}
+
+/// A parameter that is checked, and not kept.
+const fn pass(name: &'static str, takes: Takes) -> Parameter {
+    Parameter { name, takes, needed: false, kept: false }
 }
 
 const fn need(name: &'static str, takes: Takes) -> Parameter {
-    Parameter { name, takes, needed: true }
+    Parameter { name, takes, needed: true, kept: true }
 }
 
 const fn rule(
@@ -136,7 +143,7 @@ const MOTION_TYPE: Parameter = may("TYPE", One(MotionType::SPELLINGS));
 
 /// Every keyword that is understood.
 pub(super) static RULES: &[Rule] = &[
-    rule("HEADING", Model, &[may("SPARSE", Flag)], "it takes lines of text", mesh::heading),
+    rule("HEADING", Model, &[pass("SPARSE", Flag)], "it takes lines of text", mesh::heading),
     rule(
         "NODE",
         Model,
@@ -152,7 +159,7 @@ pub(super) static RULES: &[Rule] = &[
             may("ELSET", Name),
             may("GENERATE", Flag),
             may("INSTANCE", Name),
-            may("INTERNAL", Flag),
+            pass("INTERNAL", Flag),
             may("UNSORTED", Flag),
         ],
         "each line lists nodes or node sets; with GENERATE: first, last, increment",
@@ -165,7 +172,7 @@ pub(super) static RULES: &[Rule] = &[
             need("ELSET", Name),
             may("GENERATE", Flag),
             may("INSTANCE", Name),
-            may("INTERNAL", Flag),
+            pass("INTERNAL", Flag),
             may("UNSORTED", Flag),
         ],
         "each line lists elements or element sets; with GENERATE: first, last, increment",
@@ -266,7 +273,7 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "MPC",
         Model,
-        &[may("USER", Flag), may("MODE", One(&["DOF", "NODE"])), may("INPUT", Text)],
+        &[may("USER", Flag), pass("MODE", One(&["DOF", "NODE"])), may("INPUT", Text)],
         "each line is: type, node, node …",
         connector::mpc,
     ),
@@ -523,10 +530,10 @@ pub(super) static RULES: &[Rule] = &[
             may("INC", Count),
             may("PERTURBATION", Flag),
             may("AMPLITUDE", One(DefaultAmplitude::SPELLINGS)),
-            may("UNSYMM", One(&["YES", "NO"])),
-            may("EXTRAPOLATION", Text),
-            may("CONVERT SDI", One(&["YES", "NO"])),
-            may("SOLVER", Text),
+            pass("UNSYMM", One(&["YES", "NO"])),
+            pass("EXTRAPOLATION", Text),
+            pass("CONVERT SDI", One(&["YES", "NO"])),
+            pass("SOLVER", Text),
         ],
         "it takes lines of text",
         history::step,
@@ -536,15 +543,15 @@ pub(super) static RULES: &[Rule] = &[
         "STATIC",
         History,
         &[
-            may("DIRECT", FlagOrText),
-            may("STABILIZE", FlagOrText),
-            may("ALLSDTOL", FlagOrText),
-            may("CONTINUE", Text),
-            may("FACTOR", Number),
-            may("RIKS", Flag),
-            may("ADIABATIC", Flag),
-            may("FULLY PLASTIC", Text),
-            may("LONG TERM", Flag),
+            pass("DIRECT", FlagOrText),
+            pass("STABILIZE", FlagOrText),
+            pass("ALLSDTOL", FlagOrText),
+            pass("CONTINUE", Text),
+            pass("FACTOR", Number),
+            pass("RIKS", Flag),
+            pass("ADIABATIC", Flag),
+            pass("FULLY PLASTIC", Text),
+            pass("LONG TERM", Flag),
         ],
         "one line: initial, total, minimum, maximum time",
         history::static_procedure,
@@ -554,23 +561,23 @@ pub(super) static RULES: &[Rule] = &[
         History,
         &[
             may("EXPLICIT", Flag),
-            may("ALPHA", Number),
-            may("APPLICATION", Text),
-            may("BETA", Number),
-            may("GAMMA", Number),
-            may("DIRECT", FlagOrText),
-            may("HAFTOL", Number),
-            may("HALFINC SCALE FACTOR", Number),
-            may("INITIAL", Text),
-            may("NOHAF", Flag),
-            may("ADIABATIC", Flag),
-            may("TIME INTEGRATOR", Text),
-            may("IMPACT", Text),
-            may("SINGULAR MASS", Text),
-            may("ELEMENT BY ELEMENT", Flag),
-            may("SCALE FACTOR", Number),
-            may("FIXED TIME INCREMENTATION", Flag),
-            may("DIRECT USER CONTROL", Flag),
+            pass("ALPHA", Number),
+            pass("APPLICATION", Text),
+            pass("BETA", Number),
+            pass("GAMMA", Number),
+            pass("DIRECT", FlagOrText),
+            pass("HAFTOL", Number),
+            pass("HALFINC SCALE FACTOR", Number),
+            pass("INITIAL", Text),
+            pass("NOHAF", Flag),
+            pass("ADIABATIC", Flag),
+            pass("TIME INTEGRATOR", Text),
+            pass("IMPACT", Text),
+            pass("SINGULAR MASS", Text),
+            pass("ELEMENT BY ELEMENT", Flag),
+            pass("SCALE FACTOR", Number),
+            pass("FIXED TIME INCREMENTATION", Flag),
+            pass("DIRECT USER CONTROL", Flag),
         ],
         "one line: initial, total, minimum, maximum time",
         history::dynamic,
@@ -602,6 +609,16 @@ pub(super) fn indispensable(name: &str) -> Option<&'static str> {
         "MODEL CHANGE" => "remove or add the elements in the deck itself",
         _ => return None,
     })
+}
+
+/// The keywords of output requests.
+pub(super) fn outputs() -> impl Iterator<Item = &'static str> {
+    RULES.iter().filter(|rule| rule.parameters.is_none()).map(|rule| rule.name)
+}
+
+/// Is it a keyword of output requests?
+pub(super) fn is_output(name: &str) -> bool {
+    outputs().any(|output| output == name)
 }
 
 /// Does a keyword begin or end a part, an instance or the assembly?
@@ -687,6 +704,12 @@ pub(super) fn is_unrelated(name: &str) -> bool {
 }
 
 impl Rule {
+    /// The parameters of a keyword that are not kept.
+    pub(super) fn passed_over<'a>(&'a self, keyword: &'a Keyword) -> impl Iterator<Item = &'static str> + 'a {
+        let passed = self.parameters.into_iter().flatten().filter(|parameter| !parameter.kept);
+        passed.map(|parameter| parameter.name).filter(|name| keyword.has(name))
+    }
+
     /// Every parameter is known, given once, and has the kind of value that it takes; those needed are there.
     pub(super) fn check_parameters(&self, keyword: &Keyword) -> Result<()> {
         let name = &keyword.name;

@@ -44,7 +44,9 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             *coordinate = items.number()?.unwrap_or(0.0);
         }
         for _normal in 0..3 {
-            items.number()?;
+            if items.number()?.is_some() {
+                deck.scene.skipped.count("normals below *NODE".to_owned(), line.span.line());
+            }
         }
         items.end("a node number and three coordinates, and may go on with the normal at the node")?;
         if system == "C" {

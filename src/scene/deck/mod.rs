@@ -13,10 +13,13 @@ mod mesh;
 mod resolve;
 mod sets;
 mod table;
+pub(in crate::scene) mod write;
 
 use super::behavior::Behavior;
 use super::choice::Choice;
 use super::diagnostic::{Code, Diagnostic, Result, nearest};
+use super::document::form::Document;
+use super::document::{self, Format};
 use super::include::{Disk, Files, Named, NoFiles};
 use super::label::Label;
 use super::lexer::{Keyword, Lexer, Value, not_utf8};
@@ -32,7 +35,8 @@ use std::path::Path;
 pub use sets::MAX_MEMBERS;
 
 impl Scene {
-    /// Reads a deck from a file, with the files that it includes, each relative to the one that includes it.
+    /// Reads a scene from a file: TOML or JSON if its name ends in `.toml` or `.json`, otherwise a deck, with the files that
+    /// it includes, each relative to the one that includes it.
     ///
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
@@ -42,6 +46,10 @@ impl Scene {
         let unreadable = |message: String, remedy: &str| {
             Diagnostic::error(Code::Unreadable, Span::default(), message, "").help(remedy).in_file(&name)
         };
+        let format = Format::of_path(path);
+        if format != Format::Deck && !path.is_dir() {
+            return document::read(path, format);
+        }
         if path.is_dir() {
             return Err(unreadable("a directory, not a deck".to_string(), "name a deck (.inp) in it"));
         }
@@ -87,9 +95,9 @@ impl Scene {
 }
 
 /// A scene, or why there is none, and the names of all files.
-type Outcome = (Result<Scene>, Vec<String>);
+pub(super) type Outcome = (Result<Scene>, Vec<String>);
 
-fn finish((result, names): Outcome, source: &Named<'_>) -> Result<Scene> {
+pub(super) fn finish((result, names): Outcome, source: &Named<'_>) -> Result<Scene> {
     match result {
         Ok(mut scene) => {
             source.root.clone_into(&mut scene.name);
@@ -107,8 +115,20 @@ fn finish((result, names): Outcome, source: &Named<'_>) -> Result<Scene> {
 }
 
 fn read(name: &str, input: Box<dyn BufRead + '_>, files: &dyn Files) -> Outcome {
+    scene(Lexer::new(name, input, files))
+}
+
+/// The scene of a document that stands for a deck, and the names of its files.
+pub(super) fn of_document(name: &str, document: &Document) -> Outcome {
+    match write::deck(document) {
+        Ok(deck) => scene(Lexer::new(name, Box::new(deck.text.as_bytes()), &NoFiles).placed(&deck.places)),
+        Err(error) => (Err(error), vec![name.to_owned()]),
+    }
+}
+
+fn scene(lexer: Lexer<'_>) -> Outcome {
     let mut deck = Deck {
-        lexer: Lexer::new(name, input, files),
+        lexer,
         scene: Scene::default(),
         node_sets: IndexMap::new(),
         element_sets: IndexMap::new(),
@@ -126,6 +146,8 @@ fn read(name: &str, input: Box<dyn BufRead + '_>, files: &dyn Files) -> Outcome 
         stepped: false,
     };
     let result = deck.read();
+    deck.scene.axisymmetric = deck.scene.skipped.element_types.keys().any(|name| name.contains("AX"));
+    deck.scene.skipped.comments = deck.lexer.comments;
     (result.map(|()| Scene { warnings: deck.warnings, ..deck.scene }), deck.lexer.into_names())
 }
 
@@ -209,6 +231,9 @@ impl Deck<'_> {
             return Err(not_utf8(place));
         }
         self.check_level(keyword, rule.name)?;
+        for parameter in rule.passed_over(keyword) {
+            self.scene.skipped.count(format!("*{}, {parameter}", rule.name), keyword.span.line());
+        }
         (rule.read)(self, keyword)?;
         match self.lexer.row()? {
             None => Ok(()),
