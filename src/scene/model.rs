@@ -163,9 +163,9 @@ pub struct Node {
 pub struct Set {
     /// The members that the scene has, each once: ascending, or as written when the set is UNSORTED.
     pub labels: Vec<Label>,
-    /// UNSORTED: the members stand as written.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub unsorted: bool,
+    /// The members are known to ascend.
+    #[serde(skip)]
+    pub(super) ascending: bool,
     /// Members that are elements of types that the scene does not have; for a set of nodes, elements whose nodes it lacks.
     pub unmodelled: u64,
     /// Where it was first defined.
@@ -177,7 +177,7 @@ impl Set {
     /// Is it a member? In logarithmic time where the members ascend.
     #[must_use]
     pub fn contains(&self, label: Label) -> bool {
-        if self.unsorted { self.labels.contains(&label) } else { self.labels.binary_search(&label).is_ok() }
+        if self.ascending { self.labels.binary_search(&label).is_ok() } else { self.labels.contains(&label) }
     }
 }
 

@@ -352,7 +352,7 @@ pub(super) fn resolve(
                 .help("remove sets that no connector needs"));
             }
         }
-        set.unsorted = builder.unsorted;
+        set.ascending = !builder.unsorted;
         if builder.unsorted {
             let mut seen = HashSet::with_capacity(set.labels.len());
             set.labels.retain(|label| seen.insert(*label));
