@@ -10,6 +10,13 @@ fn read(text: &str) -> Scene {
     Scene::parse("deck.inp", text).unwrap_or_else(|error| panic!("{text}\n{}", error.render(110, false)))
 }
 
+/// All that a scene has, but for the number of its comments.
+fn content(scene: &Scene) -> serde_json::Value {
+    let mut content = serde_json::to_value(scene).unwrap();
+    content["skipped"].as_object_mut().unwrap().remove("comments");
+    content
+}
+
 fn label(text: &str) -> Label {
     text.parse().unwrap()
 }
@@ -268,7 +275,7 @@ fn included_lines_stand_where_they_are_included() {
     let whole = read(
         "*HEADING\n included\n*NODE\n1, 0., 0., 0.\n2, 2., 0., 0.\n3, 3., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n1, 1, 2\n2, 2, 3\n*CONNECTOR SECTION, ELSET=E\nBEAM\n",
     );
-    assert_eq!(serde_json::to_string(&split).unwrap(), serde_json::to_string(&whole).unwrap());
+    assert_eq!(content(&split), content(&whole));
     assert_eq!(split.files, ["deck.inp", "mesh/nodes.inp", "more.inp", "mesh/elements.inp"]);
     let span = split.nodes[&n(2)].span;
     assert_eq!((span.file(), span.line(), span.start()), (2, 1, 3));
@@ -341,7 +348,7 @@ fn a_deck_may_be_written_in_any_way() {
         .collect();
     let strange = Scene::parse("deck.inp", &format!("\u{feff}{ugly}"))
         .unwrap_or_else(|error| panic!("{}", error.render(110, false)));
-    assert_eq!(serde_json::to_string(&plain).unwrap(), serde_json::to_string(&strange).unwrap());
+    assert_eq!(content(&plain), content(&strange));
 }
 
 #[test]
