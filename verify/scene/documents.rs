@@ -205,7 +205,10 @@ impl Choices<'_> {
         });
         if self.yes() {
             behavior["constitutive_reference"] = json!({"1": self.number(), "6": self.number()});
-            behavior["damping"][0]["type"] = "structural".into();
+            // Structural damping is linear.
+            if behavior["damping"][0]["nonlinear"] != json!(true) {
+                behavior["damping"][0]["type"] = "structural".into();
+            }
         }
         self.options(&mut behavior);
         let coefficients = [
