@@ -59,7 +59,11 @@ fn walk(
     let mut results = Vec::new();
     for (i, state) in states.iter().enumerate() {
         let mut state = state.clone();
-        let given = |total: &Components<f64>| ElementForces { total: *total, ..ElementForces::default() };
+        // A file gives every force of an element.
+        let given = |total: &Components<f64>| ElementForces {
+            total: total.map(|force| force.or(Some(0.0))),
+            ..ElementForces::default()
+        };
         state.forces.extend(forces.get(i).map(|forces| (model.connectors[0].label, given(forces))));
         results.extend(sequence.step(&state).connectors);
     }
