@@ -28,7 +28,7 @@ fn content(scene: &Scene) -> Value {
 
 /// Equal, and in the same order.
 fn same(a: &Value, b: &Value) -> bool {
-    a.to_string() == b.to_string()
+    format!("{a}") == format!("{b}")
 }
 
 fn write(scene: &Scene, format: Format) -> String {
