@@ -145,6 +145,9 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     for (output, is_there) in [
         (Output::CEF, acts(|one| one.behavior.elasticity.components().contains(&true))),
         (Output::CVF, acts(|one| one.behavior.damping.components().contains(&true))),
+        (Output::CSF, acts(|one| one.behavior.tells_friction())),
+        (Output::CNF, acts(|one| one.behavior.tells_friction())),
+        (Output::CASU, acts(|one| one.behavior.tells_friction())),
         (Output::CCF, acts(|one| one.drives.loads.iter().any(Option::is_some))),
         (Output::CFAILST, acts(|one| !one.behavior.failures.is_empty())),
         (Output::DRIVEN, acts(|one| one.drives.motions.iter().any(Option::is_some))),

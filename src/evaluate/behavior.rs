@@ -36,7 +36,8 @@ impl ElementBehavior {
         let Self { behavior, drives, .. } = self;
         let has = |mask: Mask| mask.contains(&true);
         let is_damped = has(behavior.damping.components());
-        let has_laws = is_damped || has(behavior.elasticity.components());
+        let slides = !behavior.friction.frictions.is_empty();
+        let has_laws = slides || is_damped || has(behavior.elasticity.components());
         let driven = [0, 1, 2, 3, 4, 5].map(|k| drives.motions[k].is_some());
         let held = [0, 1, 2, 3, 4, 5].map(|k| driven[k] || behavior.limited()[k]);
         let of = |is: bool, mask: Mask| mask.map(|one| one && is);
@@ -46,7 +47,7 @@ impl ElementBehavior {
             (Output::CP, behavior.limited()),
             (Output::CP, of(has_laws, all)),
             (Output::CCU, of(has_laws, all)),
-            (Output::CU, of(is_damped, all)),
+            (Output::CU, of(is_damped || slides, all)),
             (Output::CU, driven),
             (Output::CV, of(is_damped, all)),
             (Output::CV, of(wants(request, Output::RESV), held)),
@@ -91,6 +92,7 @@ pub(super) fn not_known(outcome: &Outcome, request: &Request) -> Vec<Flag> {
             (Output::CTF, &outcome.total),
             (Output::CEF, &outcome.elastic),
             (Output::CVF, &outcome.viscous),
+            (Output::CSF, &outcome.friction),
             (Output::CRF, &outcome.reaction),
             (Output::CCF, &outcome.load),
         ] {

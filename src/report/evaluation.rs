@@ -76,7 +76,6 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
                     behavior.damping.iter().filter(|damping| damping.kind == DampingKind::Structural).count(),
                     "structural damping (a complex stiffness, in harmonic response only)",
                 ),
-                (behavior.friction.len(), "friction"),
                 (behavior.plasticity.len(), "plasticity"),
                 (behavior.damage.len(), "damage"),
             ]
