@@ -32,6 +32,10 @@ revolute_mpc, 33 states, t = k/16 for k = 0..32.  The master (20) moves by (t/2,
     phi(t) = 29/10 pi t + sin(pi t)/2 makes 2.9 turns.  Dependent node (10): C_S = C_M C(phi a0), a0 = (2, 1, 2)/3, given as
     a quaternion; omega_S = omega_M + phi' a, alpha_S = alpha_M + phi'' a + phi' omega_M x a, a = C_M a0.
     Degree of freedom 6 of node 30 is phi.
+
+parallel_cranks, 25 states, t = k/24, both cranks turn about z by phi(t) = 6.283185307 t, the motion of the step, from upright:
+    x of a tip = the foot of its crank + r (-sin phi, cos phi, 0), r = 0.5; the coupler between the tips does not turn,
+    so both its nodes move by r (-sin phi, cos phi - 1, 0).
 """
 
 import sys
@@ -202,7 +206,33 @@ def revolute_mpc():
     return state, [mpf(k) / 16 for k in range(33)]
 
 
-SCENES = {"hinge_pendulum": hinge_pendulum, "slider_crank": slider_crank, "seat_belt": seat_belt, "revolute_mpc": revolute_mpc}
+def parallel_cranks():
+    r, turn_of_step = mpf(0.5), mpf(6.283185307)
+
+    def state(t):
+        phi = (turn_of_step * t, turn_of_step, mpf(0))
+        x, y = circle(r, (pi / 2 + phi[0], phi[1], phi[2]))
+        tip = moving([x, minus(y, r), ZERO])
+        turn = about_z(phi)
+        return {
+            "CRANK-1.1": turn,
+            "CRANK-1.2": {**tip, **turn},
+            "CRANK-2.1": turn,
+            "CRANK-2.2": {**tip, **turn},
+            "COUPLER-1.1": tip,
+            "COUPLER-1.2": tip,
+        }
+
+    return state, [mpf(k) / 24 for k in range(25)]
+
+
+SCENES = {
+    "hinge_pendulum": hinge_pendulum,
+    "slider_crank": slider_crank,
+    "seat_belt": seat_belt,
+    "revolute_mpc": revolute_mpc,
+    "parallel_cranks": parallel_cranks,
+}
 
 
 def check_rates(name, state, t):

@@ -164,8 +164,8 @@ def evaluate_all(by_type):
         return dict(zip(by_type, pool.map(evaluate, by_type.keys(), by_type.values())))
 
 
-def evaluate(type_name, cases):
-    """Results of every case of one type, all Hessians included."""
+def prepared(type_name, cases):
+    """The numbers of the cases as arrays, with the branch that each history leads to."""
     arrays = stacked(cases)
     found = branches(type_name, cases, arrays)
     for key in ("initial", "turns", "sheet", "side") + (("twist",) if has_torsion(type_name) else ()):
@@ -176,6 +176,12 @@ def evaluate(type_name, cases):
     same = np.all(arrays["A0"] == arrays["B0"], axis=(1, 2))
     arrays["quaternion_R0"][same] = identity
     arrays["accumulated"] = accumulate(cases, arrays) if TABLE[type_name][2] == "drum" else np.zeros(len(cases))
+    return arrays
+
+
+def evaluate(type_name, cases):
+    """Results of every case of one type, all Hessians included."""
+    arrays = prepared(type_name, cases)
     computed = jax.jit(jax.vmap(lambda state: derivatives(type_name, state)))(arrays)
     computed = {key: np.asarray(value) for key, value in computed.items()}
     check_chain_rule(type_name, computed, arrays)

@@ -31,6 +31,8 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::List(arguments) => cli::list(arguments),
         Command::Explain(arguments) => cli::explain(arguments),
         Command::Eval(arguments) => cli::eval::run(arguments),
+        Command::Convert(arguments) => cli::convert::run(arguments),
+        Command::Schema => cli::convert::schema(),
         Command::Audit(arguments) => cli::audit::run(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments),
         #[cfg(debug_assertions)]

@@ -59,7 +59,11 @@ fn walk(
     let mut results = Vec::new();
     for (i, state) in states.iter().enumerate() {
         let mut state = state.clone();
-        let given = |total: &Components<f64>| ElementForces { total: *total, ..ElementForces::default() };
+        // A file gives every force of an element.
+        let given = |total: &Components<f64>| ElementForces {
+            total: total.map(|force| force.or(Some(0.0))),
+            ..ElementForces::default()
+        };
         state.forces.extend(forces.get(i).map(|forces| (model.connectors[0].label, given(forces))));
         results.extend(sequence.step(&state).connectors);
     }
@@ -123,10 +127,10 @@ fn tangents_are_derivatives() {
                     let moved = |by: Wide| {
                         let mut at = exact(&motion);
                         if j < 6 {
-                            at.position[j] = at.position[j] + by;
-                            at.constitutive[j] = at.constitutive[j] + by;
+                            at.position[j] += by;
+                            at.constitutive[j] += by;
                         } else {
-                            at.velocity[j - 6] = at.velocity[j - 6] + by;
+                            at.velocity[j - 6] += by;
                         }
                         behavior.forces(&at, &conditions)
                     };
@@ -213,12 +217,12 @@ fn springs_return_what_was_put_in() {
                 );
                 for k in 0..6 {
                     let force = fa.value[k].unwrap_or_default() + fb.value[k].unwrap_or_default();
-                    along = along + force * (b.constitutive[k] - a.constitutive[k]) / 2.0;
+                    along += force * (b.constitutive[k] - a.constitutive[k]) / 2.0;
                 }
             }
             let stored = energy(&to) - energy(&from);
             assert!((along - stored).magnitude() < Wide::from_f64(WIDE), "{law}: {along:e} {stored:e}");
-            work = work + along;
+            work += along;
         }
         assert!(work.magnitude() < Wide::from_f64(WIDE), "{law}: {work:e}");
     }
@@ -444,8 +448,8 @@ fn constrained_forces_may_lock() {
     let states = along_1(&[(0.0, 0.25, 0.0), (1.0, 0.5, 0.0)]);
     let force = |f: f64| [None, Some(f), Some(0.0), None, None, None];
     let results = walk(&model, &states, Velocities::Rates, &[force(4.0), force(-6.0)]);
-    assert_eq!(results[0].behavior.as_ref().unwrap().locked[0], false);
-    assert_eq!(results[1].behavior.as_ref().unwrap().locked[0], true);
+    assert!(!results[0].behavior.as_ref().unwrap().locked[0]);
+    assert!(results[1].behavior.as_ref().unwrap().locked[0]);
     assert_eq!(results[1].behavior.as_ref().unwrap().reaction.value[1], Some(-6.0));
     let unknown = walk(&model, &states, Velocities::Rates, &[]);
     assert!(
@@ -662,7 +666,7 @@ fn the_belt_is_in_equilibrium() {
         match element.label.to_string().as_str() {
             "101" => assert!((forces[3].unwrap() - 19.8425).abs() < 1e-4),
             // The drum's multiplier is what the belt leaves for it, T = β_s |m3|; it acts on a, against its sense on b.
-            "102" => forces[5] = Some(-992.125_496_0 / 50.0),
+            "102" => forces[5] = Some(-992.125_496 / 50.0),
             _ => assert!((forces[0].unwrap() - 992.1255).abs() < 1e-3, "{forces:?}"),
         }
         let node = |end: usize| {

@@ -155,6 +155,7 @@ impl Fault {
                 && Some(lines(start) as u32) == self.line
         };
         let is_rule = self.code.as_str().starts_with("rule::") && self.code != Code::UnknownConnectionType;
+        let names = |what| diagnostic.message().contains(what);
         let checks = [
             (diagnostic.severity() == self.severity, "severity"),
             (diagnostic.code() == self.code, "code"),
@@ -165,8 +166,8 @@ impl Fault {
             (self.line.is_none() || !diagnostic.label().is_empty(), "label"),
             (self.line.is_none() || marks_its_line(), "marked text"),
             (shown.contains(self.code.as_str()) && shown.contains(&self.place()), "rendering"),
-            (!is_rule || diagnostic.message().contains("element "), "name of the element"),
-            (!is_rule || diagnostic.label().starts_with("by "), "source of the rule"),
+            (!is_rule || names("element ") || names("MPC "), "name of the element"),
+            (!(is_rule && names("element ")) || diagnostic.label().starts_with("by "), "source of the rule"),
         ];
         checks.iter().filter(|(passed, _)| !passed).map(|(_, what)| *what).collect()
     }

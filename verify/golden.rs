@@ -3,6 +3,8 @@
 //! Each case is walked along its history, so that turns are counted here and there apart. The file states the error of each of
 //! its numbers, which includes two roundings of the natural size of the quantity; agreement is judged in units of that.
 
+mod forces; // nodal forces and geometric stiffness
+
 use crate::states::Draw;
 use crate::tolerance::GOLDEN;
 use pintle::catalog::{ConnectionType, Slot, TABLE};

@@ -1,6 +1,8 @@
 //! Decks and states: what the gallery contains, and that nothing panics.
 #![expect(clippy::panic, reason = "a test fails by panicking")]
 
+mod assembly;
+mod documents;
 mod gallery;
 mod reading;
 mod states;

@@ -9,6 +9,7 @@
 //! | [`table`] | what lies between the rows of a table? |
 //! | [`elasticity`], [`damping`] | which forces follow from displacements and velocities? |
 //! | [`friction`] | what sticks, what slips, and with which force? |
+//! | [`ground`] | what do springs and dashpots from a degree of freedom to ground give? |
 //! | [`amplitude`], [`drive`] | how does what is prescribed change in time? |
 //! | [`limits`] | when does a component lock or fail? |
 //! | [`state`] | what of all that holds at one state, after its history? |
@@ -18,6 +19,7 @@ pub mod damping;
 pub mod drive;
 pub mod elasticity;
 pub mod friction;
+pub mod ground;
 mod law;
 pub mod limits;
 pub mod state;

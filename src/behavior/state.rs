@@ -55,7 +55,8 @@ pub struct History {
     pub time: Option<f64>,
     /// The displacements at the last state.
     pub displacement: Components<f64>,
-    /// What each friction remembers; `None` from the first state on at which it was not known.
+    /// What each friction remembers, in the order of the behaviour; `None` before the first state, and for a friction from the
+    /// first state on at which it was not known.
     pub friction: Option<Vec<Option<friction::State<f64>>>>,
     /// The displacements at the beginnings of steps, by the number of the step.
     pub beginnings: Vec<(usize, Components<f64>)>,
@@ -380,14 +381,18 @@ impl Behavior {
                 (viscous.value[k], viscous.unknown[k]) = (None, Some(Unknown::TimeStep));
             }
         }
-        let (friction, slips) =
-            self.slide(now, total, [&elastic, &viscous], duration, &motion, conditions, history);
         let load = self.loads(drives, schedule, now.time);
         let prescribed = self.prescribed(drives, schedule, now, history);
 
         let stopped = self.stopped(now.position);
         let locked = history.locked.map(|at| at.is_some());
         let rigid = self.elasticity.rigid();
+        let held = [0, 1, 2, 3, 4, 5].map(|k| {
+            let at_stop = matches!(stopped[k], Some(StopStatus::AtLower | StopStatus::AtUpper));
+            locked[k] || rigid[k] || prescribed[k].is_some() || at_stop
+        });
+        let pressing = self.pressing(held, total, [&elastic, &viscous], &load, history);
+        let (friction, slips) = self.slide(now, &pressing, duration, &motion, conditions, history);
         let mut outcome = Outcome {
             elastic,
             viscous,
@@ -408,11 +413,7 @@ impl Behavior {
             history: history.clone(),
         };
         for k in 0..6 {
-            let is_held = locked[k]
-                || rigid[k]
-                || prescribed[k].is_some()
-                || matches!(stopped[k], Some(StopStatus::AtLower | StopStatus::AtUpper));
-            self.balance(k, is_held, total[k], &mut outcome, &mut events);
+            self.balance(k, held[k], total[k], &mut outcome, &mut events);
         }
         self.fail(now, conditions, &mut outcome, &mut events);
         self.lock(now, conditions, &mut outcome, &mut events);
@@ -446,13 +447,38 @@ impl Behavior {
         outcome
     }
 
+    /// The forces from which contact forces are formed, as far as they are known: the given ones of constrained components, and
+    /// those without friction, CTF + CCF − CSF, of available ones. What holds an available component is part of its force, and
+    /// known only from a total force that is given.
+    fn pressing(
+        &self,
+        held: Mask,
+        total: &Components<f64>,
+        laws: [&Forces<f64>; 2],
+        load: &Forces<f64>,
+        history: &History,
+    ) -> Components<f64> {
+        [0, 1, 2, 3, 4, 5].map(|k| {
+            if history.failed[k] {
+                return Some(0.0);
+            }
+            if self.constrained[k] {
+                return total[k];
+            }
+            let is_told = !held[k] && laws.iter().all(|law| law.unknown[k].is_none());
+            if is_told {
+                return Some(laws.iter().filter_map(|law| law.value[k]).sum());
+            }
+            let is_load_known = load.unknown[k].is_none();
+            total[k].filter(|_| !self.slips[k] && is_load_known).map(|sum| sum + load.value[k].unwrap_or(0.0))
+        })
+    }
+
     /// CSF: every friction that is known, after its history.
-    #[expect(clippy::too_many_arguments, reason = "what friction depends on")]
     fn slide(
         &self,
         now: &Kinematics<'_>,
-        total: &Components<f64>,
-        laws: [&Forces<f64>; 2],
+        pressing: &Components<f64>,
         duration: Option<f64>,
         motion: &Motion<f64>,
         conditions: &Conditions,
@@ -460,33 +486,30 @@ impl Behavior {
     ) -> (Forces<f64>, Vec<(Mask, Result<friction::Outcome<f64>, Unknown>)>) {
         let mut forces = Forces::none();
         let mut slips = Vec::with_capacity(self.friction.frictions.len());
-        let mut known = [None; 6];
-        for k in 0..6 {
-            known[k] = if self.constrained[k] {
-                total[k]
-            } else {
-                let is_unknown = laws.iter().any(|law| law.unknown[k].is_some());
-                (!is_unknown).then(|| laws.iter().filter_map(|law| law.value[k]).sum())
-            };
-        }
         for (i, friction) in self.friction.frictions.iter().enumerate() {
             let sliding = friction.criterion.tangential.components();
             let mask = [0, 1, 2, 3, 4, 5].map(|k| sliding.contains(&k));
             let presses = friction.criterion.pressing_components();
-            let state = match &history.friction {
+            let mut state = match &history.friction {
                 None => Some(friction::State::default()),
                 Some(states) => states.get(i).copied().flatten(),
             };
+            // A component that has failed carries nothing and slides no more.
+            if let Some(state) = &mut state {
+                (0..6).filter(|k| history.failed[*k]).for_each(|k| state.force[k] = 0.0);
+            }
             let outcome = match state {
-                _ if (0..6).any(|k| presses[k] && known[k].is_none()) => Err(Unknown::ContactForce),
+                _ if (0..6).any(|k| presses[k] && pressing[k].is_none()) => Err(Unknown::ContactForce),
                 None => Err(Unknown::FrictionHistory),
                 Some(state) => {
-                    let change =
-                        |k: usize| Some(now.displacement[k]? - history.displacement[k].unwrap_or(0.0));
+                    let change = |k: usize| {
+                        let is_sliding = mask[k] && !history.failed[k];
+                        let now = now.displacement[k].filter(|_| is_sliding)?;
+                        Some(now - history.displacement[k].unwrap_or(0.0))
+                    };
                     let input = friction::Input {
-                        displacement: [0, 1, 2, 3, 4, 5]
-                            .map(|k| change(k).filter(|_| mask[k]).unwrap_or(0.0)),
-                        forces: known.map(|force: Option<f64>| force.unwrap_or(0.0)),
+                        displacement: [0, 1, 2, 3, 4, 5].map(|k| change(k).unwrap_or(0.0)),
+                        forces: pressing.map(|force| force.unwrap_or(0.0)),
                         duration,
                         context: friction::Context {
                             position: motion.position,

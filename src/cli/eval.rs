@@ -17,7 +17,7 @@ const BRANCHES: &str = "pintle-branches/1";
 
 /// Where a scene comes from.
 #[derive(Clone, Copy, Debug)]
-enum Source<'a> {
+pub(crate) enum Source<'a> {
     Gallery(&'static Example),
     File(&'a str),
 }
@@ -70,15 +70,22 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
 
 /// The scenes that are asked for.
 fn sources(arguments: &Eval) -> Result<Vec<Source<'_>>, Failure> {
-    let Some(name) = &arguments.scene else { return Ok(GALLERY.iter().map(Source::Gallery).collect()) };
+    match &arguments.scene {
+        None => Ok(GALLERY.iter().map(Source::Gallery).collect()),
+        Some(name) => source(name).map(|source| vec![source]),
+    }
+}
+
+/// The scene of that name.
+pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
     if name == "-" {
         let message =
             "a deck is not read from standard input; give the path of a file (./- if that is its name)";
         return Err(Failure::Usage(message.to_string()));
     }
-    let Some(example) = name.strip_prefix("gallery:") else { return Ok(vec![Source::File(name)]) };
+    let Some(example) = name.strip_prefix("gallery:") else { return Ok(Source::File(name)) };
     let found = GALLERY.iter().find(|known| known.name.eq_ignore_ascii_case(example));
-    found.map(|known| vec![Source::Gallery(known)]).ok_or_else(|| {
+    found.map(Source::Gallery).ok_or_else(|| {
         let names: Vec<&str> = GALLERY.iter().map(|known| known.name).collect();
         let near = names
             .iter()
@@ -99,7 +106,8 @@ fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
     let states = match (&arguments.states, source) {
         (Some(file), _) => StateFile::read(file, &scene)?.states,
         (None, Source::Gallery(example)) => example.states(&scene)?.states,
-        (None, Source::File(_)) => vec![State::default()],
+        (None, Source::File(_)) if scene.states.is_empty() => vec![State::default()],
+        (None, Source::File(_)) => scene.states.clone(),
     };
     let sign = match arguments.force_sign {
         Sign::Internal => ForceSign::Internal,
@@ -108,7 +116,7 @@ fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
     let forces = arguments.forces.as_ref().map(|file| ForceFile::read(file, &scene, sign)).transpose()?;
     let with_source = |diagnostic: Diagnostic| match source {
         Source::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
-        Source::File(path) => match File::open(path) {
+        Source::File(_) => match File::open(diagnostic.file()) {
             Ok(file) => diagnostic.with_source(BufReader::new(file)),
             Err(_) => diagnostic,
         },
@@ -142,21 +150,24 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     if loaded.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
         outputs.push(Output::CSLST);
     }
+    let has_forces = |loaded: &Loaded| {
+        loaded.forces.is_some() || loaded.states.iter().any(|state| !state.forces.is_empty())
+    };
+    // What presses are mostly constraint forces.
+    let slides = acts(|one| one.behavior.tells_friction())
+        || loaded.iter().any(has_forces) && acts(|one| !one.behavior.friction.frictions.is_empty());
     for (output, is_there) in [
         (Output::CEF, acts(|one| one.behavior.elasticity.components().contains(&true))),
         (Output::CVF, acts(|one| one.behavior.damping.components().contains(&true))),
-        (Output::CSF, acts(|one| one.behavior.tells_friction())),
-        (Output::CNF, acts(|one| one.behavior.tells_friction())),
-        (Output::CASU, acts(|one| one.behavior.tells_friction())),
+        (Output::CSF, slides),
+        (Output::CNF, slides),
+        (Output::CASU, slides),
         (Output::CCF, acts(|one| one.drives.loads.iter().any(Option::is_some))),
         (Output::CFAILST, acts(|one| !one.behavior.failures.is_empty())),
         (Output::DRIVEN, acts(|one| one.drives.motions.iter().any(Option::is_some))),
     ] {
         outputs.extend(is_there.then_some(output));
     }
-    let has_forces = |loaded: &Loaded| {
-        loaded.forces.is_some() || loaded.states.iter().any(|state| !state.forces.is_empty())
-    };
     if loaded.iter().any(has_forces) {
         outputs.push(Output::CTF);
         outputs.extend(
@@ -179,7 +190,8 @@ fn give(
         Ok(text) => diagnostic.with_source(BufReader::new(text)),
         Err(_) => diagnostic,
     };
-    let file = arguments.forces.as_deref().or(arguments.states.as_deref()).unwrap_or(Path::new(""));
+    let file = arguments.forces.as_deref().or(arguments.states.as_deref());
+    let file = file.or(arguments.scene.as_deref().map(Path::new)).unwrap_or(Path::new(""));
     if let Some(forces) = forces {
         forces.attach(states, first).map_err(|error| show(file, error))?;
     }

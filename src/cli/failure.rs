@@ -28,6 +28,9 @@ pub(crate) enum Failure {
     /// Another file that cannot be read or written.
     #[error("{0}")]
     Input(String),
+    /// Something would be lost, and may not be.
+    #[error("{0}")]
+    Lost(String),
     /// The results cannot be written.
     #[error("cannot write the results: {0}")]
     Output(#[from] io::Error),
@@ -49,6 +52,7 @@ impl Failure {
             other => super::eval::complain("error", &other.to_string()),
         }
         ExitCode::from(match self {
+            Self::Lost(_) => 1,
             Self::Mismatch => 1,
             Self::Usage(_) => 2,
             Self::Undecided => 3,

@@ -1,6 +1,7 @@
 //! The command line: its definition, and what each command does.
 
 pub(crate) mod audit;
+pub(crate) mod convert;
 pub(crate) mod eval;
 mod failure;
 pub(crate) mod replay;
@@ -37,6 +38,11 @@ pub(crate) enum Command {
     Explain(Explain),
     /// Evaluate the connectors of a scene: positions, displacements, rates, residuals, derivatives
     Eval(Box<Eval>),
+    /// Convert a scene between deck, TOML and JSON, and say what is lost
+    Convert(Convert),
+    /// Print the JSON Schema of scenes in TOML and JSON
+    #[command(after_long_help = SCHEMA_HELP)]
+    Schema,
     /// Audit the catalogue: is every number right, and would an error have been noticed?
     Audit(audit::Audit),
     /// Judge the state of a counter-example again
@@ -77,6 +83,83 @@ pub(crate) struct Explain {
     format: PageFormat,
 }
 
+/// The forms of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SceneFormat {
+    /// A deck of keywords
+    Inp,
+    /// TOML
+    Toml,
+    /// JSON
+    Json,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = CONVERT_HELP)]
+pub(crate) struct Convert {
+    /// A scene (.inp, .toml, .json) or gallery:NAME
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    /// Where to write it; without it, to standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// The form to convert to [default: by the ending of the output file]
+    #[arg(long, value_enum, value_name = "FORM")]
+    to: Option<SceneFormat>,
+    /// Put these states (.csv or .json) into the scene, instead of its own
+    #[arg(long, value_name = "FILE")]
+    states: Option<PathBuf>,
+    /// Write the states of the scene to a file of states (JSON): a deck cannot hold them
+    #[arg(long, value_name = "FILE")]
+    save_states: Option<PathBuf>,
+    /// Write nothing, with exit code 1, if something of the input would be lost
+    #[arg(long)]
+    strict: bool,
+}
+
+const CONVERT_HELP: &str = "\
+Numbers are written in the shortest digits that read back to the same double;
+`pintle eval` gives the same numbers for the result, to the last bit. What the
+result has not is said on stderr, one line for each thing: keywords that are
+skipped, with their counts, parameters, comments, elements of other types,
+states in a deck.
+
+Examples:
+  pintle convert model.inp -o model.toml
+  pintle convert model.inp --states run.csv -o model.json
+  pintle convert model.toml --to inp
+  pintle convert gallery:seat_belt --to toml
+
+`pintle schema` describes the TOML and JSON forms.";
+
+const SCHEMA_HELP: &str = "\
+A scene in TOML or JSON is read like a deck, with the same checks, and evaluated
+by `pintle eval`. Angles are in radians except constitutive_reference and the
+angle of an orientation, in degrees. An empty item of a row is \"\" (in JSON also
+null). Names stand as they are: a deck writes them in upper case, unless quoted.
+
+An example in TOML:
+  nodes = { 1 = [0, 0, 0], 2 = [0, 0, 0] }
+  connectors.101 = { a = 1, b = 2 }
+  element_sets.PIN = [101]
+  orientations.OZ = { a = [0, 0, 1], b = [1, 0, 0] }
+
+  [[connector_sections]]
+  element_set = \"PIN\"
+  type = \"HINGE\"
+  orientation_a = \"OZ\"
+  behavior = \"B\"
+
+  [behaviors.B]
+  stops = [{ component = 4, lower = -1.5, upper = 1.5 }]
+
+  [[states]]
+  time = 0.5
+  nodes.2 = { rotation = [0, 0, 0.3], angular_velocity = [0, 0, 1] }
+
+Editors complete and check scenes with the schema: save it to a file and name it
+in a first line `#:schema FILE` of TOML, or in the field \"$schema\" of JSON.";
+
 /// How evaluations are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum EvalFormat {
@@ -102,10 +185,10 @@ pub(crate) enum Sign {
 #[derive(Debug, Args)]
 #[command(after_long_help = EVAL_HELP)]
 pub(crate) struct Eval {
-    /// A deck (.inp) or gallery:NAME; without it, all of the gallery with its own states
+    /// A deck (.inp), TOML or JSON scene (.toml, .json) or gallery:NAME; without it, all of the gallery with its own states
     #[arg(value_name = "SCENE")]
     scene: Option<String>,
-    /// States of the nodes (.csv or .json), evaluated in order; without it, the initial state
+    /// States of the nodes (.csv or .json), evaluated in order; without it, those of the scene, or the initial state
     #[arg(long, value_name = "FILE", requires = "scene")]
     states: Option<PathBuf>,
     /// Component forces of connectors (.csv or .json), as an FE code exports them: gives nodal forces (see below)
@@ -155,7 +238,7 @@ States: a table (.csv) or a document (.json); examples below. They are evaluated
   are comments. Only node is needed.
     state              rows of one number form one state; it must not decrease
     time               the same in all rows of a state
-    node               the node number
+    node               the node number; INSTANCE.NUMBER in an assembly, CRANK-1.5
     u1 u2 u3           displacement from the initial position
     ur1 ur2 ur3        total rotation from the initial orientation, as a
                        rotation vector; turns are kept where it is longer than π

@@ -150,17 +150,32 @@ impl ForceResult {
         };
         let rows = connector.force_rows(state, branch, needed, want, tally);
         let of = |mask: Mask| [0, 1, 2, 3, 4, 5].map(|k| components[k].filter(|_| mask[k]));
-        let has_forces = components.iter().any(Option::is_some);
-        let given = |mask: Mask| is_wanted(mask) && has_forces;
+        let mut flags = if want.multipliers { dependent(&rows) } else { Vec::new() };
+        // A sum without one of its forces would be another one: it is left out, and said to be.
+        let mut is_known = |output: Output, mask: Mask| {
+            let missing = |k: &usize| mask[*k] && connector.has_force(*k) && components[*k].is_none();
+            let why = "the force of this component is neither given nor told by its behaviour";
+            let before = flags.len();
+            let flag = |k: usize| Flag::NotKnown { component: COMPONENT[k], quantity: output.name(), why };
+            flags.extend((0..6).filter(missing).map(flag));
+            let any = (0..6).any(|k| mask[k] && components[k].is_some());
+            is_wanted(mask) && any && flags.len() == before
+        };
+        let knows_printed = prints && is_known(Output::PM, [0, 1, 2, 3, 4, 5].map(|k| k > 2));
+        let rotations = [0, 1, 2, 3, 4, 5].map(|k| k > 2 && connector.is_constrained(k));
+        let knows_multipliers =
+            want.multipliers && (rotations == [false; 6] || is_known(Output::LM, rotations));
+        let knows = [(Output::NF, nodal), (Output::KG, geometric), (Output::DNF, derivative)]
+            .map(|(output, mask)| is_wanted(mask) && is_known(output, mask));
         let none = [None; 6];
         Some(Self {
             components,
-            printed: if prints { rows.printed(&components) } else { none },
-            multipliers: if want.multipliers { rows.multipliers(&components) } else { none },
-            nodal: given(nodal).then(|| rows.nodal(&of(nodal))),
-            geometric: given(geometric).then(|| rows.geometric_stiffness(&of(geometric))),
-            derivative: given(derivative).then(|| rows.derivative(&of(derivative))),
-            flags: if want.multipliers { dependent(&rows) } else { Vec::new() },
+            printed: if knows_printed { rows.printed(&components) } else { none },
+            multipliers: if knows_multipliers { rows.multipliers(&components) } else { none },
+            nodal: knows[0].then(|| rows.nodal(&of(nodal))),
+            geometric: knows[1].then(|| rows.geometric_stiffness(&of(geometric))),
+            derivative: knows[2].then(|| rows.derivative(&of(derivative))),
+            flags,
         })
     }
 }

@@ -18,7 +18,20 @@ mod shared;
 
 pub use forces::ForceResult;
 pub use model::{ConnectorElement, ElementBehavior, Model};
-pub use mpc::{MpcElement, MpcResult};
+pub use mpc::{HingeMoments, MpcElement, MpcResult};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
 pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};
+
+/// The suboptions of `*CONNECTOR BEHAVIOR` that are evaluated; of all others `pintle eval` says that they were read and are not.
+pub const SUBOPTIONS: &[&str] = &[
+    "CONNECTOR CONSTITUTIVE REFERENCE",
+    "CONNECTOR ELASTICITY",
+    "CONNECTOR DAMPING",
+    "CONNECTOR FRICTION",
+    "CONNECTOR DERIVED COMPONENT",
+    "CONNECTOR POTENTIAL",
+    "CONNECTOR STOP",
+    "CONNECTOR LOCK",
+    "CONNECTOR FAILURE",
+];

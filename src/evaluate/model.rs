@@ -1,7 +1,7 @@
 //! A scene with its connection types, triads and constraints resolved.
 
 use super::mpc::MpcElement;
-use super::{plane, rules, shared};
+use super::{mpc, plane, rules, shared};
 use crate::behavior::drive::{Drives, Schedule, drives};
 use crate::behavior::state::Behavior;
 use crate::catalog::{ConnectionType, Evidence, NameError, Orientation};
@@ -52,6 +52,8 @@ pub struct Model {
     pub connectors: Vec<ConnectorElement>,
     /// Multi-point constraints in the order of the scene.
     pub mpcs: Vec<MpcElement>,
+    /// The springs and dashpots to ground that act on the angles of their hinges, by element number.
+    pub grounded: HashSet<Label>,
     /// The MPCs that are kept and not evaluated, by type, with their number.
     pub other_mpcs: BTreeMap<String, usize>,
     /// The steps in time.
@@ -83,17 +85,15 @@ impl Model {
             let connection = match types.get(&element.section) {
                 Some(known) => known,
                 None => {
-                    let mut resolved = resolve(section).map_err(|error| error.in_file(&scene.name))?;
+                    let mut resolved = resolve(section).map_err(|error| error.in_scene(scene))?;
                     if let (Some(Solver::Standard), Some(other)) = (scene.solver, resolved.in_standard()) {
                         let (name, becomes) = (&resolved.name, &other.name);
                         let message = format!("element {label}: {name} is {becomes} in a Standard analysis");
                         let here = format!("by {} [{:?}]", resolved.source[0], Evidence::D);
                         let place = section.type_names.first().map_or(section.span, |name| name.span);
-                        model.warnings.push(
-                            Diagnostic::warning(Code::ConvertedInStandard, place, message, here)
-                                .help(format!("write {becomes}, or use a *DYNAMIC, EXPLICIT step"))
-                                .in_file(&scene.name),
-                        );
+                        let warning = Diagnostic::warning(Code::ConvertedInStandard, place, message, here)
+                            .help(format!("write {becomes}, or use a *DYNAMIC, EXPLICIT step"));
+                        model.warnings.push(warning.in_scene(scene));
                         resolved = other;
                     }
                     types.entry(element.section).or_insert(Arc::new(resolved))
@@ -139,7 +139,7 @@ impl Model {
                 let Some(orientation) = scene.orientations.get(name.value.as_str()) else { return Ok(None) };
                 let directions = orientation
                     .triad(&name.value, scene, ends[end], &nodes)
-                    .map_err(|error| error.in_file(&scene.name))?;
+                    .map_err(|error| error.in_scene(scene))?;
                 Ok(Some(vector::transpose(&directions)))
             };
             let given = [triad(0)?, triad(1)?];
@@ -210,19 +210,27 @@ impl Model {
         shared::check(scene, &mut model)?;
         rules::boundaries(scene, &freedom, &mut model.warnings);
         rules::constraints(scene)?;
-        model.join(scene);
+        model.join(scene)?;
         model.collect_sets(scene);
         Ok(model)
     }
 
-    fn join(&mut self, scene: &Scene) {
+    fn join(&mut self, scene: &Scene) -> Result<(), Diagnostic> {
         let flows: HashSet<Label> = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
+        let mut joined = Vec::new();
         for mpc in &scene.mpcs {
             match mpc.kind.evaluated() {
-                Some(kind) => self.mpcs.push(MpcElement::new(kind, mpc, scene, |node| flows.contains(&node))),
+                Some(kind) => {
+                    let element = MpcElement::new(kind, mpc, scene, |node| flows.contains(&node));
+                    joined.push((element, mpc.span));
+                }
                 None => *self.other_mpcs.entry(mpc.kind.name().to_string()).or_default() += 1,
             }
         }
+        self.warnings.extend(mpc::check(scene, &joined)?);
+        self.grounded = mpc::ground(scene, &mut joined)?;
+        self.mpcs = joined.into_iter().map(|(element, _)| element).collect();
+        Ok(())
     }
 
     fn collect_sets(&mut self, scene: &Scene) {

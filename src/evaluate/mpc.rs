@@ -1,10 +1,14 @@
 //! The multi-point constraints of a scene: resolved once, evaluated at a state.
 
 use super::sequence::Moved;
+use crate::behavior::ground::Ground;
+use crate::behavior::{Conditions, Unknown};
 use crate::connector::{Flag, Request, Tally, Turns};
 use crate::mpc::{Body, Constraint, DOFS, Dofs, Evaluation, Kind, Margins, PHI, State, Turning};
-use crate::scene::{Label, Mpc, Scene};
+use crate::scalar::Real;
+use crate::scene::{Code, Diagnostic, Label, Mpc, PointKind, Scene, Solver, Span, Target};
 use crate::vector::sub;
+use std::collections::{HashMap, HashSet};
 
 /// A multi-point constraint, ready to be evaluated.
 #[derive(Clone, Debug)]
@@ -13,6 +17,23 @@ pub struct MpcElement {
     pub nodes: Vec<Label>,
     /// The constraint.
     pub constraint: Constraint<f64>,
+    /// The springs and dashpots to ground on the angles of its hinges (SPRING1, DASHPOT1 in degree of freedom 6).
+    pub ground: [Ground; 2],
+}
+
+/// What springs and dashpots to ground do to the angle of a hinge: internal moments, positive resists growth of the angle.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct HingeMoments {
+    /// Of the springs.
+    pub spring: f64,
+    /// How that changes with the angle (moment/rad).
+    pub stiffness: f64,
+    /// The energy in the springs.
+    pub energy: f64,
+    /// Of the dashpots, where the rate of the angle is known: given, or asked for (output CV).
+    pub dashpot: Option<f64>,
+    /// How that changes with the rate (moment·time/rad).
+    pub damping: Option<f64>,
 }
 
 /// One multi-point constraint at one state.
@@ -26,10 +47,214 @@ pub struct MpcResult {
     pub given: [Option<f64>; 2],
     /// How far the relative rotation is from what the hinges allow (rad), where there are any.
     pub misalignment: Option<f64>,
+    /// What acts on the angles of its hinges, where there are springs or dashpots; or why it is not known.
+    pub moments: [Option<Result<HingeMoments, Unknown>>; 2],
     /// The distances to singular points.
     pub margins: Margins,
     /// What needs care.
     pub flags: Vec<Flag>,
+}
+
+/// The moments of springs and dashpots, with their derivatives.
+fn moments(ground: &Ground, angle: f64, rate: Option<f64>) -> Result<HingeMoments, Unknown> {
+    let conditions = Conditions::default();
+    let along = |value| num_dual::Dual64::new(value, 1.0);
+    let spring = ground.spring(along(angle), &conditions)?;
+    let dashpot = rate.map(|rate| ground.dashpot(along(rate), &conditions)).transpose()?;
+    Ok(HingeMoments {
+        spring: spring.re,
+        stiffness: spring.eps,
+        energy: ground.energy(angle, &conditions)?,
+        dashpot: dashpot.map(|moment| moment.re),
+        damping: dashpot.map(|moment| moment.eps),
+    })
+}
+
+/// Puts the springs and dashpots to ground in degree of freedom 6 on the hinges of which that is the angle, and gives the elements
+/// that found one. One with an orientation or a complex stiffness finds none.
+///
+/// # Errors
+/// A table out of order or incomplete.
+pub(super) fn ground(
+    scene: &Scene,
+    elements: &mut [(MpcElement, Span)],
+) -> Result<HashSet<Label>, Diagnostic> {
+    let mut found = HashSet::new();
+    let mut hinges: HashMap<Label, Vec<(usize, usize)>> = HashMap::new();
+    for (index, (element, _)) in elements.iter().enumerate() {
+        let angles = element.constraint.kind().entry().angles.len();
+        for (place, node) in element.nodes.iter().skip(2).take(angles).enumerate() {
+            hinges.entry(*node).or_default().push((index, place));
+        }
+    }
+    if hinges.is_empty() {
+        return Ok(found);
+    }
+    let springs = scene.springs.iter().map(|given| (PointKind::Spring1, given));
+    let dashpots = scene.dashpots.iter().map(|given| (PointKind::Dashpot1, given));
+    for (kind, given) in springs.chain(dashpots) {
+        if given.degrees_of_freedom != [6] || given.orientation.is_some() || given.complex {
+            continue;
+        }
+        let Some(set) = scene.element_sets.get(given.element_set.value.as_str()) else { continue };
+        for label in &set.labels {
+            let Some(element) = scene.point_elements.get(label).filter(|of| of.kind == kind) else {
+                continue;
+            };
+            for (index, place) in hinges.get(&element.node).into_iter().flatten() {
+                let Some((of, _)) = elements.get_mut(*index) else { continue };
+                let ground = &mut of.ground[*place];
+                let added = match kind {
+                    PointKind::Spring1 => ground.add_spring(given),
+                    _ => ground.add_dashpot(given),
+                };
+                added.map_err(|error| error.in_file(&scene.name))?;
+                found.insert(*label);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Which degrees of freedom constraints have made dependent, and by which of them.
+#[derive(Default)]
+struct Eliminated<'a> {
+    by: HashMap<(Label, u8), &'a MpcElement>,
+    /// LINKs, each of which takes one displacement of the node.
+    links: HashMap<Label, Vec<&'a MpcElement>>,
+}
+
+/// What speaks against a deck's use of a degree of freedom that a constraint has eliminated.
+const ELIMINATION: &str =
+    "by the rules for multi-point constraints: dependent degrees of freedom are eliminated [D]";
+
+impl<'a> Eliminated<'a> {
+    /// Takes the degrees of freedom that a constraint makes dependent.
+    ///
+    /// # Errors
+    /// In words, one that is dependent already.
+    fn take(&mut self, element: &'a MpcElement) -> Result<(), String> {
+        let Some(node) = element.nodes.first().copied() else { return Ok(()) };
+        if element.constraint.kind() == Kind::Link {
+            let links = self.links.entry(node).or_default();
+            links.push(element);
+        } else {
+            let columns = element.constraint.columns();
+            for (place, dof) in (0..DOFS).filter(|j| columns[*j]).map(Kind::column_dof) {
+                if place > 0 {
+                    continue;
+                }
+                if let Some(other) = self.by.insert((node, dof), element) {
+                    return Err(format!(
+                        "{} makes degree of freedom {dof} of node {node} dependent, and so does {}",
+                        element.title(),
+                        other.title()
+                    ));
+                }
+            }
+        }
+        let links = self.links.get(&node).map_or(&[][..], Vec::as_slice);
+        let held = self.by.get(&(node, 1)).copied().into_iter().chain(links.iter().copied());
+        let many = links.len() > if self.by.contains_key(&(node, 1)) { 0 } else { 3 };
+        if many {
+            let names: Vec<String> = held.map(MpcElement::title).collect();
+            return Err(format!(
+                "node {node} has three displacements, and more are made dependent by {}",
+                names.join(", ")
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// What is wrong with the constraints of a scene: a degree of freedom that is dependent twice, or is dependent and prescribed;
+/// axes and links that have no use.
+///
+/// # Errors
+/// The first degree of freedom that is dependent twice, or, but in Explicit, dependent and prescribed.
+pub(super) fn check(scene: &Scene, elements: &[(MpcElement, Span)]) -> Result<Vec<Diagnostic>, Diagnostic> {
+    let mut warnings = Vec::new();
+    let mut eliminated = Eliminated::default();
+    for (element, span) in elements {
+        eliminated.take(element).map_err(|message| {
+            Diagnostic::error(Code::DofEliminated, *span, message, ELIMINATION)
+                .help("remove one of the constraints, or make another of its nodes the first, dependent one")
+                .in_file(&scene.name)
+        })?;
+        warnings.extend(doubts(element).map(|(code, message, label, remedy)| {
+            Diagnostic::warning(code, *span, message, label).help(remedy).in_file(&scene.name)
+        }));
+    }
+    let mut prescribed: HashMap<Label, [bool; 3]> = HashMap::new();
+    let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
+    for boundary in boundaries {
+        let nodes: &[Label] = match &boundary.target.value {
+            Target::Label(label) => std::slice::from_ref(label),
+            Target::Set(name) => scene.node_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice()),
+        };
+        for node in nodes {
+            for dof in boundary.degrees_of_freedom.iter().copied() {
+                if let Some(displacement) = [1, 2, 3].iter().position(|d| *d == dof) {
+                    prescribed.entry(*node).or_default()[displacement] = true;
+                }
+                let of_links = eliminated.links.get(node).filter(|links| {
+                    let held = prescribed.get(node).map_or(0, |held| held.iter().filter(|is| **is).count());
+                    dof <= 3 && links.len() + held > 3
+                });
+                let by = eliminated.by.get(&(*node, dof)).or_else(|| of_links?.last());
+                let Some(element) = by else { continue };
+                let message = format!(
+                    "degree of freedom {dof} of node {node} is prescribed, and {} makes it dependent",
+                    element.title()
+                );
+                let is_explicit = scene.solver == Some(Solver::Explicit);
+                let build = if is_explicit { Diagnostic::warning } else { Diagnostic::error };
+                let remedy = "prescribe it at the second node of the constraint, or remove one of the two";
+                let diagnostic = build(Code::DofEliminated, boundary.target.span, message, ELIMINATION)
+                    .help(remedy)
+                    .in_file(&scene.name);
+                if !is_explicit {
+                    return Err(diagnostic);
+                }
+                warnings.push(diagnostic);
+            }
+        }
+    }
+    Ok(warnings)
+}
+
+/// The cosine of the angle between the axes of a universal joint beyond which they are not taken for orthogonal.
+const ORTHOGONAL: f64 = 1e-6;
+/// The angle to 0 or π (rad) below which axes are taken for parallel.
+const PARALLEL: f64 = 1e-8;
+
+/// What a constraint may not have been meant to be.
+fn doubts(element: &MpcElement) -> Option<(Code, String, &'static str, &'static str)> {
+    let title = element.title();
+    if element.constraint.kind() == Kind::Link {
+        let is_point = element.constraint.arm() == [0.0; 3];
+        return is_point.then(|| {
+            let message = format!("{title} has no length: its nodes coincide initially");
+            (Code::CoincidentNodes, message, "by keyword *MPC, type LINK [D]", "move a node, or use PIN")
+        });
+    }
+    let angle = element.constraint.axes_angle()?;
+    let label = "by the Theory Guide, universal joint (orthogonal axes) [D]; how the nodes give the axes is our reading [R]";
+    let (what, remedy) = if angle.min(std::f64::consts::PI - angle) < PARALLEL {
+        (
+            "are parallel: only the sum or difference of its angles is determined",
+            "move the third or fourth node, off the other axis",
+        )
+    } else if angle.cos().abs() > ORTHOGONAL {
+        (
+            "are not orthogonal; they are taken as they are",
+            "move the fourth node, so that the two lines from the second node are",
+        )
+    } else {
+        return None;
+    };
+    let degrees = angle.to_degrees();
+    Some((Code::MpcAxes, format!("the axes of {title}, at {degrees:.6}°, {what}"), label, remedy))
 }
 
 /// The angles that a walk begins with.
@@ -45,7 +270,7 @@ impl MpcElement {
         let constraint = Constraint::new(kind, at(0), at(1), [at(2), at(3)]);
         let both_flow = mpc.nodes.iter().take(2).all(|label| flows(*label));
         let constraint = if both_flow { constraint.with_flow() } else { constraint };
-        Self { nodes: mpc.nodes.clone(), constraint }
+        Self { nodes: mpc.nodes.clone(), constraint, ground: Default::default() }
     }
 
     /// Its nodes as one word: `10-20-30`.
@@ -101,6 +326,13 @@ impl MpcElement {
         let flags = constraint.flags(&state, before, &turning, &evaluation);
         let margins = constraint.margins(&state, &evaluation);
         let misalignment = constraint.misalignment(&state);
-        MpcResult { index, evaluation, given: state.angles, misalignment, margins, flags }
+        let moments = [0, 1].map(|i| {
+            let turns = evaluation.angles[i];
+            let angle = state.angles[i].unwrap_or_else(|| f64::with_turns(turns.principal, turns.turns));
+            let implied = evaluation.angle_rates.map(|rates| rates[i][0]);
+            let rate = state.angles[i].map(|_| state.velocity[PHI + i]).or(implied);
+            (!self.ground[i].is_empty()).then(|| moments(&self.ground[i], angle, rate))
+        });
+        MpcResult { index, evaluation, given: state.angles, misalignment, moments, margins, flags }
     }
 }

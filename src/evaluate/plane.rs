@@ -28,7 +28,7 @@ pub(super) fn nodes(scene: &Scene, label: Label, element: &ConnectorElement) -> 
         let Some(place) = scene.nodes.get(&node) else { continue };
         let [r, _, z] = place.coordinates;
         let fail = |code, message: String, remedy: &str| {
-            Err(Diagnostic::error(code, place.span, message, SOURCE).help(remedy).in_file(&scene.name))
+            Err(Diagnostic::error(code, place.span, message, SOURCE).help(remedy).in_scene(scene))
         };
         if z != 0.0 {
             let message = format!("element {label} is two-dimensional, and its node {node} has z = {z}");
@@ -58,7 +58,7 @@ pub(super) fn orientations(
 ) -> Result<()> {
     let names = [&section.orientation_a, &section.orientation_b];
     let fail = |name: &Spanned<String>, message: String, remedy: &str| {
-        Err(Diagnostic::error(Code::OutOfPlane, name.span, message, SOURCE).help(remedy).in_file(&scene.name))
+        Err(Diagnostic::error(Code::OutOfPlane, name.span, message, SOURCE).help(remedy).in_scene(scene))
     };
     let mut along = [None; 2];
     for (end, (name, triad)) in names.into_iter().zip(triads).enumerate() {

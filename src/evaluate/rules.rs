@@ -164,7 +164,7 @@ pub(super) fn boundaries(scene: &Scene, freedom: &NodeFreedom, warnings: &mut Ve
         warnings.push(
             Diagnostic::warning(Code::NoRotation, boundary.target.span, message, label)
                 .help(remedy)
-                .in_file(&scene.name),
+                .in_scene(scene),
         );
     }
 }
@@ -179,7 +179,7 @@ pub(super) fn constraints(scene: &Scene) -> Result<(), Diagnostic> {
             let label = "by keyword *MPC (decision D-20) [D]";
             Err(Diagnostic::error(Code::MpcNotInExplicit, mpc.span, message, label)
                 .help("use the connection type HINGE or UJOINT, or an implicit step")
-                .in_file(&scene.name))
+                .in_scene(scene))
         }
         _ => Ok(()),
     }
@@ -222,7 +222,7 @@ pub(super) fn diagnose(breach: &Breach, label: Label, place: Span, scene: &Scene
         Evidence::S | Evidence::D => "",
         Evidence::P | Evidence::R => " (the rule rests on our reading, so this is a warning)",
     };
-    build(code(breach.rule), place, message, here)
-        .help(format!("{}{certainty}", breach.remedy))
-        .in_file(&scene.name)
+    let diagnostic =
+        build(code(breach.rule), place, message, here).help(format!("{}{certainty}", breach.remedy));
+    crate::scene::in_words_of(scene, diagnostic).in_scene(scene)
 }

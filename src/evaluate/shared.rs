@@ -34,7 +34,7 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
                     let label = "by connection type SLIPRING, Description [D]";
                     return Err(Diagnostic::error(Code::CrowdedSliprings, place, message, label)
                         .help("give each belt a node of its own, and tie the nodes by JOIN")
-                        .in_file(&scene.name));
+                        .in_scene(scene));
                 }
                 let at = usize::from(known[0].is_some());
                 known[at] = Some(element.label);
@@ -60,7 +60,7 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
             warnings.push(
                 Diagnostic::warning(Code::RepeatedConstraint, place, message, label)
                     .help("remove one of the two: how they share the constraint force is not determined")
-                    .in_file(&scene.name),
+                    .in_scene(scene),
             );
         }
     }

@@ -231,7 +231,7 @@ pub const TABLE: [Entry; 6] = [
             NO_TRANSLATIONS,
             "C(φ2 a2) C(φ1 a1) C(φM) = C(φM) C(φ1 a10) C(φ2 a20), which is what is computed.",
             "Axes that are not orthogonal are taken as they are, with a warning; the composition above holds for them too. Parallel \
-             axes leave only φ1 + φ2 determined.",
+             axes leave only the sum or difference of φ1 and φ2 determined.",
         ],
         sources: &[THEORY, GUIDE],
     },

@@ -20,7 +20,6 @@
 //! | `evaluate` | what does one constraint give at one state? |
 //! | `care` | what needs care there? |
 //! | [`force`] | what forces does it transmit, and what does it leave to be solved for? |
-//! | [`hinge`] | what acts on the angle of a hinge: moments, springs, dashpots? |
 //!
 //! ```
 //! use pintle::connector::{Request, Tally, Turns};
@@ -42,6 +41,7 @@
 
 mod care;
 mod evaluate;
+pub mod force;
 
 mod kind;
 mod residual;

@@ -1,11 +1,11 @@
 //! One connector or MPC at one state, as every format writes it.
 
 use super::words;
-use crate::behavior::Forces;
 use crate::behavior::state::{Outcome, Tangent};
+use crate::behavior::{Forces, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Connector, Flag, NodalMatrix, Output, Request, StopStatus, Turns};
-use crate::evaluate::{ConnectorResult, ForceResult, Model, MpcResult};
+use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcResult};
 use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc::{self, DOFS as MPC_DOFS, ROWS as MPC_ROWS};
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
@@ -190,6 +190,8 @@ pub struct HingeFacts {
     pub given: Option<f64>,
     /// The axis as it is carried, global components.
     pub axis: [f64; 3],
+    /// What springs and dashpots to ground do to it, or why that is not known.
+    pub moments: Option<Result<HingeMoments, Unknown>>,
 }
 
 const NO_VALUES: [Option<Value>; Output::ALL.len()] = [None; Output::ALL.len()];
@@ -336,7 +338,8 @@ impl<'a> Block<'a> {
             })
         });
         let hinges = entry.angles.iter().enumerate().filter_map(|(i, name)| {
-            Some(HingeFacts { name, given: result.given[i], axis: evaluation.axes[i]? })
+            let (given, moments) = (result.given[i], result.moments[i]);
+            Some(HingeFacts { name, given, axis: evaluation.axes[i]?, moments })
         });
         Self {
             kind: Kind::Mpc,
@@ -592,6 +595,8 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
         Flag::Undecided { component, criterion, why } => {
             format!("whether the {criterion} of {component} acts is not decided: {why}")
         }
+        Flag::Friction { component: "C", what } => format!("the friction that components share: {what}"),
+        Flag::Friction { component, what } => format!("the friction of {component}: {what}"),
         Flag::OutOfBalance { component, by } => format!(
             "the force given for {component} is {by:.6e} more than its parts, and nothing holds the component that could take it"
         ),

@@ -2,7 +2,7 @@
 
 use super::block::Block;
 use crate::connector::Tally;
-use crate::evaluate::{Model, Plan};
+use crate::evaluate::{Model, Plan, SUBOPTIONS};
 use crate::scene::{Behavior, DampingKind, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions};
 use indexmap::IndexMap;
 use std::io;
@@ -55,8 +55,19 @@ pub struct Unevaluated {
     pub count: u64,
     /// Of what, in the plural if there are several.
     pub what: &'static str,
+    /// Names, where they are few.
+    #[serde(skip)]
+    pub names: Vec<String>,
     /// More about it, in words.
     pub details: Vec<String>,
+}
+
+/// As many names as are told without being asked for.
+const FEW: usize = 4;
+
+/// `3 × `, or nothing for one.
+fn times(count: u64) -> String {
+    if count == 1 { String::new() } else { format!("{count} × ") }
 }
 
 /// What a scene has that `eval` does not evaluate.
@@ -64,25 +75,23 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     let mut found = Vec::new();
     let mut add = |count: u64, [one, several]: [&'static str; 2], details: Vec<String>| {
         if count > 0 {
-            found.push(Unevaluated { count, what: if count == 1 { one } else { several }, details });
+            let what = if count == 1 { one } else { several };
+            found.push(Unevaluated { count, what, names: Vec::new(), details });
         }
     };
     let behaviors: Vec<String> = scene
         .behaviors
         .iter()
         .filter_map(|(name, behavior)| {
-            let parts: Vec<String> = [
-                (
-                    behavior.damping.iter().filter(|damping| damping.kind == DampingKind::Structural).count(),
-                    "structural damping (a complex stiffness, in harmonic response only)",
-                ),
-                (behavior.plasticity.len(), "plasticity"),
-                (behavior.damage.len(), "damage"),
-            ]
-            .into_iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, part)| if count > 1 { format!("{count} × {part}") } else { part.to_string() })
-            .collect();
+            let kept = behavior.suboptions().filter(|(keyword, _)| !SUBOPTIONS.contains(keyword));
+            let mut parts: Vec<String> =
+                kept.map(|(keyword, count)| format!("{}*{keyword}", times(count as u64))).collect();
+            let structural =
+                behavior.damping.iter().filter(|damping| damping.kind == DampingKind::Structural).count();
+            if structural > 0 {
+                let what = "structural damping (a complex stiffness, in harmonic response only)";
+                parts.push(format!("{}{what}", times(structural as u64)));
+            }
             (!parts.is_empty()).then(|| format!("{name}: {}", parts.join(", ")))
         })
         .collect();
@@ -105,12 +114,14 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
         model.other_mpcs.iter().map(|(name, count)| format!("{name}: {count}")).collect();
     add(model.other_mpcs.values().sum::<usize>() as u64, ["MPC", "MPCs"], others);
     let mut kinds: IndexMap<&str, usize> = IndexMap::new();
-    for element in scene.point_elements.values() {
+    let others = scene.point_elements.iter().filter(|(label, _)| !model.grounded.contains(*label));
+    for (_, element) in others {
         *kinds.entry(element.kind.name()).or_default() += 1;
     }
+    let count: usize = kinds.values().sum();
     let kinds: Vec<String> = kinds.into_iter().map(|(name, count)| format!("{name}: {count}")).collect();
     let what = ["mass, spring or dashpot element", "mass, spring or dashpot elements"];
-    add(scene.point_elements.len() as u64, what, kinds);
+    add(count as u64, what, kinds);
     let steps = &scene.steps;
     let in_steps = |count: fn(&Step) -> usize| steps.iter().map(count).sum::<usize>();
     for (count, what) in [
@@ -126,19 +137,25 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     ] {
         add(count as u64, what, Vec::new());
     }
-    let Skipped { keywords, element_types } = &scene.skipped;
-    let details = keywords.iter().map(|(name, item)| {
-        let lines = if item.data_lines == 1 { "line" } else { "lines" };
-        format!(
-            "*{name}: {}, {} data {lines}, first at line {}",
-            item.count, item.data_lines, item.first_line
-        )
-    });
-    let count = |items: &IndexMap<String, SkippedItem>| items.values().map(|item| item.count).sum::<u64>();
-    add(count(keywords), ["skipped keyword", "skipped keywords"], details.collect());
-    let details = element_types
-        .iter()
-        .map(|(name, item)| format!("{name}: {}, first at line {}", item.count, item.first_line));
-    add(count(element_types), ["element of another type", "elements of other types"], details.collect());
+    let Skipped { keywords, element_types, parameters: _, comments: _ } = &scene.skipped;
+    let kinds = [
+        (keywords, "*", ["skipped keyword", "skipped keywords"]),
+        (element_types, "", ["element of another type", "elements of other types"]),
+    ];
+    for (items, mark, [one, several]) in kinds {
+        let count = items.values().map(|item| item.count).sum::<u64>();
+        if count == 0 {
+            continue;
+        }
+        let details = items.iter().map(|(name, item)| {
+            let lines = if item.data_lines == 1 { "line" } else { "lines" };
+            let SkippedItem { count, data_lines, first_line, .. } = item;
+            format!("{mark}{name}: {count}, {data_lines} data {lines}, first at line {first_line}")
+        });
+        let names = items.iter().map(|(name, item)| format!("{}{mark}{name}", times(item.count)));
+        let names = if items.len() <= FEW { names.collect() } else { Vec::new() };
+        let what = if count == 1 { one } else { several };
+        found.push(Unevaluated { count, what, names, details: details.collect() });
+    }
     found
 }

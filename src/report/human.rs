@@ -6,6 +6,7 @@ use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
 use super::words;
 use crate::connector::{Output, Tally};
+use crate::evaluate::HingeMoments;
 use crate::measure::Unit;
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
@@ -292,7 +293,13 @@ impl<'w> Human<'w> {
         if notes.is_empty() {
             return Ok(());
         }
-        let list: Vec<String> = notes.iter().map(|note| format!("{} {}", note.count, note.what)).collect();
+        let list: Vec<String> = notes
+            .iter()
+            .map(|Unevaluated { count, what, names, .. }| match names.as_slice() {
+                [] => format!("{count} {what}"),
+                names => format!("{count} {what} ({})", names.join(", ")),
+            })
+            .collect();
         let text = format!("read, not evaluated: {}", list.join(", "));
         for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
             writeln!(self.out, "  {}", styled(DIM, line))?;
@@ -392,7 +399,7 @@ impl Format for Human<'_> {
             let mut texts: Vec<String> = facts
                 .hinges
                 .iter()
-                .map(|HingeFacts { name, given, axis }| {
+                .map(|HingeFacts { name, given, axis, .. }| {
                     let given = given.map(|given| format!("{name} given as {}; ", self.number(given)));
                     let whose =
                         if facts.hinges.len() > 1 { format!("axis of {name}") } else { "axis".into() };
@@ -400,6 +407,27 @@ impl Format for Human<'_> {
                     format!("{}{whose} ({axis})", given.unwrap_or_default())
                 })
                 .collect();
+            for HingeFacts { name, moments, .. } in &facts.hinges {
+                match moments {
+                    Some(Ok(HingeMoments { spring, stiffness, energy, dashpot, damping })) => {
+                        let number = |value: &f64| self.number(*value);
+                        let (spring, stiffness, energy) = (number(spring), number(stiffness), number(energy));
+                        texts.push(format!(
+                            "spring on {name}: moment {spring}, stiffness {stiffness}, energy {energy}"
+                        ));
+                        if let (Some(moment), Some(damping)) = (dashpot, damping) {
+                            let (moment, damping) = (number(moment), number(damping));
+                            texts.push(format!("dashpot on {name}: moment {moment}, damping {damping}"));
+                        }
+                    }
+                    Some(Err(unknown)) => {
+                        texts.push(format!(
+                            "the moments of springs and dashpots on {name} are not known: {unknown:?}"
+                        ));
+                    }
+                    None => {}
+                }
+            }
             if let Some(misalignment) = facts.misalignment {
                 let what = if facts.hinges.len() > 1 {
                     "the angle between the axes is off by"

@@ -129,7 +129,15 @@ impl Serialize for Block<'_> {
             map.serialize_entry("branch", branch)?;
         }
         if let Some(facts) = &self.mpc {
-            let hinge = |of: &HingeFacts| (of.name, json!({"given": of.given, "axis": of.axis}));
+            let hinge = |of: &HingeFacts| {
+                let mut hinge = json!({"given": of.given, "axis": of.axis});
+                match of.moments {
+                    Some(Ok(moments)) => hinge["moments"] = json!(moments),
+                    Some(Err(unknown)) => hinge["moments"] = json!({"unknown": unknown}),
+                    None => {}
+                }
+                (of.name, hinge)
+            };
             map.serialize_entry("hinges", &named(&facts.hinges, hinge))?;
             map.serialize_entry("misalignment", &facts.misalignment)?;
         }

@@ -45,6 +45,47 @@ pub struct Behavior {
 }
 
 impl Behavior {
+    /// The keywords of its suboptions, as a deck writes them without the asterisk, with the number of each; those that are not
+    /// there are left out.
+    pub fn suboptions(&self) -> impl Iterator<Item = (&'static str, usize)> {
+        let potentials = |damage: &Damage| {
+            usize::from(damage.potential.is_some())
+                + usize::from(
+                    damage.evolution.as_ref().is_some_and(|evolution| evolution.potential.is_some()),
+                )
+        };
+        let of_friction = |friction: &Friction| {
+            usize::from(matches!(&friction.kind, FrictionKind::User { potential: Some(_), .. }))
+        };
+        let in_potentials = self.friction.iter().map(of_friction).sum::<usize>()
+            + self.plasticity.iter().filter(|plasticity| plasticity.potential.is_some()).count()
+            + self.damage.iter().map(potentials).sum::<usize>();
+        let reference = usize::from(self.constitutive_reference.iter().any(Option::is_some));
+        [
+            ("CONNECTOR CONSTITUTIVE REFERENCE", reference),
+            ("CONNECTOR ELASTICITY", self.elasticity.len()),
+            ("CONNECTOR DAMPING", self.damping.len()),
+            ("CONNECTOR FRICTION", self.friction.len()),
+            ("CONNECTOR DERIVED COMPONENT", self.derived_components.values().map(Vec::len).sum()),
+            ("CONNECTOR POTENTIAL", in_potentials),
+            ("CONNECTOR PLASTICITY", self.plasticity.len()),
+            (
+                "CONNECTOR HARDENING",
+                self.plasticity.iter().map(|plasticity| plasticity.hardening.len()).sum(),
+            ),
+            ("CONNECTOR DAMAGE INITIATION", self.damage.len()),
+            (
+                "CONNECTOR DAMAGE EVOLUTION",
+                self.damage.iter().filter(|damage| damage.evolution.is_some()).count(),
+            ),
+            ("CONNECTOR STOP", self.stops.len()),
+            ("CONNECTOR LOCK", self.locks.len()),
+            ("CONNECTOR FAILURE", self.failures.len()),
+        ]
+        .into_iter()
+        .filter(|(_, count)| *count > 0)
+    }
+
     /// The number of items under `*CONNECTOR FRICTION, PREDEFINED`, without empty ones at the end; none if the behaviour has
     /// no predefined friction.
     #[must_use]
@@ -150,8 +191,10 @@ choices! {
     }
 
     /// What of the independent components a table depends on.
+    #[derive(Default)]
     pub enum Basis {
         /// Their positions (CP).
+        #[default]
         Position = "POSITION",
         /// Their displacements from the constitutive reference (CCU).
         ConstitutiveMotion = "CONSTITUTIVE MOTION",
@@ -194,8 +237,10 @@ choices! {
     }
 
     /// What grows with plastic motion.
+    #[derive(Default)]
     pub enum HardeningKind {
         /// The size of the elastic range.
+        #[default]
         Isotropic = "ISOTROPIC",
         /// The backforce: the middle of the elastic range.
         Kinematic = "KINEMATIC",
@@ -257,6 +302,17 @@ choices! {
         Maximum = "MAXIMUM",
         /// They multiply.
         Multiplicative = "MULTIPLICATIVE",
+    }
+}
+
+impl HardeningKind {
+    /// The definition that is meant when none is given.
+    #[must_use]
+    pub const fn definition(self) -> HardeningDefinition {
+        match self {
+            Self::Isotropic => HardeningDefinition::Tabular,
+            Self::Kinematic => HardeningDefinition::HalfCycle,
+        }
     }
 }
 

@@ -49,6 +49,15 @@ codes! {
     Unreadable = "scene::unreadable": "The file could not be opened or read.";
     UnknownFormat = "scene::unknown-format": "The ending of the file name does not say how to read the file.";
 
+    SceneMalformed = "scene::malformed": "A scene in TOML or JSON is not well-formed.";
+    SceneTooDeep = "scene::too-deep": "Values of a scene in TOML or JSON lie more than 32 deep within each other.";
+    SceneUnknownSchema = "scene::unknown-schema": "A scene in TOML or JSON says that it has another form than this version of pintle reads.";
+    SceneUnknownField = "scene::unknown-field": "A scene in TOML or JSON has a field that does not exist there.";
+    SceneMissingField = "scene::missing-field": "A scene in TOML or JSON lacks a field that must be there.";
+    SceneRepeatedField = "scene::repeated-field": "A scene in TOML or JSON gives one field or name twice.";
+    SceneWrongType = "scene::wrong-type": "A value of a scene in TOML or JSON is of another kind than the field takes, such as a text where a number is wanted.";
+    SceneUnknownWord = "scene::unknown-word": "A field of a scene in TOML or JSON takes one of a few words, and has another one.";
+
     LineTooLong = "deck::line-too-long": "A line of a deck is longer than 65 535 bytes.";
     NotUtf8 = "deck::not-utf8": "A line that has to be read contains bytes that are not UTF-8. Comments, headings and skipped lines may.";
     UnclosedQuote = "deck::unclosed-quote": "A quotation mark opens a name and none closes it on the same line.";
@@ -58,11 +67,23 @@ codes! {
     UnexpectedData = "deck::unexpected-data": "A data line under a keyword that takes none, or takes fewer.";
     MissingKeywords = "deck::missing-keywords": "The deck has no keyword at all.";
 
+    IncludeUnreadable = "deck::include-unreadable": "A file that a deck includes is not there or cannot be opened.";
+    IncludeCycle = "deck::include-cycle": "A file includes itself, directly or through others.";
+    IncludeLimit = "deck::include-limit": "Includes nest too deep, or are too many or too large altogether.";
+
     UnsupportedKeyword = "deck::unsupported-keyword": "A keyword that changes nodes, elements or the deck itself and is not understood; skipping it would give another model.";
     MisspeltKeyword = "deck::misspelt-keyword": "A keyword was skipped that looks like a misspelt one. A warning.";
     MisplacedKeyword = "deck::misplaced-keyword": "A keyword that must follow another one, such as a suboption outside a connector behaviour.";
     ModelDataInStep = "deck::model-data-in-step": "A keyword that defines the model stands after the first *STEP.";
     HistoryOutsideStep = "deck::history-outside-step": "A keyword that belongs to a step stands outside every step.";
+    UnfinishedBlock = "deck::unfinished-block": "A *PART, *INSTANCE or *ASSEMBLY does not end.";
+    MissingAssembly = "deck::missing-assembly": "A deck defines parts and has no *ASSEMBLY, so that it has no model.";
+    UnusedPart = "deck::unused-part": "A part that no instance uses: nothing of it is in the model. A warning.";
+    UnknownPart = "deck::unknown-part": "An instance is one of a part that is not defined above it.";
+    UnknownInstance = "deck::unknown-instance": "An instance is named that is not defined above.";
+    DegenerateRotation = "deck::degenerate-rotation": "The two points of the axis about which an instance is turned coincide.";
+    TwoTransforms = "deck::two-transforms": "A node is in the sets of two *TRANSFORMs.";
+    NodesOfSkipped = "deck::nodes-of-skipped": "A node set takes the nodes of elements of types that are not read, so that it lacks them. A warning, but an error where the set must be complete.";
     UnfinishedStep = "deck::unfinished-step": "A *STEP has no *END STEP.";
     TwoProcedures = "deck::two-procedures": "A step has two procedures.";
     MixedSolvers = "deck::mixed-solvers": "Some steps are explicit dynamics and others are not.";
@@ -127,6 +148,8 @@ codes! {
     FrictionParameters = "rule::friction-parameters": "More or fewer parameters of predefined friction than the connection type takes.";
     SectionDataUnused = "rule::section-data-unused": "Section data for a connection type that takes none, or less.";
     ConvertedInStandard = "rule::converted-in-standard": "The connection type is another one in a Standard analysis, and is evaluated as such. A warning.";
+    DofEliminated = "rule::dof-eliminated": "A degree of freedom is made dependent by two multi-point constraints, or by one and prescribed besides.";
+    MpcAxes = "rule::mpc-axes": "The axes of an MPC UNIVERSAL are not orthogonal, or parallel. A warning.";
     CoincidentNodes = "rule::coincident-nodes": "A length or direction is needed, and the nodes coincide initially.";
     ZRectangularNotInExplicit = "rule::z-rectangular-not-in-explicit": "An orientation with SYSTEM=Z RECTANGULAR in an Explicit analysis.";
     DirectionNotInExplicit = "rule::direction-not-in-explicit": "An orientation cannot stand in for the direction between coincident nodes in an Explicit analysis. A warning.";
@@ -195,6 +218,8 @@ struct Parts {
     remedy: String,
     file: String,
     span: Span,
+    /// Another place, of which the label gives the line at its end.
+    other: Option<Span>,
     excerpt: Option<Excerpt>,
 }
 
@@ -213,13 +238,32 @@ impl Diagnostic {
 
     fn new(severity: Severity, code: Code, span: Span, message: String, label: String) -> Self {
         let (remedy, file) = (String::new(), String::new());
-        Self(Box::new(Parts { severity, code, message, label, remedy, file, span, excerpt: None }))
+        Self(Box::new(Parts {
+            severity,
+            code,
+            message,
+            label,
+            remedy,
+            file,
+            span,
+            other: None,
+            excerpt: None,
+        }))
     }
 
     /// The same, with what to do about it.
     #[must_use]
     pub fn help(mut self, remedy: impl Into<String>) -> Self {
         self.0.remedy = remedy.into();
+        self
+    }
+
+    /// The same in other words.
+    pub(crate) fn reworded(mut self, words: impl Fn(&str) -> String) -> Self {
+        let parts = &mut self.0;
+        for text in [&mut parts.message, &mut parts.label, &mut parts.remedy] {
+            *text = words(text);
+        }
         self
     }
 
@@ -230,6 +274,30 @@ impl Diagnostic {
             self.0.file = name.to_owned();
         }
         self
+    }
+
+    /// The same, where the label ends with the line of another place.
+    #[must_use]
+    pub(crate) fn beside(mut self, other: Span) -> Self {
+        self.0.other = Some(other);
+        self
+    }
+
+    /// Names the file, and that of the other place where it is a different one.
+    pub(crate) fn name_files(&mut self, names: &[String]) {
+        let name = |span: Span| names.get(usize::from(span.file())).or(names.first());
+        if self.0.file.is_empty()
+            && let Some(name) = name(self.0.span)
+        {
+            self.0.file.clone_from(name);
+        }
+        if let Some(other) = self.0.other.take()
+            && other.file() != self.0.span.file()
+            && let Some(name) = name(other)
+        {
+            self.0.label.push_str(" of ");
+            self.0.label.push_str(name);
+        }
     }
 
     /// Error or warning.
@@ -458,6 +526,26 @@ pub(crate) fn suggest<'a>(
     otherwise: impl FnOnce() -> String,
 ) -> String {
     nearest(word, candidates).map_or_else(otherwise, |near| format!("did you mean {near}?"))
+}
+
+/// The same for names that belong to instances: one that is called so in an instance is meant before one that is
+/// called almost so.
+pub(crate) fn suggest_scoped<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+    otherwise: impl FnOnce() -> String,
+) -> String {
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let bare = word.rsplit('.').next().unwrap_or(word);
+    let scoped = candidates.iter().find(|candidate| {
+        candidate
+            .strip_suffix(bare)
+            .is_some_and(|rest| rest.ends_with('.') || (rest.is_empty() && bare != word))
+    });
+    match scoped {
+        Some(scoped) => format!("did you mean {scoped}?"),
+        None => suggest(word, candidates, otherwise),
+    }
 }
 
 #[cfg(test)]

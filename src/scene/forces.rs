@@ -19,7 +19,7 @@
 use super::diagnostic::{Code, Diagnostic, Result};
 use super::label::Label;
 use super::model::Scene;
-use super::span::Span;
+use super::span::{Span, Spanned};
 use super::states::{self, Context, CsvRow, Fault, State};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
@@ -133,22 +133,43 @@ impl ElementForces {
 impl Serialize for ElementForces {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
-        for (name, given) in &NAMES[..6] {
-            if let Given::Total(k) = given
-                && let Some(value) = self.total[*k]
-            {
-                map.serialize_entry(name, &value)?;
-            }
-        }
-        for (name, given) in &NAMES[12..] {
-            if let Given::Reaction(k) = given
-                && let Some(value) = self.reaction[*k]
-            {
-                map.serialize_entry(name, &value)?;
-            }
+        for (name, value) in self.named() {
+            map.serialize_entry(name, &value)?;
         }
         map.end()
     }
+}
+
+impl ElementForces {
+    /// The forces that are given, by name: each once.
+    pub(super) fn named(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
+        NAMES[..6].iter().chain(&NAMES[12..]).filter_map(|(name, given)| {
+            let value = match *given {
+                Given::Total(k) => self.total[k],
+                Given::Reaction(k) => self.reaction[k],
+            };
+            value.map(|value| (*name, value))
+        })
+    }
+}
+
+/// The forces of one state that a scene itself gives: by element number, each by name.
+pub(super) fn of_scene(
+    given: Vec<(Spanned<String>, Vec<(Spanned<String>, Spanned<f64>)>)>,
+    scene: &Scene,
+) -> Result<BTreeMap<Label, ElementForces>> {
+    let mut found = BTreeMap::new();
+    for (element, named) in given {
+        let label = states::label(&element.value, "element");
+        let label = label.and_then(|label| check_element(label, scene, &found).map(|()| label));
+        let label = label.map_err(|fault| fault.at(element.span, "this element"))?;
+        let mut forces = ElementForces { span: element.span, ..ElementForces::default() };
+        for (name, value) in named {
+            forces.set(&name.value, value.value).map_err(|fault| fault.at(name.span, "this force"))?;
+        }
+        found.insert(label, forces);
+    }
+    Ok(found)
 }
 
 fn check_element(element: Label, scene: &Scene, known: &BTreeMap<Label, ElementForces>) -> Result<(), Fault> {

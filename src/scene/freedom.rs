@@ -92,7 +92,7 @@ impl Scene {
     /// the same in both: 1 is the radius, 2 the axis, and 6 the rotation from 1 to 2.
     #[must_use]
     pub fn is_axisymmetric(&self) -> bool {
-        self.skipped.element_types.keys().any(|name| name.contains("AX"))
+        self.axisymmetric
     }
 }
 

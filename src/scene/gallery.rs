@@ -57,4 +57,8 @@ pub static GALLERY: &[Example] = &[
         "revolute_mpc",
         "a revolute joint as *MPC on a moving master, beside a ROTATION connector, through three turns"
     ),
+    example!(
+        "parallel_cranks",
+        "an assembly of instances, moved and turned: two cranks and the coupler between them"
+    ),
 ];

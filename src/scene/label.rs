@@ -61,6 +61,12 @@ impl Instance {
         Self(known.0)
     }
 
+    /// What is called `name` within it, as it is called outside: `CRANK-1.NAME`.
+    #[must_use]
+    pub fn scoped(self, name: &str) -> String {
+        format!("{}.{name}", self.name())
+    }
+
     /// Its name.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -5,6 +5,7 @@
 
 use super::choice::Choice;
 use super::diagnostic::{Code, Diagnostic, Result};
+use super::include::{self, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES};
 use super::label::{Label, LabelError};
 use super::span::{Span, Spanned};
 use std::io::{BufRead, Read};
@@ -15,14 +16,65 @@ pub const MAX_LINE: usize = 65_535;
 /// The largest node or element number: up to it, a double holds every whole number.
 pub const MAX_LABEL: u64 = 1 << 53;
 
-/// Reads a deck line by line.
+/// Where the lines and items of a deck come from that was not written as a deck.
+#[derive(Debug, Default)]
+pub(crate) struct Places {
+    /// The place of each line, and the number of items before it.
+    lines: Vec<(Span, usize)>,
+    items: Vec<Span>,
+}
+
+impl Places {
+    /// Another line begins.
+    pub(crate) fn line(&mut self, span: Span) {
+        self.lines.push((span, self.items.len()));
+    }
+
+    /// Another item of it.
+    pub(crate) fn item(&mut self, span: Span) {
+        self.items.push(span);
+    }
+
+    fn of_line(&self, line: u32) -> Option<LinePlaces<'_>> {
+        let place = usize::try_from(line).ok()?.checked_sub(1)?;
+        let &(span, first) = self.lines.get(place)?;
+        let end = self.lines.get(place + 1).map_or(self.items.len(), |(_, next)| *next);
+        Some(LinePlaces { span, items: self.items.get(first..end).unwrap_or_default() })
+    }
+}
+
+/// Where a line and its items come from.
+#[derive(Debug, Clone, Copy)]
+struct LinePlaces<'a> {
+    span: Span,
+    items: &'a [Span],
+}
+
+/// Reads a deck line by line, and the files that it includes as if their lines stood in their place.
 pub(crate) struct Lexer<'a> {
-    input: &'a mut dyn BufRead,
+    files: &'a dyn Files,
+    /// The file that is being read, within those that include it.
+    frames: Vec<Frame<'a>>,
+    /// Every file by its number in spans.
+    names: Vec<String>,
     buffer: Vec<u8>,
     /// The buffer holds a line that nobody has taken yet.
     pending: bool,
+    file: u16,
     line: u32,
     start: u64,
+    /// Bytes that may still be included.
+    budget: u64,
+    places: Option<&'a Places>,
+    /// Comment lines so far.
+    pub(crate) comments: u64,
+}
+
+/// A file that is being read.
+struct Frame<'a> {
+    input: Box<dyn BufRead + 'a>,
+    file: u16,
+    line: u32,
     next: u64,
 }
 
@@ -35,6 +87,8 @@ pub(crate) struct Keyword {
     pub(crate) span: Span,
     /// What follows the keyword.
     pub(crate) parameters: Vec<KeywordParameter>,
+    /// The first byte that is not UTF-8; question marks stand for such bytes.
+    pub(crate) not_utf8: Option<Span>,
 }
 
 /// One parameter of a keyword line.
@@ -62,6 +116,7 @@ pub(crate) struct Data<'a> {
     pub(crate) text: &'a str,
     pub(crate) span: Span,
     start: u64,
+    places: Option<LinePlaces<'a>>,
 }
 
 /// An item of a data line, without the blanks around it.
@@ -69,11 +124,40 @@ pub(crate) struct Data<'a> {
 pub(crate) struct Item<'a> {
     pub(crate) text: &'a str,
     pub(crate) span: Span,
+    /// The place is not that of the text.
+    placed: bool,
 }
 
 impl<'a> Lexer<'a> {
-    pub(crate) fn new(input: &'a mut dyn BufRead) -> Self {
-        Self { input, buffer: Vec::new(), pending: false, line: 0, start: 0, next: 0 }
+    pub(crate) fn new(name: &str, input: Box<dyn BufRead + 'a>, files: &'a dyn Files) -> Self {
+        Self {
+            files,
+            frames: vec![Frame { input, file: 0, line: 0, next: 0 }],
+            names: vec![name.to_owned()],
+            buffer: Vec::new(),
+            pending: false,
+            file: 0,
+            line: 0,
+            start: 0,
+            budget: MAX_INCLUDED_BYTES,
+            places: None,
+            comments: 0,
+        }
+    }
+
+    /// The same deck, whose lines and items come from elsewhere.
+    pub(crate) fn placed(self, places: &'a Places) -> Self {
+        Self { places: Some(places), ..self }
+    }
+
+    fn place(&self, start: u64, length: usize) -> Span {
+        let place = self.places.and_then(|places| places.of_line(self.line));
+        place.map_or_else(|| Span::new(self.file, self.line, start, length), |place| place.span)
+    }
+
+    /// The names of all files, by their numbers in spans.
+    pub(crate) fn into_names(self) -> Vec<String> {
+        self.names
     }
 
     /// The next keyword line, or nothing at the end of the deck. A data line here is an error.
@@ -90,8 +174,19 @@ impl<'a> Lexer<'a> {
             }
             self.pending = false;
         }
+        self.pending_keyword()
+    }
+
+    /// The keyword that begins with the pending line.
+    fn pending_keyword(&mut self) -> Result<Option<Keyword>> {
         let mut keyword: Option<Keyword> = None;
+        let mut not_utf8 = None;
         loop {
+            if let Err(error) = std::str::from_utf8(&self.buffer) {
+                let place = Span::new(self.file, self.line, self.start + error.valid_up_to() as u64, 1);
+                not_utf8.get_or_insert(place);
+                self.buffer.iter_mut().filter(|byte| !byte.is_ascii()).for_each(|byte| *byte = b'?');
+            }
             let line = self.take()?;
             let continued = line.text.trim_end().ends_with(',');
             line.check_quotes()?;
@@ -103,10 +198,10 @@ impl<'a> Lexer<'a> {
                 }
             }
             if !continued {
-                return Ok(keyword);
+                return Ok(keyword.map(|keyword| Keyword { not_utf8, ..keyword }));
             }
             let comma = line.last_byte();
-            if !self.fill()? || self.at_keyword() {
+            if !self.fill_line()? || self.at_keyword() {
                 return Err(Diagnostic::error(
                     Code::DanglingContinuation,
                     comma,
@@ -160,7 +255,7 @@ impl<'a> Lexer<'a> {
     }
 
     fn stray(&self) -> Diagnostic {
-        let span = Span::new(0, self.line, self.start, self.buffer.trim_ascii_end().len());
+        let span = self.place(self.start, self.buffer.trim_ascii_end().len());
         Diagnostic::error(
             Code::StrayData,
             span,
@@ -170,64 +265,164 @@ impl<'a> Lexer<'a> {
         .help("a deck begins with a keyword such as *HEADING or *NODE; comments begin with **")
     }
 
-    /// Makes sure that the buffer holds a line that is no comment; false at the end of the deck.
+    /// Makes sure that the buffer holds a line that is neither a comment nor an include; false at the end of the deck.
     fn fill(&mut self) -> Result<bool> {
+        while self.fill_line()? {
+            if !self.at_include() {
+                return Ok(true);
+            }
+            if let Some(keyword) = self.pending_keyword()? {
+                self.include_keyword(&keyword)?;
+            }
+        }
+        Ok(false)
+    }
+
+    /// The same, with includes taken for lines.
+    fn fill_line(&mut self) -> Result<bool> {
         while !self.pending {
+            let Some(frame) = self.frames.last_mut() else { return Ok(false) };
             self.buffer.clear();
-            self.start = self.next;
-            self.line = self.line.saturating_add(1);
+            frame.line = frame.line.saturating_add(1);
+            (self.file, self.line, self.start) = (frame.file, frame.line, frame.next);
+            let place = Span::new(self.file, self.line, self.start, 1);
             let limit = MAX_LINE as u64 + 1;
             let length =
-                Read::take(&mut self.input, limit).read_until(b'\n', &mut self.buffer).map_err(|error| {
-                    let place = Span::new(0, self.line, self.start, 0);
-                    Diagnostic::error(
-                        Code::Unreadable,
-                        place,
-                        format!("cannot read on: {error}"),
-                        "up to here",
-                    )
-                    .help("check the file and the disk it is on")
+                Read::take(&mut frame.input, limit).read_until(b'\n', &mut self.buffer).map_err(|error| {
+                    let message = format!("cannot read on: {error}");
+                    Diagnostic::error(Code::Unreadable, place, message, "up to here")
+                        .help("check the file and the disk it is on")
                 })?;
             if length == 0 {
-                return Ok(false);
+                self.frames.pop();
+                continue;
             }
-            self.next += length as u64;
+            frame.next += length as u64;
+            if self.file > 0 {
+                self.budget = self.budget.checked_sub(length as u64).ok_or_else(|| {
+                    let message = format!("included files have more than {MAX_INCLUDED_BYTES} bytes");
+                    Diagnostic::error(Code::IncludeLimit, place, message, "up to here")
+                        .help("include each file once; does a file include others many times?")
+                })?;
+            }
             if self.line == 1 && self.buffer.starts_with(b"\xef\xbb\xbf") {
                 self.buffer.drain(..3);
                 self.start += 3;
             }
             if length > MAX_LINE {
-                let place = Span::new(0, self.line, self.start, 1);
+                let place = self.place(self.start, 1);
                 let message = format!("a line of more than {MAX_LINE} bytes");
                 return Err(Diagnostic::error(Code::LineTooLong, place, message, "begins here")
                     .help("break the line; is this a text file?"));
             }
             self.pending = !self.buffer.trim_ascii_start().starts_with(b"**");
+            self.comments += u64::from(!self.pending);
         }
         Ok(true)
+    }
+
+    fn at_include(&self) -> bool {
+        let text = self.buffer.trim_ascii_start();
+        let Some(word) = text.strip_prefix(b"*").map(<[u8]>::trim_ascii_start) else { return false };
+        let end = word.iter().position(|byte| *byte == b',').unwrap_or(word.len());
+        word.get(..end).is_some_and(|word| word.trim_ascii_end().eq_ignore_ascii_case(b"INCLUDE"))
+    }
+
+    fn include_keyword(&mut self, keyword: &Keyword) -> Result<()> {
+        if let Some(place) = keyword.not_utf8 {
+            return Err(not_utf8(place));
+        }
+        let input = |parameter: &&KeywordParameter| parameter.name == "INPUT";
+        if let Some(other) = keyword.parameters.iter().find(|parameter| !input(parameter)) {
+            let (code, remedy) = if other.name == "PASSWORD" {
+                (Code::UnsupportedKeyword, "decrypt the file, and include it without PASSWORD")
+            } else {
+                (Code::UnknownParameter, "*INCLUDE takes INPUT")
+            };
+            let message = format!("*INCLUDE has a parameter {}", other.name);
+            return Err(Diagnostic::error(code, other.span, message, "not supported").help(remedy));
+        }
+        let value = keyword.parameters.iter().find(input).and_then(|parameter| parameter.value.as_ref());
+        match value.filter(|value| !value.text.is_empty()) {
+            Some(value) => self.include(value),
+            None => {
+                let message = "*INCLUDE does not say what to include";
+                Err(Diagnostic::error(Code::MissingParameter, keyword.span, message, "INPUT is missing")
+                    .help("write *INCLUDE, INPUT=…"))
+            }
+        }
+    }
+
+    /// Goes on with the lines of another file.
+    pub(crate) fn include(&mut self, input: &Value) -> Result<()> {
+        let written = input.text.trim_matches('"');
+        let from = self.names.get(usize::from(input.span.file())).map_or("", String::as_str);
+        let fail = |code, message: String, remedy: String| {
+            Err(Diagnostic::error(code, input.span, message, "this file").help(remedy))
+        };
+        let Some(name) = self.files.name(written, from) else {
+            let (code, remedy) = include::ALONE;
+            return fail(code, format!("{written} cannot be included here"), remedy.to_owned());
+        };
+        let open = self.frames.iter().filter_map(|frame| self.names.get(usize::from(frame.file)));
+        let mut chain: Vec<&str> = open.map(String::as_str).collect();
+        let circle = chain.contains(&name.as_str());
+        chain.push(&name);
+        if circle {
+            let message = format!("a file includes itself: {}", include::chain(&chain));
+            return fail(Code::IncludeCycle, message, "remove one of these includes".to_owned());
+        }
+        if chain.len() > MAX_INCLUDE_DEPTH + 1 {
+            let message =
+                format!("includes nest deeper than {MAX_INCLUDE_DEPTH}: {}", include::chain(&chain));
+            return fail(Code::IncludeLimit, message, "include the files from the deck itself".to_owned());
+        }
+        let number = u16::try_from(self.names.len()).ok().filter(|number| *number <= MAX_INCLUDES);
+        let Some(file) = number else {
+            let message = format!("more than {MAX_INCLUDES} files are included");
+            return fail(Code::IncludeLimit, message, "include each file once".to_owned());
+        };
+        match self.files.open(&name) {
+            Ok(input) => {
+                self.names.push(name);
+                self.frames.push(Frame { input, file, line: 0, next: 0 });
+                Ok(())
+            }
+            Err(error) => {
+                let message = format!("{name} cannot be included: {error}");
+                let remedy = format!("check the path; it counts from the directory of {from}");
+                fail(Code::IncludeUnreadable, message, remedy)
+            }
+        }
     }
 
     /// The pending line as text.
     fn take(&mut self) -> Result<Data<'_>> {
         self.pending = false;
         let bytes = self.buffer.trim_ascii_end();
-        let span = Span::new(0, self.line, self.start, bytes.len());
+        let places = self.places.and_then(|places| places.of_line(self.line));
+        let span = self.place(self.start, bytes.len());
         match std::str::from_utf8(bytes) {
-            Ok(text) => Ok(Data { text, span, start: self.start }),
+            Ok(text) => Ok(Data { text, span, start: self.start, places }),
             Err(error) => {
-                let place = Span::new(0, self.line, self.start + error.valid_up_to() as u64, 1);
-                let message = "a line with bytes that are not UTF-8";
-                Err(Diagnostic::error(Code::NotUtf8, place, message, "the first such byte")
-                    .help("save the deck as UTF-8, or write names in plain ASCII"))
+                let place = Span::new(self.file, self.line, self.start + error.valid_up_to() as u64, 1);
+                Err(not_utf8(place))
             }
         }
     }
 }
 
+/// The error for bytes that are not UTF-8 where they must be read.
+pub(crate) fn not_utf8(place: Span) -> Diagnostic {
+    let message = "a line with bytes that are not UTF-8";
+    Diagnostic::error(Code::NotUtf8, place, message, "the first such byte")
+        .help("save the deck as UTF-8, or write names in plain ASCII")
+}
+
 impl<'a> Data<'a> {
     /// The items between the commas. A line without text has none; a comma at its end adds none.
     pub(crate) fn items(&self) -> Items<'a> {
-        Items { line: *self, rest: 0, done: self.text.trim_ascii().is_empty() }
+        Items { line: *self, rest: 0, index: 0, done: self.text.trim_ascii().is_empty() }
     }
 
     /// No text on it.
@@ -235,18 +430,30 @@ impl<'a> Data<'a> {
         self.text.trim_ascii().is_empty()
     }
 
-    fn part(&self, from: usize, to: usize) -> Item<'a> {
+    fn part(&self, from: usize, to: usize, index: usize) -> Item<'a> {
         let raw = &self.text[from..to];
         let text = raw.trim_ascii();
         let lead = raw.len() - raw.trim_ascii_start().len();
         let start = if text.is_empty() { from } else { from + lead };
         let shown = if text.is_empty() { raw.len() } else { text.len() };
-        Item { text, span: Span::new(0, self.span.line(), self.start + start as u64, shown) }
+        let span = match self.places {
+            Some(places) => places.items.get(index).copied().unwrap_or(places.span),
+            None => Span::new(self.span.file(), self.span.line(), self.start + start as u64, shown),
+        };
+        Item { text, span, placed: self.places.is_some() }
     }
 
     fn last_byte(&self) -> Span {
+        if let Some(places) = self.places {
+            return places.items.last().copied().unwrap_or(places.span);
+        }
         let length = self.text.len();
-        Span::new(0, self.span.line(), self.start + length.saturating_sub(1) as u64, 1.min(length))
+        Span::new(
+            self.span.file(),
+            self.span.line(),
+            self.start + length.saturating_sub(1) as u64,
+            1.min(length),
+        )
     }
 
     fn check_quotes(&self) -> Result<()> {
@@ -254,7 +461,7 @@ impl<'a> Data<'a> {
             return Ok(());
         }
         let from = self.text.rfind('"').unwrap_or(0);
-        let span = self.part(from, self.text.len()).span;
+        let span = self.part(from, self.text.len(), usize::MAX).span;
         Err(Diagnostic::error(
             Code::UnclosedQuote,
             span,
@@ -270,6 +477,7 @@ impl<'a> Data<'a> {
 pub(crate) struct Items<'a> {
     line: Data<'a>,
     rest: usize,
+    index: usize,
     done: bool,
 }
 
@@ -290,7 +498,8 @@ impl<'a> Iterator for Items<'a> {
         let to = end.map_or(self.line.text.len(), |length| from + length);
         self.rest = to + 1;
         self.done = end.is_none() || self.line.text[self.rest..].trim_ascii().is_empty();
-        Some(self.line.part(from, to))
+        self.index += 1;
+        Some(self.line.part(from, to, self.index - 1))
     }
 }
 
@@ -352,7 +561,7 @@ impl<'a> Item<'a> {
             )
             .help("write a keyword after the asterisk, or ** for a comment"));
         }
-        Ok(Keyword { name, span: self.span, parameters: Vec::new() })
+        Ok(Keyword { name, span: self.span, parameters: Vec::new(), not_utf8: None })
     }
 
     fn parameter(&self) -> KeywordParameter {
@@ -368,8 +577,12 @@ impl<'a> Item<'a> {
         let text = raw.trim_ascii();
         let start = equals + 1 + (raw.len() - raw.trim_ascii_start().len());
         let shown = if text.is_empty() { 0 } else { text.len() };
-        let span = Span::new(0, self.span.line(), self.span.start() + start as u64, shown);
-        let value = Item { text, span };
+        let span = if self.placed {
+            self.span
+        } else {
+            Span::new(self.span.file(), self.span.line(), self.span.start() + start as u64, shown)
+        };
+        let value = Item { text, span, placed: self.placed };
         KeywordParameter { name: normal(&self.text[..equals]), span: self.span, value: Some(value.detach()) }
     }
 
@@ -555,14 +768,45 @@ fn integer(text: &str, span: Span, what: &str) -> Result<u64> {
 }
 
 fn name(text: &str, span: Span) -> Result<Spanned<String>> {
-    let inner = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
-    let name = inner.map_or_else(|| normal(text), |inner| inner.trim().to_owned());
-    if name.is_empty() || name.contains('"') {
-        let message = format!("`{text}` is not a name");
-        return Err(Diagnostic::error(Code::MalformedName, span, message, "expected a name")
-            .help("a name is a word, or any text between two quotation marks"));
+    let name = pieces(text);
+    match name.filter(|name| !name.is_empty()) {
+        Some(name) => Ok(Spanned::new(name, span)),
+        None => {
+            let message = format!("`{text}` is not a name");
+            Err(Diagnostic::error(Code::MalformedName, span, message, "expected a name")
+                .help("a name is a word, or any text between two quotation marks"))
+        }
     }
-    Ok(Spanned::new(name, span))
+}
+
+/// A name; `"Part 1-1".SET` is one in two pieces, of which the first stands as it is.
+fn pieces(text: &str) -> Option<String> {
+    if !text.contains('"') {
+        return Some(normal(text));
+    }
+    let (mut name, mut rest) = (String::new(), text);
+    loop {
+        if let Some(quoted) = rest.strip_prefix('"') {
+            let (inner, after) = quoted.split_once('"')?;
+            name.push_str(inner.trim());
+            rest = after;
+        } else {
+            let end = rest.find('.').unwrap_or(rest.len());
+            let (plain, after) = rest.split_at(end);
+            if plain.contains('"') {
+                return None;
+            }
+            name.push_str(&normal(plain));
+            rest = after;
+        }
+        match rest.strip_prefix('.') {
+            Some(after) => {
+                name.push('.');
+                rest = after;
+            }
+            None => return rest.is_empty().then_some(name),
+        }
+    }
 }
 
 fn component(text: &str, span: Span) -> Result<u8> {
@@ -588,15 +832,18 @@ fn word(text: &str, span: Span, code: Code, what: &str, words: &[&'static str]) 
 #[cfg(test)]
 mod tests {
     use super::{Keyword, Lexer, NotANumber, parse_number};
-    use crate::scene::Code;
+    use crate::scene::{Code, NoFiles};
+
+    fn lexer(text: &str) -> Lexer<'_> {
+        Lexer::new("deck.inp", Box::new(text.as_bytes()), &NoFiles)
+    }
 
     fn keyword(text: &str) -> Keyword {
-        Lexer::new(&mut text.as_bytes()).keyword().unwrap().unwrap()
+        lexer(text).keyword().unwrap().unwrap()
     }
 
     fn items(text: &str) -> Vec<String> {
-        let mut bytes = text.as_bytes();
-        let mut lexer = Lexer::new(&mut bytes);
+        let mut lexer = lexer(text);
         lexer.data().unwrap().unwrap().items().map(|item| item.text.to_owned()).collect()
     }
 
@@ -649,8 +896,7 @@ mod tests {
     #[test]
     fn spans_point_at_the_bytes() {
         let text = "*NODE\r\n1, 2.5\r\n";
-        let mut bytes = text.as_bytes();
-        let mut lexer = Lexer::new(&mut bytes);
+        let mut lexer = lexer(text);
         lexer.keyword().unwrap();
         let item = lexer.data().unwrap().unwrap().items().nth(1).unwrap();
         let (start, end) = (item.span.start() as usize, item.span.end() as usize);
@@ -660,8 +906,7 @@ mod tests {
     #[test]
     fn long_lines_are_refused() {
         let text = format!("*NODE\n{}", "1".repeat(70_000));
-        let mut bytes = text.as_bytes();
-        let mut lexer = Lexer::new(&mut bytes);
+        let mut lexer = lexer(&text);
         lexer.keyword().unwrap();
         assert_eq!(lexer.data().unwrap_err().code(), Code::LineTooLong);
     }

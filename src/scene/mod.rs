@@ -16,13 +16,26 @@
 //! exponent (`1.D0`). Names may be used before they are defined.
 //!
 //! Keywords that are not understood are skipped with their data and counted in [`Skipped`]; those without which
-//! the model would be another (`*INCLUDE`, `*INSTANCE`, `*NGEN` …) are errors.
+//! the model would be another (`*NFILL`, `*NCOPY`, `*SYSTEM`, `*PARAMETER` …) are errors.
+//!
+//! A deck may include files (`*INCLUDE`, `INPUT=`): their lines stand in place of the keyword, and their paths count from the file
+//! that includes them. [`Scene::read`] opens them on disk, [`Scene::parse_with`] where the caller says; [`Scene::parse`] opens
+//! nothing.
+//!
+//! # Parts and instances
+//! A deck is flat, or consists of `*PART`s and an `*ASSEMBLY` of their `*INSTANCE`s, as CAE writes it. The scene is the
+//! assembly: every instance has a copy of the nodes, elements, sets, orientations and sections of its part, moved by the
+//! translation and *then* turned about the axis, which stays where it is given. What the lines of an instance add counts in the axes of
+//! the part, too. Node 5 of the instance CRANK-1 has the [`Label`] `CRANK-1.5`, its set PIN is `CRANK-1.PIN`, its orientation
+//! likewise; names between quotation marks keep their case, `"Part 1-1".PIN`. What the assembly defines itself has bare numbers and
+//! names. Surfaces, couplings, rigid bodies and contact are skipped and counted.
 //!
 //! # Units
 //! Those of the deck, and radians. Degrees stand in [`Behavior::constitutive_reference`] and
 //! [`Orientation::angle`] only, as in the deck.
 //!
 //! # Limits
+//! Includes 16 deep ([`MAX_INCLUDE_DEPTH`]), 10 000 files ([`MAX_INCLUDES`]) and 16 GiB ([`MAX_INCLUDED_BYTES`]) in all.
 //! Lines of 65 535 bytes ([`MAX_LINE`]), numbers of nodes and elements up to 2⁵³ ([`MAX_LABEL`]), ten million
 //! members of all sets together ([`MAX_MEMBERS`]). What is kept grows with the deck; nothing recurses.
 
@@ -30,9 +43,11 @@ mod behavior;
 mod choice;
 mod deck;
 mod diagnostic;
+mod document;
 mod forces;
 mod freedom;
 mod gallery;
+mod include;
 mod label;
 mod lexer;
 mod model;
@@ -50,9 +65,12 @@ pub use behavior::{
 pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
+pub(crate) use document::in_words_of;
+pub use document::{Converted, Format, MAX_DOCUMENT, schema};
 pub use forces::{ElementForces, ForceFile, ForceSign};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
+pub use include::{Disk, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES, NoFiles};
 pub use label::{Instance, Label, LabelError};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{

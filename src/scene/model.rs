@@ -5,13 +5,15 @@
 
 use super::behavior::Behavior;
 use super::choice::choices;
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, Result};
 use super::label::Label;
-use super::orientation::Orientation;
+use super::orientation::{Definition, GLOBAL, Orientation, System, Triad};
 use super::span::{Span, Spanned};
+use super::states::State;
 use crate::mpc;
 use indexmap::IndexMap;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// A model: nodes, connectors and what acts on them.
@@ -21,6 +23,9 @@ use std::collections::BTreeSet;
 pub struct Scene {
     /// The name of the file, or what the caller called the text.
     pub name: String,
+    /// Every file that was read, the deck first; spans count here.
+    #[serde(skip)]
+    pub files: Vec<String>,
     /// The text under `*HEADING`.
     pub heading: String,
     /// Nodes by number.
@@ -34,6 +39,8 @@ pub struct Scene {
     /// The nodes of connectors that elements and constraints which are not read give rotational degrees of freedom.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub rotating_nodes: BTreeSet<Label>,
+    /// Whether there are elements of an axisymmetric type.
+    pub axisymmetric: bool,
     /// Element sets by name.
     pub element_sets: IndexMap<String, Set>,
     /// Orientations by name.
@@ -62,6 +69,8 @@ pub struct Scene {
     pub connector_motions: Vec<ConnectorMotion>,
     /// Steps in order.
     pub steps: Vec<Step>,
+    /// States given with the scene; a deck has none.
+    pub states: Vec<State>,
     /// Which solver the procedures belong to, if there are any.
     pub solver: Option<Solver>,
     /// What was passed over.
@@ -84,6 +93,15 @@ pub enum End {
     B,
 }
 
+impl Diagnostic {
+    /// The same, in the file of a scene that its place is in.
+    #[must_use]
+    pub(crate) fn in_scene(self, scene: &Scene) -> Self {
+        let file = scene.files.get(usize::from(self.span().file()));
+        self.in_file(file.unwrap_or(&scene.name))
+    }
+}
+
 impl Scene {
     /// The initial position of an end of a connector. The ground sits where the other node is.
     #[must_use]
@@ -100,6 +118,21 @@ impl Scene {
     pub fn element_nodes(&self, connector: &ConnectorElement) -> Vec<[f64; 3]> {
         let nodes = [connector.a, connector.b].into_iter().flatten();
         nodes.filter_map(|node| self.nodes.get(&node)).map(|node| node.coordinates).collect()
+    }
+
+    /// The directions in which displacements, rotations, forces and moments of a node are expressed in boundary conditions,
+    /// loads and nodal output: those of its `*TRANSFORM` at the initial position of the node, or the global ones. Connectors
+    /// do not know them: what they measure and their own forces are as without.
+    ///
+    /// # Errors
+    /// [`Code::DegenerateOrientation`](super::Code::DegenerateOrientation) where the points of the transform define no
+    /// directions at the node; the reader of decks has excluded it.
+    pub fn nodal_axes(&self, node: Label) -> Result<Triad> {
+        let Some(position) = self.nodes.get(&node).map(|node| node.coordinates) else { return Ok(GLOBAL) };
+        let holds = |transform: &&Transform| {
+            self.node_sets.get(&transform.node_set.value).is_some_and(|set| set.contains(node))
+        };
+        self.transforms.iter().find(holds).map_or(Ok(GLOBAL), |transform| transform.triad(self, position))
     }
 
     /// The section of a connector element.
@@ -130,15 +163,26 @@ pub struct Node {
 pub struct Set {
     /// The members that the scene has, each once: ascending, or as written when the set is UNSORTED.
     pub labels: Vec<Label>,
-    /// Members that are elements of types that the scene does not have.
+    /// The members stand as written, by UNSORTED, and do not ascend.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub unsorted: bool,
+    /// Members that are elements of types that the scene does not have; for a set of nodes, elements whose nodes it lacks.
     pub unmodelled: u64,
     /// Where it was first defined.
     #[serde(skip)]
     pub span: Span,
 }
 
+impl Set {
+    /// Is it a member? In logarithmic time where the members ascend.
+    #[must_use]
+    pub fn contains(&self, label: Label) -> bool {
+        if self.unsorted { self.labels.contains(&label) } else { self.labels.binary_search(&label).is_ok() }
+    }
+}
+
 /// The space a connector element lives in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Dimension {
     /// CONN2D2: components 1, 2 and 6; plane or axisymmetric.
     #[serde(rename = "CONN2D2")]
@@ -146,6 +190,17 @@ pub enum Dimension {
     /// CONN3D2: all components.
     #[serde(rename = "CONN3D2")]
     Three,
+}
+
+impl Dimension {
+    /// The element type as a deck writes it.
+    #[must_use]
+    pub const fn spelling(self) -> &'static str {
+        match self {
+            Self::Two => "CONN2D2",
+            Self::Three => "CONN3D2",
+        }
+    }
 }
 
 /// An element CONN3D2 or CONN2D2.
@@ -165,10 +220,11 @@ pub struct ConnectorElement {
 }
 
 /// Kinds of point elements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum PointKind {
     /// A point mass.
+    #[default]
     Mass,
     /// A point with rotary inertia.
     Rotaryi,
@@ -352,6 +408,23 @@ pub struct Transform {
     pub a: [f64; 3],
     /// The second point.
     pub b: [f64; 3],
+}
+
+impl Transform {
+    /// The directions at `point`: e1, e2, e3, each in global components. They are right to a few units in the last place.
+    ///
+    /// # Errors
+    /// [`Code::DegenerateOrientation`](super::Code::DegenerateOrientation) where the points define no directions there.
+    pub fn triad(&self, scene: &Scene, point: [f64; 3]) -> Result<Triad> {
+        let system = match self.kind {
+            TransformKind::Rectangular => System::Rectangular,
+            TransformKind::Cylindrical => System::Cylindrical,
+            TransformKind::Spherical => System::Spherical,
+        };
+        let definition = Definition::Coordinates { a: self.a, b: self.b, c: [0.0; 3] };
+        let axes = Orientation { system, definition, axis: 1, angle: 0.0, span: self.node_set.span };
+        axes.triad(&format!("by *TRANSFORM of set {}", self.node_set.value), scene, point, &[])
+    }
 }
 
 choices! {
@@ -645,7 +718,7 @@ pub struct Step {
 pub struct OutputRequest {
     /// The keyword.
     pub keyword: String,
-    /// Its parameters as written.
+    /// Its other parameters as written.
     pub parameters: IndexMap<String, Option<String>>,
     /// `ELSET=`.
     pub element_set: Option<Spanned<String>>,
@@ -665,6 +738,23 @@ pub struct Skipped {
     pub keywords: IndexMap<String, SkippedItem>,
     /// Elements of types that are not connectors, masses, springs or dashpots.
     pub element_types: IndexMap<String, SkippedItem>,
+    /// Parameters and data of keywords that are understood, such as `*STATIC, DIRECT`.
+    #[serde(skip)]
+    pub parameters: IndexMap<String, SkippedItem>,
+    /// Comment lines.
+    #[serde(skip)]
+    pub comments: u64,
+}
+
+impl Skipped {
+    /// Counts a parameter or data of a keyword on a line.
+    pub(super) fn count(&mut self, what: String, line: u32) {
+        let item = self.parameters.entry(what).or_default();
+        if item.count == 0 {
+            item.first_line = line;
+        }
+        item.count += 1;
+    }
 }
 
 /// How much of one kind was skipped.

@@ -1,5 +1,6 @@
 //! `*ORIENTATION`: three orthonormal directions at a point.
 
+use super::choice::choices;
 use super::diagnostic::{Code, Diagnostic, Result};
 use super::label::Label;
 use super::model::Scene;
@@ -15,20 +16,20 @@ pub const GLOBAL: Triad = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// The sine of the smallest angle between two lines that still define a plane.
 pub const SMALLEST_SINE: f64 = 1e-9;
 
-/// What the points of an orientation mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum System {
-    /// a on the local X′ axis, b in the X′Y′ plane, c the origin.
-    Rectangular,
-    /// a on the local Z′ axis, b in the X′Z′ plane, c the origin.
-    ZRectangular,
-    /// a and b on the axis; 1 radial, 2 tangential, 3 axial from a to b.
-    Cylindrical,
-    /// a the centre, b on the polar axis; 1 radial, 2 circumferential, 3 meridional towards the pole.
-    Spherical,
-    /// A user subroutine.
-    User,
+choices! {
+    /// What the points of an orientation mean.
+    pub enum System {
+        /// a on the local X′ axis, b in the X′Y′ plane, c the origin.
+        Rectangular = "RECTANGULAR",
+        /// a on the local Z′ axis, b in the X′Z′ plane, c the origin.
+        ZRectangular = "Z RECTANGULAR",
+        /// a and b on the axis; 1 radial, 2 tangential, 3 axial from a to b.
+        Cylindrical = "CYLINDRICAL",
+        /// a the centre, b on the polar axis; 1 radial, 2 circumferential, 3 meridional towards the pole.
+        Spherical = "SPHERICAL",
+        /// A user subroutine.
+        User = "USER",
+    }
 }
 
 /// How the points of an orientation are given.
@@ -202,12 +203,12 @@ impl Orientation {
     }
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// The vector times a power of two that keeps its squares within range.
-fn scaled(v: [f64; 3]) -> [f64; 3] {
+pub(crate) fn scaled(v: [f64; 3]) -> [f64; 3] {
     let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
     let factor = if largest > 1e140 {
         2f64.powi(-600)

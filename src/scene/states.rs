@@ -7,6 +7,7 @@
 //! `ar3` (spatial angular acceleration), `flow`, `flow_v`, `flow_a`. Only `node` is needed. Rows with the same
 //! number in `state` form one state; the numbers increase, and reports call the states by them. Lines that begin with #
 //! are comments.
+//! In an assembly, `node` is `INSTANCE.NUMBER`, such as `CRANK-1.5`; likewise in JSON.
 //!
 //! # JSON
 //! `{"schema": "pintle-states/1", "states": [{"time": 0.5, "nodes": {"2": {"displacement": [0, 0, 0],
@@ -14,12 +15,13 @@
 //! `number`, and beside `nodes` component forces by element number: `"forces": {"101": {"f1": 2.5}}` ([`super::ElementForces`]).
 
 use super::diagnostic::{Code, Diagnostic, Result, suggest};
-use super::forces::{ElementForces, ForceSign, JsonForces};
+use super::forces::{self, ElementForces, ForceSign, JsonForces};
 use super::freedom::NodeFreedom;
 use super::label::{Label, LabelError};
 use super::lexer::{NotANumber, parse_number};
 use super::model::Scene;
-use super::span::Span;
+use super::span::{Span, Spanned};
+use schemars::JsonSchema;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
@@ -236,6 +238,18 @@ fn rotation(vector: Option<[f64; 3]>, quaternion: Option<[f64; 4]>) -> Result<Ro
     }
 }
 
+/// States are numbered upwards, or not at all.
+fn check_number(last: Option<&State>, number: Option<u64>) -> Result<(), Fault> {
+    let message = match last.map(|last| (last.number, number)) {
+        Some((Some(last), Some(number))) if number <= last => {
+            format!("state {number} comes after state {last}")
+        }
+        Some((Some(_), None) | (None, Some(_))) => "some states have a number, and some have none".into(),
+        _ => return Ok(()),
+    };
+    Err(Fault::new(Code::StatesOrder, message, "number all states, upwards, or none"))
+}
+
 /// What of a motion a node of a connector has no degrees of freedom for.
 fn check_motion(node: Label, motion: &NodeMotion, freedom: &NodeFreedom) -> Result<(), Fault> {
     let rotation = match motion.rotation {
@@ -287,13 +301,19 @@ pub(super) fn csv_rows(
             .help(format!("separate fields by commas, one row per {needed} and state"))
     };
     let mut record = csv::StringRecord::new();
-    let header = reader.read_record(&mut record).map_err(|error| malformed(&error))?;
-    if !header {
+    // A line of blanks is none, as an empty one.
+    let mut next = |record: &mut csv::StringRecord| loop {
+        let is_there = reader.read_record(record).map_err(|error| malformed(&error))?;
+        if !(is_there && record.len() == 1 && record.iter().all(str::is_empty)) {
+            return Ok(is_there);
+        }
+    };
+    if !next(&mut record)? {
         return Err(empty("columns"));
     }
     let columns = header_columns(&record, row_span(&record, text), known, find, needed)?;
     let mut is_empty = true;
-    while reader.read_record(&mut record).map_err(|error| malformed(&error))? {
+    while next(&mut record)? {
         let span = row_span(&record, text);
         if record.len() != columns.len() {
             let message = format!("a row of {} fields under a header of {}", record.len(), columns.len());
@@ -526,61 +546,127 @@ impl Serialize for StateFile {
 
 impl Serialize for NodeMotion {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        let mut vector = |name: &str, value: &[f64; 3]| {
-            if value.iter().any(|part| part.to_bits() != 0) {
-                map.serialize_entry(name, value)
-            } else {
-                Ok(())
-            }
-        };
-        vector("displacement", &self.displacement)?;
-        if let Rotation::Vector(rotation) = &self.rotation {
-            vector("rotation", rotation)?;
-        }
-        vector("velocity", &self.velocity)?;
-        vector("angular_velocity", &self.angular_velocity)?;
-        vector("acceleration", &self.acceleration)?;
-        vector("angular_acceleration", &self.angular_acceleration)?;
-        if let Rotation::Quaternion(quaternion) = &self.rotation {
-            map.serialize_entry("quaternion", quaternion)?;
-        }
-        let flows = [
-            ("flow", self.flow),
-            ("flow_velocity", self.flow_velocity),
-            ("flow_acceleration", self.flow_acceleration),
-        ];
-        for (name, value) in flows {
-            if value.to_bits() != 0 {
-                map.serialize_entry(name, &value)?;
-            }
-        }
-        map.end()
+        Motion::from(self).serialize(serializer)
     }
 }
 
-/// A motion as JSON writes it.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct JsonMotion {
-    #[serde(default)]
+/// What a node does. Everything is 0 unless given; components are global.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Motion {
+    /// From the initial position.
+    #[serde(skip_serializing_if = "is_zero")]
     displacement: [f64; 3],
+    /// The rotation vector from the initial orientation, radians. Its length may exceed π and counts turns.
+    #[serde(skip_serializing_if = "Option::is_none")]
     rotation: Option<[f64; 3]>,
+    /// Instead of it, a quaternion of norm 1, scalar first; turns are not in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     quaternion: Option<[f64; 4]>,
-    #[serde(default)]
+    /// Time derivative of the displacement.
+    #[serde(skip_serializing_if = "is_zero")]
     velocity: [f64; 3],
-    #[serde(default)]
+    /// Spatial angular velocity.
+    #[serde(skip_serializing_if = "is_zero")]
     angular_velocity: [f64; 3],
-    #[serde(default)]
+    /// Time derivative of the velocity.
+    #[serde(skip_serializing_if = "is_zero")]
     acceleration: [f64; 3],
-    #[serde(default)]
+    /// Spatial angular acceleration.
+    #[serde(skip_serializing_if = "is_zero")]
     angular_acceleration: [f64; 3],
-    #[serde(default)]
+    /// Material flow (degree of freedom 10), a length.
+    #[serde(skip_serializing_if = "vanishes")]
     flow: f64,
-    #[serde(default)]
+    /// Time derivative of the flow.
+    #[serde(skip_serializing_if = "vanishes")]
     flow_velocity: f64,
-    #[serde(default)]
+    /// Second time derivative of the flow.
+    #[serde(skip_serializing_if = "vanishes")]
     flow_acceleration: f64,
+}
+
+/// Nothing is lost when it is left out: −0 is something.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn vanishes(value: &f64) -> bool {
+    value.to_bits() == 0
+}
+
+fn is_zero(vector: &[f64; 3]) -> bool {
+    vector.iter().all(vanishes)
+}
+
+impl From<&NodeMotion> for Motion {
+    fn from(motion: &NodeMotion) -> Self {
+        let (rotation, quaternion) = match motion.rotation {
+            Rotation::Vector(vector) if is_zero(&vector) => (None, None),
+            Rotation::Vector(vector) => (Some(vector), None),
+            Rotation::Quaternion(quaternion) => (None, Some(quaternion)),
+        };
+        Self {
+            displacement: motion.displacement,
+            rotation,
+            quaternion,
+            velocity: motion.velocity,
+            angular_velocity: motion.angular_velocity,
+            acceleration: motion.acceleration,
+            angular_acceleration: motion.angular_acceleration,
+            flow: motion.flow,
+            flow_velocity: motion.flow_velocity,
+            flow_acceleration: motion.flow_acceleration,
+        }
+    }
+}
+
+impl Motion {
+    fn checked(self) -> Result<NodeMotion, Fault> {
+        Ok(NodeMotion {
+            displacement: self.displacement,
+            rotation: rotation(self.rotation, self.quaternion)?,
+            velocity: self.velocity,
+            angular_velocity: self.angular_velocity,
+            acceleration: self.acceleration,
+            angular_acceleration: self.angular_acceleration,
+            flow: self.flow,
+            flow_velocity: self.flow_velocity,
+            flow_acceleration: self.flow_acceleration,
+        })
+    }
+}
+
+/// A state that a scene itself gives; the names of the entries are node numbers and element numbers.
+#[derive(Debug)]
+pub(super) struct Given {
+    pub(super) number: Option<u64>,
+    pub(super) time: Option<f64>,
+    pub(super) nodes: Vec<(Spanned<String>, Motion)>,
+    pub(super) forces: Vec<(Spanned<String>, Vec<(Spanned<String>, Spanned<f64>)>)>,
+}
+
+/// The states that a scene itself gives.
+pub(super) fn of_scene(
+    states: impl IntoIterator<Item = Spanned<Given>>,
+    scene: &Scene,
+) -> Result<Vec<State>> {
+    let mut read = Vec::new();
+    let freedom = NodeFreedom::of(scene);
+    for Spanned { value: Given { number, time, nodes, forces }, span } in states {
+        check_number(read.last(), number).map_err(|fault| fault.at(span, "this state"))?;
+        let mut state = State { number, time, ..State::default() };
+        state.forces = forces::of_scene(forces, scene)?;
+        for (name, motion) in nodes {
+            let node =
+                label(&name.value, "node").and_then(|node| check_node(node, scene, &state).map(|()| node));
+            let motion = node.and_then(|node| {
+                let motion = motion.checked()?;
+                check_motion(node, &motion, &freedom).map(|()| (node, motion))
+            });
+            let (node, motion) = motion.map_err(|fault| fault.at(name.span, "this node"))?;
+            state.nodes.insert(node, motion);
+        }
+        read.push(state);
+    }
+    Ok(read)
 }
 
 /// Carries the scene, and the fault of our own that stopped the reading, through serde.
@@ -714,19 +800,7 @@ impl<'de> Visitor<'de> for JsonStates<'_> {
     fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Vec<State>, A::Error> {
         let mut states = Vec::new();
         while let Some(state) = sequence.next_element_seed(JsonState(self.0))? {
-            let message = match states.last().map(|last: &State| (last.number, state.number)) {
-                Some((Some(last), Some(number))) if number <= last => {
-                    Some(format!("state {number} comes after state {last}"))
-                }
-                Some((Some(_), None) | (None, Some(_))) => {
-                    Some("some states have a number, and some have none".into())
-                }
-                _ => None,
-            };
-            if let Some(message) = message {
-                let remedy = "number all states, upwards, or none";
-                return Err(self.0.stop(Fault::new(Code::StatesOrder, message, remedy)));
-            }
+            check_number(states.last(), state.number).map_err(|fault| self.0.stop(fault))?;
             states.push(state);
         }
         Ok(states)
@@ -777,20 +851,8 @@ impl<'de> Visitor<'de> for JsonNodes<'_> {
         while let Some(key) = map.next_key::<String>()? {
             let node = label(&key, "node").map_err(|fault| self.0.stop(fault))?;
             check_node(node, self.0.scene, &state).map_err(|fault| self.0.stop(fault))?;
-            let motion: JsonMotion = map.next_value()?;
-            let rotation =
-                rotation(motion.rotation, motion.quaternion).map_err(|fault| self.0.stop(fault))?;
-            let motion = NodeMotion {
-                displacement: motion.displacement,
-                rotation,
-                velocity: motion.velocity,
-                angular_velocity: motion.angular_velocity,
-                acceleration: motion.acceleration,
-                angular_acceleration: motion.angular_acceleration,
-                flow: motion.flow,
-                flow_velocity: motion.flow_velocity,
-                flow_acceleration: motion.flow_acceleration,
-            };
+            let motion: Motion = map.next_value()?;
+            let motion = motion.checked().map_err(|fault| self.0.stop(fault))?;
             check_motion(node, &motion, self.0.freedom).map_err(|fault| self.0.stop(fault))?;
             state.nodes.insert(node, motion);
         }

@@ -60,15 +60,16 @@ fn histories_obey_the_law_and_make_no_energy() {
                         }
                         Status::Slip => {
                             slips += 1;
-                            assert!(
-                                outcome.slip_increment >= 0.0 && outcome.dissipation >= 0.0,
-                                "{name}: {outcome:?}"
-                            );
+                            assert!(outcome.slip_increment >= 0.0, "{name}: {outcome:?}");
                             let miss = -outcome.criterion / (U * scale);
                             assert!(
                                 miss <= gate("violation"),
                                 "{name} {law}: slips below the limit, {miss} u\n{outcome:?}"
                             );
+                            let gains = outcome.flags.contains(&Flag::NegativeDissipation);
+                            assert_eq!(gains, outcome.dissipation < 0.0, "{name}: {outcome:?}");
+                            // Zero traction lies outside a criterion that is shifted by more than its limit.
+                            assert!(!gains || name == "shifted", "{name}: {outcome:?}");
                             let rate = outcome.slip_increment / numbers.duration.unwrap();
                             assert!((outcome.slip_rate - rate).abs() <= 2.0 * U * rate);
                         }
@@ -80,7 +81,7 @@ fn histories_obey_the_law_and_make_no_energy() {
                     lost += outcome.dissipation;
                     size += step_work.abs() + outcome.stored;
                     assert!(
-                        work >= lost + outcome.stored - gate("energy") * U * size,
+                        work >= lost + outcome.stored - gate("energy") * U * size || name == "shifted",
                         "{name} {law} {stiffness:?}: work {work}, lost {lost}, stored {}\n{outcome:?}",
                         outcome.stored
                     );

@@ -1,17 +1,20 @@
 //! Nodal forces are the transposed rows times component forces: equilibrium, power, stiffness, rigid motion, and the ways back.
 
 use super::Check;
-use crate::states::{Case, carried, cases, dof_size, exact_branch, exact_state, extent, moved, turn, types};
+use crate::states::{
+    Case, carried, cases, cube_orientations, dof_size, exact_branch, exact_state, extent, moved, turn, types,
+};
 use crate::tolerance::WIDE;
+use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{
-    Branch, Components, Connector, Evaluation, Increment, NodalRow, Request, State, Tally,
+    Branch, Components, Connector, Definition, Evaluation, Flag, Increment, NodalRow, Request, State, Tally,
 };
 use pintle::force::{ForceRows, Want};
 use pintle::measure::Measure;
-use pintle::node::DOFS;
+use pintle::node::{DOFS, Node, Pair};
 use pintle::scalar::{Differentiable, Real, Scalar, Wide};
 use pintle::so3;
-use pintle::vector::{Vector, add, apply, column, cross, dot, sub};
+use pintle::vector::{Matrix, Vector, add, apply, column, cross, dot, identity, sub};
 
 const ALL: [bool; 6] = [true; 6];
 const EVERYTHING: Want = Want { stiffness: true, multipliers: true };
@@ -348,4 +351,90 @@ fn reported_forces_and_multipliers_agree() {
             }
         }
     }
+}
+
+/// A connector at rest whose b is turned and moved from a, and the flags of all its components.
+fn special(name: &str, q: Matrix<f64>, d: Vector<f64>) -> (ForceRows<f64>, Components<f64>, Vec<Flag>) {
+    let node = |triad, displacement| Node { displacement, triad, flow: 0.0 };
+    let initial = Pair { reference: [0.0; 3], a: node(identity(), [0.0; 3]), b: node(q, d) };
+    let connection = ConnectionType::named(name, None).expect("a type of the table");
+    let connector = Connector::<f64>::new(&Definition::new(connection, initial));
+    let state = State { pair: initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+    let branch = connector.initial_branch();
+    let rows = connector.force_rows(&state, &branch, ALL, EVERYTHING, &mut Tally::default());
+    let forces = [0, 1, 2, 3, 4, 5].map(|k| connector.has_force(k).then_some(1.0 + k as f64));
+    let margins = connector.margins(&state, &branch, ALL);
+    (rows, forces, connector.flags(&margins, &Increment::none(), &state, &branch, &branch))
+}
+
+/// At exact right angles, half turns, locks, coincident nodes and on axes, nodal forces and stiffness are finite, in equilibrium, and
+/// what does not exist there is flagged by name.
+#[test]
+fn singular_states_are_finite_and_named() {
+    let mut flagged = 0;
+    for connection in TABLE {
+        for q in cube_orientations() {
+            for d in [[0.0; 3], [0.0, 0.0, 2.0], [1.0, 0.0, 0.0]] {
+                let (rows, forces, flags) = special(&connection.name, q, d);
+                flagged += flags.iter().filter(|flag| matches!(flag, Flag::Singular { .. })).count();
+                let nodal = rows.nodal(&forces);
+                let change = rows.derivative(&forces);
+                let all = nodal.iter().chain(change.as_flattened());
+                let worst = all.fold(0.0, |worst: f64, entry| worst.max(entry.abs()));
+                let place = || format!("{} {q:?} {d:?}: {nodal:?}", connection.name);
+                let finite = nodal.iter().chain(change.as_flattened()).all(|entry| entry.is_finite());
+                assert!(finite, "{}", place());
+                assert!(worst < 1e8 || !flags.is_empty(), "{} is large and not flagged", place());
+                for i in 0..3 {
+                    let size = worst.max(1.0) * 1e-14;
+                    assert!((nodal[i] + nodal[7 + i]).abs() <= size, "{}", place());
+                }
+            }
+        }
+    }
+    assert!(flagged > 100, "only {flagged} singular components");
+}
+
+/// Forces and lengths of 1e±300: nodal forces scale with them, and nothing overflows that need not.
+#[test]
+fn extreme_sizes_scale() {
+    for connection in TABLE.iter().filter(|entry| (0..6).any(|k| entry.loading(k).is_some())) {
+        let q = turn([0.4, -0.3, 0.5]);
+        let (rows, forces, _) = special(&connection.name, q, [1.0, 2.0, -0.5]);
+        let nodal = rows.nodal(&forces);
+        for size in [1e300, 1e-300] {
+            let scaled = rows.nodal(&forces.map(|force| force.map(|force| force * size)));
+            for j in 0..DOFS {
+                let gap = (scaled[j] / size - nodal[j]).abs();
+                assert!(
+                    gap <= 1e-7 * nodal[j].abs() + 1e-14,
+                    "{} {j}: {} {}",
+                    connection.name,
+                    scaled[j],
+                    nodal[j]
+                );
+            }
+            let (far, _, _) = special(&connection.name, q, [1.0, 2.0, -0.5].map(|x| x * size));
+            let forces_alone = far.nodal(&forces);
+            for j in [0, 1, 2, 7, 8, 9] {
+                let gap = (forces_alone[j] - nodal[j]).abs();
+                assert!(
+                    gap <= 1e-13 * (1.0 + nodal[j].abs()),
+                    "{} {j} at {size}: {forces_alone:?}",
+                    connection.name
+                );
+            }
+        }
+    }
+}
+
+/// The flow force exact for a belt that stores W: T λ − W in place of T.
+#[test]
+fn flow_force_with_stored_energy() {
+    let (rows, forces, _) = special("SLIPRING", identity(), [2.0, 0.0, 0.0]);
+    let tension = forces[0].expect("a tension");
+    let exact =
+        rows.with_flow_factor(51.25 / 50.0).nodal(&[Some(tension), Some(0.0), None, None, None, None]);
+    assert_eq!((exact[6], exact[13]), (-tension * 1.025, tension * 1.025));
+    assert_eq!(exact[7], tension);
 }

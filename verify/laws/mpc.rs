@@ -26,9 +26,9 @@ const START: [Turns<f64>; 2] = [Turns { turns: 0.0, principal: 0.0 }; 2];
 pub(crate) struct Case {
     pub(crate) name: String,
     pub(crate) kind: Kind,
-    positions: [Vector<f64>; 4],
+    pub(crate) positions: [Vector<f64>; 4],
     pub(crate) state: State<f64>,
-    length: f64,
+    pub(crate) length: f64,
     /// Whether the constraint holds but for rounding.
     pub(crate) holds: bool,
 }
@@ -44,7 +44,7 @@ impl Case {
     }
 
     /// The sizes of degrees of freedom: 1 rad, or a length.
-    fn sizes(&self) -> Dofs<f64> {
+    pub(crate) fn sizes(&self) -> Dofs<f64> {
         std::array::from_fn(|j| {
             let turns = (THETA_S..PSI_S).contains(&j) || (THETA_M..PSI_M).contains(&j) || j >= PHI;
             if turns { 1.0 } else { self.length }
@@ -121,12 +121,17 @@ pub(crate) fn cases() -> Vec<Case> {
 }
 
 /// Where S is if it follows M, with hinges at the given angles.
-fn following(kind: Kind, positions: &[Vector<f64>; 4], master: &Body<f64>, angles: [f64; 2]) -> State<f64> {
+pub(crate) fn following<R: Differentiable>(
+    kind: Kind,
+    positions: &[Vector<f64>; 4],
+    master: &Body<R>,
+    angles: [R; 2],
+) -> State<R> {
     let [slave, at, first, second] = *positions;
-    let constraint = Constraint::<f64>::new(kind, slave, at, [first, second]);
+    let constraint = Constraint::<R>::new(kind, slave, at, [first, second]);
     let mut rotation = master.rotation;
     for (axis, angle) in constraint.initial_axes().into_iter().zip(angles) {
-        let axis = axis.map_or([0.0; 3], |axis| scale(axis, angle));
+        let axis = axis.map_or([R::zero(); 3], |axis| scale(axis, angle));
         rotation = product(&rotation, &turn(axis));
     }
     let carried = sub(apply(&master.rotation, constraint.arm()), constraint.arm());
@@ -141,7 +146,7 @@ fn following(kind: Kind, positions: &[Vector<f64>; 4], master: &Body<f64>, angle
 
 /// A constraint of 237-bit numbers at the same state.
 pub(crate) struct Truth {
-    constraint: Constraint<Wide>,
+    pub(crate) constraint: Constraint<Wide>,
     pub(crate) state: State<Wide>,
     pub(crate) sizes: Dofs<f64>,
 }
@@ -165,7 +170,7 @@ impl Truth {
     }
 
     /// The derivative of anything along a degree of freedom, by central differences.
-    fn difference<const N: usize>(
+    pub(crate) fn difference<const N: usize>(
         &self,
         j: usize,
         of: impl Fn(&Dofs<Wide>) -> [Option<Wide>; N],

@@ -4,8 +4,12 @@
 //! rotation matrices and forces, not solutions.
 
 use super::n;
+use pintle::connector::Request;
+use pintle::evaluate::{Model, Plan, Selection, Sequence};
 use pintle::mpc::Kind;
-use pintle::scene::{Example, GALLERY, Law, MpcKind, NodeMotion, Procedure, Rotation, Scene, Solver, State};
+use pintle::scene::{
+    Example, GALLERY, Label, Law, MpcKind, NodeMotion, Procedure, Rotation, Scene, Solver, State,
+};
 use std::f64::consts::{PI, TAU};
 
 fn example(name: &str) -> (Scene, Vec<State>) {
@@ -216,6 +220,61 @@ fn seat_belt_is_in_equilibrium() {
     close(last.nodes[&n(10)].flow, 0.07937, 5e-6, "flow");
     close(vector(&last.nodes[&n(1)])[2], 3.9685, 5e-5, "drum");
     assert_eq!(last.nodes[&n(30)].displacement, [0.1, 0.0, 0.0]);
+}
+
+/// The joints of the assembly hold, and turn as far as the cranks do.
+#[test]
+fn parallel_cranks_stay_parallel() {
+    let (scene, states) = example("parallel_cranks");
+    let label = |text: &str| text.parse::<Label>().unwrap();
+    assert_eq!((scene.nodes.len(), scene.connectors.len(), scene.orientations.len()), (8, 7, 4));
+    assert_eq!(scene.node_sets["TIPS"].labels, [label("Crank-1.2"), label("Crank-2.2")]);
+    for (node, place) in [
+        ("Crank-1.1", [0.0, 0.0, 0.0]),
+        ("Crank-1.2", [0.0, 0.5, 0.0]),
+        ("Crank-2.1", [1.0, 0.0, 0.0]),
+        ("Crank-2.2", [1.0, 0.5, 0.0]),
+        ("Coupler-1.1", [0.0, 0.5, 0.0]),
+        ("Coupler-1.2", [1.0, 0.5, 0.0]),
+    ] {
+        assert_eq!(scene.nodes[&label(node)].coordinates, place, "{node}");
+    }
+    let triad = |name: &str| scene.orientations[name].triad(name, &scene, [0.0; 3], &[]).unwrap();
+    assert_eq!(triad("CRANK-2.PIN")[..2], [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]);
+    assert_eq!(triad("COUPLER-1.Datum csys-1")[..2], [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
+
+    let model = Model::compile(&scene).unwrap();
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+    let plan = Plan::compile(&model, &Selection::All, Request::everything(1)).unwrap();
+    let mut walk = Sequence::new(&model, &plan);
+    let mut turned = 0.0;
+    for state in &states {
+        let at = |node: &str| {
+            let motion = state.nodes[&label(node)];
+            let start = scene.nodes[&label(node)].coordinates;
+            std::array::from_fn(|k| start[k] + motion.displacement[k])
+        };
+        let foot = scene.nodes[&label("Crank-2.1")].coordinates;
+        // Coordinates around 1 are rounded by 1.1e-16.
+        close(distance(at("Crank-2.2"), foot), 0.5, 3e-16, "crank");
+        close(distance(at("Coupler-1.1"), at("Coupler-1.2")), 1.0, 3e-16, "coupler");
+        turned = vector(&state.nodes[&label("Crank-1.1")])[2];
+        let result = walk.step(state);
+        for connector in &result.connectors {
+            let element = &model.connectors[connector.index];
+            let evaluation = &connector.evaluation;
+            for residual in evaluation.residual.iter().flatten() {
+                close(*residual, 0.0, 2e-15, &format!("constraint of {}", element.label));
+            }
+            let wanted = match element.label.to_string().as_str() {
+                "1" | "2" => turned,
+                "3" => -turned,
+                _ => continue,
+            };
+            close(evaluation.displacement[3].unwrap(), wanted, 1e-14, "angle of the joint");
+        }
+    }
+    assert_eq!(turned, scene.steps[0].connector_motions[0].magnitude.unwrap());
 }
 
 #[test]

@@ -61,11 +61,21 @@ fn sets_generate_nest_and_merge() {
     assert_eq!(labels("MADE"), labels("ALL"));
 }
 
+/// A range takes as long as it has members, however wide it is and however often it stands there.
+#[test]
+fn wide_ranges_cost_what_they_contain() {
+    let ranges = "1, 10000000\n".repeat(10_000);
+    let scene = Scene::parse("deck.inp", &format!("*NODE\n1\n*NSET, NSET=N, GENERATE\n{ranges}")).unwrap();
+    assert_eq!(scene.node_sets["N"].labels, [1]);
+}
+
 #[test]
 fn sets_have_a_largest_size() {
-    let gaps = "1, 10000000\n".repeat(21);
-    let error = Scene::parse("deck.inp", &format!("*NODE\n1\n*NSET, NSET=N, GENERATE\n{gaps}")).unwrap_err();
-    assert_eq!((error.code(), error.line()), (Code::GenerateRange, Some(24)));
+    let nodes: String = (1..=4_000).map(|node| format!("{node}\n")).collect();
+    let names = "ALL, ALL, ALL, ALL, ALL, ALL, ALL, ALL\n".repeat(320);
+    let deck = format!("*NODE, NSET=ALL\n{nodes}*NSET, NSET=MANY\n{names}");
+    let error = Scene::parse("deck.inp", &deck).unwrap_err();
+    assert_eq!((error.code(), error.line()), (Code::GenerateRange, Some(4_002)));
 }
 
 #[test]

@@ -58,6 +58,8 @@ pub enum Flag {
     Unstable,
     /// No traction on the way to zero satisfies the criterion: P(0) exceeds the limit.
     NoAdmissibleTraction,
+    /// The slip puts energy in instead of losing it: the criterion shuts out the traction zero, as shifts of a potential can.
+    NegativeDissipation,
     /// A tension of a belt is not positive: slack segments carry no friction.
     Slack,
     /// The segments of a belt are in line (0) or folded back (π): the angle of wrap has no derivative across.
@@ -95,6 +97,7 @@ impl Flag {
             Self::ReturnedAlongTraction => "returned-along-traction",
             Self::Unstable => "unstable",
             Self::NoAdmissibleTraction => "no-admissible-traction",
+            Self::NegativeDissipation => "negative-dissipation",
             Self::Slack => "slack",
             Self::WrapAngle { .. } => "wrap-angle",
             Self::NotGiven { .. } => "not-given",

@@ -413,6 +413,9 @@ impl Friction {
                 stored = stored + (force[*k] * (force[*k] * inverse)).scale(half);
             }
         }
+        if dissipation.real().less(zero) {
+            flags.add(Flag::NegativeDissipation);
+        }
         let mut finite = |x: S, quantity: &'static str| {
             if !is_finite(x.real()) {
                 flags.add(Flag::NotFinite { quantity });

@@ -6,9 +6,8 @@ use super::{Deck, Host, misplaced};
 use crate::scene::behavior::{
     Affected, Behavior, Damage, DamageCriterion, DamageEvolution, DamageEvolutionKind, Damping, DampingKind,
     Degradation, DerivedTerm, Elasticity, Failure, Friction, FrictionCoefficient, FrictionKind, FrictionLaw,
-    Hardening, HardeningDefinition, HardeningKind, Independent, Law, Limits, Lock, Operator, Plasticity,
-    Potential, PotentialFunction, PotentialOperator, PotentialTerm, Row, Softening, Source, Stop,
-    TableOptions,
+    Hardening, HardeningKind, Independent, Law, Limits, Lock, Operator, Plasticity, Potential,
+    PotentialFunction, PotentialOperator, PotentialTerm, Row, Softening, Source, Stop, TableOptions,
 };
 use crate::scene::choice::Choice;
 use crate::scene::diagnostic::{Code, Diagnostic, Result};
@@ -477,10 +476,7 @@ pub(super) fn hardening(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     }
     let fields = keyword.dependencies()?;
     let kind = keyword.choice("TYPE")?.unwrap_or(HardeningKind::Isotropic);
-    let definition = keyword.choice("DEFINITION")?.unwrap_or(match kind {
-        HardeningKind::Isotropic => HardeningDefinition::Tabular,
-        HardeningKind::Kinematic => HardeningDefinition::HalfCycle,
-    });
+    let definition = keyword.choice("DEFINITION")?.unwrap_or(kind.definition());
     if definition.kind() != kind {
         let message = format!("{} hardening has no definition {}", kind.spelling(), definition.spelling());
         return Err(Diagnostic::error(Code::ConflictingParameters, keyword.span, message, "TYPE and DEFINITION")

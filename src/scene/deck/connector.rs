@@ -106,11 +106,7 @@ const KEPT: &[&str] = &[
 ];
 
 pub(super) fn mpc(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    if keyword.has("INPUT") {
-        let message = "*MPC reads its data from another file";
-        return Err(Diagnostic::error(Code::UnsupportedKeyword, keyword.span, message, "not supported")
-            .help("copy the lines of that file into the deck"));
-    }
+    super::mesh::take_input(deck, keyword)?;
     let user = keyword.has("USER");
     let mut warnings: Vec<Diagnostic> = Vec::new();
     while let Some(line) = deck.lexer.row()? {

@@ -91,7 +91,7 @@ pub(super) fn connector_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<(
 }
 
 /// Named boundary conditions and the degrees of freedom that they hold.
-const NAMED: &[(&str, &[u8])] = &[
+pub(super) const NAMED: &[(&str, &[u8])] = &[
     ("PINNED", &[1, 2, 3]),
     ("ENCASTRE", &[1, 2, 3, 4, 5, 6]),
     ("XSYMM", &[1, 5, 6]),
@@ -264,7 +264,9 @@ pub(super) fn step(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         span: keyword.span,
         ..Step::default()
     };
-    while deck.lexer.text()?.is_some() {}
+    while deck.lexer.text()?.is_some() {
+        deck.scene.skipped.count("text below *STEP".to_owned(), keyword.span.line());
+    }
     (deck.step, deck.stepped) = (Some(step), true);
     Ok(())
 }
@@ -306,12 +308,16 @@ fn times(deck: &mut Deck<'_>) -> Result<Times> {
         *value = items.number()?;
     }
     items.end("initial, total, minimum and maximum time")?;
-    let [initial, total, minimum, maximum, ..] = values;
+    let [initial, total, minimum, maximum, rest @ ..] = values;
+    let (line, further) = (line.span, rest.iter().flatten().count());
     if let Some(negative) = [initial, total, minimum, maximum].into_iter().flatten().find(|time| *time < 0.0)
     {
         let message = format!("a time is negative: {negative}");
-        return Err(Diagnostic::error(Code::NumberOutOfRange, line.span, message, "must not be negative")
+        return Err(Diagnostic::error(Code::NumberOutOfRange, line, message, "must not be negative")
             .help("write: initial, total, minimum, maximum time"));
+    }
+    for _ in 0..further {
+        deck.scene.skipped.count("further numbers of a procedure".to_owned(), line.line());
     }
     Ok(Times { initial, total, minimum, maximum })
 }
@@ -346,7 +352,9 @@ pub(super) fn dynamic(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 pub(super) fn output(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let mut parameters = IndexMap::new();
-    for parameter in &keyword.parameters {
+    for parameter in
+        keyword.parameters.iter().filter(|given| !["ELSET", "NSET"].contains(&given.name.as_str()))
+    {
         parameters
             .insert(parameter.name.clone(), parameter.value.as_ref().map(|value| value.text().to_owned()));
     }

@@ -1,6 +1,6 @@
 //! The keywords that are understood: where they may stand, and which parameters they take.
 
-use super::{Deck, behavior, connector, history, mesh};
+use super::{Deck, assembly, behavior, connector, generate, history, mesh};
 use crate::scene::behavior::{
     Basis, DamageCriterion, DamageEvolutionKind, DampingKind, Degradation, Extrapolation,
     HardeningDefinition, HardeningKind, Integration, Operator, PotentialOperator, RateInterpolation,
@@ -66,6 +66,8 @@ pub(super) struct Parameter {
     pub(super) name: &'static str,
     takes: Takes,
     needed: bool,
+    /// Is its value in the scene?
+    kept: bool,
 }
 
 /// A keyword that is understood.
@@ -82,11 +84,16 @@ pub(super) struct Rule {
 }
 
 const fn may(name: &'static str, takes: Takes) -> Parameter {
-    Parameter { name, takes, needed: false }
+    Parameter { name, takes, needed: false, kept: true }
+}
+
+/// A parameter that is checked, and not kept.
+const fn pass(name: &'static str, takes: Takes) -> Parameter {
+    Parameter { name, takes, needed: false, kept: false }
 }
 
 const fn need(name: &'static str, takes: Takes) -> Parameter {
-    Parameter { name, takes, needed: true }
+    Parameter { name, takes, needed: true, kept: true }
 }
 
 const fn rule(
@@ -136,7 +143,7 @@ const MOTION_TYPE: Parameter = may("TYPE", One(MotionType::SPELLINGS));
 
 /// Every keyword that is understood.
 pub(super) static RULES: &[Rule] = &[
-    rule("HEADING", Model, &[may("SPARSE", Flag)], "it takes lines of text", mesh::heading),
+    rule("HEADING", Model, &[pass("SPARSE", Flag)], "it takes lines of text", mesh::heading),
     rule(
         "NODE",
         Model,
@@ -147,14 +154,27 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "NSET",
         Model,
-        &[need("NSET", Name), may("GENERATE", Flag), may("INTERNAL", Flag), may("UNSORTED", Flag)],
+        &[
+            need("NSET", Name),
+            may("ELSET", Name),
+            may("GENERATE", Flag),
+            may("INSTANCE", Name),
+            pass("INTERNAL", Flag),
+            may("UNSORTED", Flag),
+        ],
         "each line lists nodes or node sets; with GENERATE: first, last, increment",
         mesh::node_set,
     ),
     rule(
         "ELSET",
         Model,
-        &[need("ELSET", Name), may("GENERATE", Flag), may("INTERNAL", Flag), may("UNSORTED", Flag)],
+        &[
+            need("ELSET", Name),
+            may("GENERATE", Flag),
+            may("INSTANCE", Name),
+            pass("INTERNAL", Flag),
+            may("UNSORTED", Flag),
+        ],
         "each line lists elements or element sets; with GENERATE: first, last, increment",
         mesh::element_set,
     ),
@@ -165,6 +185,32 @@ pub(super) static RULES: &[Rule] = &[
         "each line is: element, node, node …",
         mesh::element,
     ),
+    rule(
+        "NGEN",
+        Model,
+        &[may("NSET", Name), may("LINE", One(&["P", "C"])), may("SYSTEM", One(&["RC", "C", "S"]))],
+        "each line is: first node, last node, increment",
+        generate::nodes,
+    ),
+    rule(
+        "ELGEN",
+        Model,
+        &[may("ELSET", Name)],
+        "each line is: element, number, node increment, element increment, and again for rows and layers",
+        generate::elements,
+    ),
+    rule("PART", Model, &[need("NAME", Name)], "it takes no data lines", assembly::part),
+    rule("END PART", Model, &[], "it takes no data lines", assembly::end_part),
+    rule("ASSEMBLY", Model, &[may("NAME", Name)], "it takes no data lines", assembly::assembly),
+    rule("END ASSEMBLY", Model, &[], "it takes no data lines", assembly::end_assembly),
+    rule(
+        "INSTANCE",
+        Model,
+        &[need("NAME", Name), need("PART", Name)],
+        "line 1 is a translation, line 2: two points of an axis, and an angle in degrees",
+        assembly::instance,
+    ),
+    rule("END INSTANCE", Model, &[], "it takes no data lines", assembly::end_instance),
     rule(
         "ORIENTATION",
         Model,
@@ -227,7 +273,7 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "MPC",
         Model,
-        &[may("USER", Flag), may("MODE", One(&["DOF", "NODE"])), may("INPUT", Text)],
+        &[may("USER", Flag), pass("MODE", One(&["DOF", "NODE"])), may("INPUT", Text)],
         "each line is: type, node, node …",
         connector::mpc,
     ),
@@ -484,10 +530,10 @@ pub(super) static RULES: &[Rule] = &[
             may("INC", Count),
             may("PERTURBATION", Flag),
             may("AMPLITUDE", One(DefaultAmplitude::SPELLINGS)),
-            may("UNSYMM", One(&["YES", "NO"])),
-            may("EXTRAPOLATION", Text),
-            may("CONVERT SDI", One(&["YES", "NO"])),
-            may("SOLVER", Text),
+            pass("UNSYMM", One(&["YES", "NO"])),
+            pass("EXTRAPOLATION", Text),
+            pass("CONVERT SDI", One(&["YES", "NO"])),
+            pass("SOLVER", Text),
         ],
         "it takes lines of text",
         history::step,
@@ -497,15 +543,15 @@ pub(super) static RULES: &[Rule] = &[
         "STATIC",
         History,
         &[
-            may("DIRECT", FlagOrText),
-            may("STABILIZE", FlagOrText),
-            may("ALLSDTOL", FlagOrText),
-            may("CONTINUE", Text),
-            may("FACTOR", Number),
-            may("RIKS", Flag),
-            may("ADIABATIC", Flag),
-            may("FULLY PLASTIC", Text),
-            may("LONG TERM", Flag),
+            pass("DIRECT", FlagOrText),
+            pass("STABILIZE", FlagOrText),
+            pass("ALLSDTOL", FlagOrText),
+            pass("CONTINUE", Text),
+            pass("FACTOR", Number),
+            pass("RIKS", Flag),
+            pass("ADIABATIC", Flag),
+            pass("FULLY PLASTIC", Text),
+            pass("LONG TERM", Flag),
         ],
         "one line: initial, total, minimum, maximum time",
         history::static_procedure,
@@ -515,23 +561,23 @@ pub(super) static RULES: &[Rule] = &[
         History,
         &[
             may("EXPLICIT", Flag),
-            may("ALPHA", Number),
-            may("APPLICATION", Text),
-            may("BETA", Number),
-            may("GAMMA", Number),
-            may("DIRECT", FlagOrText),
-            may("HAFTOL", Number),
-            may("HALFINC SCALE FACTOR", Number),
-            may("INITIAL", Text),
-            may("NOHAF", Flag),
-            may("ADIABATIC", Flag),
-            may("TIME INTEGRATOR", Text),
-            may("IMPACT", Text),
-            may("SINGULAR MASS", Text),
-            may("ELEMENT BY ELEMENT", Flag),
-            may("SCALE FACTOR", Number),
-            may("FIXED TIME INCREMENTATION", Flag),
-            may("DIRECT USER CONTROL", Flag),
+            pass("ALPHA", Number),
+            pass("APPLICATION", Text),
+            pass("BETA", Number),
+            pass("GAMMA", Number),
+            pass("DIRECT", FlagOrText),
+            pass("HAFTOL", Number),
+            pass("HALFINC SCALE FACTOR", Number),
+            pass("INITIAL", Text),
+            pass("NOHAF", Flag),
+            pass("ADIABATIC", Flag),
+            pass("TIME INTEGRATOR", Text),
+            pass("IMPACT", Text),
+            pass("SINGULAR MASS", Text),
+            pass("ELEMENT BY ELEMENT", Flag),
+            pass("SCALE FACTOR", Number),
+            pass("FIXED TIME INCREMENTATION", Flag),
+            pass("DIRECT USER CONTROL", Flag),
         ],
         "one line: initial, total, minimum, maximum time",
         history::dynamic,
@@ -555,20 +601,50 @@ pub(super) fn find(name: &str) -> Option<&'static Rule> {
 /// Why a keyword may not be skipped, if it is one of those without which the model is another.
 pub(super) fn indispensable(name: &str) -> Option<&'static str> {
     Some(match name {
-        "INCLUDE" => "copy the lines of the included file into the deck",
-        "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => {
-            "write the deck without parts and instances (in CAE: model attributes, no parts and assemblies)"
-        }
-        "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "IMPERFECTION" => {
-            "list the nodes under *NODE, at their final positions"
-        }
+        "NFILL" | "NCOPY" | "NMAP" | "IMPERFECTION" => "list the nodes under *NODE, at their final positions",
         "SYSTEM" => "list the nodes under *NODE in global coordinates, without *SYSTEM",
-        "ELGEN" | "ELCOPY" => "list the elements under *ELEMENT",
+        "ELCOPY" => "list the elements under *ELEMENT",
         "PARAMETER" => "replace the parameters by their values",
         "IMPORT" | "IMPORT NODE SET" => "list the imported nodes and elements",
         "MODEL CHANGE" => "remove or add the elements in the deck itself",
         _ => return None,
     })
+}
+
+/// The keywords of output requests.
+pub(super) fn outputs() -> impl Iterator<Item = &'static str> {
+    RULES.iter().filter(|rule| rule.parameters.is_none()).map(|rule| rule.name)
+}
+
+/// Is it a keyword of output requests?
+pub(super) fn is_output(name: &str) -> bool {
+    outputs().any(|output| output == name)
+}
+
+/// Does a keyword begin or end a part, an instance or the assembly?
+pub(super) fn is_of_assembly(name: &str) -> bool {
+    matches!(name, "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE")
+}
+
+/// Does a keyword define what belongs to a part, an instance or the assembly, where a deck has these?
+pub(super) fn is_of_level(name: &str) -> bool {
+    matches!(
+        name,
+        "NODE"
+            | "NSET"
+            | "NGEN"
+            | "ELEMENT"
+            | "ELSET"
+            | "ELGEN"
+            | "ORIENTATION"
+            | "TRANSFORM"
+            | "MASS"
+            | "ROTARY INERTIA"
+            | "SPRING"
+            | "DASHPOT"
+            | "MPC"
+            | "CONNECTOR SECTION"
+    )
 }
 
 /// Procedures that are noted but not read.
@@ -628,6 +704,12 @@ pub(super) fn is_unrelated(name: &str) -> bool {
 }
 
 impl Rule {
+    /// The parameters of a keyword that are not kept.
+    pub(super) fn passed_over<'a>(&'a self, keyword: &'a Keyword) -> impl Iterator<Item = &'static str> + 'a {
+        let passed = self.parameters.into_iter().flatten().filter(|parameter| !parameter.kept);
+        passed.map(|parameter| parameter.name).filter(|name| keyword.has(name))
+    }
+
     /// Every parameter is known, given once, and has the kind of value that it takes; those needed are there.
     pub(super) fn check_parameters(&self, keyword: &Keyword) -> Result<()> {
         let name = &keyword.name;

@@ -4,11 +4,11 @@ use super::sets::SetBuilder;
 use super::{Deck, table};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::scene::freedom::element_rotates;
-use crate::scene::label::Label;
+use crate::scene::label::{Instance, Label};
 use crate::scene::lexer::{Data, Item, Items, Keyword};
 use crate::scene::model::{
-    ConnectorElement, Dimension, Discrete, Mass, Node, PointElement, PointKind, RotaryInertia, Transform,
-    TransformKind,
+    ConnectorElement, Dimension, Discrete, Mass, Node, PointElement, PointKind, RotaryInertia, Scene,
+    Transform, TransformKind,
 };
 use crate::scene::orientation::{Definition, Orientation, System, sin_cos_degrees};
 use crate::scene::span::Span;
@@ -26,7 +26,7 @@ pub(super) fn heading(deck: &mut Deck<'_>, _: &Keyword) -> Result<()> {
 }
 
 pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    reject_input(keyword)?;
+    take_input(deck, keyword)?;
     let set = keyword.name_of("NSET")?;
     let system = keyword.word("SYSTEM", &["R", "C", "S"])?.unwrap_or("R");
     if system == "S" {
@@ -44,7 +44,9 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             *coordinate = items.number()?.unwrap_or(0.0);
         }
         for _normal in 0..3 {
-            items.number()?;
+            if items.number()?.is_some() {
+                deck.scene.skipped.count("normals below *NODE".to_owned(), line.span.line());
+            }
         }
         items.end("a node number and three coordinates, and may go on with the normal at the node")?;
         if system == "C" {
@@ -58,14 +60,15 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             }
             Entry::Occupied(first) if first.get().coordinates == coordinates => {}
             Entry::Occupied(first) => {
-                let first = first.get().span.line();
+                let first = first.get().span;
                 let message = format!("node {label} is defined twice, at different places");
                 return Err(Diagnostic::error(
                     Code::DuplicateNode,
                     line.span,
                     message,
-                    format!("first defined on line {first}"),
+                    format!("first defined on line {}", first.line()),
                 )
+                .beside(first)
                 .help("give one of the two another number"));
             }
         }
@@ -76,28 +79,35 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     Ok(())
 }
 
-fn reject_input(keyword: &Keyword) -> Result<()> {
-    let Some(value) = keyword.get("INPUT") else { return Ok(()) };
-    let message = format!("*{} reads its data from another file", keyword.name);
-    Err(Diagnostic::error(Code::UnsupportedKeyword, value.span, message, "not supported")
-        .help("copy the lines of that file into the deck"))
+/// The data lines of `INPUT=` are read as if they stood here.
+pub(super) fn take_input(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    keyword.get("INPUT").map_or(Ok(()), |value| deck.lexer.include(value))
 }
 
 pub(super) fn node_set(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let name = keyword.need_name("NSET")?;
+    let instance = deck.instance_of(keyword)?;
     let set = deck.node_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span));
-    members(&mut deck.lexer, keyword, set, "the node number")
+    if let Some(mut elements) = keyword.name_of("ELSET")? {
+        if let Some(instance) = instance {
+            elements.value = instance.scoped(&elements.value);
+        }
+        set.push_nodes_of(elements);
+    }
+    members(&mut deck.lexer, keyword, instance, set, "the node number")
 }
 
 pub(super) fn element_set(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let name = keyword.need_name("ELSET")?;
+    let instance = deck.instance_of(keyword)?;
     let set = deck.element_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span));
-    members(&mut deck.lexer, keyword, set, "the element number")
+    members(&mut deck.lexer, keyword, instance, set, "the element number")
 }
 
 fn members(
     lexer: &mut crate::scene::lexer::Lexer<'_>,
     keyword: &Keyword,
+    instance: Option<Instance>,
     set: &mut SetBuilder,
     what: &str,
 ) -> Result<()> {
@@ -107,23 +117,29 @@ fn members(
     let generate = keyword.has("GENERATE");
     while let Some(line) = lexer.row()? {
         if generate {
-            range(&line, set, what)?;
+            range(&line, instance, set, what)?;
             continue;
         }
         for item in line.items().filter(|item| !item.text.is_empty()) {
             if item.is_integer() {
-                set.push(item.label_number(what)?, item.span);
+                set.push(Label::of(instance, item.label_number(what)?), item.span);
             } else if item.looks_numeric() {
                 item.integer(what)?;
+            } else if item.is_label() && instance.is_none() {
+                set.push(item.label(what)?, item.span);
             } else {
-                set.push_set(item.name()?);
+                let mut name = item.name()?;
+                if let Some(instance) = instance {
+                    name.value = instance.scoped(&name.value);
+                }
+                set.push_set(name);
             }
         }
     }
     Ok(())
 }
 
-fn range(line: &Data<'_>, set: &mut SetBuilder, what: &str) -> Result<()> {
+fn range(line: &Data<'_>, instance: Option<Instance>, set: &mut SetBuilder, what: &str) -> Result<()> {
     let mut items = line.items();
     let first = items.need(&format!("{what} to begin with"))?.label_number(what)?;
     let last = items.need(&format!("{what} to end with"))?.label_number(what)?;
@@ -147,7 +163,7 @@ fn range(line: &Data<'_>, set: &mut SetBuilder, what: &str) -> Result<()> {
             "split the set, or use a larger increment",
         );
     }
-    set.push_range(first, last, step, line.span);
+    set.push_range(instance, (first, last, step), line.span);
     Ok(())
 }
 
@@ -185,7 +201,7 @@ fn element_type(keyword: &Keyword) -> Result<ElementType> {
 }
 
 pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    reject_input(keyword)?;
+    take_input(deck, keyword)?;
     let kind = element_type(keyword)?;
     if let ElementType::Other(name) = &kind
         && let Some(near) = nearest(name, PointKind::ALL.map(PointKind::name))
@@ -218,27 +234,11 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         match &kind {
             ElementType::Connector(dimension) => {
                 let element = connector(*dimension, items, &line)?;
-                let first = deck.scene.point_elements.get(&Label::from(label)).map(|element| element.span);
-                let first = first.or_else(|| {
-                    let known = deck.scene.connectors.get(&Label::from(label))?;
-                    let same =
-                        (known.dimension, known.a, known.b) == (element.dimension, element.a, element.b);
-                    (!same).then_some(known.span)
-                });
-                check_first(label, first, line.span)?;
-                deck.scene.connectors.entry(label.into()).or_insert(element);
+                add_connector(&mut deck.scene, label, element)?;
             }
             ElementType::Point(kind) => {
                 let element = point(*kind, items, &line)?;
-                let first = deck.scene.connectors.get(&Label::from(label)).map(|element| element.span);
-                let first = first.or_else(|| {
-                    let known = deck.scene.point_elements.get(&Label::from(label))?;
-                    let same = (known.kind, known.node, known.second)
-                        == (element.kind, element.node, element.second);
-                    (!same).then_some(known.span)
-                });
-                check_first(label, first, line.span)?;
-                deck.scene.point_elements.entry(label.into()).or_insert(element);
+                add_point(&mut deck.scene, label, element)?;
             }
             ElementType::Other(_) => {
                 deck.other_elements.push(label);
@@ -263,10 +263,10 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 }
 
 /// The nodes that elements of a type which is not read give rotations, if they do.
-struct Rotating<'a>(Option<&'a mut HashSet<u64>>);
+struct Rotating<'a>(Option<&'a mut HashSet<Label>>);
 
 impl Rotating<'_> {
-    fn extend(&mut self, nodes: impl Iterator<Item = u64>) {
+    fn extend(&mut self, nodes: impl Iterator<Item = Label>) {
         if let Some(known) = &mut self.0 {
             known.extend(nodes);
         }
@@ -274,22 +274,50 @@ impl Rotating<'_> {
 }
 
 /// The node that an item of a skipped element names; none for anything else.
-fn node_of(item: Item<'_>) -> Option<u64> {
+fn node_of(item: Item<'_>) -> Option<Label> {
     item.text.parse().ok()
 }
 
 /// A number that an element of another definition has already.
-pub(super) fn duplicate_element(label: Label, first: Option<u32>, span: Span) -> Diagnostic {
+pub(super) fn duplicate_element(label: Label, first: Option<Span>, span: Span) -> Diagnostic {
     let message = format!("element {label} is defined twice, and differently");
     let place = first.map_or_else(
         || "also an element of a skipped type".to_owned(),
-        |line| format!("first defined on line {line}"),
+        |first| format!("first defined on line {}", first.line()),
     );
-    Diagnostic::error(Code::DuplicateElement, span, message, place).help("give one of the two another number")
+    let error = Diagnostic::error(Code::DuplicateElement, span, message, place);
+    let error = first.map_or(error.clone(), |first| error.beside(first));
+    error.help("give one of the two another number")
+}
+
+/// Adds a connector, unless its number is taken by another element; the same one may stand twice.
+pub(super) fn add_connector(scene: &mut Scene, label: u64, element: ConnectorElement) -> Result<()> {
+    let first = scene.point_elements.get(&Label::from(label)).map(|element| element.span);
+    let first = first.or_else(|| {
+        let known = scene.connectors.get(&Label::from(label))?;
+        let same = (known.dimension, known.a, known.b) == (element.dimension, element.a, element.b);
+        (!same).then_some(known.span)
+    });
+    check_first(label, first, element.span)?;
+    scene.connectors.entry(label.into()).or_insert(element);
+    Ok(())
+}
+
+/// The same for a mass, spring or dashpot.
+pub(super) fn add_point(scene: &mut Scene, label: u64, element: PointElement) -> Result<()> {
+    let first = scene.connectors.get(&Label::from(label)).map(|element| element.span);
+    let first = first.or_else(|| {
+        let known = scene.point_elements.get(&Label::from(label))?;
+        let same = (known.kind, known.node, known.second) == (element.kind, element.node, element.second);
+        (!same).then_some(known.span)
+    });
+    check_first(label, first, element.span)?;
+    scene.point_elements.entry(label.into()).or_insert(element);
+    Ok(())
 }
 
 fn check_first(label: u64, first: Option<Span>, span: Span) -> Result<()> {
-    first.map_or(Ok(()), |first| Err(duplicate_element(label.into(), Some(first.line()), span)))
+    first.map_or(Ok(()), |first| Err(duplicate_element(label.into(), Some(first), span)))
 }
 
 fn connector(dimension: Dimension, mut items: Items<'_>, line: &Data<'_>) -> Result<ConnectorElement> {

@@ -3,33 +3,40 @@
 //! [`keywords`] lists what is understood, with stages and parameters; each family of keywords has its file;
 //! [`resolve`] checks every reference once the whole deck is known, so that forward references are allowed.
 
+mod assembly;
 mod behavior;
 mod connector;
+mod generate;
 mod history;
 mod keywords;
 mod mesh;
 mod resolve;
 mod sets;
 mod table;
+pub(in crate::scene) mod write;
 
 use super::behavior::Behavior;
 use super::choice::Choice;
 use super::diagnostic::{Code, Diagnostic, Result, nearest};
-use super::lexer::{Keyword, Lexer, Value};
+use super::document::form::Document;
+use super::document::{self, Format};
+use super::include::{Disk, Files, Named, NoFiles};
+use super::label::Label;
+use super::lexer::{Keyword, Lexer, Value, not_utf8};
 use super::model::{MAX_WARNINGS, Scene, Step, Target};
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
 use keywords::{Family, Rule, Stage};
-use sets::{LabelRanges, SetBuilder};
+use sets::{OtherElements, SetBuilder};
 use std::collections::HashSet;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::BufRead;
 use std::path::Path;
 
 pub use sets::MAX_MEMBERS;
 
 impl Scene {
-    /// Reads a deck from a file.
+    /// Reads a scene from a file: TOML or JSON if its name ends in `.toml` or `.json`, otherwise a deck, with the files that
+    /// it includes, each relative to the one that includes it.
     ///
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
@@ -39,23 +46,20 @@ impl Scene {
         let unreadable = |message: String, remedy: &str| {
             Diagnostic::error(Code::Unreadable, Span::default(), message, "").help(remedy).in_file(&name)
         };
+        let format = Format::of_path(path);
+        if format != Format::Deck && !path.is_dir() {
+            return document::read(path, format);
+        }
         if path.is_dir() {
             return Err(unreadable("a directory, not a deck".to_string(), "name a deck (.inp) in it"));
         }
-        let open = || {
-            File::open(path).map(BufReader::new).map_err(|error| {
-                unreadable(format!("cannot be opened: {error}"), "check the path and its permissions")
-            })
-        };
-        let attach = |diagnostics: &mut [Diagnostic]| {
-            if let Ok(source) = open() {
-                Diagnostic::attach(diagnostics, &name, source);
-            }
-        };
-        finish(read(&mut open()?), &name, attach)
+        let input = Disk.open(&name).map_err(|error| {
+            unreadable(format!("cannot be opened: {error}"), "check the path and its permissions")
+        })?;
+        finish(read(&name, input, &Disk), &Named { root: &name, text: None, files: &Disk })
     }
 
-    /// Reads a deck from memory. `name` stands for the file in messages.
+    /// Reads a deck from memory. `name` stands for the file in messages. It includes nothing.
     ///
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
@@ -68,58 +72,83 @@ impl Scene {
     /// # Errors
     /// The first thing that is wrong with it, with its place and a remedy.
     pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<Self> {
-        finish(read(&mut { bytes }), name, |diagnostics| Diagnostic::attach(diagnostics, name, bytes))
+        Self::parse_with(name, bytes, &NoFiles)
+    }
+
+    /// Like [`parse_bytes`](Self::parse_bytes), including what `files` has.
+    ///
+    /// ```
+    /// use pintle::scene::{Label, Scene};
+    /// use std::collections::BTreeMap;
+    ///
+    /// let files = BTreeMap::from([("mesh.inp".to_string(), "1, 0., 0., 0.\n2, 1., 0., 0.\n")]);
+    /// let scene = Scene::parse_with("deck.inp", b"*NODE\n*INCLUDE, INPUT=mesh.inp\n", &files)?;
+    /// assert_eq!(scene.nodes[&Label::from(2)].coordinates, [1.0, 0.0, 0.0]);
+    /// # Ok::<(), pintle::scene::Diagnostic>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its place and a remedy.
+    pub fn parse_with(name: &str, bytes: &[u8], files: &dyn Files) -> Result<Self> {
+        finish(read(name, Box::new(bytes), files), &Named { root: name, text: Some(bytes), files })
     }
 }
 
-fn finish(result: Result<Scene>, name: &str, attach: impl Fn(&mut [Diagnostic])) -> Result<Scene> {
+/// A scene, or why there is none, and the names of all files.
+pub(super) type Outcome = (Result<Scene>, Vec<String>);
+
+pub(super) fn finish((result, names): Outcome, source: &Named<'_>) -> Result<Scene> {
     match result {
         Ok(mut scene) => {
-            name.clone_into(&mut scene.name);
-            attach(&mut scene.warnings);
+            source.root.clone_into(&mut scene.name);
+            source.attach(&mut scene.warnings, &names);
+            scene.files = names;
             Ok(scene)
         }
         Err(error) => {
-            let mut errors = [error.in_file(name)];
-            attach(&mut errors);
+            let mut errors = [error];
+            source.attach(&mut errors, &names);
             let [error] = errors;
             Err(error)
         }
     }
 }
 
-fn read(input: &mut dyn BufRead) -> Result<Scene> {
+fn read(name: &str, input: Box<dyn BufRead + '_>, files: &dyn Files) -> Outcome {
+    scene(Lexer::new(name, input, files))
+}
+
+/// The scene of a document that stands for a deck, and the names of its files.
+pub(super) fn of_document(name: &str, document: &Document) -> Outcome {
+    match write::deck(document) {
+        Ok(deck) => scene(Lexer::new(name, Box::new(deck.text.as_bytes()), &NoFiles).placed(&deck.places)),
+        Err(error) => (Err(error), vec![name.to_owned()]),
+    }
+}
+
+fn scene(lexer: Lexer<'_>) -> Outcome {
     let mut deck = Deck {
-        lexer: Lexer::new(input),
+        lexer,
         scene: Scene::default(),
         node_sets: IndexMap::new(),
         element_sets: IndexMap::new(),
-        other_elements: LabelRanges::default(),
+        other_elements: OtherElements::default(),
         other_rotations: HashSet::new(),
         rotation_targets: Vec::new(),
+        any_rotates: false,
         mpcs: Vec::new(),
+        assembly: assembly::Assembly::default(),
+        generated: 0,
         warnings: Vec::new(),
         behavior_open: false,
         host: Host::None,
         step: None,
         stepped: false,
     };
-    let mut empty = true;
-    while let Some(keyword) = deck.lexer.keyword()? {
-        empty = false;
-        deck.take(&keyword)?;
-    }
-    if empty {
-        return Err(Diagnostic::error(Code::MissingKeywords, Span::default(), "the deck is empty", "")
-            .help("a deck begins with a keyword such as *HEADING or *NODE"));
-    }
-    if let Some(step) = &deck.step {
-        return Err(Diagnostic::error(Code::UnfinishedStep, step.span, "a step does not end", "begins here")
-            .help("close the step by *END STEP"));
-    }
-    resolve::resolve(&mut deck)?;
-    deck.scene.warnings = deck.warnings;
-    Ok(deck.scene)
+    let result = deck.read();
+    deck.scene.axisymmetric = deck.scene.skipped.element_types.keys().any(|name| name.contains("AX"));
+    deck.scene.skipped.comments = deck.lexer.comments;
+    (result.map(|()| Scene { warnings: deck.warnings, ..deck.scene }), deck.lexer.into_names())
 }
 
 /// What has been read so far.
@@ -128,12 +157,17 @@ struct Deck<'a> {
     scene: Scene,
     node_sets: IndexMap<String, SetBuilder>,
     element_sets: IndexMap<String, SetBuilder>,
-    other_elements: LabelRanges,
+    other_elements: OtherElements,
     /// The nodes of elements that are not read and have rotations.
-    other_rotations: HashSet<u64>,
+    other_rotations: HashSet<Label>,
     /// The reference nodes of constraints that are not read.
     rotation_targets: Vec<Target>,
+    /// Elements that are not read were generated, so that any node may be one of theirs.
+    any_rotates: bool,
     mpcs: Vec<connector::RawMpc>,
+    assembly: assembly::Assembly,
+    /// Nodes and elements that were generated.
+    generated: u64,
     warnings: Vec<Diagnostic>,
     /// Connector suboptions belong to the last behaviour.
     behavior_open: bool,
@@ -155,6 +189,29 @@ enum Host {
 }
 
 impl Deck<'_> {
+    fn read(&mut self) -> Result<()> {
+        let mut empty = true;
+        while let Some(keyword) = self.lexer.keyword()? {
+            empty = false;
+            self.take(&keyword)?;
+        }
+        if empty {
+            return Err(Diagnostic::error(Code::MissingKeywords, Span::default(), "the deck is empty", "")
+                .help("a deck begins with a keyword such as *HEADING or *NODE"));
+        }
+        if let Some(step) = &self.step {
+            return Err(Diagnostic::error(
+                Code::UnfinishedStep,
+                step.span,
+                "a step does not end",
+                "begins here",
+            )
+            .help("close the step by *END STEP"));
+        }
+        self.check_closed()?;
+        resolve::resolve(self)
+    }
+
     fn warn(&mut self, diagnostic: Diagnostic) {
         if self.warnings.len() < MAX_WARNINGS {
             self.warnings.push(diagnostic);
@@ -170,6 +227,13 @@ impl Deck<'_> {
         }
         self.check_stage(rule, keyword)?;
         rule.check_parameters(keyword)?;
+        if let Some(place) = keyword.not_utf8 {
+            return Err(not_utf8(place));
+        }
+        self.check_level(keyword, rule.name)?;
+        for parameter in rule.passed_over(keyword) {
+            self.scene.skipped.count(format!("*{}, {parameter}", rule.name), keyword.span.line());
+        }
         (rule.read)(self, keyword)?;
         match self.lexer.row()? {
             None => Ok(()),
@@ -255,7 +319,7 @@ impl Deck<'_> {
         for parameter in ["REF NODE", "TIE NSET"] {
             // A value that is neither a node nor a set names nothing that is kept.
             let Some(name) = keyword.get(parameter).and_then(|value| value.name().ok()) else { continue };
-            let number = name.value.parse::<u64>().map(|number| Target::Label(number.into()));
+            let number = name.value.parse().map(Target::Label);
             self.rotation_targets.push(number.unwrap_or(Target::Set(name.value)));
         }
         let skipped = self.scene.skipped.keywords.entry(keyword.name.clone()).or_default();
@@ -351,6 +415,7 @@ impl Keyword {
         let message = format!("*{} {} is defined twice", self.name, name.value);
         let label = format!("first defined on line {}", first.line());
         Diagnostic::error(Code::DuplicateName, name.span, message, label)
+            .beside(first)
             .help("rename or remove one of the two")
     }
 }

@@ -3,13 +3,14 @@
 use super::Deck;
 use super::connector::RawMpc;
 use super::mesh::duplicate_element;
-use super::sets::{self, Kind, Member, unknown_set};
+use super::sets::{self, InOrder, Kind, Known, Member, OtherElements, unknown_set};
 use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
 use crate::scene::label::Label;
-use crate::scene::model::{Discrete, End, Mpc, PointKind, Scene, Set, Target};
+use crate::scene::model::{Discrete, End, Mpc, PointKind, Scene, Set, Target, TransformKind};
 use crate::scene::span::{Span, Spanned};
-use std::collections::HashSet;
+use std::cell::OnceCell;
+use std::collections::{HashMap, HashSet};
 
 pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     elements(deck)?;
@@ -46,7 +47,7 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
     let points = scene.point_elements.iter();
     let points = points.map(|(&label, element)| (label, element.span, [Some(element.node), element.second]));
     for (label, span, nodes) in connectors.chain(points) {
-        if deck.other_elements.contains(label.number()) {
+        if deck.other_elements.contains(label) {
             return Err(duplicate_element(label, None, span));
         }
         for node in nodes.into_iter().flatten() {
@@ -63,12 +64,11 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
 fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
     let scene = &deck.scene;
     let mut warnings = Vec::new();
-    let node = |label: u64| {
-        if scene.nodes.contains_key(&Label::from(label)) { Member::Modelled } else { Member::Unknown }
-    };
-    let element = |label: u64| {
-        let known = Label::from(label);
-        if scene.connectors.contains_key(&known) || scene.point_elements.contains_key(&known) {
+    let nodes = InOrder::new(&scene.nodes);
+    let node = |label| if nodes.contains(label) { Member::Modelled } else { Member::Unknown };
+    let (connectors, points) = (InOrder::new(&scene.connectors), InOrder::new(&scene.point_elements));
+    let element = |label| {
+        if connectors.contains(label) || points.contains(label) {
             Member::Modelled
         } else if deck.other_elements.contains(label) {
             Member::Unmodelled
@@ -77,10 +77,37 @@ fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
         }
     };
     let mut warn = |warning| warnings.push(warning);
-    let hint = undefined(Kind::Node);
-    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, node, &hint, &mut warn)?;
     let hint = undefined(Kind::Element);
-    let element_sets = sets::resolve(Kind::Element, &deck.element_sets, element, &hint, &mut warn)?;
+    let elements = Known {
+        member: &element,
+        count: scene.connectors.len() + scene.point_elements.len(),
+        labels: &|| scene.connectors.keys().chain(scene.point_elements.keys()).copied().collect(),
+        sorted: OnceCell::new(),
+        other: &deck.other_elements,
+    };
+    let element_sets =
+        sets::resolve(Kind::Element, &deck.element_sets, &elements, &|_, _| Ok(()), &hint, &mut warn)?;
+    let nodes_of = |name: &Spanned<String>, set: &mut Set| {
+        let Some(elements) = element_sets.get(&name.value) else {
+            return Err(unknown_set(Kind::Element, name, element_sets.keys().map(String::as_str)));
+        };
+        for label in &elements.labels {
+            let connector = scene.connectors.get(label).map(|element| [element.a, element.b]);
+            let point = scene.point_elements.get(label).map(|element| [Some(element.node), element.second]);
+            set.labels.extend(connector.or(point).into_iter().flatten().flatten());
+        }
+        set.unmodelled = set.unmodelled.saturating_add(elements.unmodelled);
+        Ok(())
+    };
+    let hint = undefined(Kind::Node);
+    let known = Known {
+        member: &node,
+        count: scene.nodes.len(),
+        labels: &|| scene.nodes.keys().copied().collect(),
+        sorted: OnceCell::new(),
+        other: &OtherElements::default(),
+    };
+    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, &known, &nodes_of, &hint, &mut warn)?;
     (deck.scene.node_sets, deck.scene.element_sets) = (node_sets, element_sets);
     warnings.into_iter().for_each(|warning| deck.warn(warning));
     Ok(())
@@ -100,7 +127,7 @@ fn check_name<T>(
 ) -> Result<()> {
     let Some(name) = name.filter(|name| !known.contains_key(&name.value)) else { return Ok(()) };
     let message = format!("there is no {what} {}", name.value);
-    let remedy = suggest(&name.value, known.keys().map(String::as_str), || {
+    let remedy = suggest_scoped(&name.value, known.keys().map(String::as_str), || {
         format!("define it by *{keyword}, NAME={}", name.value)
     });
     Err(Diagnostic::error(code, name.span, message, "not defined").help(remedy))
@@ -146,6 +173,7 @@ fn sections(scene: &mut Scene) -> Result<()> {
                 let message = format!("connector {label} has two sections");
                 let label = format!("the first one is on line {}", first.span.line());
                 return Err(Diagnostic::error(Code::TwoSections, span, message, label)
+                    .beside(first.span)
                     .help("take the element out of one of the two sets"));
             }
             connector.section = place;
@@ -290,8 +318,34 @@ fn properties(scene: &Scene) -> Result<()> {
             check_degrees_of_freedom(discrete, keyword, kinds)?;
         }
     }
-    for transform in &scene.transforms {
-        node_set(scene, &transform.node_set)?;
+    transforms(scene)
+}
+
+/// The axes of every node that has some, and no node with two.
+fn transforms(scene: &Scene) -> Result<()> {
+    let mut known: HashMap<Label, usize> = HashMap::new();
+    for (index, transform) in scene.transforms.iter().enumerate() {
+        let set = complete_node_set(scene, &transform.node_set)?;
+        for label in &set.labels {
+            if let Some(node) =
+                scene.nodes.get(label).filter(|_| transform.kind != TransformKind::Rectangular)
+            {
+                transform.triad(scene, node.coordinates)?;
+            }
+            let Some(first) = known.insert(*label, index).and_then(|first| scene.transforms.get(first))
+            else {
+                continue;
+            };
+            let (first, span) = (first.node_set.span, transform.node_set.span);
+            let message = format!("node {label} has two *TRANSFORMs");
+            let label = format!("the first one is on line {}", first.line());
+            return Err(Diagnostic::error(Code::TwoTransforms, span, message, label)
+                .beside(first)
+                .help("take the node out of one of the two sets"));
+        }
+        if transform.kind == TransformKind::Rectangular {
+            transform.triad(scene, [0.0; 3])?;
+        }
     }
     Ok(())
 }
@@ -335,11 +389,36 @@ fn node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
     scene.node_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Node, name, names()))
 }
 
+/// A node set that may lack nothing.
+fn complete_node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
+    let set = node_set(scene, name)?;
+    if set.unmodelled == 0 {
+        return Ok(set);
+    }
+    let message = format!(
+        "set {} lacks the nodes of {} elements of types that are not read",
+        name.value, set.unmodelled
+    );
+    Err(Diagnostic::error(Code::NodesOfSkipped, name.span, message, "must be complete")
+        .help("give the set its nodes by *NSET, instead of by ELSET"))
+}
+
 fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<Label>> {
     match &target.value {
         Target::Label(label) if scene.nodes.contains_key(label) => Ok(vec![*label]),
         Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
-        Target::Set(name) => Ok(node_set(scene, &Spanned::new(name.clone(), target.span))?.labels.clone()),
+        Target::Set(name) => {
+            Ok(complete_node_set(scene, &Spanned::new(name.clone(), target.span))?.labels.clone())
+        }
+    }
+}
+
+/// A node or set that loads and boundary conditions act on; a set that lacks nodes has been warned about.
+fn known_node_target(scene: &Scene, target: &Spanned<Target>) -> Result<()> {
+    match &target.value {
+        Target::Label(label) if scene.nodes.contains_key(label) => Ok(()),
+        Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
+        Target::Set(name) => node_set(scene, &Spanned::new(name.clone(), target.span)).map(drop),
     }
 }
 
@@ -348,15 +427,16 @@ fn other_rotations(deck: &mut Deck<'_>) {
     let scene = &mut deck.scene;
     for target in &deck.rotation_targets {
         match target {
-            Target::Label(label) => drop(deck.other_rotations.insert(label.number())),
+            Target::Label(label) => drop(deck.other_rotations.insert(*label)),
             Target::Set(name) => {
                 let nodes = scene.node_sets.get(name).into_iter().flat_map(|set| &set.labels);
-                deck.other_rotations.extend(nodes.map(|node| node.number()));
+                deck.other_rotations.extend(nodes);
             }
         }
     }
     let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
-    scene.rotating_nodes = ends.filter(|node| deck.other_rotations.contains(&node.number())).collect();
+    let rotates = |node: &Label| deck.any_rotates || deck.other_rotations.contains(node);
+    scene.rotating_nodes = ends.filter(rotates).collect();
     deck.other_rotations = HashSet::new();
 }
 
@@ -436,7 +516,7 @@ fn actuation(deck: &Deck<'_>) -> Result<()> {
     }
     let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
     for boundary in boundaries {
-        node_target(scene, &boundary.target)?;
+        known_node_target(scene, &boundary.target)?;
         amplitude(&boundary.applied.amplitude)?;
     }
     for step in &scene.steps {
@@ -445,7 +525,7 @@ fn actuation(deck: &Deck<'_>) -> Result<()> {
             amplitude(&load.applied.amplitude)?;
         }
         for load in &step.concentrated_loads {
-            node_target(scene, &load.target)?;
+            known_node_target(scene, &load.target)?;
             amplitude(&load.applied.amplitude)?;
         }
         for load in &step.distributed_loads {
@@ -457,7 +537,7 @@ fn actuation(deck: &Deck<'_>) -> Result<()> {
                 Some(Spanned { value: Target::Label(label), span }) => {
                     let known = scene.connectors.contains_key(label)
                         || scene.point_elements.contains_key(label)
-                        || deck.other_elements.contains(label.number());
+                        || deck.other_elements.contains(*label);
                     if !known {
                         return Err(unknown(Kind::Element, *label, *span));
                     }

@@ -1,10 +1,12 @@
 //! Sets while they are read, and what they contain once everything is known.
 
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
+use crate::scene::label::{Instance, Label};
 use crate::scene::model::Set;
 use crate::scene::span::{Span, Spanned};
 use indexmap::IndexMap;
-use std::collections::HashSet;
+use std::cell::{Cell, OnceCell};
+use std::collections::{HashMap, HashSet};
 
 /// The largest number of members of a GENERATE range, and of all sets of a deck together.
 pub const MAX_MEMBERS: u64 = 10_000_000;
@@ -64,9 +66,11 @@ pub(super) struct SetBuilder {
 #[derive(Debug, Clone)]
 enum Entry {
     /// Written as `GENERATE` or as numbers one after the other.
-    Range { first: u64, last: u64, step: u64, generated: bool, span: Span },
+    Range { instance: Option<Instance>, first: u64, last: u64, step: u64, generated: bool, span: Span },
     /// Another set.
     Set(Spanned<String>),
+    /// The nodes of an element set.
+    NodesOf(Spanned<String>),
 }
 
 impl SetBuilder {
@@ -74,40 +78,74 @@ impl SetBuilder {
         Self { span, ..Self::default() }
     }
 
+    /// The number of its entries, and one for itself.
+    pub(super) fn len(&self) -> usize {
+        1 + self.entries.len()
+    }
+
     pub(super) fn set_unsorted(&mut self) {
         self.unsorted = true;
     }
 
     /// One member. Numbers that follow each other on one line share an entry.
-    pub(super) fn push(&mut self, label: u64, span: Span) {
-        if let Some(Entry::Range { last, step: 1, generated: false, span: place, .. }) =
-            self.entries.last_mut()
-            && place.line() == span.line()
-            && last.checked_add(1) == Some(label)
-        {
-            *last = label;
-            return;
-        }
-        self.entries.push(Entry::Range { first: label, last: label, step: 1, generated: false, span });
+    pub(super) fn push(&mut self, label: Label, span: Span) {
+        self.push_one(label, span, |place| (place.file(), place.line()) == (span.file(), span.line()));
     }
 
     /// A member that is defined by the same line; numbers that follow each other share an entry.
     pub(super) fn push_defined(&mut self, label: u64, span: Span) {
-        if let Some(Entry::Range { last, step: 1, generated: false, .. }) = self.entries.last_mut()
-            && last.checked_add(1) == Some(label)
-        {
-            *last = label;
-            return;
-        }
-        self.entries.push(Entry::Range { first: label, last: label, step: 1, generated: false, span });
+        self.push_one(label.into(), span, |_| true);
     }
 
-    pub(super) fn push_range(&mut self, first: u64, last: u64, step: u64, span: Span) {
-        self.entries.push(Entry::Range { first, last, step, generated: true, span });
+    fn push_one(&mut self, label: Label, span: Span, joins: impl Fn(Span) -> bool) {
+        let number = label.number();
+        if let Some(Entry::Range { instance, last, step: 1, generated: false, span: place, .. }) =
+            self.entries.last_mut()
+            && *instance == label.instance()
+            && joins(*place)
+            && last.checked_add(1) == Some(number)
+        {
+            *last = number;
+            return;
+        }
+        let (instance, generated) = (label.instance(), false);
+        self.entries.push(Entry::Range { instance, first: number, last: number, step: 1, generated, span });
+    }
+
+    pub(super) fn push_range(
+        &mut self,
+        instance: Option<Instance>,
+        (first, last, step): (u64, u64, u64),
+        span: Span,
+    ) {
+        self.entries.push(Entry::Range { instance, first, last, step, generated: true, span });
     }
 
     pub(super) fn push_set(&mut self, name: Spanned<String>) {
         self.entries.push(Entry::Set(name));
+    }
+
+    pub(super) fn push_nodes_of(&mut self, name: Spanned<String>) {
+        self.entries.push(Entry::NodesOf(name));
+    }
+
+    /// The set of a part as one of its instance.
+    pub(super) fn within(mut self, within: Instance) -> Self {
+        for entry in &mut self.entries {
+            match entry {
+                Entry::Range { instance, .. } => {
+                    instance.get_or_insert(within);
+                }
+                Entry::Set(name) | Entry::NodesOf(name) => name.value = within.scoped(&name.value),
+            }
+        }
+        self
+    }
+
+    /// What two definitions of one set list together.
+    pub(super) fn extend(&mut self, other: Self) {
+        self.entries.extend(other.entries);
+        self.unsorted |= other.unsorted;
     }
 }
 
@@ -138,17 +176,117 @@ impl LabelRanges {
         self.ranges = merged;
     }
 
+    /// How many of `first`, `first + step` … `last` there are.
+    fn count(&self, first: u64, last: u64, step: u64) -> u64 {
+        let after = self.ranges.partition_point(|&(_, end)| end < first);
+        let overlapping = self.ranges.iter().skip(after).take_while(|&&(begin, _)| begin <= last);
+        let up_to = |number: u64| number.checked_sub(first).map_or(0, |distance| distance / step + 1);
+        overlapping.map(|&(begin, end)| up_to(end.min(last)) - up_to(begin.saturating_sub(1))).sum()
+    }
+
     pub(super) fn contains(&self, label: u64) -> bool {
         let after = self.ranges.partition_point(|&(first, _)| first <= label);
         after.checked_sub(1).and_then(|place| self.ranges.get(place)).is_some_and(|&(_, last)| label <= last)
     }
 }
 
+/// Numbers of which nothing else is kept, by instance.
+#[derive(Debug, Clone, Default)]
+pub(super) struct OtherElements(HashMap<Option<Instance>, LabelRanges>);
+
+impl OtherElements {
+    pub(super) fn push(&mut self, number: u64) {
+        self.0.entry(None).or_default().push(number);
+    }
+
+    /// Takes those of a part as those of its instance.
+    pub(super) fn place(&mut self, mut of_part: Self, instance: Instance) {
+        if let Some(ranges) = of_part.0.remove(&None) {
+            self.0.insert(Some(instance), ranges);
+        }
+    }
+
+    /// The same before they are sorted, for the numbers of this level.
+    pub(super) fn contains_unsorted(&self, number: u64) -> bool {
+        let ranges = self.0.get(&None).map(|ranges| ranges.ranges.as_slice()).unwrap_or_default();
+        ranges.iter().any(|(first, last)| (*first..=*last).contains(&number))
+    }
+
+    pub(super) fn sort(&mut self) {
+        self.0.values_mut().for_each(LabelRanges::sort);
+    }
+
+    pub(super) fn contains(&self, label: Label) -> bool {
+        self.0.get(&label.instance()).is_some_and(|ranges| ranges.contains(label.number()))
+    }
+
+    fn count(&self, first: Label, last: u64, step: u64) -> u64 {
+        self.0.get(&first.instance()).map_or(0, |ranges| ranges.count(first.number(), last, step))
+    }
+}
+
+/// What sets may have as members.
+pub(super) struct Known<'a> {
+    /// What one label stands for.
+    pub(super) member: &'a dyn Fn(Label) -> Member,
+    /// How much the scene has.
+    pub(super) count: usize,
+    /// All of that.
+    pub(super) labels: &'a dyn Fn() -> Vec<Label>,
+    /// The same in order, once it is needed.
+    pub(super) sorted: OnceCell<Vec<Label>>,
+    /// What was skipped.
+    pub(super) other: &'a OtherElements,
+}
+
+impl Known<'_> {
+    /// Those of the scene among `first`, `first + step` … `last`, and how many of the skipped ones. It takes as long as there
+    /// are such, however wide the range.
+    fn within(&self, first: Label, last: u64, step: u64) -> (impl Iterator<Item = Label>, u64) {
+        let sorted = self.sorted.get_or_init(|| {
+            let mut labels = (self.labels)();
+            labels.sort_unstable();
+            labels
+        });
+        let after = sorted.partition_point(|label| *label < first);
+        let end = Label::of(first.instance(), last);
+        let inside = sorted.iter().skip(after).take_while(move |label| **label <= end).copied();
+        let met = inside.filter(move |label| (label.number() - first.number()).is_multiple_of(step));
+        (met, self.other.count(first, last, step))
+    }
+}
+
+/// Finds labels in a map; those that come in its order, as sets mostly list them, without hashing.
+pub(super) struct InOrder<'a, T> {
+    map: &'a IndexMap<Label, T>,
+    next: Cell<usize>,
+}
+
+impl<'a, T> InOrder<'a, T> {
+    pub(super) fn new(map: &'a IndexMap<Label, T>) -> Self {
+        Self { map, next: Cell::new(0) }
+    }
+
+    pub(super) fn contains(&self, label: Label) -> bool {
+        let next = self.next.get();
+        let is_next = self.map.get_index(next).is_some_and(|(known, _)| *known == label);
+        let place = if is_next { Some(next) } else { self.map.get_index_of(&label) };
+        if let Some(place) = place {
+            self.next.set(place + 1);
+        }
+        place.is_some()
+    }
+}
+
+/// The nodes of the elements of a set: they are needed by node sets that are given by element sets.
+pub(super) type NodesOf<'a> = &'a dyn Fn(&Spanned<String>, &mut Set) -> Result<()>;
+
 /// The members of all sets of one kind. Sets may name sets that are defined later.
 pub(super) fn resolve(
     kind: Kind,
     builders: &IndexMap<String, SetBuilder>,
-    member: impl Fn(u64) -> Member,
+    known: &Known<'_>,
+    nodes_of: NodesOf<'_>,
     hint: &dyn Fn() -> String,
     warn: &mut dyn FnMut(Diagnostic),
 ) -> Result<IndexMap<String, Set>> {
@@ -163,11 +301,32 @@ pub(super) fn resolve(
                     let inner = builders.get_index_of(&inner.value).and_then(|place| done[place].as_ref());
                     if let Some(inner) = inner {
                         set.labels.extend_from_slice(&inner.labels);
-                        set.unmodelled += inner.unmodelled;
+                        set.unmodelled = set.unmodelled.saturating_add(inner.unmodelled);
                     }
                 }
-                &Entry::Range { first, last, step, generated, span } => {
-                    listed += (last - first) / step + 1;
+                Entry::NodesOf(elements) => {
+                    let before = set.unmodelled;
+                    nodes_of(elements, &mut set)?;
+                    if set.unmodelled > before {
+                        let count = set.unmodelled - before;
+                        let message = format!(
+                            "{count} elements of set {} are of types that are not read",
+                            elements.value
+                        );
+                        warn(
+                            Diagnostic::warning(
+                                Code::NodesOfSkipped,
+                                elements.span,
+                                message,
+                                format!("set {name} lacks their nodes"),
+                            )
+                            .help("list the nodes themselves if a connector or a constraint needs them"),
+                        );
+                    }
+                }
+                &Entry::Range { instance, first, last, step, generated, span } => {
+                    let range = (Label::of(instance, first), last, step, generated);
+                    listed += expand(kind, range, span, known, hint, &mut set, warn)?;
                     if listed > MAX_LISTED {
                         let message =
                             format!("the {} sets list more than {MAX_LISTED} numbers together", kind.name());
@@ -179,7 +338,6 @@ pub(super) fn resolve(
                         )
                         .help("remove sets that no connector needs"));
                     }
-                    expand(kind, (first, last, step, generated), span, &member, hint, &mut set, warn)?;
                 }
             }
             if total + set.labels.len() as u64 > MAX_MEMBERS {
@@ -197,6 +355,7 @@ pub(super) fn resolve(
         if builder.unsorted {
             let mut seen = HashSet::with_capacity(set.labels.len());
             set.labels.retain(|label| seen.insert(*label));
+            set.unsorted = !set.labels.is_sorted();
         } else {
             set.labels.sort_unstable();
             set.labels.dedup();
@@ -207,44 +366,56 @@ pub(super) fn resolve(
     Ok(builders.keys().cloned().zip(done.into_iter().map(Option::unwrap_or_default)).collect())
 }
 
+/// Puts the members of a range into a set; gives the number of labels looked at.
 fn expand(
     kind: Kind,
-    (first, last, step, generated): (u64, u64, u64, bool),
+    (first, last, step, generated): (Label, u64, u64, bool),
     span: Span,
-    member: &impl Fn(u64) -> Member,
+    known: &Known<'_>,
     hint: &dyn Fn() -> String,
     set: &mut Set,
     warn: &mut dyn FnMut(Diagnostic),
-) -> Result<()> {
+) -> Result<u64> {
     let name = kind.name();
-    let (mut found, mut gaps, mut label) = (0_u64, 0_u64, first);
-    while label <= last {
-        match member(label) {
-            Member::Modelled => set.labels.push(label.into()),
-            Member::Unmodelled => set.unmodelled += 1,
-            Member::Unknown if generated => gaps += 1,
-            Member::Unknown => {
-                let message = format!("the set contains {name} {label}, which is not defined");
-                return Err(
-                    Diagnostic::error(kind.unknown(), span, message, format!("no such {name}")).help(hint())
-                );
+    let count = (last - first.number()) / step + 1;
+    let (before, unmodelled_before) = (set.labels.len(), set.unmodelled);
+    if generated && count > known.count as u64 {
+        let (modelled, unmodelled) = known.within(first, last, step);
+        set.labels.extend(modelled);
+        set.unmodelled = set.unmodelled.saturating_add(unmodelled);
+    } else {
+        let mut number = first.number();
+        while number <= last {
+            let label = Label::of(first.instance(), number);
+            match (known.member)(label) {
+                Member::Modelled => set.labels.push(label),
+                Member::Unmodelled => set.unmodelled = set.unmodelled.saturating_add(1),
+                Member::Unknown if generated => {}
+                Member::Unknown => {
+                    let message = format!("the set contains {name} {label}, which is not defined");
+                    return Err(Diagnostic::error(kind.unknown(), span, message, format!("no such {name}"))
+                        .help(hint()));
+                }
             }
+            number += step;
         }
-        found += 1;
-        label += step;
     }
-    if found == gaps && gaps > 0 {
+    let looked_at = count.min(known.count as u64);
+    let found = (set.labels.len() - before) as u64 + (set.unmodelled - unmodelled_before);
+    let gaps = count.saturating_sub(found);
+    let last = Label::of(first.instance(), last);
+    if found == 0 {
         let message = format!("no {name} from {first} to {last} is defined");
         return Err(Diagnostic::error(kind.unknown(), span, message, format!("no such {name}s")).help(hint()));
     }
     if gaps > 0 {
-        let message = format!("{gaps} of {found} {name}s from {first} to {last} are not defined");
+        let message = format!("{gaps} of {count} {name}s from {first} to {last} are not defined");
         warn(
             Diagnostic::warning(Code::GenerateGaps, span, message, "left out of the set")
                 .help(format!("check the range; the set has the {name}s that exist")),
         );
     }
-    Ok(())
+    Ok(looked_at)
 }
 
 /// An order in which every set comes after those that it names.
@@ -262,7 +433,7 @@ fn order(kind: Kind, builders: &IndexMap<String, SetBuilder>) -> Result<Vec<usiz
             let inner = builder.entries.iter().enumerate().skip(entry);
             let inner = inner.filter_map(|(at, entry)| match entry {
                 Entry::Set(name) => Some((at, name)),
-                Entry::Range { .. } => None,
+                Entry::Range { .. } | Entry::NodesOf(_) => None,
             });
             let mut next = None;
             for (at, name) in inner {
@@ -317,7 +488,7 @@ pub(super) fn unknown_set<'a>(
         Kind::Element => ("element", "*ELSET, ELSET"),
     };
     let message = format!("there is no {kind_name} set {}", name.value);
-    let remedy = suggest(&name.value, names, || format!("define it by {keyword}={}", name.value));
+    let remedy = suggest_scoped(&name.value, names, || format!("define it by {keyword}={}", name.value));
     Diagnostic::error(kind.unknown_set(), name.span, message, "not defined").help(remedy)
 }
 
@@ -332,6 +503,10 @@ mod tests {
             ranges.push(label);
         }
         ranges.sort();
+        for (first, last, step) in [(1, 25, 1), (1, 25, 3), (3, 3, 1), (4, 12, 4), (5, 9, 1), (11, 30, 9)] {
+            let met = (first..=last).step_by(step as usize).filter(|&label| ranges.contains(label)).count();
+            assert_eq!(ranges.count(first, last, step), met as u64, "{first} to {last} by {step}");
+        }
         let inside: Vec<u64> = (0..25).filter(|&label| ranges.contains(label)).collect();
         assert_eq!(inside, [3, 4, 10, 11, 12, 13, 20]);
     }

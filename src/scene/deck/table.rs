@@ -6,7 +6,7 @@ use crate::scene::lexer::Lexer;
 use crate::scene::span::Span;
 
 /// Items on one data line of a table.
-const PER_LINE: usize = 8;
+pub(super) const PER_LINE: usize = 8;
 
 /// Numbers of one record, and its first line.
 #[derive(Debug, Clone)]

@@ -1,0 +1,104 @@
+//! `pintle convert` and `pintle schema`.
+
+use super::eval::{self, complain};
+use super::{Convert, Failure, SceneFormat};
+use pintle::scene::{Format, Scene, StateFile};
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+impl From<SceneFormat> for Format {
+    fn from(format: SceneFormat) -> Self {
+        match format {
+            SceneFormat::Inp => Self::Deck,
+            SceneFormat::Toml => Self::Toml,
+            SceneFormat::Json => Self::Json,
+        }
+    }
+}
+
+/// The format of the result: as asked for, or by the ending of its file.
+fn format(arguments: &Convert) -> Result<Format, Failure> {
+    if let Some(format) = arguments.to {
+        return Ok(format.into());
+    }
+    let Some(output) = &arguments.output else {
+        let message = "say what to convert to: --to inp, toml or json, or -o with a file of that ending";
+        return Err(Failure::Usage(message.to_owned()));
+    };
+    let ending = output.extension().map(|ending| ending.to_ascii_lowercase());
+    match ending.as_ref().and_then(|ending| ending.to_str()) {
+        Some("inp" | "toml" | "json") => Ok(Format::of_path(output)),
+        _ => {
+            let message = format!("{} does not end in .inp, .toml or .json; give --to", output.display());
+            Err(Failure::Usage(message))
+        }
+    }
+}
+
+/// `pintle convert`.
+pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
+    let format = format(arguments)?;
+    let mut scene = read(&arguments.scene)?;
+    if let Some(file) = &arguments.states {
+        scene.states = StateFile::read(file, &scene)?.states;
+    }
+    for warning in &scene.warnings {
+        eval::show_diagnostic(warning);
+    }
+    let mut converted = scene.write(format)?;
+    if let Some(file) = &arguments.save_states {
+        save_states(file, &scene)?;
+        converted.dropped.retain(|what| !(what.contains("state") && what.ends_with("a deck has none")));
+    }
+    for what in &converted.dropped {
+        complain("dropped", what);
+    }
+    if arguments.strict && !converted.dropped.is_empty() {
+        let count = converted.dropped.len();
+        let things = if count == 1 { "one thing" } else { "several things" };
+        let message = format!("{things} would be lost, and --strict forbids it; nothing was written");
+        return Err(Failure::Lost(message));
+    }
+    match &arguments.output {
+        None => {
+            let mut out = BufWriter::new(io::stdout().lock());
+            out.write_all(converted.text.as_bytes())?;
+            Ok(out.flush()?)
+        }
+        Some(path) => write(path, &converted.text),
+    }
+}
+
+fn read(name: &str) -> Result<Scene, Failure> {
+    match eval::source(name)? {
+        eval::Source::File(path) => Ok(Scene::read(path)?),
+        eval::Source::Gallery(example) => {
+            let mut scene = example.scene()?;
+            scene.states = example.states(&scene)?.states;
+            Ok(scene)
+        }
+    }
+}
+
+fn save_states(file: &Path, scene: &Scene) -> Result<(), Failure> {
+    if scene.states.is_empty() {
+        return Err(Failure::Usage("the scene has no states to save".to_owned()));
+    }
+    let states = StateFile { states: scene.states.clone() };
+    let text = states.to_json().map_err(io::Error::from)?;
+    write(file, &(text + "\n"))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    fs::write(path, text)
+        .map_err(|error| Failure::Input(format!("{} cannot be written: {error}", path.display())))
+}
+
+/// `pintle schema`.
+pub(crate) fn schema() -> Result<(), Failure> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    serde_json::to_writer_pretty(&mut out, &pintle::scene::schema()).map_err(io::Error::from)?;
+    writeln!(out)?;
+    Ok(out.flush()?)
+}

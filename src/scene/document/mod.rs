@@ -1,0 +1,177 @@
+//! Scenes in TOML and JSON.
+//!
+//! Both are read into one tree of values with places ([`tree`]), and from it into the types of [`form`], which are
+//! also what the JSON Schema is made from. A document then stands for a deck ([`super::deck::write`]), whose lines
+//! know their places in the document: the reader of decks checks it, and says where it is at fault.
+
+pub(super) mod de;
+pub(super) mod form;
+mod tree;
+mod wording;
+mod write;
+
+use super::deck;
+use super::diagnostic::{Code, Diagnostic, Result};
+use super::include::{Named, NoFiles};
+use super::label::Label;
+use super::model::{Scene, Skipped};
+use super::span::{Span, Spanned};
+use super::states;
+use form::{Document, SCHEMA};
+use serde::Deserialize;
+use std::io::Read;
+use std::path::Path;
+
+pub use write::Converted;
+
+/// How a scene is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// A deck of keywords and data lines (.inp).
+    Deck,
+    /// TOML (.toml).
+    Toml,
+    /// JSON (.json).
+    Json,
+}
+
+impl Format {
+    /// The format that the ending of a file name stands for: `.toml`, `.json`, and for any other a deck.
+    #[must_use]
+    pub fn of_path(path: &Path) -> Self {
+        let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+        match ending.as_ref().and_then(|ending| ending.to_str()) {
+            Some("toml") => Self::Toml,
+            Some("json") => Self::Json,
+            _ => Self::Deck,
+        }
+    }
+}
+
+/// The diagnostic in the words of the form that a scene was read from.
+pub(crate) fn in_words_of(scene: &Scene, diagnostic: Diagnostic) -> Diagnostic {
+    match Format::of_path(Path::new(&scene.name)) {
+        Format::Deck => diagnostic,
+        Format::Toml | Format::Json => wording::of_document(diagnostic),
+    }
+}
+
+/// The largest document that is read, in bytes.
+pub const MAX_DOCUMENT: u64 = 1 << 28;
+
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// The JSON Schema of scenes in TOML and JSON.
+#[must_use]
+pub fn schema() -> serde_json::Value {
+    let mut schema = schemars::schema_for!(Document);
+    schema.insert("title".to_owned(), "pintle scene".into());
+    schema.insert("$id".to_owned(), SCHEMA.into());
+    schema.to_value()
+}
+
+impl Scene {
+    /// Reads a scene from TOML. `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its place and a remedy.
+    pub fn parse_toml(name: &str, text: &str) -> Result<Self> {
+        parse(name, text, Format::Toml)
+    }
+
+    /// Reads a scene from JSON. `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its place and a remedy.
+    pub fn parse_json(name: &str, text: &str) -> Result<Self> {
+        parse(name, text, Format::Json)
+    }
+}
+
+/// Reads a file of TOML or JSON.
+pub(super) fn read(path: &Path, format: Format) -> Result<Scene> {
+    let name = path.display().to_string();
+    let unreadable = |message: String, remedy: &str| {
+        Diagnostic::error(Code::Unreadable, Span::default(), message, "").help(remedy).in_file(&name)
+    };
+    let remedy = "check the path and its permissions";
+    let file = std::fs::File::open(path)
+        .map_err(|error| unreadable(format!("cannot be opened: {error}"), remedy))?;
+    let mut bytes = Vec::new();
+    file.take(MAX_DOCUMENT + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| unreadable(format!("cannot be read: {error}"), remedy))?;
+    if bytes.len() as u64 > MAX_DOCUMENT {
+        let message = format!("a document of more than {MAX_DOCUMENT} bytes");
+        return Err(unreadable(message, "write a scene of this size as a deck (.inp)"));
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) => parse(&name, &text, format),
+        Err(error) => {
+            let place = error.utf8_error().valid_up_to();
+            let bytes = error.into_bytes();
+            let line = bytes.iter().take(place).filter(|byte| **byte == b'\n').count() + 1;
+            let span = Span::new(0, u32::try_from(line).unwrap_or(u32::MAX), place as u64, 1);
+            let mut errors = [Diagnostic::error(
+                Code::NotUtf8,
+                span,
+                "bytes that are not UTF-8".to_owned(),
+                "the first such byte",
+            )
+            .help("save the file as UTF-8")];
+            Diagnostic::attach(&mut errors, &name, bytes.as_slice());
+            let [error] = errors;
+            Err(error)
+        }
+    }
+}
+
+fn parse(name: &str, text: &str, format: Format) -> Result<Scene> {
+    let mut result = scene(name, text, format).map_err(wording::of_document);
+    if let Ok(scene) = &mut result {
+        scene.warnings = std::mem::take(&mut scene.warnings).into_iter().map(wording::of_document).collect();
+    }
+    let source = Named { root: name, text: Some(text.as_bytes()), files: &NoFiles };
+    deck::finish((result, vec![name.to_owned()]), &source)
+}
+
+fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
+    let content = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+    let lines = tree::Lines::of(content, text.len() - content.len());
+    let tree = match format {
+        Format::Toml => tree::of_toml(content, &lines)?,
+        Format::Deck | Format::Json => tree::of_json(content, &lines)?,
+    };
+    let mut document = Document::deserialize(&tree).map_err(de::Fault::diagnostic)?;
+    if let Some(schema) = document.schema.as_ref().filter(|schema| schema.value != SCHEMA) {
+        let message = format!("the schema is `{}`", schema.value.escape_debug());
+        return Err(Diagnostic::error(Code::SceneUnknownSchema, schema.span, message, "not this one")
+            .help(format!("write schema = \"{SCHEMA}\", or leave it out")));
+    }
+    if document.nodes.0.is_empty() {
+        return Err(Diagnostic::error(Code::SceneMissingField, tree.span, "the scene has no nodes", "here")
+            .help("give nodes, such as nodes.1 = [0, 0, 0]"));
+    }
+    let states = std::mem::take(&mut document.states);
+    let mut scene = deck::of_document(name, &document).0?;
+    name.clone_into(&mut scene.name);
+    scene.axisymmetric = document.axisymmetric;
+    // Nothing of a document is passed over; the deck it stands for may name procedures without data.
+    scene.skipped = Skipped::default();
+    for node in &document.rotating_nodes {
+        let label = node.value.to_string().parse::<Label>().ok();
+        let Some(label) = label.filter(|label| scene.nodes.contains_key(label)) else {
+            let message = format!("there is no node {}", node.value.to_string().escape_debug());
+            return Err(Diagnostic::error(Code::UnknownNode, node.span, message, "not defined")
+                .help("name nodes of the scene"));
+        };
+        scene.rotating_nodes.insert(label);
+    }
+    let states = states.into_iter().map(|state| {
+        let form::State { number, time, nodes, forces } = state.value;
+        let forces = forces.0.into_iter().map(|(element, named)| (element, named.0)).collect();
+        Spanned::new(states::Given { number, time, nodes: nodes.0, forces }, state.span)
+    });
+    scene.states = states::of_scene(states, &scene)?;
+    Ok(scene)
+}

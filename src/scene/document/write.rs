@@ -1,0 +1,958 @@
+//! A scene as a document, and a document as text.
+
+use super::super::behavior::{
+    Affected, Behavior, Damage, DamageEvolution, Friction, FrictionKind, FrictionLaw, Hardening, Independent,
+    Law, Limits, Potential, Row, Source, TableOptions,
+};
+use super::super::deck;
+use super::super::diagnostic::Result;
+use super::super::label::Label;
+use super::super::model::{
+    Amplitude, Application, Boundary, ConnectorMotion, Dimension, Discrete, MotionType, MpcKind, Operation,
+    Procedure, Scene, Set, SkippedItem, Step, Target, TransformKind,
+};
+use super::super::orientation::{Definition, Orientation, System};
+use super::super::span::Spanned;
+use super::form::{self, Document, Entries, Item, placeless};
+use super::{Format, SCHEMA};
+use serde_json::Value;
+use std::fmt::Write as _;
+use toml_writer::{ToTomlKey, ToTomlValue, TomlKeyBuilder, TomlStringBuilder};
+
+/// A scene as text, and what of its file is not in it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Converted {
+    /// The text.
+    pub text: String,
+    /// What the text has not, one thing each: skipped keywords, parameters, comments, states in a deck …
+    pub dropped: Vec<String>,
+}
+
+impl Scene {
+    /// The scene as a deck, TOML or JSON. Reading the text gives the same scene, number by number to the last bit.
+    ///
+    /// # Errors
+    /// A name that cannot be written, such as one with a quotation mark; scenes that were read have none.
+    pub fn write(&self, format: Format) -> Result<Converted> {
+        let mut dropped = Vec::new();
+        self.skipped_things(&mut dropped);
+        let mut document = document(self, &mut dropped);
+        let text = match format {
+            Format::Deck => {
+                if !document.states.is_empty() {
+                    let count = document.states.len();
+                    dropped.push(format!("{count} state{}: a deck has none", plural(count as u64)));
+                }
+                let nodes = document.rotating_nodes.len();
+                if nodes > 0 {
+                    dropped.push(format!(
+                        "rotations of {nodes} node{} of skipped elements and constraints: a deck would need those",
+                        plural(nodes as u64)
+                    ));
+                }
+                if document.axisymmetric {
+                    dropped.push("that the model is axisymmetric: a deck would need its elements".to_owned());
+                }
+                document.states.clear();
+                deck::write::deck(&document)?.text
+            }
+            Format::Toml => toml_text(&value(&document)),
+            Format::Json => json_text(&value(&document)),
+        };
+        Ok(Converted { text, dropped })
+    }
+
+    fn skipped_things(&self, dropped: &mut Vec<String>) {
+        let count = |item: &SkippedItem, what: &str| {
+            let lines = match item.data_lines {
+                0 => String::new(),
+                lines => format!(" with {lines} data line{}", plural(lines)),
+            };
+            let times = item.count;
+            format!("{times} {what}{}{lines}, first on line {}", plural(times), item.first_line)
+        };
+        for (name, item) in &self.skipped.keywords {
+            dropped.push(format!("*{name}: {}", count(item, "keyword")));
+        }
+        for (name, item) in &self.skipped.element_types {
+            dropped.push(format!("elements of type {name}: {}", count(item, "element")));
+        }
+        for (name, item) in &self.skipped.parameters {
+            dropped.push(format!("{name}: {}", count(item, "occurrence")));
+        }
+        if self.skipped.comments > 0 {
+            let lines = self.skipped.comments;
+            dropped.push(format!("{lines} comment line{}", plural(lines)));
+        }
+    }
+}
+
+fn plural(count: u64) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
+fn value(document: &Document) -> Value {
+    serde_json::to_value(document).unwrap_or_default()
+}
+
+// From the model to the form. Every field of the model is taken apart, so that a new one cannot be forgotten.
+
+fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
+    let Scene {
+        name: _,
+        heading,
+        nodes,
+        node_sets,
+        connectors,
+        point_elements,
+        element_sets,
+        rotating_nodes,
+        axisymmetric,
+        orientations,
+        connector_sections,
+        behaviors,
+        mpcs,
+        masses,
+        rotary_inertias,
+        springs,
+        dashpots,
+        transforms,
+        amplitudes,
+        boundaries,
+        connector_motions,
+        steps,
+        states,
+        solver: _,
+        skipped: _,
+        files: _,
+        warnings: _,
+    } = scene;
+    let connector = |element: &super::super::model::ConnectorElement| form::Connector {
+        a: element.a.map(label),
+        b: element.b.map(label),
+        dimension: (element.dimension != Dimension::Three).then_some(element.dimension),
+    };
+    let section = |section: &super::super::model::ConnectorSection| form::ConnectorSection {
+        element_set: name(&section.element_set),
+        r#type: form::OneOrMany(section.type_names.iter().map(name).collect()),
+        behavior: section.behavior.as_ref().map(name),
+        orientation_a: section.orientation_a.as_ref().map(name),
+        orientation_b: section.orientation_b.as_ref().map(name),
+        data: items(&section.section_data),
+        controls: section.controls.as_ref().map(name),
+        elimination: section.elimination,
+    };
+    let mut unmodelled = 0;
+    for set in node_sets.values().chain(element_sets.values()) {
+        unmodelled += set.unmodelled;
+    }
+    if unmodelled > 0 {
+        dropped.push(format!("{unmodelled} member{} of sets: elements of skipped types", plural(unmodelled)));
+    }
+    Document {
+        schema_link: None,
+        schema: Some(placeless(SCHEMA.to_owned())),
+        heading: placeless(heading.clone()),
+        nodes: entries(nodes, |node| placeless(form::Point(node.coordinates.map(placeless).to_vec()))),
+        node_sets: entries(node_sets, members),
+        connectors: entries(connectors, |element| placeless(connector(element))),
+        point_elements: entries(point_elements, |element| {
+            let nodes = std::iter::once(element.node).chain(element.second).map(label).collect();
+            placeless(form::PointElement { kind: element.kind, nodes })
+        }),
+        rotating_nodes: rotating_nodes.iter().copied().map(label).collect(),
+        axisymmetric: *axisymmetric,
+        element_sets: entries(element_sets, members),
+        orientations: entries(orientations, |given| placeless(orientation(given))),
+        connector_sections: list(connector_sections, section),
+        behaviors: entries(behaviors, |given| placeless(behavior(given))),
+        mpcs: list(mpcs, |mpc| {
+            let kind = mpc.kind.name();
+            let user = match &mpc.kind {
+                MpcKind::Other(name) => name.strip_prefix("USER "),
+                _ => None,
+            };
+            form::Mpc {
+                r#type: placeless(user.unwrap_or(kind).to_owned()),
+                nodes: mpc.nodes.iter().copied().map(label).collect(),
+                user: user.is_some(),
+            }
+        }),
+        masses: list(masses, |mass| form::Mass {
+            element_set: name(&mass.element_set),
+            mass: placeless(mass.mass),
+        }),
+        rotary_inertias: list(rotary_inertias, |inertia| form::RotaryInertia {
+            element_set: name(&inertia.element_set),
+            inertia: placeless(inertia.inertia),
+            orientation: inertia.orientation.as_ref().map(name),
+        }),
+        springs: list(springs, discrete),
+        dashpots: list(dashpots, discrete),
+        transforms: list(transforms, |transform| form::Transform {
+            node_set: name(&transform.node_set),
+            a: placeless(transform.a),
+            b: placeless(transform.b),
+            kind: (transform.kind != TransformKind::Rectangular).then_some(transform.kind),
+        }),
+        amplitudes: entries(amplitudes, |given| placeless(amplitude(given))),
+        boundaries: list(boundaries, boundary),
+        connector_motions: list(connector_motions, motion),
+        steps: steps.iter().map(|given| placeless(step(given, scene, dropped))).collect(),
+        states: list(states, |state| form::State {
+            number: state.number,
+            time: state.time,
+            forces: entries_of(&state.forces),
+            nodes: state.nodes.iter().map(|(label, motion)| (label.to_string(), motion.into())).collect(),
+        }),
+    }
+}
+
+fn name(given: &Spanned<String>) -> Spanned<String> {
+    placeless(given.value.clone())
+}
+
+fn list<T, F>(given: &[T], form: impl Fn(&T) -> F) -> Vec<Spanned<F>> {
+    given.iter().map(|item| placeless(form(item))).collect()
+}
+
+fn entries<K: ToString, T, F>(given: &indexmap::IndexMap<K, T>, form: impl Fn(&T) -> F) -> Entries<F> {
+    given.iter().map(|(key, item)| (key.to_string(), form(item))).collect()
+}
+
+fn entries_of(
+    forces: &std::collections::BTreeMap<Label, super::super::forces::ElementForces>,
+) -> Entries<Entries<Spanned<f64>>> {
+    let named = |forces: &super::super::forces::ElementForces| {
+        forces.named().map(|(name, value)| (name.to_owned(), placeless(value))).collect()
+    };
+    forces.iter().map(|(element, forces)| (element.to_string(), named(forces))).collect()
+}
+
+fn label_of(label: Label) -> form::Target {
+    match label.instance() {
+        None => form::Target::Number(label.number()),
+        Some(_) => form::Target::Text(label.to_string()),
+    }
+}
+
+fn label(label: Label) -> Spanned<form::Target> {
+    placeless(label_of(label))
+}
+
+fn members(set: &Set) -> Vec<Spanned<form::Member>> {
+    let one = |label: &Label| placeless(form::Member::One(label_of(*label)));
+    set.labels.iter().map(one).collect()
+}
+
+fn unless(value: f64, default: f64) -> Option<Spanned<f64>> {
+    (value.to_bits() != default.to_bits()).then(|| placeless(value))
+}
+
+fn maybe(value: Option<f64>) -> Option<Spanned<f64>> {
+    value.map(placeless)
+}
+
+fn items(values: &[Option<f64>]) -> Vec<Spanned<Item>> {
+    values.iter().map(|value| placeless(Item(*value))).collect()
+}
+
+/// Without the empty items at the end.
+fn trimmed(values: &[Option<f64>]) -> Vec<Spanned<Item>> {
+    let length = values.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
+    items(values.get(..length).unwrap_or(values))
+}
+
+fn raw(rows: &[Vec<Option<f64>>]) -> Vec<Spanned<Vec<Spanned<Item>>>> {
+    rows.iter().map(|row| placeless(trimmed(row))).collect()
+}
+
+/// The number of field variables in rows that are kept as they are written.
+fn dependencies(rows: &[Vec<Option<f64>>], others: usize) -> Option<Spanned<u64>> {
+    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let fields = u64::try_from(width.saturating_sub(others)).unwrap_or(0);
+    (fields > 0).then(|| placeless(fields))
+}
+
+fn table(rows: &[Row]) -> Vec<Spanned<form::Row>> {
+    list(rows, |row| form::Row {
+        values: trimmed(&row.values),
+        temperature: maybe(row.temperature),
+        fields: items(&row.fields),
+    })
+}
+
+fn components(components: &[u8]) -> Vec<Spanned<form::Component>> {
+    components.iter().copied().map(component).collect()
+}
+
+fn component(component: u8) -> Spanned<form::Component> {
+    placeless(form::Component(component.into()))
+}
+
+fn independent(independent: Option<&Independent>) -> Option<form::Independent> {
+    independent.map(|independent| form::Independent {
+        basis: independent.basis,
+        components: components(&independent.components),
+    })
+}
+
+fn orientation(orientation: &Orientation) -> form::Orientation {
+    let Orientation { system, definition, axis, angle, span: _ } = orientation;
+    let point = |point: &[f64; 3]| Some(placeless(form::PointOrNode::Point(point.map(placeless).to_vec())));
+    let node = |node: Label| Some(placeless(form::PointOrNode::Node(label_of(node))));
+    let place = |place: u64| Some(placeless(form::PointOrNode::Node(form::Target::Number(place))));
+    let (kind, [a, b, c]) = match definition {
+        Definition::Coordinates { a, b, c } => {
+            let c = c.iter().any(|value| value.to_bits() != 0).then_some(c);
+            (None, [point(a), point(b), c.and_then(point)])
+        }
+        Definition::Nodes { a, b, c } => {
+            (Some(form::Definition::Nodes), [node(*a), node(*b), c.and_then(node)])
+        }
+        Definition::OffsetToNodes { a, b, c } => {
+            (Some(form::Definition::OffsetToNodes), [place(*a), place(*b), c.and_then(place)])
+        }
+        Definition::None => (None, [None, None, None]),
+    };
+    let turned = *axis != 1 || angle.to_bits() != 0;
+    form::Orientation {
+        system: (*system != System::Rectangular).then_some(*system),
+        definition: kind,
+        a,
+        b,
+        c,
+        axis: turned.then(|| placeless(u64::from(*axis))),
+        angle: turned.then(|| placeless(*angle)),
+    }
+}
+
+fn behavior(behavior: &Behavior) -> form::Behavior {
+    let Behavior {
+        table: options,
+        integration,
+        constitutive_reference,
+        constitutive_reference_span: _,
+        elasticity,
+        damping,
+        friction,
+        derived_components,
+        plasticity,
+        damage,
+        stops,
+        locks,
+        failures,
+        span: _,
+    } = behavior;
+    let reference = constitutive_reference.iter().zip(1..).filter_map(|(value, component): (_, u8)| {
+        value.map(|value| (component.to_string(), placeless(value)))
+    });
+    let lock = |component_: u8, affected: Affected, limits_: &[Limits], table: TableOptions| {
+        let affected = match affected {
+            Affected::All => None,
+            Affected::Component(affected) => Some(component(affected)),
+        };
+        let limits = list(limits_, limits);
+        let mut lock =
+            form::Lock { component: component(component_), affected, limits, ..form::Lock::default() };
+        lock.set_options(table);
+        lock
+    };
+    let mut form = form::Behavior {
+        integration: *integration,
+        constitutive_reference: reference.collect(),
+        elasticity: list(elasticity, |elasticity| law(&elasticity.law, elasticity.table)),
+        damping: list(damping, |damping| {
+            let kind = super::super::behavior::DampingKind::Viscous;
+            form::Law {
+                r#type: (damping.kind != kind).then_some(damping.kind),
+                ..law(&damping.law, damping.table)
+            }
+        }),
+        friction: list(friction, self::friction),
+        derived_components: entries(derived_components, |terms| {
+            list(terms, |term| {
+                let mut form = form::DerivedTerm {
+                    components: components(&term.components),
+                    operator: Some(term.operator),
+                    negative: term.sign < 0.0,
+                    independent: independent(term.independent.as_ref()),
+                    rows: table(&term.rows),
+                    ..form::DerivedTerm::default()
+                };
+                form.set_options(term.table);
+                form
+            })
+        }),
+        plasticity: list(plasticity, |plasticity| form::Plasticity {
+            component: plasticity.component.map(component),
+            potential: plasticity.potential.as_ref().map(potential),
+            hardening: list(&plasticity.hardening, hardening),
+        }),
+        damage: list(damage, self::damage),
+        stops: list(stops, |stop| form::Stop {
+            component: component(stop.component),
+            lower: maybe(stop.lower),
+            upper: maybe(stop.upper),
+        }),
+        locks: list(locks, |given| lock(given.component, given.locked, &given.limits, given.table)),
+        failures: list(failures, |given| {
+            lock(given.component, given.released, &given.limits, TableOptions::default())
+        }),
+        ..form::Behavior::default()
+    };
+    form.set_options(*options);
+    form
+}
+
+fn limits(limits: &Limits) -> form::Limits {
+    let Limits { lower_position, upper_position, lower_force, upper_force, temperature, fields } = limits;
+    form::Limits {
+        lower_position: maybe(*lower_position),
+        upper_position: maybe(*upper_position),
+        lower_force: maybe(*lower_force),
+        upper_force: maybe(*upper_force),
+        temperature: maybe(*temperature),
+        fields: items(fields),
+    }
+}
+
+fn law(law: &Law, options: TableOptions) -> form::Law {
+    let mut form = match law {
+        Law::Linear { component: given, rows } => {
+            form::Law { component: Some(component(*given)), rows: table(rows), ..form::Law::default() }
+        }
+        Law::Coupled { unsymmetric, frequency, rows } => form::Law {
+            unsymmetric: *unsymmetric,
+            frequency_dependence: *frequency,
+            rows: table(rows),
+            ..form::Law::default()
+        },
+        Law::Nonlinear { component: given, independent: on, rows } => form::Law {
+            component: Some(component(*given)),
+            nonlinear: true,
+            independent: independent(on.as_ref()),
+            rows: table(rows),
+            ..form::Law::default()
+        },
+        Law::Rigid { components: given } => {
+            form::Law { rigid: true, components: components(given), ..form::Law::default() }
+        }
+    };
+    form.set_options(options);
+    form
+}
+
+fn source(given: &Spanned<Source>) -> Spanned<form::Source> {
+    placeless(match &given.value {
+        Source::Component(component) => form::Source::Component((*component).into()),
+        Source::Derived(name) => form::Source::Derived(name.clone()),
+    })
+}
+
+fn potential(potential: &Potential) -> Spanned<form::Potential> {
+    use super::super::behavior::{PotentialFunction, PotentialOperator};
+    let Potential { operator, exponent, terms, span: _ } = potential;
+    placeless(form::Potential {
+        terms: list(terms, |term| form::PotentialTerm {
+            of: source(&term.source),
+            scale: unless(term.scale, 1.0),
+            exponent: maybe(term.exponent),
+            function: (term.function != PotentialFunction::Abs).then_some(term.function),
+            shift: unless(term.shift, 0.0),
+            sign: unless(term.sign, 1.0),
+        }),
+        operator: (*operator != PotentialOperator::Sum).then_some(*operator),
+        exponent: unless(*exponent, 2.0),
+    })
+}
+
+fn friction(friction: &Friction) -> form::Friction {
+    let Friction { stick_stiffness, kind, coefficient, table: options, span: _ } = friction;
+    let mut form = match kind {
+        FrictionKind::Predefined { constants } => {
+            form::Friction { predefined: Some(placeless(items(constants))), ..form::Friction::default() }
+        }
+        FrictionKind::User { component: given, potential: along, contact_force, independent: on, rows } => {
+            let others = 4 + on.as_ref().map_or(0, |on| on.components.len());
+            form::Friction {
+                component: given.map(component),
+                potential: along.as_ref().map(potential),
+                contact_force: contact_force.as_ref().map(source),
+                independent: independent(on.as_ref()),
+                dependencies: dependencies(rows, others),
+                rows: raw(rows),
+                ..form::Friction::default()
+            }
+        }
+    };
+    form.stick_stiffness = maybe(*stick_stiffness);
+    form.coefficient = coefficient.as_ref().map(|coefficient| {
+        let mut form = form::Coefficient {
+            maximum: maybe(coefficient.maximum),
+            slip_tolerance: maybe(coefficient.slip_tolerance),
+            ..form::Coefficient::default()
+        };
+        match &coefficient.law {
+            FrictionLaw::Table(rows) => form.rows = table(rows),
+            FrictionLaw::Exponential { static_coefficient, kinetic_coefficient, decay } => {
+                form.exponential = Some(placeless([*static_coefficient, *kinetic_coefficient, *decay]));
+            }
+            FrictionLaw::TestData(rows) => form.test_data = raw(rows),
+        }
+        placeless(form)
+    });
+    form.set_options(*options);
+    form
+}
+
+fn hardening(hardening: &Hardening) -> form::Hardening {
+    let Hardening { kind, definition, rate_filter, rate_interpolation, rows, table: options } = hardening;
+    let mut form = form::Hardening {
+        rows: table(rows),
+        r#type: Some(*kind),
+        definition: Some(*definition),
+        rate_filter: maybe(*rate_filter),
+        rate_interpolation: *rate_interpolation,
+        ..form::Hardening::default()
+    };
+    form.set_options(*options);
+    form
+}
+
+fn damage(damage: &Damage) -> form::Damage {
+    let Damage {
+        criterion,
+        component: given,
+        potential: coupled,
+        rows,
+        rate_filter,
+        rate_interpolation,
+        evolution: growth,
+        table: options,
+        span: _,
+    } = damage;
+    let mut form = form::Damage {
+        rows: raw(rows),
+        criterion: Some(*criterion),
+        component: given.map(component),
+        potential: coupled.as_ref().map(potential),
+        dependencies: dependencies(rows, 4),
+        rate_filter: maybe(*rate_filter),
+        rate_interpolation: *rate_interpolation,
+        evolution: growth.as_ref().map(|growth| placeless(evolution(growth))),
+        ..form::Damage::default()
+    };
+    form.set_options(*options);
+    form
+}
+
+fn evolution(evolution: &DamageEvolution) -> form::DamageEvolution {
+    let DamageEvolution { kind, softening, degradation, affected, potential: coupled, rows, table: options } =
+        evolution;
+    let mut form = form::DamageEvolution {
+        rows: raw(rows),
+        r#type: Some(*kind),
+        softening: Some(*softening),
+        degradation: Some(*degradation),
+        affected: components(affected),
+        potential: coupled.as_ref().map(potential),
+        dependencies: dependencies(rows, 4),
+        ..form::DamageEvolution::default()
+    };
+    form.set_options(*options);
+    form
+}
+
+fn discrete(discrete: &Discrete) -> form::Discrete {
+    let Discrete { element_set, orientation, degrees_of_freedom, nonlinear, complex, rows } = discrete;
+    form::Discrete {
+        element_set: name(element_set),
+        rows: raw(rows),
+        orientation: orientation.as_ref().map(name),
+        degrees_of_freedom: degrees_of_freedom.iter().map(|freedom| placeless(u64::from(*freedom))).collect(),
+        nonlinear: *nonlinear,
+        complex: *complex,
+        dependencies: dependencies(rows, 3),
+    }
+}
+
+fn amplitude(amplitude: &Amplitude) -> form::Amplitude {
+    let Amplitude { definition, time, value, smooth, fixed_interval, begin, data, span: _ } = amplitude;
+    let (mut pairs, mut numbers) = (Vec::new(), Vec::new());
+    if definition.has_pairs() {
+        pairs = data
+            .chunks_exact(2)
+            .filter_map(|pair| match pair {
+                [Some(time), Some(value)] => Some(placeless([placeless(*time), placeless(*value)])),
+                _ => None,
+            })
+            .collect();
+    } else {
+        numbers = items(data);
+    }
+    form::Amplitude {
+        definition: Some(*definition),
+        time: *time,
+        value: *value,
+        smooth: maybe(*smooth),
+        fixed_interval: maybe(*fixed_interval),
+        begin: maybe(*begin),
+        pairs,
+        data: numbers,
+    }
+}
+
+fn target(target: &Spanned<Target>) -> Spanned<form::Target> {
+    match &target.value {
+        Target::Label(given) => label(*given),
+        Target::Set(name) => placeless(form::Target::Text(name.clone())),
+    }
+}
+
+/// Amplitude, operation, load case.
+type Applied = (Option<Spanned<String>>, Option<Operation>, Option<Spanned<u64>>);
+
+fn applied(applied: &Application) -> Applied {
+    (
+        applied.amplitude.as_ref().map(name),
+        (applied.operation != Operation::Modify).then_some(applied.operation),
+        applied.load_case.map(placeless),
+    )
+}
+
+fn motion_type(kind: MotionType) -> Option<MotionType> {
+    (kind != MotionType::Displacement).then_some(kind)
+}
+
+fn boundary(boundary: &Boundary) -> form::Boundary {
+    let Boundary { target: on, degrees_of_freedom, magnitude, kind, applied: how } = boundary;
+    let (amplitude, operation, load_case) = applied(how);
+    form::Boundary {
+        target: target(on),
+        degrees_of_freedom: degrees_of_freedom.iter().map(|freedom| placeless(u64::from(*freedom))).collect(),
+        magnitude: unless(*magnitude, 0.0),
+        r#type: motion_type(*kind),
+        fixed: how.fixed,
+        user: how.user,
+        amplitude,
+        operation,
+        load_case,
+    }
+}
+
+fn motion(motion: &ConnectorMotion) -> form::ConnectorMotion {
+    let ConnectorMotion { target: on, component: given, magnitude, kind, applied: how } = motion;
+    let (amplitude, operation, load_case) = applied(how);
+    form::ConnectorMotion {
+        target: target(on),
+        component: component(*given),
+        magnitude: maybe(*magnitude),
+        r#type: motion_type(*kind),
+        fixed: how.fixed,
+        user: how.user,
+        imaginary: how.imaginary,
+        amplitude,
+        operation,
+        load_case,
+    }
+}
+
+fn step(step: &Step, scene: &Scene, dropped: &mut Vec<String>) -> form::Step {
+    let Step {
+        name: called,
+        nlgeom,
+        perturbation,
+        increments,
+        default_amplitude,
+        procedure,
+        boundaries,
+        concentrated_loads,
+        distributed_loads,
+        connector_motions,
+        connector_loads,
+        outputs,
+        span: _,
+    } = step;
+    let (procedure, times) = match procedure {
+        None => (None, None),
+        Some(Procedure::Static(times)) => (Some("static"), Some(times)),
+        Some(Procedure::Dynamic { explicit: false, times }) => (Some("dynamic"), Some(times)),
+        Some(Procedure::Dynamic { explicit: true, times }) => (Some("dynamic_explicit"), Some(times)),
+        Some(Procedure::Other(name)) => (Some(name.as_str()), None),
+    };
+    let times = times.map(|times| form::Times {
+        initial: maybe(times.initial),
+        total: maybe(times.total),
+        minimum: maybe(times.minimum),
+        maximum: maybe(times.maximum),
+    });
+    let known = |load: &&super::super::model::DistributedLoad| match load.target.as_ref().map(|on| &on.value)
+    {
+        Some(Target::Label(label)) => {
+            scene.connectors.contains_key(label) || scene.point_elements.contains_key(label)
+        }
+        _ => true,
+    };
+    let loads: Vec<_> = distributed_loads.iter().filter(known).collect();
+    let lost = distributed_loads.len() - loads.len();
+    if lost > 0 {
+        dropped.push(format!("{lost} *DLOAD line{} on elements of skipped types", plural(lost as u64)));
+    }
+    form::Step {
+        name: called.clone().map(placeless),
+        nlgeom: *nlgeom,
+        perturbation: *perturbation,
+        increments: increments.map(placeless),
+        default_amplitude: *default_amplitude,
+        procedure: procedure.map(|name| placeless(name.to_owned())),
+        times: times.filter(|times| *times != form::Times::default()).map(placeless),
+        boundaries: list(boundaries, boundary),
+        concentrated_loads: list(concentrated_loads, |load| {
+            let (amplitude, operation, load_case) = applied(&load.applied);
+            form::ConcentratedLoad {
+                target: target(&load.target),
+                degree_of_freedom: placeless(load.degree_of_freedom.into()),
+                magnitude: placeless(load.magnitude),
+                follower: load.applied.follower,
+                imaginary: load.applied.imaginary,
+                amplitude,
+                operation,
+                load_case,
+            }
+        }),
+        distributed_loads: loads
+            .into_iter()
+            .map(|load| {
+                let (amplitude, operation, load_case) = applied(&load.applied);
+                placeless(form::DistributedLoad {
+                    label: placeless(load.label.clone()),
+                    target: load.target.as_ref().map(target),
+                    values: items(&load.values),
+                    follower: load.applied.follower,
+                    imaginary: load.applied.imaginary,
+                    amplitude,
+                    operation,
+                    load_case,
+                })
+            })
+            .collect(),
+        connector_motions: list(connector_motions, motion),
+        connector_loads: list(connector_loads, |load| {
+            let (amplitude, operation, load_case) = applied(&load.applied);
+            form::ConnectorLoad {
+                target: target(&load.target),
+                component: component(load.component),
+                magnitude: placeless(load.magnitude),
+                imaginary: load.applied.imaginary,
+                amplitude,
+                operation,
+                load_case,
+            }
+        }),
+        outputs: list(outputs, |request| form::OutputRequest {
+            keyword: placeless(request.keyword.clone()),
+            element_set: request.element_set.as_ref().map(name),
+            node_set: request.node_set.as_ref().map(name),
+            parameters: entries(&request.parameters, |value| placeless(form::Parameter(value.clone()))),
+            variables: request.variables.iter().cloned().map(placeless).collect(),
+        }),
+    }
+}
+
+// From the form to text.
+
+/// The widest line on which a table or list is written whole.
+const WIDTH: usize = 100;
+
+/// Numbers, texts and truth values, and lists of them.
+fn is_simple(value: &Value) -> bool {
+    match value {
+        Value::Array(items) => items.iter().all(is_simple),
+        Value::Object(_) => false,
+        _ => true,
+    }
+}
+
+fn json_text(value: &Value) -> String {
+    let mut text = String::new();
+    json(&mut text, value, 0);
+    text.push('\n');
+    text
+}
+
+fn json(text: &mut String, value: &Value, depth: usize) {
+    let compact = value.to_string();
+    let (brackets, count) = match value {
+        Value::Object(fields) => (['{', '}'], fields.len()),
+        Value::Array(items) => (['[', ']'], items.len()),
+        _ => ([' ', ' '], 0),
+    };
+    if count == 0 || depth > 0 && compact.len() + 2 * depth <= WIDTH && !has_tables(value) {
+        text.push_str(&compact);
+        return;
+    }
+    let [open, close] = brackets;
+    text.push(open);
+    let mut separator = "\n";
+    let mut begin = |text: &mut String| {
+        text.push_str(separator);
+        text.push_str(&"  ".repeat(depth + 1));
+        separator = ",\n";
+    };
+    match value {
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                begin(text);
+                let _ = write!(text, "{}: ", Value::from(key.as_str()));
+                json(text, value, depth + 1);
+            }
+        }
+        Value::Array(items) => {
+            for item in items {
+                begin(text);
+                json(text, item, depth + 1);
+            }
+        }
+        _ => {}
+    }
+    text.push('\n');
+    text.push_str(&"  ".repeat(depth));
+    text.push(close);
+}
+
+/// Does it hold tables of tables, or several of them?
+fn has_tables(value: &Value) -> bool {
+    match value {
+        Value::Object(fields) => fields.values().any(|value| !is_simple(value)),
+        Value::Array(items) => items.iter().any(|item| !is_simple(item)),
+        _ => false,
+    }
+}
+
+fn key(key: &str) -> String {
+    TomlKeyBuilder::new(key).as_default().to_toml_key()
+}
+
+/// A value on one line.
+fn inline(text: &mut String, value: &Value) {
+    match value {
+        // An empty item; a field that is not there is not written at all.
+        Value::Null => text.push_str("\"\""),
+        Value::Bool(truth) => {
+            let _ = write!(text, "{truth}");
+        }
+        Value::Number(number) => {
+            let _ = write!(text, "{number}");
+        }
+        Value::String(string) => {
+            text.push_str(&TomlStringBuilder::new(string).as_basic().to_toml_value());
+        }
+        Value::Array(items) => {
+            text.push('[');
+            for (place, item) in items.iter().enumerate() {
+                text.push_str(if place > 0 { ", " } else { "" });
+                inline(text, item);
+            }
+            text.push(']');
+        }
+        Value::Object(fields) if fields.is_empty() => text.push_str("{}"),
+        Value::Object(fields) => {
+            text.push_str("{ ");
+            for (place, (name, value)) in fields.iter().enumerate() {
+                text.push_str(if place > 0 { ", " } else { "" });
+                let _ = write!(text, "{} = ", key(name));
+                inline(text, value);
+            }
+            text.push_str(" }");
+        }
+    }
+}
+
+fn toml_text(document: &Value) -> String {
+    let mut text = String::new();
+    if let Value::Object(fields) = document {
+        toml_table(&mut text, fields, "");
+    }
+    text
+}
+
+/// Is it written below a header of its own?
+fn has_header(value: &Value, path: &str) -> bool {
+    match value {
+        Value::Object(fields) => path.is_empty() || !fits(value) || fields.is_empty() && path.is_empty(),
+        Value::Array(items) => {
+            !items.is_empty()
+                && items.iter().all(Value::is_object)
+                && (path.is_empty() || !items.iter().all(fits))
+        }
+        _ => false,
+    }
+}
+
+fn fits(value: &Value) -> bool {
+    let mut text = String::new();
+    inline(&mut text, value);
+    text.len() <= WIDTH
+}
+
+/// Is it a table or a list of tables?
+fn is_table(value: &Value) -> bool {
+    match value {
+        Value::Object(_) => true,
+        Value::Array(items) => !items.is_empty() && items.iter().all(Value::is_object),
+        _ => false,
+    }
+}
+
+fn toml_table(text: &mut String, fields: &serde_json::Map<String, Value>, path: &str) {
+    // What has no header must come first: tables keep their order only if all of them have one, or none.
+    let any = fields.values().any(|value| has_header(value, path));
+    let has_header = |value: &Value| any && is_table(value);
+    for (name, value) in fields.iter().filter(|(_, value)| !has_header(value)) {
+        let _ = write!(text, "{} = ", key(name));
+        match value {
+            Value::Array(items) if !fits(value) => {
+                text.push_str("[\n");
+                for line in items.chunks(if items.iter().any(|item| item.is_array() || item.is_object()) {
+                    1
+                } else {
+                    10
+                }) {
+                    text.push_str("  ");
+                    for (place, item) in line.iter().enumerate() {
+                        text.push_str(if place > 0 { " " } else { "" });
+                        inline(text, item);
+                        text.push(',');
+                    }
+                    text.push('\n');
+                }
+                text.push(']');
+            }
+            _ => inline(text, value),
+        }
+        text.push('\n');
+    }
+    for (name, value) in fields.iter().filter(|(_, value)| has_header(value)) {
+        let path = if path.is_empty() { key(name) } else { format!("{path}.{}", key(name)) };
+        match value {
+            Value::Array(items) => {
+                for item in items {
+                    let _ = writeln!(text, "\n[[{path}]]");
+                    if let Value::Object(fields) = item {
+                        toml_table(text, fields, &path);
+                    }
+                }
+            }
+            Value::Object(fields) => {
+                let any = fields.values().any(|value| self::has_header(value, &path));
+                let headed = any && fields.values().all(is_table);
+                if !headed {
+                    let _ = writeln!(text, "\n[{path}]");
+                }
+                toml_table(text, fields, &path);
+            }
+            _ => {}
+        }
+    }
+}

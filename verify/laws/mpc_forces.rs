@@ -1,0 +1,400 @@
+//! What multi-point constraints transmit: forces are in balance and do no work, tangents are differences, and what elimination
+//! leaves is the second derivative of the energy of what is left.
+
+use super::Check;
+use super::mpc::{Case, Truth, cases, following, moved};
+use crate::states::Draw;
+use pintle::connector::{Output, Request};
+use pintle::mpc::{
+    Constraint, DOFS, Dofs, FLOW, Kind, PHI, PSI_M, PSI_S, RHO, ROWS, Rows, State, THETA_M, THETA_S, XM, XS,
+    force,
+};
+use pintle::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle::vector::{self, Matrix, Vector, add, cross, dot, product, sub};
+
+fn part(of: &Dofs<f64>, at: usize) -> Vector<f64> {
+    [of[at], of[at + 1], of[at + 2]]
+}
+
+/// Forces of size 1, moments of size 1 × length, on the degrees of freedom of S.
+fn on_slave(case: &Case, draw: &mut Draw) -> Dofs<f64> {
+    let mut forces = [0.0; DOFS];
+    forces[XS..THETA_S].copy_from_slice(&draw.vector(1.0));
+    forces[THETA_S..PSI_S].copy_from_slice(&draw.vector(case.length));
+    forces[PSI_S] = draw.between(-1.0, 1.0);
+    forces
+}
+
+/// For given forces and moments on S: M_M = −M_S, M_J = −M_S·a = M_M·a, F_M = −F_S, a BEAM in balance about any point, a LINK along
+/// itself; and what is put on S is what was given.
+#[test]
+fn forces_are_in_balance() {
+    let mut check = Check::of("mpc, forces");
+    for case in cases().into_iter().filter(|case| case.holds) {
+        let mut draw = Draw::new(&format!("{} forces", case.name));
+        let constraint = case.constraint::<f64>();
+        let got = case.evaluate(&Request::everything(1));
+        let elimination = constraint.eliminate(&case.state, &got);
+        let given = on_slave(&case, &mut draw);
+        let nodal = got.nodal(&elimination.multipliers(&given));
+        let place = |what: &str| format!("{}, {what}", case.name);
+        let mut same = |what: &str, got: Vector<f64>, want: Vector<f64>, size: f64| {
+            for (got, want) in got.into_iter().zip(want) {
+                check.against(|| place(what), got, want, size);
+            }
+        };
+        let none = [0.0; 3];
+        let (force, moment) = (part(&nodal, XS), part(&nodal, THETA_S));
+        let apart = sub(add(constraint.arm(), case.state.slave.displacement), case.state.master.displacement);
+        match case.kind {
+            Kind::Link => {
+                let scale = 4.0 * case.length / dot(apart, apart).sqrt();
+                same("along the link", cross(force, apart), none, case.length * scale.max(4.0));
+                let j = (0..3).find(|j| elimination.dependent[*j]).unwrap();
+                same("as given", [nodal[j], 0.0, 0.0], [given[j], 0.0, 0.0], 1.0);
+            }
+            Kind::Pin | Kind::Beam | Kind::Tie => same("force on S", force, part(&given, XS), 1.0),
+            Kind::Revolute | Kind::Universal => same("force on S", force, none, 1.0),
+        }
+        if case.kind.entry().hinges.is_some() {
+            same("moment on S", moment, part(&given, THETA_S), case.length);
+        }
+        same("forces", add(force, part(&nodal, XM)), none, 1.0);
+        let moments = add(moment, part(&nodal, THETA_M));
+        match case.kind {
+            Kind::Beam => {
+                same("moments about M", add(moments, cross(apart, force)), none, 10.0 * case.length)
+            }
+            _ => same("moments", moments, none, case.length),
+        }
+        same("flow", [nodal[PSI_S] + nodal[PSI_M], 0.0, 0.0], none, 1.0);
+        for (i, axis) in got.axes.into_iter().enumerate() {
+            let Some(axis) = axis else { continue };
+            let in_hinge = force::hinge_moments(&nodal)[i];
+            same("MJ = −MS·a", [in_hinge, 0.0, 0.0], [-dot(moment, axis), 0.0, 0.0], case.length);
+            same(
+                "MJ = MM·a",
+                [in_hinge, 0.0, 0.0],
+                [dot(part(&nodal, THETA_M), axis), 0.0, 0.0],
+                case.length,
+            );
+        }
+    }
+    check.finish();
+}
+
+/// Multipliers of size 1.
+fn multipliers(case: &Case, draw: &mut Draw) -> Rows<f64> {
+    let rows = case.constraint::<f64>().rows();
+    std::array::from_fn(|row| {
+        let size = if (RHO..FLOW).contains(&row) { case.length } else { 1.0 };
+        rows[row].then(|| draw.between(-size, size))
+    })
+}
+
+/// F·q̇ = λ·ġ, and nothing where the motion is one that the constraint allows.
+#[test]
+fn constraints_do_no_work() {
+    let mut check = Check::of("mpc, power");
+    for case in cases() {
+        let mut draw = Draw::new(&format!("{} power", case.name));
+        let got = case.evaluate(&Request::everything(2));
+        let multipliers = multipliers(&case, &mut draw);
+        let nodal = got.nodal(&multipliers);
+        let sizes = case.sizes();
+        let terms: Vec<f64> =
+            nodal.iter().zip(case.state.velocity).map(|(force, rate)| force * rate).collect();
+        let size: f64 = (0..DOFS).map(|j| (nodal[j] * sizes[j]).abs()).sum::<f64>();
+        let with_rates: f64 =
+            multipliers.iter().zip(got.residual_rate).map(|(l, g)| l.unwrap_or(0.0) * g.unwrap_or(0.0)).sum();
+        check.against(|| case.name.clone(), terms.iter().sum(), with_rates, 4.0 * size);
+        // Allowed motions: the columns of T.
+        let elimination = case.constraint::<f64>().eliminate(&case.state, &got);
+        for (j, left) in elimination.force(&nodal).into_iter().enumerate() {
+            let size = (0..DOFS).map(|i| (nodal[i] * elimination.transformation[i][j]).abs()).sum::<f64>();
+            // A dependent direction that is nearly across S turns far: its multiplier is as much larger.
+            check.against(
+                || format!("{}, allowed {j}", case.name),
+                left,
+                0.0,
+                16.0 * size.max(f64::MIN_POSITIVE),
+            );
+        }
+    }
+    check.finish();
+}
+
+/// How nodal forces change is the difference of nodal forces, on 237-bit numbers.
+#[test]
+fn stiffness_is_a_difference() {
+    let mut check = Check::of("mpc, stiffness");
+    for case in cases() {
+        let mut draw = Draw::new(&format!("{} stiffness", case.name));
+        let multipliers = multipliers(&case, &mut draw);
+        let got = case.evaluate(&Request::everything(2));
+        let derivative = got.derivative(&multipliers);
+        let truth = Truth::of(&case);
+        let exact = multipliers.map(|row| row.map(Wide::from_f64));
+        let rows = Request::new(&[Output::RES], [true; 6], 1);
+        let sizes = case.sizes();
+        // One scale for all: the largest part, by the size of its degrees of freedom.
+        let mut size = 0.0_f64;
+        for (multiplier, hessian) in multipliers.iter().zip(&got.hessian) {
+            let (Some(multiplier), Some(hessian)) = (multiplier, hessian) else { continue };
+            for i in 0..DOFS {
+                for j in 0..DOFS {
+                    size += (multiplier * hessian[i][j] * sizes[i] * sizes[j]).abs();
+                }
+            }
+        }
+        let nodal = got.nodal(&multipliers);
+        size += (0..DOFS).map(|j| (nodal[j] * sizes[j]).abs()).sum::<f64>();
+        for j in 0..DOFS {
+            let change = truth.difference(j, |by| truth.at(by, &rows).nodal(&exact).map(Some));
+            for i in 0..DOFS {
+                let scale = size / (sizes[i] * sizes[j]);
+                check.compare(
+                    || format!("{} {i} {j}", case.name),
+                    derivative[i][j],
+                    change[i].unwrap(),
+                    scale,
+                );
+            }
+        }
+    }
+    check.finish();
+}
+
+/// An energy of where S, M and the hinges are: ½ k|u_S|² + f·u_S + tr AᵀC_S + ½ k|u_M|² + tr BᵀC_M + ½ c φ² + ½ k Ψ².
+struct Energy {
+    f: Vector<f64>,
+    a: Matrix<f64>,
+    b: Matrix<f64>,
+    k: f64,
+    c: [f64; 2],
+}
+
+fn trace<R: Real>(a: &Matrix<R>, c: &Matrix<R>) -> R {
+    a.as_flattened().iter().zip(c.as_flattened()).fold(R::zero(), |sum, (a, c)| sum + *a * *c)
+}
+
+fn spin(i: usize) -> Matrix<f64> {
+    let mut e = [0.0; 3];
+    e[i] = 1.0;
+    [[0.0, -e[2], e[1]], [e[2], 0.0, -e[0]], [-e[1], e[0], 0.0]]
+}
+
+impl Energy {
+    fn at<R: Differentiable>(&self, state: &State<R>) -> R {
+        let number = R::from_f64;
+        let half = R::ratio(1, 2);
+        let (s, m) = (state.slave.displacement, state.master.displacement);
+        let mut energy = half * number(self.k) * (dot(s, s) + dot(m, m)) + dot(vector::exact(self.f), s);
+        energy = energy + trace(&vector::exact_matrix(&self.a), &state.slave.rotation);
+        energy = energy + trace(&vector::exact_matrix(&self.b), &state.master.rotation);
+        for (c, angle) in self.c.into_iter().zip(state.angles) {
+            let angle = angle.unwrap_or(R::zero());
+            energy = energy + half * number(c) * angle * angle;
+        }
+        let (s, m) = (state.slave.flow, state.master.flow);
+        energy + half * number(self.k) * (s * s + m * m)
+    }
+
+    /// Its gradient and second derivatives by hand: of tr AᵀC, tr Aᵀ e_i^ C and ½ tr Aᵀ (e_i^ e_j^ + e_j^ e_i^) C.
+    fn derivatives(&self, state: &State<f64>) -> (Dofs<f64>, force::DofMatrix<f64>) {
+        let mut gradient = [0.0; DOFS];
+        let mut hessian = Box::new([[0.0; DOFS]; DOFS]);
+        let bodies = [(XS, &self.a, &state.slave), (XM, &self.b, &state.master)];
+        for (at, of, body) in bodies {
+            for i in 0..3 {
+                let f = if at == XS { self.f[i] } else { 0.0 };
+                gradient[at + i] = self.k * body.displacement[i] + f;
+                hessian[at + i][at + i] = self.k;
+                gradient[at + 3 + i] = trace(of, &product(&spin(i), &body.rotation));
+                for j in 0..3 {
+                    let twice = product(&spin(i), &product(&spin(j), &body.rotation));
+                    hessian[at + 3 + i][at + 3 + j] += 0.5 * trace(of, &twice);
+                    hessian[at + 3 + j][at + 3 + i] += 0.5 * trace(of, &twice);
+                }
+            }
+            gradient[at + 6] = self.k * body.flow;
+            hessian[at + 6][at + 6] = self.k;
+        }
+        for i in 0..2 {
+            gradient[PHI + i] = self.c[i] * state.angles[i].unwrap_or(0.0);
+            hessian[PHI + i][PHI + i] = self.c[i];
+        }
+        (gradient, hessian)
+    }
+}
+
+/// Where everything is if the independent degrees of freedom move: S follows.
+fn solved(case: &Case, state: &State<Wide>, dependent: &[bool; DOFS], by: &Dofs<Wide>) -> State<Wide> {
+    let mut after = moved(state, by);
+    if case.kind == Kind::Link {
+        // |x_S − x_M| = l for the dependent component.
+        let constraint: Constraint<Wide> = case.constraint();
+        let arm = constraint.arm();
+        let mut apart = add(arm, sub(after.slave.displacement, after.master.displacement));
+        let d = (XS..THETA_S).find(|j| dependent[*j]).unwrap();
+        let sign = if apart[d].to_f64() < 0.0 { -Wide::one() } else { Wide::one() };
+        apart[d] = Wide::zero();
+        let left = dot(arm, arm) - dot(apart, apart);
+        apart[d] = sign * left.square_root();
+        after.slave.displacement = add(after.master.displacement, sub(apart, arm));
+        return after;
+    }
+    let free = after.slave;
+    let angles = after.angles.map(|angle| angle.unwrap_or(Wide::zero()));
+    let follows = following(case.kind, &case.positions, &after.master, angles);
+    after.slave = follows.slave;
+    // What the kind does not hold is free.
+    if case.kind.entry().hinges.is_none() {
+        after.slave.rotation = free.rotation;
+    }
+    if !dependent[XS] {
+        after.slave.displacement = free.displacement;
+    }
+    if !dependent[PSI_S] {
+        after.slave.flow = free.flow;
+    }
+    after
+}
+
+/// The first and second derivatives of the energy of what is left are Tᵀ F and Tᵀ (K + Σ λ ∂²g) T, of the energy as it is along
+/// motions of the independent degrees of freedom with S following exactly, on 237-bit numbers.
+#[test]
+fn elimination_is_exact() {
+    let mut check = Check::of("mpc, elimination");
+    for case in cases().into_iter().filter(|case| case.holds) {
+        let mut draw = Draw::new(&format!("{} elimination", case.name));
+        let l = case.length;
+        let matrix = |draw: &mut Draw| [(); 3].map(|()| draw.vector(1.0));
+        let energy = Energy {
+            f: draw.vector(1.0 / l),
+            a: matrix(&mut draw),
+            b: matrix(&mut draw),
+            k: draw.between(0.5, 1.0) / (l * l),
+            c: [draw.between(0.5, 1.0), draw.between(0.5, 1.0)],
+        };
+        let constraint = case.constraint::<f64>();
+        let got = case.evaluate(&Request::everything(2));
+        let elimination = constraint.eliminate(&case.state, &got);
+        let (gradient, hessian) = energy.derivatives(&case.state);
+        let force = elimination.force(&gradient);
+        let stiffness = elimination.stiffness(&got, &gradient, &hessian);
+        // The state of the case holds to rounding only: where S follows exactly, on 237 bits.
+        let truth = Truth::of(&case);
+        let none = [Wide::zero(); DOFS];
+        let dependent = elimination.dependent;
+        let start = solved(&case, &truth.state, &dependent, &none);
+        let columns = constraint.columns();
+        let left: Vec<usize> = (0..DOFS).filter(|j| columns[*j] && !dependent[*j]).collect();
+        let at = |steps: &[(usize, i32)]| {
+            let mut by = none;
+            for (j, sign) in steps {
+                by[*j] = Wide::from_f64(1e-17 * truth.sizes[*j]) * Wide::integer(*sign);
+            }
+            energy.at(&solved(&case, &start, &dependent, &by))
+        };
+        let step = |j: usize| Wide::from_f64(1e-17 * truth.sizes[j]);
+        let two = Wide::integer(2);
+        // The energy is of size 1 to 10, a LINK that is nearly across its dependent direction makes T large.
+        let steep =
+            elimination.transformation.iter().flatten().zip(0..).fold(1.0_f64, |most, (entry, place)| {
+                let (i, j) = (place / DOFS, place % DOFS);
+                most.max(entry.abs() * truth.sizes[j] / truth.sizes[i])
+            });
+        for j in left.iter().copied() {
+            let want = (at(&[(j, 1)]) - at(&[(j, -1)])) / (two * step(j));
+            let scale = 30.0 * steep / truth.sizes[j];
+            check.compare(|| format!("{}, force {j}", case.name), force[j], want, scale);
+            for k in left.iter().copied() {
+                let want = if j == k {
+                    (at(&[(j, 1)]) - two * at(&[]) + at(&[(j, -1)])) / (step(j) * step(j))
+                } else {
+                    let mixed = |a: i32, b: i32| at(&[(j, a), (k, b)]);
+                    (mixed(1, 1) - mixed(1, -1) - mixed(-1, 1) + mixed(-1, -1))
+                        / (two * two * step(j) * step(k))
+                };
+                let scale = 30.0 * steep * steep * steep / (truth.sizes[j] * truth.sizes[k]);
+                check.compare(|| format!("{}, stiffness {j} {k}", case.name), stiffness[j][k], want, scale);
+            }
+        }
+        assert!((0..ROWS).all(|row| constraint.rows()[row] == got.jacobian[row].is_some()));
+    }
+    check.finish();
+}
+
+/// Springs and dashpots to ground on the angle of a hinge: moments, their stiffness, damping and energy as differences on 237-bit
+/// numbers, over a history that goes through turns.
+#[test]
+fn springs_on_hinges() {
+    use pintle::behavior::Conditions;
+    use pintle::evaluate::{Model, Plan, Selection, Sequence};
+    use pintle::report::unevaluated;
+    use pintle::scene::{NodeMotion, Rotation, Scene, State as SceneState};
+
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 0., 0., 1.\n4, 1., 0., 0.\n*MPC\nUNIVERSAL, 1, 2, 3, 4\n\
+                *ELEMENT, TYPE=SPRING1, ELSET=K\n11, 3\n*SPRING, ELSET=K\n6\n2.5\n\
+                *ELEMENT, TYPE=SPRING1, ELSET=T\n12, 4\n\
+                *SPRING, ELSET=T, NONLINEAR\n6\n-3., -1.\n0., 0.\n1., 0.5\n4., 1.\n\
+                *ELEMENT, TYPE=DASHPOT1, ELSET=C\n13, 3\n*DASHPOT, ELSET=C, NONLINEAR\n6\n-2., -1.\n0., 0.\n6., 1.\n\
+                *ELEMENT, TYPE=SPRING1, ELSET=OTHER\n14, 3\n*SPRING, ELSET=OTHER\n5\n9.\n";
+    let scene = Scene::parse("springs.inp", deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let plan = Plan::compile(&model, &Selection::All, Request::everything(0)).unwrap();
+    let mut sequence = Sequence::new(&model, &plan);
+    let left: Vec<_> =
+        unevaluated(&scene, &model).into_iter().map(|note| (note.count, note.details)).collect();
+    assert_eq!(left, [(1, vec!["SPRING1: 1".to_string()])]);
+    let mut check = Check::of("mpc, springs");
+    let conditions = Conditions::default();
+    for n in 0..40 {
+        let (first, second, rate) =
+            (0.4 * f64::from(n), 0.03 * f64::from(n) - 0.613, 0.1 * f64::from(n) - 2.05);
+        let motion = |angle: f64, rate: f64| NodeMotion {
+            rotation: Rotation::Vector([0.0, 0.0, angle]),
+            angular_velocity: [0.0, 0.0, rate],
+            ..NodeMotion::default()
+        };
+        let mut state = SceneState::default();
+        let [of_first, of_second] = [[0.0, 0.0, first], [second, 0.0, 0.0]].map(pintle::so3::exp);
+        let rotation = Rotation::Quaternion(pintle::so3::compose(of_first, of_second));
+        let names: Vec<_> = scene.nodes.keys().copied().collect();
+        state.nodes.insert(names[0], NodeMotion { rotation, ..NodeMotion::default() });
+        // The first angle is given, the second is what the rotations imply.
+        state.nodes.insert(names[2], motion(first, rate));
+        let step = sequence.step(&state);
+        let [on_first, on_second] = step.mpcs[0].moments.map(|moments| moments.unwrap().unwrap());
+        for (i, (got, angle)) in [(on_first, first), (on_second, second)].into_iter().enumerate() {
+            let ground = &model.mpcs[0].ground[i];
+            let h = Wide::from_f64(1e-20);
+            let at = Wide::from_f64(angle);
+            let energy = |x: Wide| ground.energy(x, &conditions).unwrap();
+            let spring = |x: Wide| ground.spring(x, &conditions).unwrap();
+            let place = |what: &str| format!("state {n}, angle {}, {what}", i + 1);
+            let size = 4.0 * (1.0 + angle.abs());
+            check.compare(|| place("moment"), got.spring, (energy(at + h) - energy(at - h)) / (h + h), size);
+            check.compare(
+                || place("stiffness"),
+                got.stiffness,
+                (spring(at + h) - spring(at - h)) / (h + h),
+                6.0,
+            );
+            check.compare(|| place("energy"), got.energy, energy(at), size * (1.0 + angle.abs()));
+        }
+        check.against(|| format!("state {n}, k φ"), on_first.spring, 2.5 * first, 2.5 * (1.0 + first));
+        let c = if rate < 0.0 { 2.0 } else { 6.0 };
+        let damped = if rate < -1.0 {
+            (-2.0, 0.0)
+        } else if rate > 1.0 {
+            (6.0, 0.0)
+        } else {
+            (c * rate, c)
+        };
+        check.against(|| format!("state {n}, dashpot"), on_first.dashpot.unwrap(), damped.0, 6.0);
+        check.against(|| format!("state {n}, damping"), on_first.damping.unwrap(), damped.1, 6.0);
+    }
+    check.finish();
+}
