@@ -3,6 +3,8 @@
 //! What is read is compared with what was written before anything is timed. Memory is counted by the allocator: what is kept,
 //! and the peak on the way, for each node and element kept. Read times as ratios to the count of lines within one run.
 
+#![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
+
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use peak_alloc::PeakAlloc;
 use pintle::scene::{Label, Scene, StateFile};

@@ -66,6 +66,11 @@ impl Subject {
     }
 }
 
+/// Whether an error is beyond what is allowed, or not a number.
+fn exceeds(error: f64, allowed: f64) -> bool {
+    error > allowed || error.is_nan()
+}
+
 const RULES: [&str; 6] = [
     "pintle",
     "gradcheck, slow",
@@ -93,13 +98,15 @@ impl Judges<'_> {
         let entries: Vec<(usize, usize, f64)> = rows.iter().collect();
         let ours = entries.iter().any(|(k, i, x)| {
             let Some(want) = self.truth.get(*k, *i) else { return false };
-            !((pintle::scalar::Wide::from_f64(*x) - want).abs().to_f64()
-                <= self.bound.tolerance(quantity, *k, *i))
+            exceeds(
+                (pintle::scalar::Wide::from_f64(*x) - want).abs().to_f64(),
+                self.bound.tolerance(quantity, *k, *i),
+            )
         });
         // torch.autograd.gradcheck: eps 1e-6, |a − n| > atol + rtol |n| with atol 1e-5, rtol 1e-3, entry by entry.
         let slow = entries.iter().any(|(k, i, x)| {
             let n = self.slow[*k][*i];
-            !((x - n).abs() <= 1e-5 + 1e-3 * n.abs())
+            exceeds((x - n).abs(), 1e-5 + 1e-3 * n.abs())
         });
         // fast_mode: wᵀ J v for one random v in the inputs and w in the outputs, atol scaled by both.
         let [v, _] = &self.directions;
@@ -112,12 +119,12 @@ impl Judges<'_> {
         let analytic = along(&|k, j| rows.get(k, j).unwrap_or(0.0));
         let numeric = along(&|k, j| self.slow[k][j]);
         let sums = v.iter().sum::<f64>().abs() * self.weights.iter().sum::<f64>().abs();
-        let fast = !((analytic - numeric).abs() <= 1e-5 * sums.max(1.0) + 1e-3 * numeric.abs());
+        let fast = exceeds((analytic - numeric).abs(), 1e-5 * sums.max(1.0) + 1e-3 * numeric.abs());
         // ceres::Solver::Options: gradient_check_relative_precision 1e-8, relative step 1e-6.
         let ceres = entries.iter().any(|(k, i, x)| {
             let n = self.relative[*k][*i];
             let most = x.abs().max(n.abs());
-            most > f64::EPSILON && !((x - n).abs() <= 1e-8 * most)
+            most > f64::EPSILON && exceeds((x - n).abs(), 1e-8 * most)
         });
         // isapprox(J, J_ref; atol = 0, rtol = 1e-3) in the Frobenius norm against forward-mode duals.
         let [mut error, mut size] = [0.0; 2];
@@ -126,13 +133,13 @@ impl Judges<'_> {
             error += (x - want) * (x - want);
             size += (want * want).max(0.0);
         }
-        let interface = !(error.sqrt() <= 1e-3 * size.sqrt());
+        let interface = exceeds(error.sqrt(), 1e-3 * size.sqrt());
         // jax.test_util.check_grads: one random tangent, eps 1/2048, atol = rtol = 1e-5 on doubles.
         let w = &self.directions[1];
         let jax = (0..6).filter(|k| rows.0[*k].is_some()).any(|k| {
             let a: f64 = (0..DOFS).map(|j| rows.get(k, j).unwrap_or(0.0) * w[j]).sum();
             let n: f64 = (0..DOFS).map(|j| self.coarse[k][j] * w[j]).sum();
-            !((a - n).abs() <= 1e-5 + 1e-5 * n.abs())
+            exceeds((a - n).abs(), 1e-5 + 1e-5 * n.abs())
         });
         [ours, slow, fast, ceres, interface, jax]
     }

@@ -20,7 +20,15 @@ macro_rules! target {
 pub(crate) use target;
 
 /// Directories whose files lend their lines.
-const LENDERS: [&str; 3] = ["../decks", "../verify/faults/deck", "../verify/faults/states"];
+const LENDERS: [&str; 7] = [
+    "../decks",
+    "../verify/faults/deck",
+    "../verify/faults/states",
+    "../verify/faults/toml",
+    "../verify/faults/json",
+    "seeds/toml_scene",
+    "seeds/json_scene",
+];
 
 /// Every line of the scenes and faults of the repository, once.
 static LINES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {

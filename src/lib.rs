@@ -53,6 +53,7 @@
 //! | [`behavior`] | which forces follow from a motion: springs, dampers, stops, locks, drives? |
 //! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
+//! | [`audit`] | is it right, and how do we know? |
 //! | [`report`] | how is it shown? |
 //!
 //! ```

@@ -1,7 +1,7 @@
-//! What must hold of any bytes whatever, given as a deck or as states: the bodies of the fuzz targets in `fuzz/`.
+//! What must hold of any bytes whatever, given as a scene or as states: the bodies of the fuzz targets in `fuzz/`.
 //!
 //! Bytes are read or refused; what is refused has a place and a remedy; what is read reads the same again, and can be evaluated
-//! and shown. Every input ever found to break this stands in `fuzz/regressions/`, and is tried here with the seeds.
+//! and shown. A scene in TOML or JSON is the same scene after it was written in any form and read from there. Every input ever found to break this stands in `fuzz/regressions/`, and is tried here with the seeds.
 
 use pintle::connector::Request;
 use pintle::evaluate::{Item, Model, Plan, Selection, Sequence};
@@ -9,7 +9,9 @@ use pintle::report::csv::Csv;
 use pintle::report::human::{Human, Style};
 use pintle::report::json::Json;
 use pintle::report::{Block, Format, Subject};
-use pintle::scene::{Diagnostic, GALLERY, NodeMotion, Rotation, Scene, Severity, State, StateFile};
+use pintle::scene::{
+    Diagnostic, Format as Form, GALLERY, NodeMotion, Rotation, Scene, Severity, Skipped, State, StateFile,
+};
 use std::io;
 
 /// Any bytes as a deck.
@@ -23,6 +25,69 @@ pub(crate) fn deck(bytes: &[u8]) {
             evaluate(&scene, &[State::default(), moved(&scene)]);
         }
     }
+}
+
+/// Any text as a scene in TOML.
+pub(crate) fn toml_scene(bytes: &[u8]) {
+    document(bytes, "scene.toml", Form::Toml);
+}
+
+/// Any text as a scene in JSON.
+pub(crate) fn json_scene(bytes: &[u8]) {
+    document(bytes, "scene.json", Form::Json);
+}
+
+fn document(bytes: &[u8], name: &str, form: Form) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    match parse(name, text, form) {
+        Err(error) => {
+            assert!(error.line().is_some(), "{error} has no place");
+            refused(&error, name, bytes);
+        }
+        Ok(scene) => {
+            scene.warnings.iter().for_each(|warning| warned(warning, bytes));
+            assert_eq!(
+                json(&scene),
+                json(&parse(name, text, form).expect("the same document is read again"))
+            );
+            survives(&scene);
+            let mut states = scene.states[..scene.states.len().min(4)].to_vec();
+            states.push(moved(&scene));
+            evaluate(&scene, &states);
+        }
+    }
+}
+
+fn parse(name: &str, text: &str, form: Form) -> Result<Scene, Diagnostic> {
+    match form {
+        Form::Deck => Scene::parse(name, text),
+        Form::Toml => Scene::parse_toml(name, text),
+        Form::Json => Scene::parse_json(name, text),
+    }
+}
+
+/// Written in any form and read from there, a scene is the same: a deck has no states, and what only skipped elements tell.
+fn survives(scene: &Scene) {
+    for form in [Form::Deck, Form::Toml, Form::Json] {
+        let text = scene.write(form).expect("a scene that was read can be written").text;
+        let again = parse("again", &text, form)
+            .unwrap_or_else(|error| panic!("{}\n{text}", error.render(110, false)));
+        let (before, after) = (content(scene, form), content(&again, form));
+        assert!(before == after, "{form:?} loses something:\n{before}\n{after}\n{text}");
+    }
+}
+
+/// What a form says of a scene, without what the reader notes of the file.
+fn content(scene: &Scene, form: Form) -> String {
+    let mut scene = scene.clone();
+    scene.name.clear();
+    scene.skipped = Skipped::default();
+    if form == Form::Deck {
+        scene.states.clear();
+        scene.rotating_nodes.clear();
+        scene.axisymmetric = false;
+    }
+    json(&scene)
 }
 
 /// Any text as states of a scene of the gallery, written as CSV.
@@ -183,6 +248,16 @@ mod seeds {
     #[test]
     fn decks() {
         all("deck", &["decks", "verify/faults/deck"], super::deck);
+    }
+
+    #[test]
+    fn scenes_in_toml() {
+        all("toml_scene", &["verify/faults/toml"], super::toml_scene);
+    }
+
+    #[test]
+    fn scenes_in_json() {
+        all("json_scene", &["verify/faults/json"], super::json_scene);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Virtual work: from the forces of components to nodal forces, their derivatives, constraint multipliers and printed moments.
 //!
-//! The virtual work of a connector is Σ f_k G_k·δq over its components, with one row G_k for each force ([`Loading`]); nodal forces
+//! The virtual work of a connector is Σ f_k G_k·δq over its components, with one row G_k for each force ([`crate::catalog::Loading`]); nodal forces
 //! are Σ f_k G_kᵀ, in the order of [`crate::node::DOF`]. [`ForceRows`] holds the rows at one state.
 //!
 //! *Signs.* f_k is internal: positive resists growth of its component. Nodal forces are residual-side; the forces on the nodes are

@@ -98,7 +98,7 @@ pub struct Elimination<R> {
 
 impl<R: Differentiable> Constraint<R> {
     /// The degrees of freedom that the constraint makes dependent: those of S that it has. A LINK takes the displacement of S along
-    /// which it points most; the first of equal ones [R].
+    /// which it points most; the first of equal ones \[R\].
     pub fn dependent(&self, state: &State<R>) -> [bool; DOFS] {
         let columns = self.columns();
         if self.kind.entry().translation != Translation::Distance {

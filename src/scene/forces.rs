@@ -153,11 +153,11 @@ impl ElementForces {
     }
 }
 
+/// Component forces as a state names them: by element, then by name, each with its place.
+pub(super) type GivenForces = Vec<(Spanned<String>, Vec<(Spanned<String>, Spanned<f64>)>)>;
+
 /// The forces of one state that a scene itself gives: by element number, each by name.
-pub(super) fn of_scene(
-    given: Vec<(Spanned<String>, Vec<(Spanned<String>, Spanned<f64>)>)>,
-    scene: &Scene,
-) -> Result<BTreeMap<Label, ElementForces>> {
+pub(super) fn of_scene(given: GivenForces, scene: &Scene) -> Result<BTreeMap<Label, ElementForces>> {
     let mut found = BTreeMap::new();
     for (element, named) in given {
         let label = states::label(&element.value, "element");

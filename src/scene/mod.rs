@@ -30,6 +30,16 @@
 //! likewise; names between quotation marks keep their case, `"Part 1-1".PIN`. What the assembly defines itself has bare numbers and
 //! names. Surfaces, couplings, rigid bodies and contact are skipped and counted.
 //!
+//! # TOML and JSON
+//! The same model, which may hold its states too ([`Scene::states`]): [`Scene::parse_toml`], [`Scene::parse_json`], and
+//! [`Scene::read`] by the ending of the file. [`schema`] is the JSON Schema, made from the types that are read. A document is
+//! read as the deck it stands for, each item of which knows its place in the document: what is checked of decks is checked
+//! of documents, by the same code. Names stand as they are: a deck has them in upper case, unless it quotes them. An empty
+//! item of a row is `""`, in JSON also `null`.
+//!
+//! [`Scene::write`] writes any scene in any of the three forms; reading that gives the same scene to the last bit, and
+//! [`Converted::dropped`] says what of the file is not in it. Instances are written as parts of their own, in their places.
+//!
 //! # Units
 //! Those of the deck, and radians. Degrees stand in [`Behavior::constitutive_reference`] and
 //! [`Orientation::angle`] only, as in the deck.

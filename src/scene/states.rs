@@ -15,7 +15,7 @@
 //! `number`, and beside `nodes` component forces by element number: `"forces": {"101": {"f1": 2.5}}` ([`super::ElementForces`]).
 
 use super::diagnostic::{Code, Diagnostic, Result, suggest};
-use super::forces::{self, ElementForces, ForceSign, JsonForces};
+use super::forces::{self, ElementForces, ForceSign, GivenForces, JsonForces};
 use super::freedom::NodeFreedom;
 use super::label::{Label, LabelError};
 use super::lexer::{NotANumber, parse_number};
@@ -640,7 +640,7 @@ pub(super) struct Given {
     pub(super) number: Option<u64>,
     pub(super) time: Option<f64>,
     pub(super) nodes: Vec<(Spanned<String>, Motion)>,
-    pub(super) forces: Vec<(Spanned<String>, Vec<(Spanned<String>, Spanned<f64>)>)>,
+    pub(super) forces: GivenForces,
 }
 
 /// The states that a scene itself gives.

@@ -28,7 +28,7 @@ fn content(scene: &Scene) -> Value {
 
 /// Equal, and in the same order.
 fn same(a: &Value, b: &Value) -> bool {
-    a.to_string() == b.to_string()
+    format!("{a}") == format!("{b}")
 }
 
 fn write(scene: &Scene, format: Format) -> String {
@@ -205,7 +205,10 @@ impl Choices<'_> {
         });
         if self.yes() {
             behavior["constitutive_reference"] = json!({"1": self.number(), "6": self.number()});
-            behavior["damping"][0]["type"] = "structural".into();
+            // Structural damping is linear.
+            if behavior["damping"][0]["nonlinear"] != json!(true) {
+                behavior["damping"][0]["type"] = "structural".into();
+            }
         }
         self.options(&mut behavior);
         let coefficients = [

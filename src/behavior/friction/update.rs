@@ -33,7 +33,7 @@ pub const THRESHOLD: f64 = 1e-12;
 pub enum StickStiffness {
     /// `STICK STIFFNESS`: K_s, in the unit of P over that of the slip.
     Given(f64),
-    /// Our default rule [R]: K_s = L / s_el, with L the limit, without slip, of the first increment in which anything presses;
+    /// Our default rule \[R\]: K_s = L / s_el, with L the limit, without slip, of the first increment in which anything presses;
     /// kept from then on ([`State::stick_stiffness`]). `ElasticSlip(s_el)`, s_el = [`ELASTIC_SLIP`] · characteristic length.
     ElasticSlip(f64),
 }
