@@ -174,6 +174,9 @@ pub enum Event {
     },
 }
 
+/// A friction at a state: the components that slide, and what it does or why that is not known.
+pub type Slip = (Mask, Result<friction::Outcome<f64>, Unknown>);
+
 /// The behaviour at one state.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -184,7 +187,7 @@ pub struct Outcome {
     /// CSF.
     pub friction: Forces<f64>,
     /// Each friction: the components that slide, and what it does or why that is not known.
-    pub slips: Vec<(Mask, Result<friction::Outcome<f64>, Unknown>)>,
+    pub slips: Vec<Slip>,
     /// Whether the increments of friction have a duration: without one there is no slip rate.
     pub has_duration: bool,
     /// CCF.
@@ -483,7 +486,7 @@ impl Behavior {
         motion: &Motion<f64>,
         conditions: &Conditions,
         history: &History,
-    ) -> (Forces<f64>, Vec<(Mask, Result<friction::Outcome<f64>, Unknown>)>) {
+    ) -> (Forces<f64>, Vec<Slip>) {
         let mut forces = Forces::none();
         let mut slips = Vec::with_capacity(self.friction.frictions.len());
         for (i, friction) in self.friction.frictions.iter().enumerate() {
