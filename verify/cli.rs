@@ -433,10 +433,11 @@ fn requests_are_masks() {
         .collect();
     assert_eq!(format!("{shown:?}"), r#"[("u1", ["CU"]), ("ur3", ["CP"])]"#);
     let work = &document["scenes"][0]["work"];
-    // Two connectors, of each one position that does not wind, at three states; ur3 winds and costs nothing more.
+    // One position of 101 at three states; and u1 of 106 at all 25, for its friction follows the history; ur3 winds and costs
+    // nothing more.
     assert_eq!(
         (&work["values"], &work["gradients"], &work["rates"]),
-        (&6.into(), &0.into(), &0.into()),
+        (&28.into(), &0.into(), &0.into()),
         "{work}"
     );
 }
@@ -490,6 +491,40 @@ fn saved_branches_continue_exactly() {
     }
 }
 
+/// Friction of the slider under given constraint forces, for readers and programs, and where they are not given.
+#[test]
+fn friction_along_a_history() {
+    let mut text = String::from("element,state,f1,f2,f3,m1,m2,m3\n");
+    for state in 0..3 {
+        text += &format!("106,{state},0,{state},4,0.5,0.3,0.4\n");
+    }
+    let forces = file("friction.csv", &text);
+    let eval = |show: &str, format: &str| {
+        let of = ["eval", "gallery:slider_crank", "--forces", &forces, "--connector", "106"];
+        let what = ["--outputs", "CSF,CNF,CASU,CIVC", "--show", show, "--format", format];
+        pintle(&[&of[..], &what[..]].concat()).assert().code(if show == "3" { 4 } else { 0 })
+    };
+    insta::assert_snapshot!("friction", without_rounding(&stdout(&eval("2", "human"))));
+    let document: Value = serde_json::from_str(&stdout(&eval("2", "json"))).unwrap();
+    let u1 = at(&document, 0, 2, 106)["u1"].clone();
+    let number = |output: &str| u1[output].as_f64().unwrap_or_else(|| panic!("{output}: {u1}"));
+    // 10 + 0.5/0.05 + √(2² + 4²) + 2·0.5/0.1
+    let normal = 30.0 + 20.0_f64.sqrt();
+    assert!((number("CNF") - normal).abs() < 1e-13, "{u1}");
+    assert!((number("CSF").abs() - 0.1 * normal).abs() < 1e-13, "{u1}");
+    assert!(number("CASU") > 0.0 && number("CIVC") > 0.0, "{u1}");
+    let table = stdout(&eval("2", "csv"));
+    for output in ["CSF", "CNF", "CASU", "CIVC"] {
+        assert!(table.lines().next().unwrap().split(',').any(|name| name == output), "{table}");
+        let shortest = serde_json::to_string(&u1[output]).unwrap();
+        assert!(table.contains(&shortest), "{output} {shortest}: {table}");
+    }
+    let lacking = eval("3", "json");
+    let document: Value = serde_json::from_str(&stdout(&lacking)).unwrap();
+    let said = document.to_string();
+    assert!(said.contains("not-known") && said.contains("what presses is the force"), "{said}");
+}
+
 #[test]
 fn usage_errors() {
     for (arguments, code, part) in [
@@ -498,7 +533,7 @@ fn usage_errors() {
         (&["explain", "hinge", "join"], 2, "do not pair"),
         (&["eval", "gallery:slider"], 2, "slider_crank"),
         (&["eval", "gallery:slider_crank", "--outputs", "CU4"], 2, "CUR1 to CUR3"),
-        (&["eval", "gallery:slider_crank", "--outputs", "CSF"], 2, "not evaluated yet"),
+        (&["eval", "gallery:slider_crank", "--outputs", "CUE"], 2, "not evaluated yet"),
         (&["eval", "gallery:slider_crank", "--outputs", "CTF4"], 2, "CTM1 to CTM3 moments"),
         (
             &["eval", "gallery:slider_crank", "--connector", "102", "--outputs", "CTF"],

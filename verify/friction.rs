@@ -3,6 +3,7 @@
 
 mod criteria; // P, F_C, F_N, Φ and their derivatives
 mod golden; // what JAX computes
+mod histories; // stick and slip along states
 mod laws; // stick, slip, energy, thresholds, range
 mod tangents; // consistent tangents against differences
 mod users; // frictions that a deck defines

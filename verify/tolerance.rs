@@ -157,3 +157,7 @@ pub(crate) fn friction(name: &str) -> f64 {
 /// Agreement of multi-point constraints with JAX, absolute: lengths, angles and rates of size 1, second derivatives and accelerations
 /// up to 100, both computed in doubles.
 pub(crate) const GOLDEN_MPC: f64 = 2e-13;
+
+/// Friction along a history of 12 states against the same formulas worked out apart, relative to trial force and limit: a few
+/// roundings of each state, which stick carries on to the next.
+pub(crate) const FRICTION_HISTORY: f64 = 1e-13;

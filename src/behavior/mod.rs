@@ -97,8 +97,12 @@ pub enum Unknown {
     Reaction,
     /// It rests on another part that is not known.
     Part,
-    /// Friction acts on the component, and is not evaluated.
+    /// The friction of a belt acts between two segments, and is not evaluated along a history.
     Friction,
+    /// What presses is the force of a component for which none is given.
+    ContactForce,
+    /// Friction was not known at an earlier state, so that what it left is not known.
+    FrictionHistory,
     /// Plasticity or damage acts on the component, and is not evaluated.
     Inelastic,
 }
@@ -117,7 +121,13 @@ impl Unknown {
             Self::External => "a subroutine, another program or the solution gives it",
             Self::Reaction => "motions do not tell a reaction, and no total force is given",
             Self::Part => "a part of it is not known",
-            Self::Friction => "friction acts on the component, and is not evaluated",
+            Self::Friction => {
+                "the friction of a belt, between two segments, is not evaluated along a history"
+            }
+            Self::ContactForce => "what presses is the force of a component for which none is given",
+            Self::FrictionHistory => {
+                "friction was not known at an earlier state, so that what it left is not known"
+            }
             Self::Inelastic => "plasticity or damage acts on the component, and is not evaluated",
         }
     }

@@ -12,12 +12,13 @@
 use super::damping::Damping;
 use super::drive::{Drives, Prescribed, Schedule};
 use super::elasticity::Elasticity;
+use super::friction::{self, Frictions};
 use super::limits::{Criterion, Passed, Verdict};
 use super::{Conditions, ForceKink, Forces, Motion, Unknown};
 use crate::catalog::ConnectionType;
 use crate::connector::{Components, Mask, Stop, StopStatus};
 use crate::scalar::{Differentiable, Scalar, Seeded};
-use crate::scene::{self, Diagnostic, FrictionKind, MotionType};
+use crate::scene::{self, Diagnostic, MotionType};
 use num_dual::Dual2_64;
 use serde::{Deserialize, Serialize};
 
@@ -32,10 +33,12 @@ pub struct Behavior {
     pub locks: Vec<Criterion>,
     /// Failures.
     pub failures: Vec<Criterion>,
+    /// Friction.
+    pub friction: Frictions,
     stops: Components<Stop>,
     available: Mask,
     constrained: Mask,
-    /// The components on which friction acts.
+    /// The components that slide.
     slips: Mask,
     /// The components on which plasticity or damage acts.
     inelastic: Mask,
@@ -52,6 +55,9 @@ pub struct History {
     pub time: Option<f64>,
     /// The displacements at the last state.
     pub displacement: Components<f64>,
+    /// What each friction remembers, in the order of the behaviour; `None` before the first state, and for a friction from the
+    /// first state on at which it was not known.
+    pub friction: Option<Vec<Option<friction::State<f64>>>>,
     /// The displacements at the beginnings of steps, by the number of the step.
     pub beginnings: Vec<(usize, Components<f64>)>,
 }
@@ -168,6 +174,9 @@ pub enum Event {
     },
 }
 
+/// A friction at a state: the components that slide, and what it does or why that is not known.
+pub type Slip = (Mask, Result<friction::Outcome<f64>, Unknown>);
+
 /// The behaviour at one state.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -175,6 +184,12 @@ pub struct Outcome {
     pub elastic: Forces<f64>,
     /// CVF.
     pub viscous: Forces<f64>,
+    /// CSF.
+    pub friction: Forces<f64>,
+    /// Each friction: the components that slide, and what it does or why that is not known.
+    pub slips: Vec<Slip>,
+    /// Whether the increments of friction have a duration: without one there is no slip rate.
+    pub has_duration: bool,
     /// CCF.
     pub load: Forces<f64>,
     /// CRF.
@@ -212,7 +227,9 @@ impl Behavior {
         connection: &ConnectionType,
         is_planar: bool,
         is_explicit: bool,
+        characteristic_length: f64,
     ) -> Result<Self, Diagnostic> {
+        let friction = friction::of_behavior(given, connection, is_planar, characteristic_length)?;
         let has = |k: usize| !is_planar || matches!(k, 0 | 1 | 5);
         let available = [0, 1, 2, 3, 4, 5].map(|k| has(k) && connection.slots[k].is_available());
         let constrained = [0, 1, 2, 3, 4, 5].map(|k| has(k) && connection.slots[k].is_constrained());
@@ -235,7 +252,8 @@ impl Behavior {
             stops,
             available,
             constrained,
-            slips: rubbing(given, available),
+            slips: sliding(&friction, available),
+            friction,
             inelastic: inelastic(given, available),
         })
     }
@@ -257,6 +275,13 @@ impl Behavior {
         !acts && self.locks.is_empty() && self.failures.is_empty() && self.stops.iter().all(Option::is_none)
     }
 
+    /// Whether there is friction that motions alone tell: what presses is no constraint force.
+    pub fn tells_friction(&self) -> bool {
+        let frictions = self.friction.frictions.iter();
+        let mut pressing = frictions.map(|friction| friction.criterion.pressing_components());
+        pressing.any(|presses| (0..6).all(|k| !(presses[k] && self.constrained[k])))
+    }
+
     /// Whether there are stops.
     pub fn has_stops(&self) -> bool {
         self.stops.iter().any(Option::is_some)
@@ -264,7 +289,8 @@ impl Behavior {
 
     /// Whether the history matters: locks, failures, and velocities from increments follow it.
     pub fn has_history(&self) -> bool {
-        !self.locks.is_empty() || !self.failures.is_empty() || self.damping.components().contains(&true)
+        let has_limits = !self.locks.is_empty() || !self.failures.is_empty();
+        has_limits || !self.friction.frictions.is_empty() || self.damping.components().contains(&true)
     }
 
     /// The components whose motion the behaviour depends on.
@@ -337,13 +363,9 @@ impl Behavior {
         history: &History,
     ) -> Outcome {
         let mut events = Vec::new();
-        let time_step = match now.velocities {
-            Velocities::Rates => None,
-            Velocities::Increments => {
-                // Before the first state the model was at rest in its initial place, at time 0.
-                now.time.map(|time| time - history.time.unwrap_or(0.0)).filter(|step| *step > 0.0)
-            }
-        };
+        // Before the first state the model was at rest in its initial place, at time 0.
+        let duration = now.time.map(|time| time - history.time.unwrap_or(0.0)).filter(|step| *step > 0.0);
+        let time_step = duration.filter(|_| now.velocities == Velocities::Increments);
         let velocity = self.velocity(now, time_step, history);
         let value = |of: &Components<f64>| of.map(|value| value.unwrap_or(0.0));
         let motion = Motion {
@@ -368,9 +390,18 @@ impl Behavior {
         let stopped = self.stopped(now.position);
         let locked = history.locked.map(|at| at.is_some());
         let rigid = self.elasticity.rigid();
+        let held = [0, 1, 2, 3, 4, 5].map(|k| {
+            let at_stop = matches!(stopped[k], Some(StopStatus::AtLower | StopStatus::AtUpper));
+            locked[k] || rigid[k] || prescribed[k].is_some() || at_stop
+        });
+        let pressing = self.pressing(held, total, [&elastic, &viscous], &load, history);
+        let (friction, slips) = self.slide(now, &pressing, duration, &motion, conditions, history);
         let mut outcome = Outcome {
             elastic,
             viscous,
+            friction,
+            slips,
+            has_duration: duration.is_some(),
             load,
             reaction: Forces::none(),
             total: Forces::none(),
@@ -385,11 +416,7 @@ impl Behavior {
             history: history.clone(),
         };
         for k in 0..6 {
-            let is_held = locked[k]
-                || rigid[k]
-                || prescribed[k].is_some()
-                || matches!(stopped[k], Some(StopStatus::AtLower | StopStatus::AtUpper));
-            self.balance(k, is_held, total[k], &mut outcome, &mut events);
+            self.balance(k, held[k], total[k], &mut outcome, &mut events);
         }
         self.fail(now, conditions, &mut outcome, &mut events);
         self.lock(now, conditions, &mut outcome, &mut events);
@@ -409,6 +436,9 @@ impl Behavior {
         let kinks = kinks.chain(self.damping.kinks(&motion, conditions));
         events.extend(kinks.filter(is_known).map(Event::Kink));
 
+        outcome.history.friction = (!self.friction.frictions.is_empty()).then(|| {
+            outcome.slips.iter().map(|(_, slip)| slip.as_ref().ok().map(friction::Outcome::state)).collect()
+        });
         outcome.history.time = now.time.or(history.time);
         outcome.history.displacement = *now.displacement;
         for step in now.time.into_iter().flat_map(|time| schedule.beginning_at(time)) {
@@ -418,6 +448,100 @@ impl Behavior {
         }
         outcome.events = events;
         outcome
+    }
+
+    /// The forces from which contact forces are formed, as far as they are known: the given ones of constrained components, and
+    /// those without friction, CTF + CCF − CSF, of available ones. What holds an available component is part of its force, and
+    /// known only from a total force that is given.
+    fn pressing(
+        &self,
+        held: Mask,
+        total: &Components<f64>,
+        laws: [&Forces<f64>; 2],
+        load: &Forces<f64>,
+        history: &History,
+    ) -> Components<f64> {
+        [0, 1, 2, 3, 4, 5].map(|k| {
+            if history.failed[k] {
+                return Some(0.0);
+            }
+            if self.constrained[k] {
+                return total[k];
+            }
+            let is_told = !held[k] && laws.iter().all(|law| law.unknown[k].is_none());
+            if is_told {
+                return Some(laws.iter().filter_map(|law| law.value[k]).sum());
+            }
+            let is_load_known = load.unknown[k].is_none();
+            total[k].filter(|_| !self.slips[k] && is_load_known).map(|sum| sum + load.value[k].unwrap_or(0.0))
+        })
+    }
+
+    /// CSF: every friction that is known, after its history.
+    fn slide(
+        &self,
+        now: &Kinematics<'_>,
+        pressing: &Components<f64>,
+        duration: Option<f64>,
+        motion: &Motion<f64>,
+        conditions: &Conditions,
+        history: &History,
+    ) -> (Forces<f64>, Vec<Slip>) {
+        let mut forces = Forces::none();
+        let mut slips = Vec::with_capacity(self.friction.frictions.len());
+        for (i, friction) in self.friction.frictions.iter().enumerate() {
+            let sliding = friction.criterion.tangential.components();
+            let mask = [0, 1, 2, 3, 4, 5].map(|k| sliding.contains(&k));
+            let presses = friction.criterion.pressing_components();
+            let mut state = match &history.friction {
+                None => Some(friction::State::default()),
+                Some(states) => states.get(i).copied().flatten(),
+            };
+            // A component that has failed carries nothing and slides no more.
+            if let Some(state) = &mut state {
+                (0..6).filter(|k| history.failed[*k]).for_each(|k| state.force[k] = 0.0);
+            }
+            let outcome = match state {
+                _ if (0..6).any(|k| presses[k] && pressing[k].is_none()) => Err(Unknown::ContactForce),
+                None => Err(Unknown::FrictionHistory),
+                Some(state) => {
+                    let change = |k: usize| {
+                        let is_sliding = mask[k] && !history.failed[k];
+                        let now = now.displacement[k].filter(|_| is_sliding)?;
+                        Some(now - history.displacement[k].unwrap_or(0.0))
+                    };
+                    let input = friction::Input {
+                        displacement: [0, 1, 2, 3, 4, 5].map(|k| change(k).unwrap_or(0.0)),
+                        forces: pressing.map(|force| force.unwrap_or(0.0)),
+                        duration,
+                        context: friction::Context {
+                            position: motion.position,
+                            motion: motion.constitutive,
+                            accumulated_slip: state.accumulated_slip,
+                            conditions,
+                        },
+                    };
+                    let outcome = friction.update(&state, &input, friction::Branch::Decided);
+                    let lacks = outcome.flags.iter().find_map(|flag| match flag {
+                        friction::Flag::NotGiven { what } => Some(*what),
+                        _ => None,
+                    });
+                    lacks.map_or(Ok(outcome), Err)
+                }
+            };
+            for k in (0..6).filter(|k| mask[*k] && !history.failed[*k]) {
+                match &outcome {
+                    Ok(outcome) => forces.value[k] = Some(outcome.force[k]),
+                    Err(why) => forces.unknown[k] = Some(*why),
+                }
+            }
+            slips.push((mask, outcome));
+        }
+        if self.friction.belt.is_some() {
+            // It acts between this segment and the next one, on the flow past b.
+            forces.unknown[1] = Some(Unknown::Friction);
+        }
+        (forces, slips)
     }
 
     fn velocity(&self, now: &Kinematics<'_>, time_step: Option<f64>, history: &History) -> Components<f64> {
@@ -485,19 +609,17 @@ impl Behavior {
             }
             return;
         }
-        let parts = [&outcome.elastic, &outcome.viscous];
+        let parts = [&outcome.elastic, &outcome.viscous, &outcome.friction];
         let rigid = self.elasticity.rigid()[k];
         let is_missing = parts.iter().any(|part| part.unknown[k].is_some_and(|why| why != Unknown::Rigid));
-        let missing = is_missing || outcome.load.unknown[k].is_some() || self.slips[k];
+        let missing =
+            is_missing || outcome.load.unknown[k].is_some() || outcome.friction.unknown[k].is_some();
         let sum: f64 =
             parts.iter().filter_map(|part| part.value[k]).sum::<f64>() - outcome.load.value[k].unwrap_or(0.0);
         let scale: f64 =
             parts.iter().chain(&[&outcome.load]).filter_map(|part| part.value[k]).map(f64::abs).sum();
         let (total, reaction) = match (is_held, given) {
-            _ if missing => {
-                let why = if self.slips[k] { Unknown::Friction } else { Unknown::Part };
-                (given.ok_or(why), Err(why))
-            }
+            _ if missing => (given.ok_or(Unknown::Part), Err(Unknown::Part)),
             (true, Some(given)) => (Ok(given), Ok(given - sum)),
             (true, None) => (Err(Unknown::Reaction), Err(Unknown::Reaction)),
             (false, _) => (Ok(sum), Ok(0.0)),
@@ -550,6 +672,7 @@ impl Behavior {
             let parts = [
                 &mut outcome.elastic,
                 &mut outcome.viscous,
+                &mut outcome.friction,
                 &mut outcome.load,
                 &mut outcome.reaction,
                 &mut outcome.total,
@@ -656,15 +779,13 @@ impl Behavior {
     }
 }
 
-/// The components on which friction acts: predefined friction, and a potential, may act on all available ones.
-fn rubbing(given: &scene::Behavior, available: Mask) -> Mask {
+/// The components that slide.
+fn sliding(frictions: &Frictions, available: Mask) -> Mask {
     let mut mask = [false; 6];
-    for friction in &given.friction {
-        match friction.kind {
-            FrictionKind::User { component: Some(component), .. } => add(&mut mask, component),
-            _ => mask = available,
-        }
+    for friction in &frictions.frictions {
+        friction.criterion.tangential.components().into_iter().for_each(|k| mask[k] = true);
     }
+    mask[1] |= frictions.belt.is_some() && available[1];
     mask
 }
 

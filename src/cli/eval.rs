@@ -150,18 +150,24 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     if loaded.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
         outputs.push(Output::CSLST);
     }
+    let has_forces = |loaded: &Loaded| {
+        loaded.forces.is_some() || loaded.states.iter().any(|state| !state.forces.is_empty())
+    };
+    // What presses are mostly constraint forces.
+    let slides = acts(|one| one.behavior.tells_friction())
+        || loaded.iter().any(has_forces) && acts(|one| !one.behavior.friction.frictions.is_empty());
     for (output, is_there) in [
         (Output::CEF, acts(|one| one.behavior.elasticity.components().contains(&true))),
         (Output::CVF, acts(|one| one.behavior.damping.components().contains(&true))),
+        (Output::CSF, slides),
+        (Output::CNF, slides),
+        (Output::CASU, slides),
         (Output::CCF, acts(|one| one.drives.loads.iter().any(Option::is_some))),
         (Output::CFAILST, acts(|one| !one.behavior.failures.is_empty())),
         (Output::DRIVEN, acts(|one| one.drives.motions.iter().any(Option::is_some))),
     ] {
         outputs.extend(is_there.then_some(output));
     }
-    let has_forces = |loaded: &Loaded| {
-        loaded.forces.is_some() || loaded.states.iter().any(|state| !state.forces.is_empty())
-    };
     if loaded.iter().any(has_forces) {
         outputs.push(Output::CTF);
         outputs.extend(

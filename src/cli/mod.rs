@@ -277,7 +277,9 @@ Outputs:
   RESB, RESA     J̇ q̇, and the acceleration J q̈ + J̇ q̇ of the residual
   CSLST          stop and lock status, 1 at a limit
   CEF, CVF, CCF  elastic force, viscous force, applied connector load
-  CRF, CTF       reaction; total force CEF + CVF + CRF − CCF, or as given
+  CSF, CNF       friction force, contact force of friction
+  CASU, CIVC     accumulated slip, slip rate
+  CRF, CTF       reaction; total force CEF + CVF + CSF + CRF − CCF, or as given
   CFAILST        failure status, 1 when released
   DRIVEN         what a connector motion prescribes; RES is how far off it is
   TANGENT        slopes of elastic and viscous forces by displacement, velocity

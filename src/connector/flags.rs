@@ -165,6 +165,13 @@ pub enum Flag {
         /// Why, in words.
         why: &'static str,
     },
+    /// An increment of friction needs care.
+    Friction {
+        /// A component that slides, or `C` for a friction that several share.
+        component: &'static str,
+        /// What, as [`crate::behavior::friction::Flag::name`] has it.
+        what: &'static str,
+    },
     /// The total force given for a component that nothing holds differs from the sum of its parts.
     OutOfBalance {
         /// The component.
@@ -191,6 +198,7 @@ impl Flag {
             Self::Locked { .. } => "locked",
             Self::Failed { .. } => "failed",
             Self::Undecided { .. } => "undecided",
+            Self::Friction { .. } => "friction",
             Self::OutOfBalance { .. } => "out-of-balance",
         }
     }
@@ -211,6 +219,7 @@ impl Flag {
             | Self::Locked { component, .. }
             | Self::Failed { component, .. }
             | Self::Undecided { component, .. }
+            | Self::Friction { component, .. }
             | Self::OutOfBalance { component, .. } => component,
         }
     }

@@ -35,10 +35,18 @@ pub enum Output {
     CEF,
     /// Viscous force.
     CVF,
+    /// Friction force.
+    CSF,
     /// Reaction of a constraint, stop, lock, prescribed motion.
     CRF,
     /// Applied load.
     CCF,
+    /// Contact force of friction.
+    CNF,
+    /// Accumulated slip.
+    CASU,
+    /// Slip rate.
+    CIVC,
     /// Failure status.
     CFAILST,
     /// What a connector motion prescribes.
@@ -59,7 +67,7 @@ pub enum Output {
 
 impl Output {
     /// Every output, in the order of reports.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 29] = [
         Self::CP,
         Self::CU,
         Self::CCU,
@@ -75,8 +83,12 @@ impl Output {
         Self::CTF,
         Self::CEF,
         Self::CVF,
+        Self::CSF,
         Self::CRF,
         Self::CCF,
+        Self::CNF,
+        Self::CASU,
+        Self::CIVC,
         Self::CFAILST,
         Self::DRIVEN,
         Self::TANGENT,
@@ -105,8 +117,12 @@ impl Output {
             Self::CTF => "CTF",
             Self::CEF => "CEF",
             Self::CVF => "CVF",
+            Self::CSF => "CSF",
             Self::CRF => "CRF",
             Self::CCF => "CCF",
+            Self::CNF => "CNF",
+            Self::CASU => "CASU",
+            Self::CIVC => "CIVC",
             Self::CFAILST => "CFAILST",
             Self::DRIVEN => "DRIVEN",
             Self::TANGENT => "TANGENT",
@@ -120,17 +136,18 @@ impl Output {
 
     /// Whether it is one of the manual's outputs of relative motion, which has a name of its own for rotations: CP and CPR.
     pub const fn is_kinematic(self) -> bool {
-        matches!(self, Self::CP | Self::CU | Self::CCU | Self::CV | Self::CA)
+        matches!(self, Self::CP | Self::CU | Self::CCU | Self::CV | Self::CA | Self::CASU)
     }
 
     /// Whether it is a force or moment of a component, whose moments have a name of their own: CTF and CTM.
     pub const fn is_force(self) -> bool {
-        matches!(self, Self::CTF | Self::CEF | Self::CVF | Self::CRF | Self::CCF)
+        matches!(self, Self::CTF | Self::CEF | Self::CVF | Self::CSF | Self::CRF | Self::CCF | Self::CNF)
     }
 
     /// Whether it follows from behaviour, motions and loads rather than from kinematics.
     pub const fn is_of_behavior(self) -> bool {
-        self.is_force() || matches!(self, Self::CFAILST | Self::DRIVEN | Self::TANGENT)
+        self.is_force()
+            || matches!(self, Self::CASU | Self::CIVC | Self::CFAILST | Self::DRIVEN | Self::TANGENT)
     }
 
     /// Whether it follows from component forces.
@@ -147,7 +164,7 @@ impl Output {
     /// The power of time by which the unit of the component is divided: 0, 1 or 2.
     pub const fn per_time(self) -> u8 {
         match self {
-            Self::CV | Self::RESV => 1,
+            Self::CV | Self::RESV | Self::CIVC => 1,
             Self::CA | Self::RESB | Self::RESA => 2,
             _ => 0,
         }
@@ -172,7 +189,11 @@ impl Output {
             Self::CEF => "elastic force",
             Self::CVF => "viscous force",
             Self::CRF => "reaction of a constraint, stop, lock or prescribed motion",
+            Self::CSF => "friction force",
             Self::CCF => "applied connector load",
+            Self::CNF => "contact force of friction",
+            Self::CASU => "accumulated slip",
+            Self::CIVC => "slip rate",
             Self::CFAILST => "failure status",
             Self::DRIVEN => "what a connector motion prescribes",
             Self::TANGENT => "slopes of elastic and viscous forces",

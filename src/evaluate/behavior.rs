@@ -1,9 +1,10 @@
 //! What of a behaviour a request needs, and what it has to say.
 
 use super::model::ElementBehavior;
-use crate::behavior::ForceKink;
 use crate::behavior::drive::Prescribed;
+use crate::behavior::friction;
 use crate::behavior::state::{Event, Outcome};
+use crate::behavior::{ForceKink, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{Flag, Mask, Output, Request};
 
@@ -36,7 +37,8 @@ impl ElementBehavior {
         let Self { behavior, drives, .. } = self;
         let has = |mask: Mask| mask.contains(&true);
         let is_damped = has(behavior.damping.components());
-        let has_laws = is_damped || has(behavior.elasticity.components());
+        let slides = !behavior.friction.frictions.is_empty();
+        let has_laws = slides || is_damped || has(behavior.elasticity.components());
         let driven = [0, 1, 2, 3, 4, 5].map(|k| drives.motions[k].is_some());
         let held = [0, 1, 2, 3, 4, 5].map(|k| driven[k] || behavior.limited()[k]);
         let of = |is: bool, mask: Mask| mask.map(|one| one && is);
@@ -46,7 +48,7 @@ impl ElementBehavior {
             (Output::CP, behavior.limited()),
             (Output::CP, of(has_laws, all)),
             (Output::CCU, of(has_laws, all)),
-            (Output::CU, of(is_damped, all)),
+            (Output::CU, of(is_damped || slides, all)),
             (Output::CU, driven),
             (Output::CV, of(is_damped, all)),
             (Output::CV, of(wants(request, Output::RESV), held)),
@@ -91,6 +93,7 @@ pub(super) fn not_known(outcome: &Outcome, request: &Request) -> Vec<Flag> {
             (Output::CTF, &outcome.total),
             (Output::CEF, &outcome.elastic),
             (Output::CVF, &outcome.viscous),
+            (Output::CSF, &outcome.friction),
             (Output::CRF, &outcome.reaction),
             (Output::CCF, &outcome.load),
         ] {
@@ -108,5 +111,66 @@ pub(super) fn not_known(outcome: &Outcome, request: &Request) -> Vec<Flag> {
             });
         }
     }
+    flags.extend(frictions(outcome, request));
     flags
+}
+
+/// The outputs of a friction beside its force.
+const OF_FRICTION: [Output; 3] = [Output::CNF, Output::CASU, Output::CIVC];
+
+/// What of frictions is asked for and not known, or needs care.
+fn frictions(outcome: &Outcome, request: &Request) -> Vec<Flag> {
+    let mut flags = Vec::new();
+    for (mask, slip) in &outcome.slips {
+        let sliding = || (0..6).filter(|k| mask[*k]);
+        let component = match (sliding().next(), sliding().count()) {
+            (Some(k), 1) => COMPONENT[k],
+            _ => "C",
+        };
+        let wants = |output: Output| sliding().any(|k| request.wants(output, k));
+        for output in OF_FRICTION.into_iter().filter(|output| wants(*output)) {
+            let unknown = match slip {
+                Err(unknown) => Some(*unknown),
+                Ok(_) => (output == Output::CIVC && !outcome.has_duration).then_some(Unknown::TimeStep),
+            };
+            flags.extend(unknown.map(|unknown| Flag::NotKnown {
+                component,
+                quantity: output.name(),
+                why: unknown.in_words(),
+            }));
+        }
+        if let Ok(slip) = slip
+            && (wants(Output::CSF) || OF_FRICTION.into_iter().any(wants))
+        {
+            let told = slip.flags.iter().filter(|flag| !concerns_derivatives(flag));
+            flags.extend(told.map(|flag| Flag::Friction { component, what: flag.name() }));
+        }
+    }
+    // A belt has no slip of one connector alone.
+    if outcome.friction.unknown[1] == Some(Unknown::Friction) {
+        let wanted = OF_FRICTION.into_iter().filter(|output| request.wants(*output, 1));
+        flags.extend(wanted.map(|output| Flag::NotKnown {
+            component: COMPONENT[1],
+            quantity: output.name(),
+            why: Unknown::Friction.in_words(),
+        }));
+    }
+    flags
+}
+
+/// Whether a flag says that a derivative of friction, which is not reported here, does not exist, while the value is exact.
+const fn concerns_derivatives(flag: &friction::Flag) -> bool {
+    use friction::Flag;
+    matches!(
+        flag,
+        Flag::NoTraction
+            | Flag::LoadAtZero { .. }
+            | Flag::NoContactForce
+            | Flag::MacauleyAtZero { .. }
+            | Flag::ContributionAtZero { .. }
+            | Flag::TiedMaximum { .. }
+            | Flag::TableRow { .. }
+            | Flag::LimitAtMaximum
+            | Flag::WrapAngle { .. }
+    )
 }

@@ -8,6 +8,7 @@ use crate::catalog::{ConnectionType, Evidence, NameError, Orientation};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
 use crate::node::{End, Node, PSI_A, PSI_B, Pair};
+use crate::scalar::elementary::norm;
 use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, NodeFreedom, Scene, Solver};
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::hash_map::Entry;
@@ -76,7 +77,7 @@ impl Model {
         model.schedule = Schedule::new(scene);
         let mut drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
             .map_err(|error| error.in_file(&scene.name))?;
-        let mut behaviors: HashMap<(usize, bool), Arc<ElementBehavior>> = HashMap::new();
+        let mut behaviors: HashMap<(usize, bool, u64), Arc<ElementBehavior>> = HashMap::new();
         let mut warned = HashSet::new();
         let freedom = NodeFreedom::of(scene);
         for (label, element) in &scene.connectors {
@@ -166,12 +167,20 @@ impl Model {
                 moves: moving.map(|node| node.is_some()),
                 rotates: moving.map(|node| node.is_some_and(|node| freedom.rotates(node))),
             };
-            let shared = match behaviors.entry((element.section, facts.planar)) {
+            let has_friction = behavior.is_some_and(|behavior| !behavior.friction.is_empty());
+            // The default stick stiffness follows the length of the connector.
+            let own_length = norm(reference);
+            let length = match (has_friction, own_length > 0.0) {
+                (false, _) => 1.0,
+                (true, true) => own_length,
+                (true, false) => typical_length(scene),
+            };
+            let shared = match behaviors.entry((element.section, facts.planar, length.to_bits())) {
                 Entry::Occupied(known) => Arc::clone(known.get()),
                 Entry::Vacant(place) => {
                     let is_explicit = scene.solver == Some(Solver::Explicit);
                     let law = match behavior {
-                        Some(given) => Behavior::new(given, connection, facts.planar, is_explicit)
+                        Some(given) => Behavior::new(given, connection, facts.planar, is_explicit, length)
                             .map_err(|error| error.in_file(&scene.name))?,
                         None => Behavior::none(connection, facts.planar),
                     };
@@ -262,6 +271,16 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
         };
         Diagnostic::error(Code::UnknownConnectionType, span, error.to_string(), "this type").help(remedy)
     })
+}
+
+/// The mean length of the connectors of a scene whose nodes are apart; 1 where there is none.
+fn typical_length(scene: &Scene) -> f64 {
+    let length = |element: &crate::scene::ConnectorElement| {
+        let at = |end| scene.position(element, end).unwrap_or_default();
+        norm(sub(at(SceneEnd::B), at(SceneEnd::A)))
+    };
+    let lengths: Vec<f64> = scene.connectors.values().map(length).filter(|length| *length > 0.0).collect();
+    if lengths.is_empty() { 1.0 } else { lengths.iter().sum::<f64>() / lengths.len() as f64 }
 }
 
 /// A number that tells a behaviour from others: FNV-1a over what the deck says.

@@ -1,9 +1,8 @@
 //! Outputs by name, as decks and the command line write them.
 //!
-//! CP, CU, CCU, CV and CA name all components; with R (CPR, CUR …) the rotations; with a digit 1 to 3 one of them (CU1 is u1,
-//! CUR1 is ur1). CTF, CEF, CVF, CRF and CCF name all components; CTF1 to CTF3 are forces, CTM the moments, CTM1 to CTM3 one of
-//! them. CSLST, CFAILST, DRIVEN, TANGENT, RES, RESV, RESB, RESA, TURNS, MARGIN, PM, LM, NF, KG and DNF
-//! name all components, with a digit 1 to 6 one: NF4 is the nodal forces of m1. ALL
+//! CP, CU, CCU, CV, CA and CASU name all components; with R (CPR, CUR …) the rotations; with a digit 1 to 3 one of them (CU1 is u1,
+//! CUR1 is ur1). CTF, CEF, CVF, CSF, CRF, CCF and CNF name all components; CTF1 to CTF3 are forces, CTM the moments, CTM1 to CTM3 one of
+//! them. CSLST, CIVC, CFAILST, DRIVEN, TANGENT, RES, RESV, RESB, RESA, TURNS, MARGIN, PM, LM, NF, KG and DNF name all components, with a digit 1 to 6 one: NF4 is the nodal forces of m1. ALL
 //! is every output, NONE is no output (derivatives only).
 
 use crate::connector::{Mask, Output, Request};
@@ -40,10 +39,7 @@ pub enum OutputError {
 }
 
 /// The outputs of the manual that need forces or behaviour.
-const OF_BEHAVIOR: [&str; 15] = [
-    "CUF", "CUM", "CSF", "CSM", "CNF", "CNM", "CUE", "CUP", "CALPHA", "CDMG", "CDIF", "CDIM", "CDIP", "CASU",
-    "CIVC",
-];
+const OF_BEHAVIOR: [&str; 9] = ["CUF", "CUM", "CUE", "CUP", "CALPHA", "CDMG", "CDIF", "CDIM", "CDIP"];
 
 /// The outputs of a list of names, with derivatives up to `order`.
 ///

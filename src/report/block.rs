@@ -255,6 +255,7 @@ impl<'a> Block<'a> {
                 });
             }
         }
+        rows.extend(result.behavior.iter().flat_map(|outcome| coupled(outcome, request)));
         let columns = kept.into_iter().filter_map(|j| {
             let end = usize::from(j >= DOFS / 2);
             let node = element.nodes[end]?;
@@ -431,6 +432,34 @@ pub(crate) fn slopes(tangent: &Tangent<f64>) -> Vec<(&'static str, &'static str,
     all
 }
 
+/// An output of one friction.
+fn sliding(slip: &crate::behavior::friction::Outcome<f64>, output: Output) -> Option<Value> {
+    Some(Value::Number(match output {
+        Output::CSF => slip.tangential,
+        Output::CNF => slip.normal,
+        Output::CASU => slip.accumulated_slip,
+        Output::CIVC => slip.slip_rate,
+        _ => return None,
+    }))
+}
+
+/// The rows of frictions that several components share: CSFC, CNFC, CASUC, CIVC.
+fn coupled(outcome: &Outcome, request: &Request) -> Vec<Row> {
+    let wanted = |output: Output| request.outputs().any(|one| one == output);
+    let shared = outcome.slips.iter().filter(|(mask, _)| mask.iter().filter(|one| **one).count() > 1);
+    let row = |slip: &crate::behavior::friction::Outcome<f64>| Row {
+        name: "C",
+        role: "slip",
+        unit: Unit::Length,
+        values: Output::ALL.map(|output| {
+            let is_there = wanted(output) && (output != Output::CIVC || outcome.has_duration);
+            sliding(slip, output).filter(|_| is_there)
+        }),
+    };
+    let rows = shared.filter_map(|(_, slip)| Some(row(slip.as_ref().ok()?)));
+    rows.filter(|row| row.values != NO_VALUES).collect()
+}
+
 /// An output of behaviour.
 fn force(outcome: &Outcome, output: Output, k: usize) -> Option<Value> {
     let number = |forces: &Forces<f64>| forces.value[k].map(Value::Number);
@@ -439,7 +468,14 @@ fn force(outcome: &Outcome, output: Output, k: usize) -> Option<Value> {
         Output::CEF => number(&outcome.elastic),
         Output::CVF => number(&outcome.viscous),
         Output::CRF => number(&outcome.reaction),
+        Output::CSF => number(&outcome.friction),
         Output::CCF => number(&outcome.load),
+        Output::CNF | Output::CASU | Output::CIVC => {
+            // A coupled friction has them once, in a row of its own.
+            let alone = [0, 1, 2, 3, 4, 5].map(|j| j == k);
+            let (_, slip) = outcome.slips.iter().find(|(mask, _)| *mask == alone)?;
+            sliding(slip.as_ref().ok()?, output).filter(|_| output != Output::CIVC || outcome.has_duration)
+        }
         Output::CFAILST => Some(Value::Number(f64::from(u8::from(outcome.failed[k])))),
         Output::DRIVEN => outcome.prescribed[k]?.value().1.map(Value::Number),
         _ => None,
@@ -559,6 +595,8 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
         Flag::Undecided { component, criterion, why } => {
             format!("whether the {criterion} of {component} acts is not decided: {why}")
         }
+        Flag::Friction { component: "C", what } => format!("the friction that components share: {what}"),
+        Flag::Friction { component, what } => format!("the friction of {component}: {what}"),
         Flag::OutOfBalance { component, by } => format!(
             "the force given for {component} is {by:.6e} more than its parts, and nothing holds the component that could take it"
         ),

@@ -379,6 +379,26 @@ impl Criterion {
         (Point { tangential, contact, normal, criterion: tangential - limit }, flags.into_vec())
     }
 
+    /// The components (from 0) of whose forces F_C is formed.
+    pub fn pressing_components(&self) -> [bool; 6] {
+        let mut mask = [false; 6];
+        match &self.pressing {
+            Pressing::Nothing => {}
+            Pressing::Component(k) => mask[*k] = true,
+            Pressing::Derived(derived) => derived.components().for_each(|k| mask[k] = true),
+            Pressing::Terms(terms) => {
+                for term in terms {
+                    let of: &[usize] = match term.load {
+                        Load::Norm(components) => components,
+                        Load::Along(_) | Load::Across(_) => &[0, 1, 2],
+                    };
+                    of.iter().filter(|k| term.present[**k]).for_each(|k| mask[*k] = true);
+                }
+            }
+        }
+        mask
+    }
+
     /// F_N = |F_C + F_C^int|.
     pub(super) fn normal<S>(&self, contact: S, context: &Context<'_, S>, flags: &mut Flags) -> S
     where

@@ -40,7 +40,7 @@ impl Derived {
         parts.fold(S::zero(), |sum, (i, part)| sum + part.evaluate(i + 1, f, context, flags))
     }
 
-    fn components(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn components(&self) -> impl Iterator<Item = usize> + '_ {
         self.parts.iter().flat_map(|part| part.components.iter().copied())
     }
 }

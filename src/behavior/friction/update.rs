@@ -19,7 +19,7 @@ use super::{Context, Ordered, capped, is_finite, is_zero, largest, length};
 use crate::behavior::table::Variable;
 use crate::scalar::elementary::{direction, recip};
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The elastic slip allowed in stick by default, as a fraction of a characteristic length; in radians where the slip is an
 /// angle (Abaqus/Standard; `SLIP TOLERANCE` replaces it).
@@ -54,7 +54,7 @@ pub struct Friction {
 }
 
 /// What a friction remembers from one increment to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State<R> {
     /// The friction forces at the end of the last increment.
     pub force: [R; 6],
