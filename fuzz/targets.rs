@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 #[path = "../verify/fuzzing.rs"]
-#[allow(dead_code, reason = "each target uses one body")]
+#[expect(dead_code, reason = "each target uses one body")]
 pub mod bodies;
 
 /// Declares the target whose body has the same name.
