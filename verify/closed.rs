@@ -9,7 +9,7 @@
 mod forces; // forces and moments as the manual prints them
 
 use crate::laws::{Check, Scales, functions};
-use crate::states::{Case, Extent, cases};
+use crate::states::{Case, Ends, Extent, cases};
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Components, NodalRow, Request, Turns};
 use pintle::node::DOFS;

@@ -1,7 +1,7 @@
 //! Which degrees of freedom nodes have, and connectors that share nodes: from a deck to the columns of its rows.
 
 use crate::laws::{Check, assert_bits};
-use crate::states::{Draw, Extent, cases, types};
+use crate::states::{Draw, Ends, Extent, cases, types};
 use pintle::catalog::{Orientation, TABLE};
 use pintle::connector::Request;
 use pintle::evaluate::{Model, Plan, Selection, Sequence, StepResult};

@@ -2,7 +2,7 @@
 
 use super::{Pose, angle, entry, row, torsion_of};
 use crate::laws::Check;
-use crate::states::{Case, Extent, cases, dof_size};
+use crate::states::{Case, Ends, Extent, cases, dof_size};
 use pintle::connector::{NodalRow, Tally};
 use pintle::force::{ForceRows, Want};
 use pintle::node::DOFS;

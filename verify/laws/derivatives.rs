@@ -2,7 +2,7 @@
 //! moved along finite rotations exp(δθ^) C by a step so small that nothing is left to tune.
 
 use super::{Check, Scales, functions};
-use crate::states::{Case, cases, dof_size, exact_branch, exact_state, extent, moved, types};
+use crate::states::{Case, Ends, cases, dof_size, exact_branch, exact_state, extent, moved, types};
 use pintle::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
 };

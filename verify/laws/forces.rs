@@ -2,7 +2,8 @@
 
 use super::Check;
 use crate::states::{
-    Case, carried, cases, cube_orientations, dof_size, exact_branch, exact_state, extent, moved, turn, types,
+    Case, Ends, carried, cases, cube_orientations, dof_size, exact_branch, exact_state, extent, moved, turn,
+    types,
 };
 use crate::tolerance::WIDE;
 use pintle::catalog::{ConnectionType, TABLE};

@@ -1,7 +1,9 @@
 //! Paths: angles continue through half and whole turns, turns are counted, a saved branch continues bit for bit.
 
 use super::{Check, assert_bits, functions};
-use crate::states::{Case, Draw, Extent, Motion, about_1, about_3, cases, definition, pair, turn, types};
+use crate::states::{
+    Case, Draw, Ends, Extent, Motion, about_1, about_3, cases, definition, pair, turn, types,
+};
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{
     Branch, Connector, Definition, Evaluation, Increment, Output, Request, State, Tally,

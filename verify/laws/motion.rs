@@ -2,7 +2,7 @@
 
 use super::derivatives::Truth;
 use super::{Check, Scales, U, assert_bits, functions, times};
-use crate::states::{Case, Draw, Extent, carried, cases, dof_size, extent, moved, pair, turn, types};
+use crate::states::{Case, Draw, Ends, Extent, carried, cases, dof_size, extent, moved, pair, turn, types};
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{
     Components, Connector, Evaluation, Flag, Increment, NodalRow, Output, Request, State, Tally,

@@ -2,7 +2,7 @@
 //! its halves. What is declared not to matter does not.
 
 use super::{assert_bits, functions};
-use crate::states::{Case, Draw, Extent, cases, definition, extent, moved, pair, turn, types};
+use crate::states::{Case, Draw, Ends, Extent, cases, definition, extent, moved, pair, turn, types};
 use pintle::catalog::{Availability, ConnectionType, TABLE};
 use pintle::connector::{Components, Connector, Definition, Evaluation, Mask, Output, Request, Tally};
 use pintle::measure::{Measure, Unit};
