@@ -78,6 +78,7 @@
 //! ```
 
 pub mod audit;
+pub mod batch;
 pub mod behavior;
 pub mod catalog;
 pub mod connector;

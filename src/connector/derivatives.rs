@@ -220,15 +220,7 @@ impl Seeds {
             Self::All | Self::None => (0, Dependence { translation: true, rotation: true, flow: true }),
         };
         let zero = R::integer(0);
-        let seed = |i: usize| {
-            if i >= first && i < first + N { S::seed(zero, i - first) } else { S::zero() }
-        };
-        let relative = state.pair.varied(
-            needed,
-            [seed(0), seed(1), seed(2)],
-            [seed(3), seed(4), seed(5)],
-            [seed(6), seed(7)],
-        );
+        let relative = state.pair.seeded::<S, N>(needed, first);
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &connector.section, history);
         for (k, measure) in measures {
             let value = measure.evaluate(&mut shared);

@@ -48,6 +48,7 @@ impl Real for f64 {
         std::f64::consts::PI
     }
 
+    #[inline(always)]
     fn with_turns(principal: Self, n: Self) -> Self {
         // 2πn as a sum of two doubles, then the sum with its rounding error (Knuth).
         let whole = n * TAU;

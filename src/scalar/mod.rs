@@ -26,6 +26,7 @@ mod coefficients;
 mod double;
 mod dual;
 pub mod elementary;
+pub mod lanes;
 mod wide;
 
 use std::fmt::Debug;
@@ -71,6 +72,18 @@ pub trait Scalar:
 
     /// The product with a real constant; cheaper than a product with [`Scalar::from_real`].
     fn scale(self, factor: Self::Real) -> Self;
+
+    /// value + e: the number with another real part.
+    #[inline(always)]
+    fn with_real(self, value: Self::Real) -> Self {
+        Self::from_real(value) + self.nilpotent()
+    }
+
+    /// The product of two numbers whose real parts are zero.
+    #[inline(always)]
+    fn nilpotent_product(self, other: Self) -> Self {
+        self * other
+    }
 
     /// `yes` where the mask holds, else `no`.
     #[inline(always)]
@@ -210,6 +223,12 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     #[inline(always)]
     fn choose<T: Select<Self>>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
         if Self::holds(mask) { yes() } else { no() }
+    }
+
+    /// `yes` where the mask holds, else `no`, both known.
+    #[inline(always)]
+    fn either<T: Select<Self>>(mask: Self::Mask, yes: T, no: T) -> T {
+        T::pick(mask, yes, no)
     }
 
     /// (sin x, cos x), x in radians.
