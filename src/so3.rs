@@ -92,7 +92,7 @@ pub fn quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
 /// As [`quaternion`], of R = exp(σ^) R₀ where the nilpotent spin σ is known: derivatives then come from exp(σ^) instead of R.
 #[inline(always)]
 pub fn quaternion_along<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> Quaternion<S> {
-    let q0 = upper_half(unit_quaternion(&real_matrix(r)));
+    let q0 = unit_quaternion(&real_matrix(r));
     varied(r, q0, spin)
 }
 
@@ -218,32 +218,56 @@ fn twice_axial<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
     [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
 }
 
-/// The dominant eigenvector of M ([`eigen_matrix`]), either sign.
+/// The dominant eigenvector of M ([`eigen_matrix`]), w ≥ 0.
 #[inline(always)]
 fn unit_quaternion<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
     let m = eigen_matrix(R::integer(1), r);
-    let first = larger((m[0][0], m[0]), (m[1][1], m[1]));
-    let second = larger((m[2][2], m[2]), (m[3][3], m[3]));
-    let (_, start) = larger(first, second);
+    let start = if R::HAS_LANES {
+        weighted_column(&m)
+    } else {
+        let first = larger((m[0][0], m[0]), (m[1][1], m[1]));
+        let second = larger((m[2][2], m[2]), (m[3][3], m[3]));
+        larger(first, second).1
+    };
     let mut q = start;
     for i in 0..4 {
-        q[i] = m[i][0] * start[0] + m[i][1] * start[1] + m[i][2] * start[2] + m[i][3] * start[3];
+        let first = m[i][1].multiply_add(start[1], m[i][0] * start[0]);
+        q[i] = m[i][3].multiply_add(start[3], m[i][2].multiply_add(start[2], first));
     }
-    unit(q)
+    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    let inverse = square.square_root().reciprocal_or_zero();
+    let inverse = R::either(q[0].less(R::integer(0)), -inverse, inverse);
+    [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
+}
+
+/// The column with the largest diagonal entry, as a sum with the weights 0 and 1: products vectorise where choices between columns
+/// do not.
+#[inline(always)]
+fn weighted_column<R: Real>(m: &[Quaternion<R>; 4]) -> Quaternion<R> {
+    let (zero, one) = (R::integer(0), R::integer(1));
+    let largest = |a: R, b: R| R::either(a.less(b), b, a);
+    let second_of_first = R::either(m[0][0].less(m[1][1]), one, zero);
+    let second_of_last = R::either(m[2][2].less(m[3][3]), one, zero);
+    let last = R::either(largest(m[0][0], m[1][1]).less(largest(m[2][2], m[3][3])), one, zero);
+    let first = one - last;
+    let weight = [
+        first - first * second_of_first,
+        first * second_of_first,
+        last - last * second_of_last,
+        last * second_of_last,
+    ];
+    let mut column = m[0];
+    for i in 0..4 {
+        let of_last = m[i][3].multiply_add(weight[3], m[i][2] * weight[2]);
+        column[i] = m[i][1].multiply_add(weight[1], m[i][0].multiply_add(weight[0], of_last));
+    }
+    column
 }
 
 /// What stands with the larger key.
 #[inline(always)]
 fn larger<R: Real>(a: (R, Quaternion<R>), b: (R, Quaternion<R>)) -> (R, Quaternion<R>) {
     R::either(a.0.less(b.0), b, a)
-}
-
-/// q / |q|.
-#[inline(always)]
-fn unit<R: Real>(q: Quaternion<R>) -> Quaternion<R> {
-    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    let inverse = square.square_root().reciprocal_or_zero();
-    [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
 }
 
 /// ±q with w ≥ 0.
@@ -349,7 +373,7 @@ pub fn continuous_log_along<S: Scalar>(
     spin: Option<Vector<S>>,
     reference: Vector<S::Real>,
 ) -> ContinuousLog<S> {
-    let q0 = upper_half(unit_quaternion(&real_matrix(r)));
+    let q0 = unit_quaternion(&real_matrix(r));
     let q = varied(r, q0, spin);
     continued(q, reference)
 }

@@ -19,7 +19,11 @@ pub fn dot<S: Scalar>(u: Vector<S>, v: Vector<S>) -> S {
 /// u × v.
 #[inline(always)]
 pub fn cross<S: Scalar>(u: Vector<S>, v: Vector<S>) -> Vector<S> {
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    [
+        u[1].multiply_add(v[2], -(u[2] * v[1])),
+        u[2].multiply_add(v[0], -(u[0] * v[2])),
+        u[0].multiply_add(v[1], -(u[1] * v[0])),
+    ]
 }
 
 /// u + v.

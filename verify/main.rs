@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod audit; // whether the audit notices what is wrong, and nothing else
+mod batch; // whether four lanes give what one element at a time gives
 mod behavior; // forces that follow from motions
 mod cli; // the command line
 mod closed; // rows derived by hand

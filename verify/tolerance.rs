@@ -161,3 +161,6 @@ pub(crate) const GOLDEN_MPC: f64 = 2e-13;
 /// Friction along a history of 12 states against the same formulas worked out apart, relative to trial force and limit: a few
 /// roundings of each state, which stick carries on to the next.
 pub(crate) const FRICTION_HISTORY: f64 = 1e-13;
+
+/// Four lanes against one element at a time, in roundings of the conditioned scale: value, first, second derivatives.
+pub(crate) const BATCH: [f64; 3] = [4.0, 8.0, 16.0];

@@ -34,6 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod advance;
 mod kernel;
 mod passes;
 mod tile;
@@ -43,6 +44,7 @@ use crate::measure::Measure;
 use passes::Pass;
 use pulp::Arch;
 
+pub use advance::advance;
 pub use kernel::{CompactRow, HessianRow, Row};
 pub use tile::{Four, History, Section, Tile};
 
@@ -88,6 +90,13 @@ impl Batch {
         }
         let list: Vec<Measure> = measures.iter().map(|(_, measure)| *measure).collect();
         Ok(Self { passes: passes::cover(&list), measures, arch: Arch::new() })
+    }
+
+    /// The same batch in the instructions of every processor that this program runs on, without a vector unit chosen at run
+    /// time.
+    pub const fn baseline(mut self) -> Self {
+        self.arch = Arch::Scalar;
+        self
     }
 
     /// The number of rows of each tile.

@@ -17,7 +17,7 @@ pub(super) trait Task {
     fn run<F: Formula<M>, const M: usize>(self);
 }
 
-/// One loop over tiles: the number of its formula, and the row of each of its measures.
+/// One loop over tiles: the number of its formula, and the row of each of its measures; `usize::MAX` of those not wanted.
 #[derive(Clone, Debug)]
 pub(super) struct Pass {
     number: usize,
@@ -25,9 +25,9 @@ pub(super) struct Pass {
 }
 
 macro_rules! formulas {
-    ($($count:literal: $($measure:ident($($index:literal),*) by $method:ident),+;)*) => {
-        /// The measures of each formula; those with more measures come first.
-        const FORMULAS: &[&[Measure]] = &[$(&[$(formulas!(@measure $measure $($index)*)),+]),*];
+    ($($count:literal: $($measure:ident $(($($index:literal),+))? by $method:ident),+;)*) => {
+        /// The measures of each formula: each measure is in one.
+        const FORMULAS: &[&[Measure]] = &[$(&[$(formulas!(@measure $measure $($($index)+)?)),+]),*];
 
         impl Pass {
             /// Does a task for the formula of this pass.
@@ -38,11 +38,11 @@ macro_rules! formulas {
                     struct Evaluated;
 
                     impl Formula<$count> for Evaluated {
-                        const MEASURES: [Measure; $count] = [$(formulas!(@measure $measure $($index)*)),+];
+                        const MEASURES: [Measure; $count] = [$(formulas!(@measure $measure $($($index)+)?)),+];
 
                         #[inline(always)]
                         fn evaluate<S: Scalar>(shared: &mut Shared<'_, S>) -> [S; $count] {
-                            [$(shared.$method($($index),*)),+]
+                            [$(shared.$method($($($index),+)?)),+]
                         }
                     }
 
@@ -62,25 +62,40 @@ macro_rules! formulas {
 formulas! {
     3: RotationVector(1) by rotation, RotationVector(2) by rotation, RotationVector(3) by rotation;
     3: Misalignment(1) by misaligned, Misalignment(2) by misaligned, Misalignment(3) by misaligned;
+    3: ProjectedPosition(1) by projected, ProjectedPosition(2) by projected, ProjectedPosition(3) by projected;
+    2: ComponentFlexion(1) by component_flexion, ComponentFlexion(2) by component_flexion;
     3: Position(1) by coordinate, Position(2) by coordinate, Position(3) by coordinate;
+    1: Distance by distance;
+    1: RadialDistance by radius;
+    1: Cosine(1, 2) by cosine;
+    1: Cosine(1, 3) by cosine;
+    1: Cardan(1) by cardan;
+    1: Cardan(2) by cardan;
+    1: Cardan(3) by cardan;
+    1: Euler(1) by euler;
+    1: Euler(2) by euler;
+    1: Euler(3) by euler;
+    1: Flexion by flexion;
+    1: Torsion by torsion;
+    1: Sweep by sweep;
 }
 
-/// The passes that compute `measures`: of each formula that computes some of them, those with the most first.
+/// The passes that compute `measures`: each formula that computes one of those that are left.
 pub(super) fn cover(measures: &[Measure]) -> Vec<Pass> {
     let mut left: Vec<(usize, Measure)> =
         measures.iter().copied().map(Measure::as_function).enumerate().collect();
     let mut passes = Vec::new();
     for (number, formula) in FORMULAS.iter().enumerate() {
-        let row_of = |measure: &Measure| left.iter().find(|(_, one)| one == measure).map(|(row, _)| *row);
-        let rows: Vec<usize> = formula.iter().filter_map(row_of).collect();
-        if rows.len() < formula.len() {
+        let mut pass = Pass { number, rows: [usize::MAX; 3] };
+        for (slot, measure) in pass.rows.iter_mut().zip(*formula) {
+            if let Some((row, _)) = left.iter().find(|(_, one)| one == measure) {
+                *slot = *row;
+            }
+        }
+        if pass.rows.iter().all(|row| *row == usize::MAX) {
             continue;
         }
-        left.retain(|(row, _)| !rows.contains(row));
-        let mut pass = Pass { number, rows: [0; 3] };
-        for (slot, row) in pass.rows.iter_mut().zip(rows) {
-            *slot = row;
-        }
+        left.retain(|(row, _)| !pass.rows.contains(row));
         passes.push(pass);
     }
     passes

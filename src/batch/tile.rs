@@ -44,16 +44,16 @@ pub struct History {
 }
 
 /// `of` each of four, lane by lane.
-fn four<T>(from: &[T; LANES], of: impl Fn(&T) -> f64) -> Four {
+pub(super) fn four<T>(from: &[T; LANES], of: impl Fn(&T) -> f64) -> Four {
     let [a, b, c, d] = from;
     [of(a), of(b), of(c), of(d)]
 }
 
-fn vector<T>(from: &[T; LANES], of: impl Fn(&T) -> Vector<f64>) -> [Four; 3] {
+pub(super) fn vector<T>(from: &[T; LANES], of: impl Fn(&T) -> Vector<f64>) -> [Four; 3] {
     [0, 1, 2].map(|i| four(from, |one| of(one)[i]))
 }
 
-fn matrix<T>(from: &[T; LANES], of: impl Fn(&T) -> Matrix<f64>) -> [[Four; 3]; 3] {
+pub(super) fn matrix<T>(from: &[T; LANES], of: impl Fn(&T) -> Matrix<f64>) -> [[Four; 3]; 3] {
     [0, 1, 2].map(|i| vector(from, |one| of(one)[i]))
 }
 

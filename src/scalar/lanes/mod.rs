@@ -30,13 +30,20 @@ impl LaneMask {
     /// Whether it holds in every lane.
     #[inline(always)]
     pub fn all(self) -> bool {
-        self.0[0] & self.0[1] & self.0[2] & self.0[3]
+        self.count() == LANES as f64
     }
 
     /// Whether it holds in at least one lane.
     #[inline(always)]
     pub fn any(self) -> bool {
-        self.0[0] | self.0[1] | self.0[2] | self.0[3]
+        self.count() > 0.0
+    }
+
+    /// In how many lanes it holds: as a sum of doubles, which vectorises.
+    #[inline(always)]
+    fn count(self) -> f64 {
+        let one = |holds: bool| if holds { 1.0 } else { 0.0 };
+        (one(self.0[0]) + one(self.0[1])) + (one(self.0[2]) + one(self.0[3]))
     }
 }
 
