@@ -170,25 +170,33 @@ impl pulp::NullaryFnOnce for Sweep<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let n = self.case.batch.rows();
-        let tiles = self.case.tiles.iter().zip(self.out.chunks_exact_mut(n));
-        match self.name {
-            "SLIDE-PLANE" => tiles.for_each(|(tile, out)| hand::simd::slide_plane(self.v, tile, out)),
-            "ROTATION" => tiles.for_each(|(tile, out)| hand::simd::rotation(self.v, tile, out)),
+        let Self { v, name, case, out } = self;
+        let tiles = case.tiles.iter().zip(out.chunks_exact_mut(case.batch.rows()));
+        match name {
+            "SLIDE-PLANE" => tiles.for_each(|(tile, out)| hand::simd::slide_plane(v, tile, out)),
+            "REVOLUTE" => tiles.for_each(|(tile, out)| hand::simd::revolute(v, tile, out)),
+            "TRANSLATOR" => tiles
+                .zip(&case.sections)
+                .for_each(|((tile, out), section)| hand::simd::translator(v, tile, section, out)),
+            "ROTATION" => tiles.for_each(|(tile, out)| hand::simd::rotation(v, tile, out)),
+            "CARDAN" => tiles.for_each(|(tile, out)| hand::simd::cardan(v, tile, out)),
             other => panic!("{other} is not written by hand"),
         }
     }
 }
 
+/// The types written by hand.
+const BY_HAND: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
+
 fn main() {
-    let cases: Vec<Case> = ["SLIDE-PLANE", "ROTATION"].into_iter().map(case).collect();
+    let cases: Vec<Case> = BY_HAND.into_iter().map(case).collect();
     let mut least = vec![[f64::INFINITY; 2]; cases.len()];
     for round in 0..ROUNDS {
         for (i, case) in cases.iter().enumerate() {
             let mut rows = vec![Row::default(); case.tiles.len() * case.batch.rows()];
             let mut by_hand = rows.clone();
             let v = pulp::x86::V3::try_new().unwrap();
-            let mut hand = |out: &mut [Row]| v.vectorize(Sweep { v, name: case.name, case, out });
+            let hand = |out: &mut [Row]| v.vectorize(Sweep { v, name: case.name, case, out });
             let lanes = |out: &mut [Row]| {
                 case.batch.rows_of(black_box(&case.tiles), &case.sections, &case.histories, out).unwrap();
             };
@@ -207,11 +215,14 @@ fn main() {
             least[i][1] = least[i][1].min(time(400, || hand(black_box(&mut by_hand))) / each);
         }
     }
+    let mut product = 1.0;
     for (case, [lanes, hand]) in cases.iter().zip(&least) {
         println!(
             "{:12} lanes {lanes:6.2} ns  hand {hand:6.2} ns  speed {:.0} %",
             case.name,
             100.0 * hand / lanes
         );
+        product *= hand / lanes;
     }
+    println!("geometric mean of the speed: {:.0} %", 100.0 * f64::powf(product, 1.0 / cases.len() as f64));
 }

@@ -71,7 +71,13 @@ TABLE = [
     ("LOG_2", "K″(c)/2, y = (1 − c)/2 in [0, 1/4], ascending powers of y", log_factor(2), mpf(1) / 4, 17),
     ("LONG_LOG_0", "K(c), y = (1 − c)/2 in [0, 1/2], ascending powers of y", log_factor(0), HALF, 22),
     ("LONG_LOG_1", "K′(c), y = (1 − c)/2 in [0, 1/2], ascending powers of y", log_factor(1), HALF, 23),
-    ("LONG_LOG_2", "K″(c)/2, y = (1 − c)/2 in [0, 1/2], ascending powers of y", log_factor(2), HALF, 24),
+    (
+        "LONG_LOG_2",
+        "K″(c)/2, y = (1 − c)/2 in [0, 1/2], ascending powers of y − 1/4 (in powers of y its coefficients would cancel)",
+        lambda x: log_factor(2)(x + mpf(1) / 4),
+        (-mpf(1) / 4, mpf(1) / 4),
+        24,
+    ),
     (
         "ARCTANGENT",
         "(atan t − t)/t³, t² in [0, tan² π/8], ascending powers of t²",
@@ -88,7 +94,8 @@ def rust():
         "",
     ]
     for name, what, function, end, degree in TABLE:
-        fit, error = chebyfit(function, [0, end], degree + 1, error=True)
+        start, end = end if isinstance(end, tuple) else (mpf(0), end)
+        fit, error = chebyfit(function, [start, end], degree + 1, error=True)
         relative = error / abs(function(end))
         lines.append(f"/// {what}; fit error {mp.nstr(relative * 2**53, 2)} u.")
         lines.append(f"pub(super) const {name}: [f64; {degree + 1}] = [")

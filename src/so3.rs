@@ -235,8 +235,8 @@ fn unit_quaternion<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
         q[i] = m[i][3].multiply_add(start[3], m[i][2].multiply_add(start[2], first));
     }
     let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    let inverse = square.square_root().reciprocal_or_zero();
-    let inverse = R::either(q[0].less(R::integer(0)), -inverse, inverse);
+    // Adding zero makes +0 of −0, whose sign is none.
+    let inverse = (R::integer(1) / square.square_root()).with_sign_of(q[0] + R::integer(0));
     [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
 }
 
@@ -244,24 +244,26 @@ fn unit_quaternion<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
 /// do not.
 #[inline(always)]
 fn weighted_column<R: Real>(m: &[Quaternion<R>; 4]) -> Quaternion<R> {
-    let (zero, one) = (R::integer(0), R::integer(1));
-    let largest = |a: R, b: R| R::either(a.less(b), b, a);
-    let second_of_first = R::either(m[0][0].less(m[1][1]), one, zero);
-    let second_of_last = R::either(m[2][2].less(m[3][3]), one, zero);
-    let last = R::either(largest(m[0][0], m[1][1]).less(largest(m[2][2], m[3][3])), one, zero);
+    let one = R::integer(1);
+    let (second, fourth) = (step(m[1][1] - m[0][0]), step(m[3][3] - m[2][2]));
+    let of_first = second.multiply_add(m[1][1] - m[0][0], m[0][0]);
+    let of_last = fourth.multiply_add(m[3][3] - m[2][2], m[2][2]);
+    let last = step(of_last - of_first);
     let first = one - last;
-    let weight = [
-        first - first * second_of_first,
-        first * second_of_first,
-        last - last * second_of_last,
-        last * second_of_last,
-    ];
+    let weight = [first - first * second, first * second, last - last * fourth, last * fourth];
     let mut column = m[0];
     for i in 0..4 {
         let of_last = m[i][3].multiply_add(weight[3], m[i][2] * weight[2]);
         column[i] = m[i][1].multiply_add(weight[1], m[i][0].multiply_add(weight[0], of_last));
     }
     column
+}
+
+/// 1 for x > 0, 0 for x < 0.
+#[inline(always)]
+fn step<R: Real>(x: R) -> R {
+    let half = R::ratio(1, 2);
+    half + half.with_sign_of(x)
 }
 
 /// What stands with the larger key.

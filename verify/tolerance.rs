@@ -163,4 +163,4 @@ pub(crate) const GOLDEN_MPC: f64 = 2e-13;
 pub(crate) const FRICTION_HISTORY: f64 = 1e-13;
 
 /// Four lanes against one element at a time, in roundings of the conditioned scale: value, first, second derivatives.
-pub(crate) const BATCH: [f64; 3] = [4.0, 8.0, 16.0];
+pub(crate) const BATCH: [f64; 3] = [2.0, 2.5, 1.5];

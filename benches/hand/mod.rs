@@ -3,5 +3,5 @@
 #[path = "../../src/scalar/coefficients.rs"]
 #[expect(dead_code, reason = "the rows need some of them")]
 mod coefficients;
-pub mod simd;
-pub mod vector;
+pub(crate) mod simd;
+mod vector;

@@ -45,7 +45,7 @@ pub struct HessianRow {
 }
 
 /// Where the derivatives of a measure go.
-trait Layout<const FUSED: bool>: Sized {
+trait Layout<const FUSED: bool>: Copy + Default {
     /// The order of the derivatives.
     const ORDER: usize;
 
@@ -285,29 +285,49 @@ impl<const FUSED: bool, L: Layout<FUSED>> Task for Loop<'_, FUSED, L> {
     fn run<F: Formula<M>, const M: usize>(self) {
         let Loop { pass, rows, tiles, sections, histories, out } = self;
         let elements = tiles.iter().zip(sections).zip(histories).zip(out.chunks_exact_mut(rows));
+        // Mostly the rows stand side by side where they are to go.
+        let in_place =
+            (1..M).all(|m| pass.rows[m] == pass.rows[0].wrapping_add(m)) && pass.rows[M - 1] < rows;
+        let mut apart = [L::default(); M];
         for (((tile, section), history), out) in elements {
             let pair = tile.pair::<FUSED>();
             let section = section.load::<FUSED>();
             let history = history.load::<FUSED>();
-            let element = Element { pair: &pair, section: &section, history: &history, pass };
+            let element = Element { pair: &pair, section: &section, history: &history };
+            let target = if in_place {
+                let Some(target) = out.get_mut(pass.rows[0]..).and_then(|rows| rows.first_chunk_mut::<M>())
+                else {
+                    continue;
+                };
+                target
+            } else {
+                &mut apart
+            };
             // Constants, so that only one of these is compiled for each formula.
             if const { L::ORDER == 1 && needed::<M>(&F::MEASURES).of_position() } {
-                element.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 0);
+                element.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(target, 0);
             }
             if const { L::ORDER == 1 && needed::<M>(&F::MEASURES).of_rotation() } {
-                element.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 3);
+                element.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(target, 3);
             }
             if const { L::ORDER == 1 && needed::<M>(&F::MEASURES).of_both() } {
-                element.differentiate::<F, FirstOrder<_, 6>, L, M, 6>(out, 0);
+                element.differentiate::<F, FirstOrder<_, 6>, L, M, 6>(target, 0);
             }
             if const { L::ORDER == 2 && needed::<M>(&F::MEASURES).of_position() } {
-                element.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 0);
+                element.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(target, 0);
             }
             if const { L::ORDER == 2 && needed::<M>(&F::MEASURES).of_rotation() } {
-                element.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 3);
+                element.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(target, 3);
             }
             if const { L::ORDER == 2 && needed::<M>(&F::MEASURES).of_both() } {
-                element.differentiate::<F, SecondOrder<_, 6>, L, M, 6>(out, 0);
+                element.differentiate::<F, SecondOrder<_, 6>, L, M, 6>(target, 0);
+            }
+            if !in_place {
+                for (row, computed) in pass.rows.iter().zip(&apart) {
+                    if let Some(row) = out.get_mut(*row) {
+                        *row = *computed;
+                    }
+                }
             }
         }
     }
@@ -324,18 +344,17 @@ const fn needed<const M: usize>(measures: &[crate::measure::Measure; M]) -> Depe
     sum
 }
 
-/// Four elements and where the rows of a pass go.
+/// Four elements.
 struct Element<'a, const FUSED: bool> {
     pair: &'a Pair<Lanes<FUSED>>,
     section: &'a crate::measure::Section<Lanes<FUSED>>,
     history: &'a crate::measure::History<Lanes<FUSED>>,
-    pass: &'a Pass,
 }
 
 impl<const FUSED: bool> Element<'_, FUSED> {
     /// The measures of a formula, differentiated by the N relative variations from number `first` on.
     #[inline(always)]
-    fn differentiate<F, S, L, const M: usize, const N: usize>(&self, out: &mut [L], first: usize)
+    fn differentiate<F, S, L, const M: usize, const N: usize>(&self, out: &mut [L; M], first: usize)
     where
         F: Formula<M>,
         S: Seeded<N, Real = Lanes<FUSED>>,
@@ -347,7 +366,7 @@ impl<const FUSED: bool> Element<'_, FUSED> {
         let values = F::evaluate(&mut shared);
         let zero = Lanes::splat(0.0);
         for m in 0..M {
-            let Some(row) = out.get_mut(self.pass.rows[m]) else { continue };
+            let row = &mut out[m];
             let mut all = [zero; 6];
             let mut second = [[zero; 6]; 6];
             let gradient = values[m].gradient();

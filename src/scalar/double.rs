@@ -75,6 +75,11 @@ impl Real for f64 {
     }
 
     #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        self.copysign(sign)
+    }
+
+    #[inline(always)]
     fn reciprocal_or_zero(self) -> Self {
         let inverse = 1.0 / self;
         if inverse.is_infinite() { 0.0 } else { inverse }

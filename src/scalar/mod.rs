@@ -195,6 +195,9 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// |x|.
     fn magnitude(self) -> Self;
 
+    /// |x| with the sign of another number, −0 included.
+    fn with_sign_of(self, sign: Self) -> Self;
+
     /// 1 / x, or 0 where x = 0 or, in a type of narrow range, 1 / x would overflow (`f64`: |x| < 2⁻¹⁰²⁴).
     ///
     /// The second case is the minimal-norm choice of a derivative at a point that has none; whoever can meet such a

@@ -163,7 +163,7 @@ pub(super) fn log_series<const FUSED: bool>(c: Lanes<FUSED>, order: usize) -> Se
         series[1] = polynomial(&LONG_LOG_1, y);
     }
     if order > 1 {
-        series[2] = polynomial(&LONG_LOG_2, y);
+        series[2] = polynomial(&LONG_LOG_2, y - Lanes::splat(0.25));
     }
     series
 }

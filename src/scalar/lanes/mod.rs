@@ -75,12 +75,6 @@ impl<const FUSED: bool> Lanes<FUSED> {
         LaneMask([test(a, e), test(b, f), test(c, g), test(d, h)])
     }
 
-    /// The magnitude of `self` with the sign of `sign`.
-    #[inline(always)]
-    fn with_sign_of(self, sign: Self) -> Self {
-        self.both(sign, f64::copysign)
-    }
-
     /// Series of each lane, computed on doubles.
     fn lane_by_lane(self, series: impl Fn(f64) -> Series<f64>) -> Series<Self> {
         let of = self.0.map(series);
@@ -215,6 +209,11 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
     #[inline(always)]
     fn magnitude(self) -> Self {
         self.each(f64::abs)
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        self.both(sign, f64::copysign)
     }
 
     #[inline(always)]
