@@ -17,6 +17,7 @@ mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are
 mod plane; // the two-dimensional forms
 mod rules; // what a connector section may do
+mod scale; // large models: sparse matrices, threads, memory
 mod scene; // what decks and state files mean
 mod states; // where laws are tried
 mod tolerance; // every tolerance, with the cause of the odd ones
