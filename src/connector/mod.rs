@@ -210,7 +210,11 @@ impl<R: Differentiable> Connector<R> {
                 Slot::Constrained(_, Condition::ZeroOrHeld(printed)) => {
                     let printed_start = printed.evaluate(&mut shared);
                     let tiny = R::from_f64(ALIGNED);
-                    R::choose(printed_start.magnitude().less(tiny), || (printed, zero), || (position, start))
+                    if R::holds(printed_start.magnitude().less(tiny)) {
+                        (printed, zero)
+                    } else {
+                        (position, start)
+                    }
                 }
                 _ => (position, start),
             };
