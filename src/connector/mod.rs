@@ -6,12 +6,14 @@
 //! [`Connector::advance`] never changes the one it starts from.
 
 mod branch;
+mod compact;
 mod derivatives;
 mod flags;
 mod request;
 
 pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
+pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
