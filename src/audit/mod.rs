@@ -13,6 +13,7 @@
 //! | the formula is the manual's | JAX, certified per type ([`certificate`]) |
 //! | the declaration is the manual's | its summary table, transcribed a second time, certified per type |
 
+pub mod assembly;
 pub mod atlas;
 pub mod bound;
 mod candidate;

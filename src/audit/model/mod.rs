@@ -25,6 +25,7 @@ mod rules;
 pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
+use crate::audit::assembly::{self, Assembly};
 use crate::evaluate::Model;
 use crate::scene::{Scene, Severity, State};
 use serde::Serialize;
@@ -36,7 +37,9 @@ pub struct ModelReport {
     pub scene: String,
     /// The number of states that were looked at besides the initial one.
     pub states: usize,
-    /// Findings: rules first, then by place in the file.
+    /// What the assembly as a whole can do; `None` where a rule refuses the model.
+    pub assembly: Option<Assembly>,
+    /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly.
     pub findings: Vec<Finding>,
 }
 
@@ -55,10 +58,22 @@ impl ModelReport {
 /// Looks at a scene, at its initial state and at those given.
 pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelReport {
     let (model, errors) = Model::examine(scene);
+    let is_refused = !errors.is_empty();
     let mut findings = rules::findings(scene, &model, errors);
     findings.extend(geometry::findings(scene, &model));
     findings.extend(behavior::findings(scene, &model));
     findings.extend(duplicates::findings(scene, &model));
     findings.extend(along::findings(scene, &model, states, &mut |_| ()));
-    ModelReport { scene: scene.name.clone(), states: states.len(), findings: levels.apply(findings) }
+    let mut assembly = None;
+    if !is_refused {
+        match assembly::analyse(scene, &model, states, 1) {
+            Ok(found) => {
+                findings.extend(assembly::findings::findings(scene, &found));
+                assembly = Some(found);
+            }
+            Err(error) => findings.push(error.into()),
+        }
+    }
+    let findings = levels.apply(findings);
+    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, findings }
 }
