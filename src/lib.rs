@@ -90,6 +90,7 @@ pub mod report;
 pub mod scalar;
 pub mod scene;
 pub mod so3;
+pub mod symbolic;
 pub mod vector;
 
 /// The version of this crate, as every report states it.

@@ -35,7 +35,8 @@ pub(crate) struct Audit {
     /// What random states are drawn from
     #[arg(long, value_name = "WORD", default_value_t = Settings::default().seed)]
     seed: String,
-    /// Only these oracles, separated by commas: wide-differences, wide-dual, taylor, nodal-dual, hyper-dual, differences
+    /// Only these oracles, separated by commas: wide-differences, wide-symbolic,
+    /// wide-dual, taylor, nodal-dual, hyper-dual, symbolic, differences
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = oracle)]
     oracles: Vec<Oracle>,
     /// Write a counter-example for every mismatch into this folder, for `pintle replay`

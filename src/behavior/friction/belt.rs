@@ -167,7 +167,7 @@ impl Belt {
     }
 
     /// The same with exact first and second derivatives with respect to T1, T2 and α, in this order; the others are zero.
-    pub fn derivatives<R: Ordered>(
+    pub fn derivatives<R: Ordered + Differentiable>(
         &self,
         tension: [R; 2],
         angle: R,
@@ -189,7 +189,7 @@ impl Belt {
     }
 
     /// The increment from a state.
-    pub fn update<R: Ordered>(
+    pub fn update<R: Ordered + Differentiable>(
         &self,
         state: &BeltState<R>,
         input: &BeltInput<'_, R>,
@@ -199,7 +199,7 @@ impl Belt {
     }
 
     /// The increment from a state with its exact consistent tangent.
-    pub fn tangent<R: Ordered>(
+    pub fn tangent<R: Ordered + Differentiable>(
         &self,
         state: &BeltState<R>,
         input: &BeltInput<'_, R>,
@@ -238,7 +238,7 @@ impl Belt {
     fn limit<S>(&self, held: S, input: &BeltInput<'_, S>, increment: S, flags: &mut Flags) -> [S; 3]
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         let context = Context { conditions: input.conditions, ..Context::default() };
         let rate = match input.duration {
@@ -263,7 +263,7 @@ impl Belt {
     ) -> BeltOutcome<S>
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         const { assert!(S::ORDER <= 1, "the slip equations are differentiated once") }
         let mut flags = Flags::default();
@@ -346,7 +346,7 @@ impl Belt {
     fn slip<S>(&self, held: S, input: &BeltInput<'_, S>, trial: S, stiffness: S, flags: &mut Flags) -> S
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         type Slope<R> = <R as Differentiable>::Gradient<1>;
         let constant = |x: S| Slope::<S::Real>::from_real(x.real());

@@ -1,0 +1,17 @@
+//! Formulas seen: the generic kinematics, traced instead of computed.
+
+mod derivative;
+mod evaluate;
+mod graph;
+mod input;
+mod model;
+mod symbol;
+
+pub use derivative::Derivation;
+pub use graph::{Graph, Id, Node, Number};
+pub use input::{Input, InputUnit, Inputs, Shape};
+pub use model::{Derivatives, Frame, Function, Model, VARIATION, nodal_inputs, relative_inputs};
+pub use symbol::{Symbol, TraceError, trace};
+
+#[cfg(test)]
+mod tests;
