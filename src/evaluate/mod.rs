@@ -21,7 +21,9 @@ pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
-pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};
+pub use sequence::{
+    Branches, ConnectorResult, Item, Placed, PlacedConnector, PlacedMpc, Sequence, StepResult,
+};
 
 /// The suboptions of `*CONNECTOR BEHAVIOR` that are evaluated; of all others `pintle eval` says that they were read and are not.
 pub const SUBOPTIONS: &[&str] = &[

@@ -288,15 +288,8 @@ impl MpcElement {
         format!("{index}:{}:{}", self.constraint.kind().name(), self.label())
     }
 
-    /// Evaluates it with its nodes, in their order, where they are, after angles of hinges that were `before`.
-    pub(super) fn evaluate(
-        &self,
-        index: usize,
-        nodes: &[Moved],
-        before: &[Turns<f64>; 2],
-        request: &Request,
-        tally: &mut Tally,
-    ) -> MpcResult {
+    /// The state of a constraint whose nodes, in their order, are there, and how the first turned against the second.
+    pub(super) fn place(nodes: &[Moved]) -> (State<f64>, Turning<f64>) {
         let still = Moved::still();
         let node = |place: usize| nodes.get(place).unwrap_or(&still);
         let (slave, master) = (node(0), node(1));
@@ -321,6 +314,19 @@ impl MpcElement {
         };
         let whole = sub(slave.whole_turns, master.whole_turns);
         let turning = Turning { whole, rest: sub(sub(slave.change, master.change), whole) };
+        (state, turning)
+    }
+
+    /// Evaluates it with its nodes, in their order, where they are, after angles of hinges that were `before`.
+    pub(super) fn evaluate(
+        &self,
+        index: usize,
+        nodes: &[Moved],
+        before: &[Turns<f64>; 2],
+        request: &Request,
+        tally: &mut Tally,
+    ) -> MpcResult {
+        let (state, turning) = Self::place(nodes);
         let constraint = &self.constraint;
         let evaluation = constraint.evaluate(&state, before, &turning, request, tally);
         let flags = constraint.flags(&state, before, &turning, &evaluation);

@@ -3,7 +3,7 @@
 use super::behavior::{flag, not_known, wants};
 use super::forces::{ForceResult, given_forces};
 use super::model::{ConnectorElement, ElementBehavior, Model};
-use super::mpc::{MpcResult, START};
+use super::mpc::{MpcElement, MpcResult, START};
 use super::plan::Plan;
 use crate::behavior::Conditions;
 use crate::behavior::state::{Event, History, Kinematics, Outcome, Tangent, Velocities};
@@ -11,6 +11,7 @@ use crate::connector::{
     Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
 };
 use crate::measure::Margin;
+use crate::mpc;
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::scene::{Label, NodeMotion, Rotation, State as SceneState};
@@ -204,6 +205,41 @@ pub enum Item {
     Mpc(Box<MpcResult>),
 }
 
+/// Where a connector is at one state, and how it came there.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedConnector {
+    /// The index of the connector in the model.
+    pub index: usize,
+    /// Its nodes.
+    pub state: State<f64>,
+    /// What happened to them since the state before.
+    pub increment: Increment<f64>,
+    /// The branch that the states before left.
+    pub before: Branch<f64>,
+}
+
+/// Where the nodes of a multi-point constraint are at one state, and how they came there.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedMpc {
+    /// The index of the constraint in the model.
+    pub index: usize,
+    /// Its nodes.
+    pub state: mpc::State<f64>,
+    /// How the first node turned against the second since the state before.
+    pub turning: mpc::Turning<f64>,
+    /// The angles of its hinges that the states before left.
+    pub before: [Turns<f64>; 2],
+}
+
+/// What a trace hands on at one state.
+#[derive(Clone, Debug)]
+pub enum Placed {
+    /// A connector.
+    Connector(Box<PlacedConnector>),
+    /// A multi-point constraint.
+    Mpc(Box<PlacedMpc>),
+}
+
 /// A walk through states, holding one of them at a time.
 #[derive(Clone, Debug)]
 pub struct Sequence<'a> {
@@ -288,12 +324,45 @@ impl<'a> Sequence<'a> {
         self.walk(state, &Request::nothing(0), take)
     }
 
-    fn walk<E>(
+    /// Commits the next state without evaluating it, and hands on where everything planned is and how it came there:
+    /// connectors first, both in the order of the plan. Histories of behaviours are not followed.
+    ///
+    /// # Errors
+    /// The first error of `take`; the walk must then be given up.
+    pub fn trace<E>(
         &mut self,
         state: &SceneState,
-        request: &Request,
-        mut take: impl FnMut(Item) -> Result<(), E>,
+        mut take: impl FnMut(Placed) -> Result<(), E>,
     ) -> Result<(), E> {
+        let moved = self.follow_nodes(state);
+        let at = |label: Option<Label>| label.and_then(|label| moved.get(&label)).copied().unwrap_or(STILL);
+        for index in &self.plan.connectors {
+            let element = &self.model.connectors[*index];
+            let (state, increment) = place(element, &element.nodes.map(at));
+            let known = self.branches.connectors.get(&element.label);
+            let before = known.map_or_else(|| element.connector.initial_branch(), |saved| saved.branch);
+            let after = element.connector.advance(&state, &increment, &before);
+            let history = known.and_then(|saved| saved.behavior.clone()).map(|(_, history)| history);
+            self.branches.connectors.insert(element.label, Saved::new(element, after, history));
+            take(Placed::Connector(Box::new(PlacedConnector { index: *index, state, increment, before })))?;
+        }
+        for index in &self.plan.mpcs {
+            let element = &self.model.mpcs[*index];
+            let nodes: Vec<Moved> = element.nodes.iter().map(|label| at(Some(*label))).collect();
+            let (state, turning) = MpcElement::place(&nodes);
+            let key = element.key(*index);
+            let before = self.branches.mpcs.get(&key).copied().unwrap_or(START);
+            let nothing = Request::nothing(0);
+            let after = element.constraint.evaluate(&state, &before, &turning, &nothing, &mut self.tally);
+            self.branches.mpcs.insert(key, after.angles);
+            take(Placed::Mpc(Box::new(PlacedMpc { index: *index, state, turning, before })))?;
+        }
+        self.branches.states += 1;
+        Ok(())
+    }
+
+    /// The nodes of the plan at the next state, committed.
+    fn follow_nodes(&mut self, state: &SceneState) -> HashMap<Label, Moved> {
         let mut moved: HashMap<Label, Moved> = HashMap::with_capacity(self.plan.nodes.len());
         for label in &self.plan.nodes {
             let motion = state.nodes.get(label).copied().unwrap_or_default();
@@ -302,6 +371,16 @@ impl<'a> Sequence<'a> {
             moved.insert(*label, node);
             self.branches.nodes.insert(*label, after);
         }
+        moved
+    }
+
+    fn walk<E>(
+        &mut self,
+        state: &SceneState,
+        request: &Request,
+        mut take: impl FnMut(Item) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let moved = self.follow_nodes(state);
         let at = |label: Option<Label>| label.and_then(|label| moved.get(&label)).copied().unwrap_or(STILL);
 
         for index in &self.plan.connectors {
@@ -329,27 +408,7 @@ impl<'a> Sequence<'a> {
         ends: &[Moved; 2],
         (request, scene_state): (&Request, &SceneState),
     ) -> ConnectorResult {
-        let node = |end: usize| Node {
-            displacement: ends[end].displacement,
-            triad: product(&ends[end].rotation, &element.triads[end]),
-            flow: ends[end].flow,
-        };
-        let both = |of: fn(&Moved) -> &[f64; 7]| {
-            let mut rates = [0.0; DOFS];
-            rates[..7].copy_from_slice(of(&ends[0]));
-            rates[7..].copy_from_slice(of(&ends[1]));
-            rates
-        };
-        let state = State {
-            pair: Pair { reference: element.reference, a: node(0), b: node(1) },
-            velocity: both(|node| &node.rates),
-            acceleration: both(|node| &node.accelerations),
-        };
-        let increment = Increment {
-            rotation: [ends[0].change, ends[1].change],
-            whole_turns: [ends[0].whole_turns, ends[1].whole_turns],
-            flow: [ends[0].flow_change, ends[1].flow_change],
-        };
+        let (state, increment) = place(element, ends);
         let connector = &element.connector;
         let known = self.branches.connectors.get(&element.label);
         let before = known.map_or_else(|| connector.initial_branch(), |saved| saved.branch);
@@ -437,6 +496,32 @@ impl<'a> Sequence<'a> {
             forces: forces.map(Box::new),
         }
     }
+}
+
+/// The state of a connector whose nodes are there, and its increment since the state before.
+fn place(element: &ConnectorElement, ends: &[Moved; 2]) -> (State<f64>, Increment<f64>) {
+    let node = |end: usize| Node {
+        displacement: ends[end].displacement,
+        triad: product(&ends[end].rotation, &element.triads[end]),
+        flow: ends[end].flow,
+    };
+    let both = |of: fn(&Moved) -> &[f64; 7]| {
+        let mut rates = [0.0; DOFS];
+        rates[..7].copy_from_slice(of(&ends[0]));
+        rates[7..].copy_from_slice(of(&ends[1]));
+        rates
+    };
+    let state = State {
+        pair: Pair { reference: element.reference, a: node(0), b: node(1) },
+        velocity: both(|node| &node.rates),
+        acceleration: both(|node| &node.accelerations),
+    };
+    let increment = Increment {
+        rotation: [ends[0].change, ends[1].change],
+        whole_turns: [ends[0].whole_turns, ends[1].whole_turns],
+        flow: [ends[0].flow_change, ends[1].flow_change],
+    };
+    (state, increment)
 }
 
 /// A node at its next state: rotation matrix, and increments since the last one.

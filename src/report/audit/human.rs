@@ -20,7 +20,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
             BOLD,
             format!(
                 "{} audited, {} numbers compared; tolerance C·u·(conditioned scale) with C = {}",
-                count(report.subjects.len(), "connector"),
+                count(report.subjects.len(), "subject"),
                 report.compared(),
                 report.constant
             )
@@ -32,13 +32,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     }
     writeln!(out)?;
     subjects(out, report)?;
-    for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
-        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
-        for line in wrap(&format!("{}: declaration undecided: {page}", subject.name), width.saturating_sub(2))
-        {
-            writeln!(out, "  {}", styled(DIM, line))?;
-        }
-    }
+    undecided_declarations(out, report, width)?;
     for subject in &report.subjects {
         let telling = subject
             .checks
@@ -47,7 +41,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
         let mut first = true;
         for check in telling {
             if std::mem::take(&mut first) {
-                writeln!(out, "\n{}", styled(BOLD, &subject.name))?;
+                writeln!(out, "\n{}", styled(BOLD, title(subject)))?;
             }
             self::check(out, check, width)?;
         }
@@ -79,32 +73,58 @@ const fn is_sharp(check: &Check) -> bool {
     matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
 }
 
+/// The name, with the scene that it is of.
+fn title(subject: &Subject) -> String {
+    match &subject.scene {
+        Some(scene) => format!("{} of {scene}", subject.name),
+        None => subject.name.clone(),
+    }
+}
+
+/// Why declarations are undecided: once for each reason.
+fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
+    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
+        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
+        let names = reasons.entry(page).or_default();
+        if !names.contains(&subject.name.as_str()) {
+            names.push(&subject.name);
+        }
+    }
+    for (page, names) in reasons {
+        const SHOWN: usize = 4;
+        let more = names.len().saturating_sub(SHOWN);
+        let mut text = names.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
+        if more > 0 {
+            text.push_str(&format!(" and {more} more"));
+        }
+        for line in wrap(&format!("{text}: declaration undecided: {page}"), width.saturating_sub(2)) {
+            writeln!(out, "  {}", styled(DIM, line))?;
+        }
+    }
+    Ok(())
+}
+
+/// A table of the catalogue, and one of each scene.
 fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let rows: Vec<Vec<String>> = report
-        .subjects
-        .iter()
-        .map(|subject| {
-            let detectable = subject
-                .checks
-                .iter()
-                .filter(|check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check))
-                .map(|check| check.score.detectable_median)
-                .fold(0.0, f64::max);
-            let mut row = vec![
-                subject.name.clone(),
-                word(subject.derivative),
-                word(subject.formula),
-                word(subject.declaration),
-                subject.cases.to_string(),
-            ];
-            row.extend(Quantity::ALL.map(|quantity| worst(subject, quantity)));
-            row.push(if detectable > 0.0 { format!("{detectable:.0e}") } else { "–".into() });
-            row
-        })
-        .collect();
-    let heading =
-        ["connector", "derivative", "formula", "declaration", "states", "f", "∂f", "∂²f", "ḟ", "f̈", "δ seen"];
-    write!(out, "{}", table(&heading, &rows))?;
+    let mut scenes: Vec<Option<&str>> = Vec::new();
+    for subject in &report.subjects {
+        if !scenes.contains(&subject.scene.as_deref()) {
+            scenes.push(subject.scene.as_deref());
+        }
+    }
+    for (i, scene) in scenes.iter().enumerate() {
+        let heading = if scene.is_none() { "type" } else { "connector" };
+        if let Some(scene) = scene {
+            let gap = if i > 0 { "\n" } else { "" };
+            writeln!(out, "{gap}{}", styled(BOLD, scene))?;
+        }
+        let rows: Vec<Vec<String>> =
+            report.subjects.iter().filter(|subject| subject.scene.as_deref() == *scene).map(cells).collect();
+        let heading =
+            [heading, "derivative", "formula", "declaration", "states", "f", "∂f", "∂²f", "ḟ", "f̈", "δ seen"];
+        write!(out, "{}", table(&heading, &rows))?;
+    }
     writeln!(
         out,
         "{}",
@@ -113,6 +133,25 @@ fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
             "f … f̈: worst error in units of its tolerance; δ seen: the smallest relative error of an entry that the check notices, median"
         )
     )
+}
+
+fn cells(subject: &Subject) -> Vec<String> {
+    let detectable = subject
+        .checks
+        .iter()
+        .filter(|check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check))
+        .map(|check| check.score.detectable_median)
+        .fold(0.0, f64::max);
+    let mut row = vec![
+        subject.name.clone(),
+        word(subject.derivative),
+        word(subject.formula),
+        word(subject.declaration),
+        subject.cases.to_string(),
+    ];
+    row.extend(Quantity::ALL.map(|quantity| worst(subject, quantity)));
+    row.push(if detectable > 0.0 { format!("{detectable:.0e}") } else { "–".into() });
+    row
 }
 
 fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
@@ -143,7 +182,7 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
 
 /// The blocks of the Jacobian, with the wrong entry marked.
 fn diagram(out: &mut dyn Write, check: &Check) -> io::Result<()> {
-    let Some((k, j)) = check.worst.as_ref().map(|worst| worst.at) else { return Ok(()) };
+    let Some((k, j)) = check.worst.as_ref().and_then(|worst| worst.at) else { return Ok(()) };
     let widths = DOF.map(|name| name.chars().count());
     let heading: Vec<String> = DOF.iter().map(|name| (*name).to_string()).collect();
     writeln!(out, "         {}", heading.join(" "))?;
@@ -208,7 +247,7 @@ fn verdict(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     let text = match (survivors, mismatches, undecided) {
         (1.., ..) => styled(CARE, format!("self-test failed: {survivors} mutants survived")),
         (0, 1.., _) => styled(CARE, count(mismatches, "mismatch").replace("mismatchs", "mismatches")),
-        (0, 0, 1..) => format!("no mismatch; {} undecided", count(undecided, "connector")),
+        (0, 0, 1..) => format!("no mismatch; {} undecided", count(undecided, "subject")),
         _ => "no mismatch".to_string(),
     };
     writeln!(out, "\n{}", styled(BOLD, text))
