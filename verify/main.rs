@@ -16,7 +16,9 @@ mod laws; // what holds for every connection type
 mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are
 mod plane; // the two-dimensional forms
+mod reports; // whether reports of an audit show what was found
 mod rules; // what a connector section may do
+mod scale; // large models: sparse matrices, threads, memory
 mod scene; // what decks and state files mean
 mod states; // where laws are tried
 mod tolerance; // every tolerance, with the cause of the odd ones

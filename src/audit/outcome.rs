@@ -198,6 +198,14 @@ impl Subject {
         }
     }
 
+    /// The name, with the scene that it is of.
+    pub fn title(&self) -> String {
+        match &self.scene {
+            Some(scene) => format!("{} of {scene}", self.name),
+            None => self.name.clone(),
+        }
+    }
+
     /// The severest of the three claims.
     pub fn verdict(&self) -> Verdict {
         self.derivative.max(self.formula).max(self.declaration)

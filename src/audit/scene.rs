@@ -7,7 +7,7 @@ use super::mpc::MpcCase;
 use super::outcome::{Check, Report, Subject};
 use super::sample::{Draw, about_initial};
 use crate::connector::Request;
-use crate::evaluate::{Model, Placed, PlacedConnector, PlacedMpc, Plan, Sequence};
+use crate::evaluate::{ConnectorResult, Item, Model, MpcResult, Plan, Sequence};
 use crate::scalar::elementary::norm;
 use crate::scene::State;
 use crate::vector::{add, sub};
@@ -77,10 +77,10 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
     for (index, state) in states.iter().enumerate() {
         let mut place = 0;
         let number = state.number.unwrap_or(index as u64);
-        let Ok(()) = walk.trace(state, |placed| -> Result<(), Infallible> {
+        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
             let work = match placed {
-                Placed::Connector(placed) => Work::Connector(Box::new(case(model, &placed, number))),
-                Placed::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, &placed, number))),
+                Item::Connector(placed) => Work::Connector(Box::new(case(model, &placed, number))),
+                Item::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, &placed, number))),
             };
             waiting.push(Piece { place, index, is_wide: wide.contains(&index), work });
             place += 1;
@@ -140,8 +140,8 @@ fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gat
     let alone = Plan { connectors: Vec::new(), request: Request::nothing(0), ..plan.clone() };
     let mut walk = Sequence::new(model, &alone);
     let mut place = plan.connectors.len();
-    let Ok(()) = walk.trace(&State::default(), |placed| -> Result<(), Infallible> {
-        if let Placed::Mpc(placed) = placed {
+    let Ok(()) = walk.visit(&State::default(), |placed| -> Result<(), Infallible> {
+        if let Item::Mpc(placed) = placed {
             let work = Work::Mpc(Box::new(mpc_case(model, &placed, 0)));
             pieces.push(Piece { place, index: 0, is_wide: true, work });
             place += 1;
@@ -159,7 +159,7 @@ fn own_length(model: &Model, initial: f64, present: f64) -> f64 {
     if own > COINCIDENT * model.length { own } else { model.length }
 }
 
-fn case(model: &Model, placed: &PlacedConnector, number: u64) -> Case {
+fn case(model: &Model, placed: &ConnectorResult, number: u64) -> Case {
     let element = &model.connectors[placed.index];
     let state = placed.state;
     Case {
@@ -171,7 +171,7 @@ fn case(model: &Model, placed: &PlacedConnector, number: u64) -> Case {
     }
 }
 
-fn mpc_case(model: &Model, placed: &PlacedMpc, number: u64) -> MpcCase {
+fn mpc_case(model: &Model, placed: &MpcResult, number: u64) -> MpcCase {
     let element = &model.mpcs[placed.index];
     let arm = element.constraint.arm();
     let moved = sub(placed.state.slave.displacement, placed.state.master.displacement);

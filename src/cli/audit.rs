@@ -42,6 +42,8 @@ pub(crate) enum AuditFormat {
     Json,
     /// JUnit XML, for continuous integration
     Junit,
+    /// Markdown, for a comment on a change
+    Markdown,
 }
 
 #[derive(Debug, Args)]
@@ -207,6 +209,11 @@ pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Resul
         AuditFormat::Junit => {
             let mut out = BufWriter::new(io::stdout().lock());
             report::junit(&mut out, found)?;
+            Ok(out.flush()?)
+        }
+        AuditFormat::Markdown => {
+            let mut out = BufWriter::new(io::stdout().lock());
+            report::markdown(&mut out, found)?;
             Ok(out.flush()?)
         }
     }

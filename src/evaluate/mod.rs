@@ -7,9 +7,11 @@
 
 mod behavior;
 mod forces;
+mod jacobian;
 mod model;
 mod mpc;
 mod outputs;
+mod parallel;
 mod plan;
 mod plane;
 mod rules;
@@ -17,13 +19,12 @@ mod sequence;
 mod shared;
 
 pub use forces::ForceResult;
+pub use jacobian::{CompressedColumns, Equation, Fixed, ForeignPattern, Freedom, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
-pub use sequence::{
-    Branches, ConnectorResult, Item, Placed, PlacedConnector, PlacedMpc, Sequence, StepResult,
-};
+pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};
 
 /// The suboptions of `*CONNECTOR BEHAVIOR` that are evaluated; of all others `pintle eval` says that they were read and are not.
 pub const SUBOPTIONS: &[&str] = &[

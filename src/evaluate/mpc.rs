@@ -41,6 +41,12 @@ pub struct HingeMoments {
 pub struct MpcResult {
     /// Its index in the model.
     pub index: usize,
+    /// Its nodes.
+    pub state: State<f64>,
+    /// How the first turned against the second since the previous state.
+    pub turning: Turning<f64>,
+    /// The angles of its hinges that the previous state left.
+    pub before: [Turns<f64>; 2],
     /// The numbers.
     pub evaluation: Evaluation<f64>,
     /// The angles of its hinges as the state gives them, where it does (rad).
@@ -339,6 +345,17 @@ impl MpcElement {
             let rate = state.angles[i].map(|_| state.velocity[PHI + i]).or(implied);
             (!self.ground[i].is_empty()).then(|| moments(&self.ground[i], angle, rate))
         });
-        MpcResult { index, evaluation, given: state.angles, misalignment, moments, margins, flags }
+        MpcResult {
+            index,
+            state,
+            turning,
+            before: *before,
+            given: state.angles,
+            evaluation,
+            misalignment,
+            moments,
+            margins,
+            flags,
+        }
     }
 }
