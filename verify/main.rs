@@ -7,6 +7,7 @@ mod cli; // the command line
 mod closed; // rows derived by hand
 mod convert; // scenes in other forms
 mod faults; // what is said about every faulty input
+mod findings; // what an audit finds in models
 mod freedom; // which degrees of freedom nodes have
 mod friction; // what sticks and slips
 mod fuzzing; // what holds of any bytes whatever

@@ -25,11 +25,12 @@ pub(crate) enum Source<'a> {
 }
 
 /// A scene, read and resolved, with its states.
-struct Loaded {
-    scene: Scene,
-    states: Vec<State>,
+pub(crate) struct Loaded {
+    pub(crate) scene: Scene,
+    /// Those of a file, of the gallery, or of the scene itself; the scene may have none.
+    pub(crate) states: Vec<State>,
     forces: Option<ForceFile>,
-    model: Model,
+    pub(crate) model: Model,
 }
 
 /// A connector or MPC at one state, worked into what is written and told of it.
@@ -51,8 +52,10 @@ struct Care {
 /// Evaluates scenes and writes the results.
 pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
     let sources = sources(arguments)?;
-    let mut loaded =
-        sources.iter().map(|source| load(*source, arguments)).collect::<Result<Vec<Loaded>, Failure>>()?;
+    let mut loaded = sources
+        .iter()
+        .map(|source| of_arguments(*source, arguments))
+        .collect::<Result<Vec<Loaded>, Failure>>()?;
     let request = wanted(arguments, &loaded)?;
     if matches!(arguments.format, EvalFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());
@@ -108,23 +111,36 @@ pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
     })
 }
 
-/// Reads and resolves a scene, and says what deserves a look.
-fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
-    let scene = match source {
-        Source::Gallery(example) => example.scene()?,
-        Source::File(path) => Scene::read(path)?,
-    };
-    let states = match (&arguments.states, source) {
-        (Some(file), _) => StateFile::read(file, &scene)?.states,
-        (None, Source::Gallery(example)) => example.states(&scene)?.states,
-        (None, Source::File(_)) if scene.states.is_empty() => vec![State::default()],
-        (None, Source::File(_)) => scene.states.clone(),
-    };
+/// A scene with its states, or the initial one, and its forces.
+fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
     let sign = match arguments.force_sign {
         Sign::Internal => ForceSign::Internal,
         Sign::ConstraintsOnB => ForceSign::ConstraintsOnB,
     };
-    let forces = arguments.forces.as_ref().map(|file| ForceFile::read(file, &scene, sign)).transpose()?;
+    let mut loaded =
+        load(source, arguments.states.as_deref(), arguments.forces.as_deref().map(|f| (f, sign)))?;
+    if loaded.states.is_empty() {
+        loaded.states.push(State::default());
+    }
+    Ok(loaded)
+}
+
+/// Reads and resolves a scene, and says what deserves a look.
+pub(crate) fn load(
+    source: Source<'_>,
+    states: Option<&Path>,
+    forces: Option<(&Path, ForceSign)>,
+) -> Result<Loaded, Failure> {
+    let scene = match source {
+        Source::Gallery(example) => example.scene()?,
+        Source::File(path) => Scene::read(path)?,
+    };
+    let states = match (states, source) {
+        (Some(file), _) => StateFile::read(file, &scene)?.states,
+        (None, Source::Gallery(example)) => example.states(&scene)?.states,
+        (None, Source::File(_)) => scene.states.clone(),
+    };
+    let forces = forces.map(|(file, sign)| ForceFile::read(file, &scene, sign)).transpose()?;
     let with_source = |diagnostic: Diagnostic| match source {
         Source::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
         Source::File(_) => match File::open(diagnostic.file()) {

@@ -47,8 +47,8 @@ pub(crate) enum Command {
     /// Print the JSON Schema of scenes in TOML and JSON
     #[command(after_long_help = SCHEMA_HELP)]
     Schema,
-    /// Audit the catalogue: is every number right, and would an error have been noticed?
-    Audit(audit::Audit),
+    /// Audit the catalogue, or scenes: is every number right, and would an error have been noticed?
+    Audit(Box<audit::Audit>),
     /// Judge the state of a counter-example again
     Replay(replay::Replay),
     /// Print the completions of a shell
