@@ -27,6 +27,7 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<(), Failure> {
+    cli::use_threads(cli.threads)?;
     match &cli.command {
         Command::List(arguments) => cli::list(arguments),
         Command::Explain(arguments) => cli::explain(arguments),
@@ -35,6 +36,8 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Schema => cli::convert::schema(),
         Command::Audit(arguments) => cli::audit::run(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments),
+        Command::Completions(arguments) => cli::manual::completions(arguments),
+        Command::Man(arguments) => cli::manual::man(arguments),
         #[cfg(debug_assertions)]
         #[expect(clippy::panic, reason = "its purpose")]
         Command::Panic => panic!("as asked"),

@@ -7,9 +7,11 @@
 
 mod behavior;
 mod forces;
+mod jacobian;
 mod model;
 mod mpc;
 mod outputs;
+mod parallel;
 mod plan;
 mod plane;
 mod rules;
@@ -17,6 +19,7 @@ mod sequence;
 mod shared;
 
 pub use forces::ForceResult;
+pub use jacobian::{CompressedColumns, Equation, Fixed, ForeignPattern, Freedom, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};
 pub use outputs::{OutputError, request};

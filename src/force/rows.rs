@@ -428,5 +428,5 @@ impl<R: Real> ForceRows<R> {
 /// Whether a number is zero: exactly, for it is an entry that was never set.
 fn is_zero<R: Real>(x: R) -> bool {
     let zero = R::integer(0);
-    R::choose(zero.less(x.magnitude()), || false, || true)
+    !R::holds(zero.less(x.magnitude()))
 }
