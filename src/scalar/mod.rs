@@ -221,7 +221,7 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// As [`Real::choose`] between two formulas of the same quantity that differ in rounding only; a number that records formulas
     /// keeps `no`.
     #[inline(always)]
-    fn more_exact<T>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+    fn more_exact<T: Select<Self>>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
         Self::choose(mask, yes, no)
     }
 

@@ -1,7 +1,7 @@
 //! The traced scalar: a handle into the arena of this thread, and the branches that are taken while it records.
 
 use super::graph::{Graph, Id, Node, Number};
-use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
+use crate::scalar::{MAX_ORDER, Real, Scalar, Select, Series};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fmt;
@@ -274,11 +274,11 @@ impl Real for Symbol {
         with(|tracer| tracer.decide(self.0, other.0))
     }
 
-    fn choose<T>(mask: bool, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
-        if mask { yes() } else { no() }
+    fn holds(mask: bool) -> bool {
+        mask
     }
 
-    fn more_exact<T>(_mask: bool, _yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+    fn more_exact<T: Select<Self>>(_mask: bool, _yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
         no()
     }
 
