@@ -6,6 +6,7 @@
 //! committing every branch as it goes.
 
 mod behavior;
+mod belt;
 mod forces;
 mod model;
 mod mpc;
@@ -16,6 +17,7 @@ mod rules;
 mod sequence;
 mod shared;
 
+pub use belt::Ring;
 pub use forces::ForceResult;
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};

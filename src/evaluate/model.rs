@@ -1,5 +1,6 @@
 //! A scene with its connection types, triads and constraints resolved.
 
+use super::belt::{self, Ring};
 use super::mpc::MpcElement;
 use super::{mpc, plane, rules, shared};
 use crate::behavior::drive::{Drives, Schedule, drives};
@@ -50,6 +51,8 @@ pub struct ElementBehavior {
 pub struct Model {
     /// Connectors in the order of the scene.
     pub connectors: Vec<ConnectorElement>,
+    /// The rings of belts with friction, by the index of the SLIPRING that ends there.
+    pub rings: BTreeMap<usize, Ring>,
     /// Multi-point constraints in the order of the scene.
     pub mpcs: Vec<MpcElement>,
     /// The springs and dashpots to ground that act on the angles of their hinges, by element number.
@@ -208,6 +211,7 @@ impl Model {
             });
         }
         shared::check(scene, &mut model)?;
+        model.rings = belt::rings(scene, &mut model);
         rules::boundaries(scene, &freedom, &mut model.warnings);
         rules::constraints(scene)?;
         model.join(scene)?;

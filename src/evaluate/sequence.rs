@@ -1,12 +1,13 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
-use super::behavior::{flag, not_known, wants};
+use super::behavior::{SLOPES, flag, not_known, slopes_not_known, wants};
 use super::forces::{ForceResult, given_forces};
 use super::model::{ConnectorElement, ElementBehavior, Model};
 use super::mpc::{MpcResult, START};
 use super::plan::Plan;
-use crate::behavior::Conditions;
-use crate::behavior::state::{Event, History, Kinematics, Outcome, Tangent, Velocities};
+use crate::behavior::friction::wrap_angle;
+use crate::behavior::state::{Event, History, Kinematics, Outcome, Velocities};
+use crate::behavior::{Beyond, Conditions, Tangent, Unknown};
 use crate::connector::{
     Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
 };
@@ -15,7 +16,7 @@ use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::scene::{Label, NodeMotion, Rotation, State as SceneState};
 use crate::so3::{self, Quaternion};
-use crate::vector::{Matrix, Vector, identity, product, sub};
+use crate::vector::{Matrix, Vector, add, identity, product, sub};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::convert::Infallible;
@@ -148,6 +149,14 @@ impl Branches {
             };
             if let Some(difference) = saved.difference(element) {
                 return Err(difference);
+            }
+            let behavior = &element.behavior;
+            let needs = behavior.has_history() && behavior.is_asked(&plan.request);
+            if needs && self.states > 0 && saved.behavior.is_none() {
+                return Err(format!(
+                    "what is asked for depends on the history of connector {label}, which was not followed: \
+                     nothing that depends on it was asked for when the branches were saved"
+                ));
             }
         }
         let mpcs: BTreeSet<String> = plan.mpcs.iter().map(|index| model.mpcs[*index].key(*index)).collect();
@@ -304,10 +313,18 @@ impl<'a> Sequence<'a> {
         }
         let at = |label: Option<Label>| label.and_then(|label| moved.get(&label)).copied().unwrap_or(STILL);
 
+        let beyond = self.beyond(&at, state);
         for index in &self.plan.connectors {
             let element = &self.model.connectors[*index];
             let ends = element.nodes.map(at);
-            take(Item::Connector(Box::new(self.connector(*index, element, &ends, (request, state)))))?;
+            let beyond = beyond.get(index).copied();
+            take(Item::Connector(Box::new(self.connector(
+                *index,
+                element,
+                &ends,
+                beyond,
+                (request, state),
+            ))))?;
         }
         for index in &self.plan.mpcs {
             let element = &self.model.mpcs[*index];
@@ -322,39 +339,91 @@ impl<'a> Sequence<'a> {
         Ok(())
     }
 
+    /// What the friction of belts needs of the segments beyond their rings, by the index of the segment that ends there: found before
+    /// anything is committed, so that it does not depend on the order of the connectors.
+    fn beyond(
+        &mut self,
+        at: &impl Fn(Option<Label>) -> Moved,
+        state: &SceneState,
+    ) -> BTreeMap<usize, Beyond> {
+        let mut found = BTreeMap::new();
+        let (model, plan) = (self.model, self.plan);
+        let chosen = plan.connectors.iter().filter_map(|index| Some((*index, model.rings.get(index)?)));
+        for (index, ring) in chosen {
+            let Some(element) = model.connectors.get(index) else { continue };
+            if !element.behavior.slides(&plan.request) {
+                continue;
+            }
+            let Some(next) = ring.next.and_then(|next| model.connectors.get(next)) else {
+                found.insert(index, Beyond { tension: Err(Unknown::OpposedBelts), angle: 0.0 });
+                continue;
+            };
+            let ends = next.nodes.map(at);
+            let angle = ring.angle.unwrap_or_else(|| {
+                let direction = |of: &ConnectorElement| place(of, &of.nodes.map(at)).0.pair.separation();
+                wrap_angle([0.0; 3], direction(element), add(direction(element), direction(next))).0
+            });
+            found.insert(index, Beyond { tension: self.tension(next, &ends, state), angle });
+        }
+        found
+    }
+
+    /// The tension of a SLIPRING at the next state, which is not committed.
+    fn tension(
+        &mut self,
+        element: &ConnectorElement,
+        ends: &[Moved; 2],
+        scene_state: &SceneState,
+    ) -> Result<f64, Unknown> {
+        let (connector, behavior) = (&element.connector, &element.behavior);
+        let known = self.branches.connectors.get(&element.label);
+        let history = known.and_then(|saved| saved.behavior.as_ref()).map(|(_, history)| history);
+        let given = given_forces(connector, scene_state, element.label).unwrap_or_default();
+        if behavior.is_empty() {
+            return given[0].ok_or(Unknown::Part);
+        }
+        let is_driven = behavior.drives.motions.iter().any(Option::is_some);
+        let remembers = behavior.behavior.has_history_without_friction() || is_driven;
+        if history.is_none() && self.branches.states > 0 && remembers {
+            return Err(Unknown::Part);
+        }
+        let (state, increment) = place(element, ends);
+        let before = known.map_or_else(|| connector.initial_branch(), |saved| saved.branch);
+        let needed = behavior.request(&Request::nothing(0), false);
+        let evaluation = connector.evaluate(&state, &increment, &before, &needed, &mut self.tally);
+        let now = Kinematics {
+            position: &evaluation.position,
+            displacement: &evaluation.displacement,
+            constitutive: &evaluation.constitutive,
+            velocity: &evaluation.velocity,
+            acceleration: &evaluation.acceleration,
+            time: scene_state.time,
+            velocities: self.velocities,
+            slides: false,
+            beyond: None,
+        };
+        let driven = (&behavior.drives, &self.model.schedule);
+        let none = History::default();
+        let outcome = behavior.behavior.at(&now, &given, driven, &self.conditions, history.unwrap_or(&none));
+        outcome.total.value[0].ok_or(outcome.total.unknown[0].unwrap_or(Unknown::Part))
+    }
+
     fn connector(
         &mut self,
         index: usize,
         element: &ConnectorElement,
         ends: &[Moved; 2],
+        beyond: Option<Beyond>,
         (request, scene_state): (&Request, &SceneState),
     ) -> ConnectorResult {
-        let node = |end: usize| Node {
-            displacement: ends[end].displacement,
-            triad: product(&ends[end].rotation, &element.triads[end]),
-            flow: ends[end].flow,
-        };
-        let both = |of: fn(&Moved) -> &[f64; 7]| {
-            let mut rates = [0.0; DOFS];
-            rates[..7].copy_from_slice(of(&ends[0]));
-            rates[7..].copy_from_slice(of(&ends[1]));
-            rates
-        };
-        let state = State {
-            pair: Pair { reference: element.reference, a: node(0), b: node(1) },
-            velocity: both(|node| &node.rates),
-            acceleration: both(|node| &node.accelerations),
-        };
-        let increment = Increment {
-            rotation: [ends[0].change, ends[1].change],
-            whole_turns: [ends[0].whole_turns, ends[1].whole_turns],
-            flow: [ends[0].flow_change, ends[1].flow_change],
-        };
+        let (state, increment) = place(element, ends);
         let connector = &element.connector;
         let known = self.branches.connectors.get(&element.label);
         let before = known.map_or_else(|| connector.initial_branch(), |saved| saved.branch);
-        let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request));
-        let needed = behavior.map(|behavior| behavior.request(request));
+        let planned = &self.plan.request;
+        let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request, planned));
+        let slides = behavior.is_some_and(|behavior| behavior.slides(planned));
+        let needed = behavior.map(|behavior| behavior.request(request, slides));
         let mut evaluation = connector.evaluate(
             &state,
             &increment,
@@ -370,6 +439,8 @@ impl<'a> Sequence<'a> {
         let mut flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
         let after = evaluation.branch;
         let given = given_forces(connector, scene_state, element.label);
+        let none = History::default();
+        let history = known.and_then(|saved| saved.behavior.as_ref()).map_or(&none, |(_, history)| history);
         let outcome = behavior.map(|behavior| {
             let now = Kinematics {
                 position: &evaluation.position,
@@ -379,10 +450,9 @@ impl<'a> Sequence<'a> {
                 acceleration: &evaluation.acceleration,
                 time: scene_state.time,
                 velocities: self.velocities,
+                slides,
+                beyond,
             };
-            let none = History::default();
-            let history =
-                known.and_then(|saved| saved.behavior.as_ref()).map_or(&none, |(_, history)| history);
             let given = given.unwrap_or_default();
             let driven = (&behavior.drives, &self.model.schedule);
             behavior.behavior.at(&now, &given, driven, &self.conditions, history)
@@ -403,14 +473,14 @@ impl<'a> Sequence<'a> {
                 put(&mut evaluation.residual_rate[k], Output::RESV, *rate);
                 put(&mut evaluation.residual_acceleration[k], Output::RESA, *second);
             }
-            let wants_slopes = wants(request, Output::TANGENT);
+            let wants_slopes = SLOPES.into_iter().any(|output| wants(request, output));
             // Where slopes jump matters to those who ask for slopes.
             let told = outcome.events.iter().filter(|event| wants_slopes || !matches!(event, Event::Kink(_)));
             flags.extend(told.map(|event| flag(*event)));
             flags.extend(not_known(outcome, request));
             if wants_slopes {
-                let Outcome { motion, time_step, failed, .. } = outcome;
-                let slopes = behavior.behavior.tangent(motion, &self.conditions, *time_step, *failed);
+                let slopes = behavior.behavior.consistent_tangent(outcome, &self.conditions, history);
+                flags.extend(slopes_not_known(&slopes, request));
                 tangent = Some(Box::new(slopes));
             }
         }
@@ -420,7 +490,14 @@ impl<'a> Sequence<'a> {
             [0, 1, 2, 3, 4, 5].map(|k| outcome.total.value[k].or(given[k]))
         });
         let total = known_forces.filter(|forces| forces.iter().any(Option::is_some)).or(given);
-        let forces = ForceResult::of(connector, (&state, &after), total, request, &mut self.tally);
+        let forces = ForceResult::of(
+            connector,
+            (&state, &evaluation),
+            total,
+            tangent.as_deref(),
+            request,
+            &mut self.tally,
+        );
         flags.extend(forces.iter().flat_map(|forces| &forces.flags));
         let history = outcome.as_ref().filter(|_| behavior.is_some_and(ElementBehavior::has_history));
         let history = history.map(|outcome| outcome.history.clone());
@@ -433,10 +510,36 @@ impl<'a> Sequence<'a> {
             margins,
             flags,
             behavior,
-            tangent,
+            tangent: tangent.filter(|_| wants(request, Output::TANGENT)),
             forces: forces.map(Box::new),
         }
     }
+}
+
+/// The state of a connector whose nodes are there, and its increment since the state before.
+fn place(element: &ConnectorElement, ends: &[Moved; 2]) -> (State<f64>, Increment<f64>) {
+    let node = |end: usize| Node {
+        displacement: ends[end].displacement,
+        triad: product(&ends[end].rotation, &element.triads[end]),
+        flow: ends[end].flow,
+    };
+    let both = |of: fn(&Moved) -> &[f64; 7]| {
+        let mut rates = [0.0; DOFS];
+        rates[..7].copy_from_slice(of(&ends[0]));
+        rates[7..].copy_from_slice(of(&ends[1]));
+        rates
+    };
+    let state = State {
+        pair: Pair { reference: element.reference, a: node(0), b: node(1) },
+        velocity: both(|node| &node.rates),
+        acceleration: both(|node| &node.accelerations),
+    };
+    let increment = Increment {
+        rotation: [ends[0].change, ends[1].change],
+        whole_turns: [ends[0].whole_turns, ends[1].whole_turns],
+        flow: [ends[0].flow_change, ends[1].flow_change],
+    };
+    (state, increment)
 }
 
 /// A node at its next state: rotation matrix, and increments since the last one.
