@@ -35,6 +35,8 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Schema => cli::convert::schema(),
         Command::Audit(arguments) => cli::audit::run(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments),
+        Command::Completions(arguments) => cli::manual::completions(arguments),
+        Command::Man(arguments) => cli::manual::man(arguments),
         #[cfg(debug_assertions)]
         #[expect(clippy::panic, reason = "its purpose")]
         Command::Panic => panic!("as asked"),

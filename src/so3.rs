@@ -383,13 +383,8 @@ impl<S: Scalar> ContinuousLog<S> {
     /// turn of zero, where the log is regular.
     pub fn is_reference(&self) -> <S::Real as Real>::Mask {
         let (_, length) = S::Real::direction_and_norm(vector::real(self.phi));
-        // Inside the zone and beyond half a turn the mask is false.
-        let zone = S::Real::ratio(ZONE.0, ZONE.1);
-        S::Real::choose(
-            length.less(S::Real::pi()),
-            || zone.less(S::Real::integer(1)),
-            || zone.less(self.lateral),
-        )
+        let distance = S::Real::choose(length.less(S::Real::pi()), || S::Real::integer(1), || self.lateral);
+        S::Real::ratio(ZONE.0, ZONE.1).less(distance)
     }
 }
 

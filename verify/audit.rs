@@ -93,7 +93,7 @@ fn at_rest(name: &str) -> Definition {
 }
 
 /// The product as somebody's routine, with a mistake in one row.
-fn spoiled(name: &str, spoil: impl Fn(&State<f64>, &mut [Option<NodalRow<f64>>; 6])) -> Report {
+pub(crate) fn spoiled(name: &str, spoil: impl Fn(&State<f64>, &mut [Option<NodalRow<f64>>; 6])) -> Report {
     let definition = at_rest(name);
     let connector = Connector::<f64>::new(&definition);
     Candidate::new("candidate", &definition).check(|state| {

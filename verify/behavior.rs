@@ -612,7 +612,7 @@ fn a_restored_history_continues() {
     let mut begun = Sequence::new(&model, &plan);
     begun.set_velocities(Velocities::Increments);
     let mut got = text(&mut begun, &states[..17]);
-    let saved = serde_json::to_string(begun.branches()).unwrap();
+    let saved = serde_json::to_string(&begun.branches()).unwrap();
     let branches: Branches = serde_json::from_str(&saved).unwrap();
     assert_eq!(branches.check(&model, &plan), Ok(()));
     let mut rest = Sequence::resume(&model, &plan, branches.clone());

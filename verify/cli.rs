@@ -739,3 +739,23 @@ fn the_readme_shows_real_output() {
     let page = output(&["eval", "gallery:slider_crank", "--show", "6", "--connector", "SLIDE"]);
     assert!(include_str!("../README.md").contains(page.trim_end()), "the README differs from:\n{page}");
 }
+
+/// Completions and manual pages come from the definition: unit tests beside it compare every command and option.
+#[test]
+fn completions_and_manual_pages() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let text = output(&["completions", shell]);
+        for command in
+            ["audit", "completions", "convert", "eval", "explain", "list", "man", "replay", "schema"]
+        {
+            assert!(text.contains(command), "{shell} {command}");
+        }
+    }
+    assert!(output(&["man"]).contains("pintle\\-eval(1)"));
+    assert!(output(&["man", "eval"]).contains("pintle eval"));
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("man");
+    assert_eq!(output(&["man", "--folder", folder.to_str().unwrap()]), "");
+    assert_eq!(fs::read_to_string(folder.join("pintle-audit.1")).unwrap(), output(&["man", "audit"]));
+    let unknown = pintle(&["man", "evil"]).assert().code(2);
+    assert!(stderr(&unknown).contains("there is no command evil"), "{}", stderr(&unknown));
+}

@@ -22,6 +22,7 @@ pub mod counterexample;
 mod engine;
 mod hex;
 pub mod invariant;
+pub mod model;
 pub mod mutant;
 pub mod oracle;
 pub mod quantity;

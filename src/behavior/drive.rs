@@ -123,7 +123,7 @@ impl Schedule {
 
     /// The number of the step to which a time belongs.
     fn step<R: Real>(&self, time: R) -> Result<Option<usize>, Unknown> {
-        let is_within = |end: f64| R::choose(R::from_f64(end).less(time), || false, || true);
+        let is_within = |end: f64| !R::holds(R::from_f64(end).less(time));
         let found = self.steps.iter().position(|step| is_within(step.end));
         match found {
             Some(step) => Ok(Some(step)),
@@ -420,7 +420,7 @@ impl Course {
                 let inverse = S::Real::integer(1) / length;
                 let [since, left] = [time.real() - number(*begin), number(*end) - time.real()];
                 // From the nearer end, so that both are met exactly.
-                let is_nearer = S::Real::choose(since.less(left), || true, || false);
+                let is_nearer = S::Real::holds(since.less(left));
                 let (base, part) = if is_nearer { (from, since / length) } else { (to, -(left / length)) };
                 Ok(base + (to - from) * time.lift(&[part, inverse, zero, zero, zero]))
             }

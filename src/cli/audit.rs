@@ -19,6 +19,8 @@ pub(crate) enum AuditFormat {
     Json,
     /// JUnit XML, for continuous integration
     Junit,
+    /// Markdown, for a comment on a change
+    Markdown,
 }
 
 #[derive(Debug, Args)]
@@ -115,6 +117,11 @@ pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Resul
         AuditFormat::Junit => {
             let mut out = BufWriter::new(io::stdout().lock());
             report::junit(&mut out, found)?;
+            Ok(out.flush()?)
+        }
+        AuditFormat::Markdown => {
+            let mut out = BufWriter::new(io::stdout().lock());
+            report::markdown(&mut out, found)?;
             Ok(out.flush()?)
         }
     }

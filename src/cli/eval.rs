@@ -285,7 +285,7 @@ fn walk(
         }
         format.end_scene(sequence.tally())?;
         if let Some(file) = &arguments.save_branches {
-            save(file, &scene.name, sequence.branches())?;
+            save(file, &scene.name, &sequence.branches())?;
         }
     }
     progress.clear();

@@ -4,6 +4,7 @@ pub(crate) mod audit;
 pub(crate) mod convert;
 pub(crate) mod eval;
 mod failure;
+pub(crate) mod manual;
 pub(crate) mod replay;
 mod show;
 
@@ -47,6 +48,11 @@ pub(crate) enum Command {
     Audit(audit::Audit),
     /// Judge the state of a counter-example again
     Replay(replay::Replay),
+    /// Print the completions of a shell
+    #[command(after_long_help = manual::COMPLETIONS_HELP)]
+    Completions(manual::Completions),
+    /// Print a manual page
+    Man(manual::Man),
     /// Panic, to test the report of an internal error
     #[cfg(debug_assertions)]
     #[command(hide = true)]

@@ -3,7 +3,7 @@
 use super::{Connector, State};
 use crate::measure::{History, Measure, Shared};
 use crate::node::{self, DOFS, Dependence, Pair, Relative};
-use crate::scalar::{Differentiable, Real};
+use crate::scalar::{Differentiable, Real, Select};
 use crate::so3;
 use crate::vector::{self, Vector, add, dot, scale, sub};
 use serde::{Deserialize, Serialize};
@@ -15,6 +15,16 @@ pub struct Turns<R> {
     pub turns: R,
     /// The principal angle in (−π, π] (rad).
     pub principal: R,
+}
+
+impl<R: Real> Select<R> for Turns<R> {
+    #[inline(always)]
+    fn pick(mask: R::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            turns: R::select(mask, yes.turns, no.turns),
+            principal: R::select(mask, yes.principal, no.principal),
+        }
+    }
 }
 
 /// What the states up to now decide about the next: committed once per state.

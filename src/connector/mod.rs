@@ -6,12 +6,14 @@
 //! [`Connector::advance`] never changes the one it starts from.
 
 mod branch;
+mod compact;
 mod derivatives;
 mod flags;
 mod request;
 
 pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
+pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
@@ -208,7 +210,11 @@ impl<R: Differentiable> Connector<R> {
                 Slot::Constrained(_, Condition::ZeroOrHeld(printed)) => {
                     let printed_start = printed.evaluate(&mut shared);
                     let tiny = R::from_f64(ALIGNED);
-                    R::choose(printed_start.magnitude().less(tiny), || (printed, zero), || (position, start))
+                    if R::holds(printed_start.magnitude().less(tiny)) {
+                        (printed, zero)
+                    } else {
+                        (position, start)
+                    }
                 }
                 _ => (position, start),
             };

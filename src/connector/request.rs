@@ -339,3 +339,13 @@ pub struct Tally {
     /// Measures evaluated along time.
     pub rates: u64,
 }
+
+impl std::ops::AddAssign for Tally {
+    fn add_assign(&mut self, more: Self) {
+        let Self { values, gradients, hessians, rates } = more;
+        self.values += values;
+        self.gradients += gradients;
+        self.hessians += hessians;
+        self.rates += rates;
+    }
+}

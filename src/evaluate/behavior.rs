@@ -44,6 +44,11 @@ impl ElementBehavior {
         self.behavior.is_empty() && self.drives.is_empty()
     }
 
+    /// Whether the forces but for friction depend on the states before.
+    pub(super) fn remembers_tension(&self) -> bool {
+        self.behavior.has_history_without_friction() || self.drives.motions.iter().any(Option::is_some)
+    }
+
     /// Whether the states that follow depend on what happens at this one.
     pub(super) fn has_history(&self) -> bool {
         self.behavior.has_history() || self.drives.motions.iter().any(Option::is_some)

@@ -97,8 +97,8 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn choose<T>(mask: bool, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
-        if mask { yes() } else { no() }
+    fn holds(mask: bool) -> bool {
+        mask
     }
 
     #[inline(always)]

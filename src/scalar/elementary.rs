@@ -244,7 +244,7 @@ pub fn power<S: Scalar>(x: S, exponent: S::Real) -> S {
 
 #[inline(always)]
 fn is_less<R: Real>(x: R, y: R) -> bool {
-    R::choose(x.less(y), || true, || false)
+    R::holds(x.less(y))
 }
 
 #[inline(always)]

@@ -72,6 +72,24 @@ pub trait Scalar:
     /// The product with a real constant; cheaper than a product with [`Scalar::from_real`].
     fn scale(self, factor: Self::Real) -> Self;
 
+    /// `yes` where the mask holds, else `no`.
+    #[inline(always)]
+    fn select(mask: <Self::Real as Real>::Mask, yes: Self, no: Self) -> Self {
+        if Self::Real::holds(mask) { yes } else { no }
+    }
+
+    /// x y + z; rounded once where the machine does so as fast, as vector lanes do.
+    #[inline(always)]
+    fn multiply_add(self, y: Self, z: Self) -> Self {
+        self * y + z
+    }
+
+    /// x f + z for a real constant f, rounded as [`Scalar::multiply_add`].
+    #[inline(always)]
+    fn scale_add(self, factor: Self::Real, z: Self) -> Self {
+        self.scale(factor) + z
+    }
+
     /// The constant 0.
     #[inline(always)]
     fn zero() -> Self {
@@ -97,6 +115,37 @@ pub trait Scalar:
             sum = Self::from_real(c[k]) + e * sum;
         }
         sum
+    }
+}
+
+/// What [`Real::choose`] chooses between: scalars, and arrays and tuples of them.
+pub trait Select<R: Real>: Sized {
+    /// `yes` where the mask holds, else `no`.
+    fn pick(mask: R::Mask, yes: Self, no: Self) -> Self;
+}
+
+impl<S: Scalar> Select<S::Real> for S {
+    #[inline(always)]
+    fn pick(mask: <S::Real as Real>::Mask, yes: Self, no: Self) -> Self {
+        S::select(mask, yes, no)
+    }
+}
+
+impl<R: Real, T: Select<R> + Copy, const N: usize> Select<R> for [T; N] {
+    #[inline(always)]
+    fn pick(mask: R::Mask, yes: Self, no: Self) -> Self {
+        let mut picked = yes;
+        for i in 0..N {
+            picked[i] = T::pick(mask, yes[i], no[i]);
+        }
+        picked
+    }
+}
+
+impl<R: Real, T: Select<R>, U: Select<R>> Select<R> for (T, U) {
+    #[inline(always)]
+    fn pick(mask: R::Mask, yes: Self, no: Self) -> Self {
+        (T::pick(mask, yes.0, no.0), U::pick(mask, yes.1, no.1))
     }
 }
 
@@ -148,11 +197,20 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// The answer to a comparison: `bool`, or one bit per lane.
     type Mask: Copy;
 
+    /// Whether both sides of a choice are computed, because lanes may take different ones.
+    const HAS_LANES: bool = false;
+
+    /// Whether the mask holds, of lanes in every one of them. What is to run on lanes uses [`Real::choose`].
+    fn holds(mask: Self::Mask) -> bool;
+
     /// Whether `self` < `other`.
     fn less(self, other: Self) -> Self::Mask;
 
-    /// `yes` where the mask holds, else `no`; only what is chosen is computed.
-    fn choose<T>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T;
+    /// `yes` where the mask holds, else `no`; of a single number only what is chosen is computed.
+    #[inline(always)]
+    fn choose<T: Select<Self>>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+        if Self::holds(mask) { yes() } else { no() }
+    }
 
     /// (sin x, cos x), x in radians.
     fn sine_cosine(self) -> (Self, Self);

@@ -202,8 +202,8 @@ impl Real for Wide {
         self < other
     }
 
-    fn choose<T>(mask: bool, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
-        if mask { yes() } else { no() }
+    fn holds(mask: bool) -> bool {
+        mask
     }
 
     fn sine_cosine(self) -> (Self, Self) {

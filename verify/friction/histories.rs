@@ -135,7 +135,7 @@ fn a_restored_history_slides_on() {
     for cut in 1..states.len() {
         let mut begun = Sequence::new(&model, &plan);
         let mut got = text(&mut begun, &states[..cut]);
-        let saved = serde_json::to_string(begun.branches()).unwrap();
+        let saved = serde_json::to_string(&begun.branches()).unwrap();
         let branches: Branches = serde_json::from_str(&saved).unwrap();
         assert_eq!(branches.check(&model, &plan), Ok(()));
         got.extend(text(&mut Sequence::resume(&model, &plan, branches), &states[cut..]));

@@ -1,7 +1,8 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
-use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
+use super::summary::{Row, count, detectable, headline, self_test as tested, telling};
+use crate::audit::{Against, Check, Quantity, Report, Verdict};
 use crate::catalog::COMPONENT;
 use crate::node::{DOF, DOFS};
 use std::collections::BTreeMap;
@@ -40,12 +41,10 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
         }
     }
     for subject in &report.subjects {
-        let telling = subject
-            .checks
-            .iter()
-            .filter(|check| verbose || check.verdict > Verdict::IllConditioned || check.score.survived > 0);
+        let shown: Vec<&Check> =
+            if verbose { subject.checks.iter().collect() } else { telling(subject).collect() };
         let mut first = true;
-        for check in telling {
+        for check in shown {
             if std::mem::take(&mut first) {
                 writeln!(out, "\n{}", styled(BOLD, &subject.name))?;
             }
@@ -57,26 +56,9 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     verdict(out, report)
 }
 
-fn count(n: usize, noun: &str) -> String {
-    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
-}
-
 fn word(verdict: Verdict) -> String {
     let verdict = verdict.headline();
     if verdict.is_mismatch() { styled(CARE, verdict.name()) } else { verdict.name().to_string() }
-}
-
-/// The worst error of the sharp oracles in units of the tolerance.
-fn worst(subject: &Subject, quantity: Quantity) -> String {
-    let of_it = subject.checks.iter().filter(|check| check.quantity == Some(quantity) && is_sharp(check));
-    let units = of_it
-        .map(|check| check.largest)
-        .fold(None, |most: Option<f64>, x| Some(most.map_or(x, |most| most.max(x))));
-    units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))
-}
-
-const fn is_sharp(check: &Check) -> bool {
-    matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
 }
 
 fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
@@ -84,22 +66,15 @@ fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         .subjects
         .iter()
         .map(|subject| {
-            let detectable = subject
-                .checks
-                .iter()
-                .filter(|check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check))
-                .map(|check| check.score.detectable_median)
-                .fold(0.0, f64::max);
-            let mut row = vec![
-                subject.name.clone(),
-                word(subject.derivative),
-                word(subject.formula),
-                word(subject.declaration),
-                subject.cases.to_string(),
-            ];
-            row.extend(Quantity::ALL.map(|quantity| worst(subject, quantity)));
-            row.push(if detectable > 0.0 { format!("{detectable:.0e}") } else { "–".into() });
-            row
+            let row = Row::of(subject);
+            let mut cells = vec![row.name];
+            cells.extend(row.verdicts.map(word));
+            cells.push(row.states.to_string());
+            cells.extend(
+                row.worst.map(|units| units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))),
+            );
+            cells.push(detectable(subject).map_or_else(|| "–".into(), |delta| format!("{delta:.0e}")));
+            cells
         })
         .collect();
     let heading =
@@ -181,18 +156,14 @@ fn atlas(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 }
 
 fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let checks = || report.subjects.iter().flat_map(|subject| &subject.checks);
-    let by_oracle = || checks().filter(|check| matches!(check.against, Against::Oracle(_)));
-    let sum = |of: fn(&Check) -> u64| by_oracle().map(of).sum::<u64>();
-    let (killed, decisive) = (sum(|c| c.score.killed), sum(|c| c.score.decisive()));
+    let test = tested(report);
     writeln!(
         out,
-        "\nself-test: {killed} of {decisive} mutants noticed by the oracles; {} changed nothing, {} less than twice the tolerance",
-        sum(|c| c.score.equivalent),
-        sum(|c| c.score.below_resolution)
+        "\nself-test: {} of {} mutants noticed by the oracles; {} changed nothing, {} less than twice the tolerance",
+        test.noticed, test.decisive, test.equivalent, test.below_resolution
     )?;
     let mut laws: BTreeMap<&str, u64> = BTreeMap::new();
-    for check in checks() {
+    for check in report.subjects.iter().flat_map(|subject| &subject.checks) {
         if let Against::Law(law) = check.against {
             *laws.entry(law.name()).or_default() += check.score.killed;
         }
@@ -204,12 +175,7 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 }
 
 fn verdict(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let (mismatches, undecided, survivors) = (report.mismatches(), report.undecided(), report.survivors());
-    let text = match (survivors, mismatches, undecided) {
-        (1.., ..) => styled(CARE, format!("self-test failed: {survivors} mutants survived")),
-        (0, 1.., _) => styled(CARE, count(mismatches, "mismatch").replace("mismatchs", "mismatches")),
-        (0, 0, 1..) => format!("no mismatch; {} undecided", count(undecided, "connector")),
-        _ => "no mismatch".to_string(),
-    };
+    let failed = report.survivors() > 0 || report.mismatches() > 0;
+    let text = if failed { styled(CARE, headline(report)) } else { headline(report) };
     writeln!(out, "\n{}", styled(BOLD, text))
 }

@@ -1,0 +1,64 @@
+//! Is this model sound? What an analyst should know of a scene before it is run: rules that it breaks, directions that are not what
+//! they look like, singular points that its states come near, parameters without effect, duplicates.
+//!
+//! Each [`Finding`] has a stable code, which `pintle explain CODE` explains, a severity, which [`Levels`] set per code, a place in the
+//! file, what it is about, and a remedy.
+//!
+//! | module | question |
+//! |---|---|
+//! | `finding`, `levels` | what is a finding, and how bad is it taken to be? |
+//! | `rules` | which rules are broken? |
+//! | `geometry` | are the directions and lengths what they look like? |
+//! | `along` | what happens along the given states? |
+//! | `behavior` | does what is attached to components act? |
+//! | `duplicates` | is something there twice? |
+
+mod along;
+mod behavior;
+mod duplicates;
+mod finding;
+mod gather;
+mod geometry;
+mod levels;
+mod rules;
+
+pub use finding::{About, Finding};
+pub use levels::{Level, Levels};
+
+use crate::evaluate::Model;
+use crate::scene::{Scene, Severity, State};
+use serde::Serialize;
+
+/// What is found in one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModelReport {
+    /// The scene.
+    pub scene: String,
+    /// The number of states that were looked at besides the initial one.
+    pub states: usize,
+    /// Findings: rules first, then by place in the file.
+    pub findings: Vec<Finding>,
+}
+
+impl ModelReport {
+    /// The number of findings as bad as that.
+    pub fn count(&self, severity: Severity) -> usize {
+        self.findings.iter().filter(|finding| finding.severity() == severity).count()
+    }
+
+    /// Whether the model fails: a finding is an error.
+    pub fn fails(&self) -> bool {
+        self.count(Severity::Error) > 0
+    }
+}
+
+/// Looks at a scene, at its initial state and at those given.
+pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelReport {
+    let (model, errors) = Model::examine(scene);
+    let mut findings = rules::findings(scene, &model, errors);
+    findings.extend(geometry::findings(scene, &model));
+    findings.extend(behavior::findings(scene, &model));
+    findings.extend(duplicates::findings(scene, &model));
+    findings.extend(along::findings(scene, &model, states, &mut |_| ()));
+    ModelReport { scene: scene.name.clone(), states: states.len(), findings: levels.apply(findings) }
+}
