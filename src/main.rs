@@ -27,6 +27,7 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<(), Failure> {
+    cli::use_threads(cli.threads)?;
     match &cli.command {
         Command::List(arguments) => cli::list(arguments),
         Command::Explain(arguments) => cli::explain(arguments),

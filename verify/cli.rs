@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::process::Stdio;
 
 /// The command with some arguments, and nothing in its environment that changes output.
-fn pintle(arguments: &[&str]) -> Command {
+pub(crate) fn pintle(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pintle"));
     for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "RUST_BACKTRACE"] {
         command.env_remove(name);
@@ -55,7 +55,7 @@ fn json_with_care(arguments: &[&str]) -> Value {
 }
 
 /// A file for one test.
-fn file(name: &str, text: &str) -> String {
+pub(crate) fn file(name: &str, text: &str) -> String {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::write(&path, text).unwrap();
     path.to_str().unwrap().to_string()

@@ -38,6 +38,17 @@ impl Quantity {
         }
     }
 
+    /// The symbol, as headings of tables have it.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Value => "f",
+            Self::FirstDerivatives => "∂f",
+            Self::SecondDerivatives => "∂²f",
+            Self::Rate => "ḟ",
+            Self::Acceleration => "f̈",
+        }
+    }
+
     /// The number of entries per component.
     pub const fn entries(self) -> usize {
         match self {

@@ -27,6 +27,9 @@ Exit codes: 0 all right, 1 a number is wrong, 2 usage, 3 undecided (--strict), 4
 5 the self-test failed, 6 bad input, 70 internal error.
 Results go to stdout, everything else to stderr. NO_COLOR is respected.")]
 pub(crate) struct Cli {
+    /// Threads; no result depends on their number [default: one per core, or RAYON_NUM_THREADS]
+    #[arg(long, value_name = "COUNT", global = true, value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -44,8 +47,8 @@ pub(crate) enum Command {
     /// Print the JSON Schema of scenes in TOML and JSON
     #[command(after_long_help = SCHEMA_HELP)]
     Schema,
-    /// Audit the catalogue: is every number right, and would an error have been noticed?
-    Audit(audit::Audit),
+    /// Audit the catalogue, or scenes: is every number right, and would an error have been noticed?
+    Audit(Box<audit::Audit>),
     /// Judge the state of a counter-example again
     Replay(replay::Replay),
     /// Print the completions of a shell
@@ -229,6 +232,9 @@ pub(crate) struct Eval {
     /// Continue from saved branches, bit for bit as if the states had followed in one run
     #[arg(long, value_name = "FILE", requires = "scene")]
     resume: Option<PathBuf>,
+    /// Write the constraint Jacobian of the last state shown, a sparse matrix (Matrix Market, .mtx; see below)
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    jacobian: Option<PathBuf>,
     /// Say more: what was read and not evaluated, what was computed
     #[arg(short, long)]
     verbose: bool,
@@ -328,6 +334,13 @@ JSON: {\"schema\": \"pintle-eval/1\", …, \"scenes\": [{\"scene\", \"states\":
   back to the same doubles; one that is not finite is null, with the flag
   not-finite.
 
+Jacobian (--jacobian): rows are the constrained components of connectors and the
+  equations of MPCs, columns the degrees of freedom of their nodes, numbered by
+  node; the ground, and what *BOUNDARY prescribes before or in the first step,
+  have none. Columns of a node under *TRANSFORM are along its axes. Comments of
+  the file name every row and column. scipy.io.mmread reads it, as do MATLAB,
+  Octave and Julia.
+
 A file of two states, as CSV and as JSON:
   state,time,node,u1,ur3,vr3
   0,0,2,0,0,15
@@ -346,6 +359,13 @@ Examples:
   pintle eval
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
+
+/// Gives the pool of rayon its number of threads, if there is one to give.
+pub(crate) fn use_threads(count: Option<u16>) -> Result<(), Failure> {
+    let Some(count) = count else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(count));
+    pool.build_global().map_err(|error| Failure::Usage(format!("{count} threads cannot be started: {error}")))
+}
 
 /// The width of a page: that of the terminal; elsewhere the environment's COLUMNS, or 100.
 fn page_width(stream: &impl IsTerminal) -> usize {

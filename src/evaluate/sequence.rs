@@ -10,8 +10,10 @@ use super::plan::Plan;
 use crate::behavior::friction::wrap_angle;
 use crate::behavior::state::{Event, History, Kinematics, Outcome, Velocities};
 use crate::behavior::{Beyond, Conditions, Tangent, Unknown};
+use crate::catalog::COMPONENT;
 use crate::connector::{
-    Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
+    Branch, CompactRow, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally,
+    Turns,
 };
 use crate::measure::Margin;
 use crate::node::{DOFS, Node, Pair};
@@ -432,9 +434,13 @@ impl<'a> Sequence<'a> {
                     element.connector.compact_rows(&result.state, branch, jacobian.wanted(at), &mut tally);
                 jacobian.write(at, &rows, place);
                 let mut flags = result.flags;
-                if place.iter().any(|entry| !entry.is_finite()) {
-                    flags.push(Flag::NotFinite { component: "", quantity: "derivative" });
-                }
+                let broken =
+                    |k: &usize| rows[*k].as_ref().is_some_and(|row: &CompactRow<f64>| !row.is_finite());
+                flags.extend(
+                    (0..6)
+                        .filter(broken)
+                        .map(|k| Flag::NotFinite { component: COMPONENT[k], quantity: "derivative" }),
+                );
                 (flags, tally)
             },
             |at, (flags, work): (Vec<Flag>, Tally)| -> Result<(), Infallible> {

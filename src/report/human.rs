@@ -1,9 +1,9 @@
 //! Evaluations as tables for reading.
 
 use super::block::{
-    Block, Derivative, HingeFacts, NodalDerivative, Value, flags_in_words, node_name, slopes,
+    Block, Derivative, HingeFacts, Kind, NodalDerivative, Value, flags_in_words, node_name, slopes,
 };
-use super::evaluation::{Format, Subject, Unevaluated, unevaluated};
+use super::evaluation::{Format, Renderer, Subject, Unevaluated, unevaluated};
 use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
 use super::words;
@@ -109,8 +109,8 @@ impl<'w> Human<'w> {
     fn values(&mut self, block: &Block<'_>) -> io::Result<()> {
         let nodes: Vec<String> = block.nodes.iter().map(|(_, node)| node_name(*node)).collect();
         let title = match block.kind {
-            super::block::Kind::Connector => format!("{}  {}", block.title(), nodes.join(" → ")),
-            super::block::Kind::Mpc => {
+            Kind::Connector => format!("{}  {}", block.title(), nodes.join(" → ")),
+            Kind::Mpc => {
                 let nodes: Vec<String> =
                     block.nodes.iter().map(|(role, node)| format!("{role} {}", node_name(*node))).collect();
                 format!("{}  {}", block.title(), nodes.join(", "))
@@ -356,48 +356,9 @@ fn shown(subject: &Subject<'_>) -> String {
     format!(" (shown: {}; --show all shows every one)", list.join(", "))
 }
 
-fn plural(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
-}
-
-impl Format for Human<'_> {
-    fn begin(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()> {
-        if self.scenes > 0 {
-            writeln!(self.out)?;
-        }
-        self.scenes += 1;
-        (self.first, self.last) = (subject.first, subject.last);
-        let scene = subject.scene;
-        writeln!(self.out, "{}", styled(BOLD, &scene.name))?;
-        for line in scene.heading.lines().map(str::trim).filter(|line| !line.is_empty()) {
-            for line in layout::wrap(line, self.style.width.saturating_sub(INDENT)) {
-                writeln!(self.out, "  {line}")?;
-            }
-        }
-        let plan = subject.plan;
-        let mut counts = vec![plural(plan.connectors.len(), "connector")];
-        if !plan.mpcs.is_empty() {
-            counts.push(plural(plan.mpcs.len(), "MPC"));
-        }
-        counts.push(plural(subject.states, "state") + &shown(subject));
-        let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
-        for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
-            writeln!(self.out, "  {line}")?;
-        }
-        self.notes(&unevaluated(scene, subject.model))
-    }
-
-    fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
-        let time = time.map(|time| format!(", t = {}", self.number(time))).unwrap_or_default();
-        let (first, last) = (self.first, self.last);
-        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of {first} … {last}{time} ──")))
-    }
-
-    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
+impl Human<'_> {
+    /// A connector or MPC.
+    fn write(&mut self, block: &Block<'_>) -> io::Result<()> {
         if block.is_empty() {
             return Ok(());
         }
@@ -467,6 +428,61 @@ impl Format for Human<'_> {
             }
         }
         Ok(())
+    }
+}
+
+fn plural(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+impl Format for Human<'_> {
+    fn begin(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()> {
+        if self.scenes > 0 {
+            writeln!(self.out)?;
+        }
+        self.scenes += 1;
+        (self.first, self.last) = (subject.first, subject.last);
+        let scene = subject.scene;
+        writeln!(self.out, "{}", styled(BOLD, &scene.name))?;
+        for line in scene.heading.lines().map(str::trim).filter(|line| !line.is_empty()) {
+            for line in layout::wrap(line, self.style.width.saturating_sub(INDENT)) {
+                writeln!(self.out, "  {line}")?;
+            }
+        }
+        let plan = subject.plan;
+        let mut counts = vec![plural(plan.connectors.len(), "connector")];
+        if !plan.mpcs.is_empty() {
+            counts.push(plural(plan.mpcs.len(), "MPC"));
+        }
+        counts.push(plural(subject.states, "state") + &shown(subject));
+        let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
+        for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+            writeln!(self.out, "  {line}")?;
+        }
+        self.notes(&unevaluated(scene, subject.model))
+    }
+
+    fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
+        let time = time.map(|time| format!(", t = {}", self.number(time))).unwrap_or_default();
+        let (first, last) = (self.first, self.last);
+        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of {first} … {last}{time} ──")))
+    }
+
+    fn renderer(&self) -> Renderer {
+        let style = self.style;
+        Box::new(move |block| {
+            let mut text = Vec::new();
+            Human::new(&mut text, style).write(block)?;
+            Ok(text)
+        })
+    }
+
+    fn rendered(&mut self, _kind: Kind, text: &[u8]) -> io::Result<()> {
+        self.out.write_all(text)
     }
 
     fn end_state(&mut self) -> io::Result<()> {

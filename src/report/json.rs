@@ -4,7 +4,7 @@
 //! says so.
 
 use super::block::{Block, Column, Derivative, HingeFacts, Kind, NodalDerivative, Row, Value, slopes};
-use super::evaluation::{Format, Subject, unevaluated};
+use super::evaluation::{Format, Renderer, Subject, unevaluated};
 use super::words::{ROWS, SIGNS};
 use crate::behavior::Tangent;
 use crate::catalog::COMPONENT;
@@ -73,14 +73,18 @@ impl Format for Json<'_> {
         write!(self.out, ",\"connectors\":[")
     }
 
-    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
-        if block.kind != self.kind {
-            (self.blocks, self.kind) = (0, block.kind);
+    fn renderer(&self) -> Renderer {
+        Box::new(|block| serde_json::to_vec(block).map_err(io::Error::from))
+    }
+
+    fn rendered(&mut self, kind: Kind, text: &[u8]) -> io::Result<()> {
+        if kind != self.kind {
+            (self.blocks, self.kind) = (0, kind);
             write!(self.out, "],\"mpcs\":[")?;
         }
         writeln!(self.out, "{}", if self.blocks > 0 { "," } else { "" })?;
         self.blocks += 1;
-        self.value(block)
+        self.out.write_all(text)
     }
 
     fn end_state(&mut self) -> io::Result<()> {
