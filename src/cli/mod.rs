@@ -294,11 +294,14 @@ Outputs:
   CEF, CVF, CCF  elastic force, viscous force, applied connector load
   CSF, CNF       friction force, contact force of friction
   CASU, CIVC     accumulated slip, slip rate
+  SLIP           whether friction sticks or slips, or is free where nothing
+                 presses: stick, slip, free
   CRF, CTF       reaction; total force CEF + CVF + CSF + CRF − CCF, or as given
   CFAILST        failure status, 1 when released
   DRIVEN         what a connector motion prescribes; RES is how far off it is
-  TANGENT        slopes of elastic and viscous forces by displacement, velocity
-                 and, where velocities are increments, time step
+  TANGENT        slopes of component forces: elastic, viscous, friction with its
+                 consistent tangent; by displacement, velocity, reaction (CRF) of
+                 what is constrained or held, and time step
   PM             moments by which the printed formula gives the same moment,
                  where that is another one
   LM             multipliers of the equations enforced (those of RES)
@@ -306,6 +309,8 @@ Outputs:
                  the ground are its reactions; NF4 is the part of m1
   KG, DNF        geometric stiffness Σ f ∂²c; derivative of the nodal forces at
                  constant component forces, rotations spatial
+  KT, CT, KR     tangent of the nodal forces: Jᵀ (∂F/∂u) J + KG; by velocities,
+                 Jᵀ (∂F/∂v) J; by reactions. ∂NF/∂q is KT − KG + DNF
   TURNS, MARGIN  whole turns counted; distance to the nearest singular point
   CU names all components, CUR the rotations, CU1 to CU3 and CUR1 to CUR3 one
   of them; likewise CP, CCU, CV, CA. CTF names all forces, CTM the moments, CTF1

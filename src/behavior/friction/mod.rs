@@ -24,7 +24,7 @@ mod derived;
 mod flags;
 mod update;
 
-pub use belt::{Belt, BeltInput, BeltOutcome, BeltState, BeltTangent, wrap_angle};
+pub use belt::{Belt, BeltInput, BeltTangent, FLOW, wrap_angle};
 pub use build::{Frictions, of_behavior};
 pub use coefficient::{Coefficient, CoefficientError};
 pub use criterion::{Criterion, Derivatives, Internal, ParameterError, Point, Pressing, Tangential, Term};

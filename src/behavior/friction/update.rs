@@ -119,7 +119,7 @@ pub enum Branch {
     Slip,
 }
 
-/// The result of an increment.
+/// The result of an increment; that of a belt slides in component 2, the flow past b.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome<S> {
     /// Stick, slip or neither.
@@ -128,13 +128,13 @@ pub struct Outcome<S> {
     pub force: [S; 6],
     /// P of the friction forces; the output CSFC of a coupled friction.
     pub tangential: S,
-    /// F_C.
+    /// F_C; of a belt the tension on the side from which the material comes.
     pub contact: S,
-    /// F_N = |F_C + F_C^int| (CNF).
+    /// F_N = |F_C + F_C^int| (CNF); of a belt the tension that holds.
     pub normal: S,
     /// μ.
     pub coefficient: S,
-    /// min(μ F_N, τ_max).
+    /// min(μ F_N, τ_max); of a belt T (exp(μ α) − 1) in place of μ F_N.
     pub limit: S,
     /// Φ = P − limit after the update: negative in stick, zero to rounding in slip.
     pub criterion: S,
@@ -158,7 +158,56 @@ pub struct Outcome<S> {
     pub flags: Vec<Flag>,
 }
 
+impl<S: Copy> Outcome<S> {
+    /// The same on another scalar.
+    pub(super) fn map<T>(self, to: impl Fn(S) -> T) -> Outcome<T> {
+        Outcome {
+            status: self.status,
+            force: self.force.map(&to),
+            tangential: to(self.tangential),
+            contact: to(self.contact),
+            normal: to(self.normal),
+            coefficient: to(self.coefficient),
+            limit: to(self.limit),
+            criterion: to(self.criterion),
+            trial: to(self.trial),
+            slip_increment: to(self.slip_increment),
+            slip: self.slip.map(&to),
+            accumulated_slip: to(self.accumulated_slip),
+            slip_rate: to(self.slip_rate),
+            dissipation: to(self.dissipation),
+            stored: to(self.stored),
+            stick_stiffness: self.stick_stiffness.map(&to),
+            flags: self.flags,
+        }
+    }
+}
+
 impl<R: Real> Outcome<R> {
+    /// Nothing presses and nothing is asked to slide: no force, and what was remembered stays.
+    pub(in crate::behavior) fn idle(state: &State<R>) -> Self {
+        let zero = R::integer(0);
+        Self {
+            status: Status::Free,
+            force: [zero; 6],
+            tangential: zero,
+            contact: zero,
+            normal: zero,
+            coefficient: zero,
+            limit: zero,
+            criterion: zero,
+            trial: zero,
+            slip_increment: zero,
+            slip: [zero; 6],
+            accumulated_slip: state.accumulated_slip,
+            slip_rate: zero,
+            dissipation: zero,
+            stored: zero,
+            stick_stiffness: state.stick_stiffness,
+            flags: Vec::new(),
+        }
+    }
+
     /// What to remember.
     pub const fn state(&self) -> State<R> {
         State {
@@ -276,27 +325,7 @@ impl Friction {
             normal: partial(dual.normal),
             limit: partial(dual.limit),
         };
-        let real = |x: R::Gradient<INPUTS>| x.real();
-        let outcome = Outcome {
-            status: dual.status,
-            force: dual.force.map(real),
-            tangential: real(dual.tangential),
-            contact: real(dual.contact),
-            normal: real(dual.normal),
-            coefficient: real(dual.coefficient),
-            limit: real(dual.limit),
-            criterion: real(dual.criterion),
-            trial: real(dual.trial),
-            slip_increment: real(dual.slip_increment),
-            slip: dual.slip.map(real),
-            accumulated_slip: real(dual.accumulated_slip),
-            slip_rate: real(dual.slip_rate),
-            dissipation: real(dual.dissipation),
-            stored: real(dual.stored),
-            stick_stiffness: dual.stick_stiffness.map(real),
-            flags: dual.flags,
-        };
-        (outcome, tangent)
+        (dual.map(|x| x.real()), tangent)
     }
 
     /// R_k of each sliding component (from 0): K_k = K_s R_k².
