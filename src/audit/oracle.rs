@@ -205,7 +205,8 @@ impl Narrow {
         Some(Self { state, branch, length: case.length, connector })
     }
 
-    fn values(&self, by: &[f64; DOFS]) -> Components<f64> {
+    /// The values after the nodes moved by finite amounts from the end of the case.
+    pub(super) fn values(&self, by: &[f64; DOFS]) -> Components<f64> {
         let mut state = self.state;
         state.pair = moved(&self.state.pair, by);
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);

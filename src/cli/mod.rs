@@ -6,6 +6,7 @@ pub(crate) mod eval;
 pub(crate) mod export;
 mod failure;
 pub(crate) mod manual;
+mod page;
 pub(crate) mod replay;
 mod show;
 
