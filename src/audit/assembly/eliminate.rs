@@ -12,8 +12,8 @@
 //! Their root mean square n says by how much s changes when all entries change by relative amounts: |s|/n is the
 //! relative change of the matrix that makes it zero. Entries rounded by u make a zero entry of size u·n times a random number
 //! of Student's distribution with four degrees of freedom, which exceeds x with probability 6/x⁴ for large x: [`ROUNDINGS`] = 1e4
-//! with 6e-16. So s is zero where |s|/n ≤ 1e4 u + the relative uncertainty of the state. Between that and a thousand
-//! times as much there is no gap: the rank is undecided.
+//! with 6e-16. So s is zero where |s|/n ≤ 1e4 u + the relative uncertainty of the state. Up to a thousand times the
+//! former, or three times both, there is no gap: the rank is undecided.
 
 use std::ops::Range;
 
@@ -96,6 +96,8 @@ pub(super) struct Outcome {
     pub(super) free: Vec<u32>,
     /// Rows whose independence is not certain.
     pub(super) doubtful: Vec<u32>,
+    /// The row of the pivot of smallest |s|/n.
+    pub(super) weakest: Option<u32>,
     /// The largest |s|/n that counts as zero, and the smallest that does not.
     pub(super) gap: [f64; 2],
     /// The number of entries of pivot rows.
@@ -154,6 +156,7 @@ struct Elimination<'a> {
     matrix: &'a Sparse,
     task: Task<'a>,
     zero: f64,
+    decided: f64,
     /// Groups in the order of elimination.
     order: &'a [u32],
     outcome: Outcome,
@@ -172,7 +175,8 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
     }
     let group_of = matrix.group_of();
     let mut begin: Vec<Vec<u32>> = vec![Vec::new(); count];
-    let mut work = Elimination { matrix, task, zero, order, outcome, place: vec![0; count] };
+    let decided = (GAP * ROUNDINGS * U).max(3.0 * zero);
+    let mut work = Elimination { matrix, task, zero, decided, order, outcome, place: vec![0; count] };
     for row in 0..matrix.rows() {
         let columns = &matrix.columns[matrix.range(row)];
         let first = columns.iter().map(|column| turn[group_of[*column as usize] as usize]).min();
@@ -303,8 +307,11 @@ impl Elimination<'_> {
         let (row, column, _) = best?;
         let at = row * front.width + column;
         let ratio = self.certain(front.values[at], &front.probes[at])?;
-        self.outcome.gap[1] = self.outcome.gap[1].min(ratio);
-        if ratio < GAP * self.zero && !self.outcome.doubtful.contains(&front.rows[row]) {
+        if ratio < self.outcome.gap[1] {
+            self.outcome.gap[1] = ratio;
+            self.outcome.weakest = Some(front.rows[row]);
+        }
+        if ratio < self.decided && !self.outcome.doubtful.contains(&front.rows[row]) {
             self.outcome.doubtful.push(front.rows[row]);
         }
         Some((row, column))

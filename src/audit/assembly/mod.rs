@@ -206,6 +206,8 @@ pub struct Assembly {
     pub overdriven: Vec<Constraint>,
     /// Motions that nothing drives, at the initial state: at most a thousand.
     pub modes: Vec<Mode>,
+    /// Given states that were not looked at, because they do not satisfy the constraints.
+    pub off: Vec<u64>,
     /// Constraints that are redundant at a given state and not at the state where the rank is largest, with the number of the state.
     pub redundant_at: Vec<(u64, Constraint)>,
 }
@@ -216,6 +218,8 @@ const FILL: usize = 20_000_000;
 const MODES: usize = 20;
 /// Parts with no more degrees of freedom are moved, to judge where redundancies hold.
 const MOVED: usize = 20_000;
+/// The residual (rad, or lengths of the connectors) beyond which a state does not satisfy the constraints, so that their rank says nothing.
+const SATISFIED: f64 = 1e-4;
 /// What is listed.
 const LISTED: usize = 1000;
 /// The work, in degrees of freedom times states, that given states may cost; beyond, some are left out, evenly.
@@ -306,6 +310,7 @@ impl Assembly {
             redundant: Vec::new(),
             overdriven: Vec::new(),
             modes: Vec::new(),
+            off: Vec::new(),
             redundant_at: Vec::new(),
         }
     }
@@ -346,9 +351,10 @@ fn position(system: &System<'_>, state: Option<u64>, found: &[Found], fixed: usi
     let nonzero = outcomes().map(|outcome| outcome.gap[1]).fold(f64::INFINITY, f64::min);
     let values = found.iter().filter_map(|found| found.singular_values);
     let singular_values = values.reduce(|x, y| [x[0].min(y[0]), x[1].max(y[1])]);
-    let doubtful = found.iter().flat_map(|found| {
-        let named = found.constraints.doubtful.iter().map(|row| found.rows[*row as usize]);
-        named.map(|row| constraint(system, row))
+    let doubtful = found.iter().filter(|found| !found.is_decided()).flat_map(|found| {
+        let certain = &found.constraints.doubtful;
+        let named = if certain.is_empty() { found.constraints.weakest.as_slice() } else { certain };
+        named.iter().map(|row| constraint(system, found.rows[*row as usize]))
     });
     Position {
         state,
@@ -540,6 +546,11 @@ fn along(system: &System<'_>, states: &[State], fixed: usize, assembly: &mut Ass
             continue;
         }
         let number = state.number.unwrap_or(index as u64);
+        let worst = residuals.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        if worst.is_nan() || worst > SATISFIED {
+            assembly.off.push(number);
+            continue;
+        }
         let found = look(system, &values, &residuals, false);
         assembly.positions.push(position(system, Some(number), &found, fixed));
         let rows: Vec<u32> = found

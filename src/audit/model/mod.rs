@@ -26,8 +26,9 @@ pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
 use crate::audit::assembly::{self, Assembly};
+use crate::audit::coverage::Coverage;
 use crate::evaluate::Model;
-use crate::scene::{Scene, Severity, State};
+use crate::scene::{Scene, Severity, Span, State};
 use serde::Serialize;
 
 /// What is found in one scene.
@@ -39,7 +40,9 @@ pub struct ModelReport {
     pub states: usize,
     /// What the assembly as a whole can do; `None` where a rule refuses the model.
     pub assembly: Option<Assembly>,
-    /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly.
+    /// Which region of configuration space the states exercised.
+    pub coverage: Coverage,
+    /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
     pub findings: Vec<Finding>,
 }
 
@@ -63,7 +66,12 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(geometry::findings(scene, &model));
     findings.extend(behavior::findings(scene, &model));
     findings.extend(duplicates::findings(scene, &model));
-    findings.extend(along::findings(scene, &model, states, &mut |_| ()));
+    let mut coverage = Coverage::default();
+    findings.extend(along::findings(scene, &model, states, &mut |result| {
+        if let Some(element) = model.connectors.get(result.index) {
+            coverage.add_of(&element.connector, &element.definition, &result.state);
+        }
+    }));
     let mut assembly = None;
     if !is_refused {
         match assembly::analyse(scene, &model, states, 1) {
@@ -74,6 +82,10 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
             Err(error) => findings.push(error.into()),
         }
     }
+    findings.extend(coverage.gaps().into_iter().map(|lack| {
+        let reason = "the states given, every connector at each";
+        Finding::new(scene, lack.code, Span::default(), lack.message, reason, lack.remedy)
+    }));
     let findings = levels.apply(findings);
-    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, findings }
+    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, coverage, findings }
 }
