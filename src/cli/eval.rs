@@ -174,11 +174,15 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     };
     let elements = || loaded.iter().flat_map(|loaded| &loaded.model.connectors);
     let acts = |what: fn(&ElementBehavior) -> bool| elements().any(|one| what(&one.behavior));
+    let hinges = || loaded.iter().flat_map(|loaded| &loaded.model.mpcs).flat_map(|mpc| &mpc.drives);
+    let is_loaded = hinges().any(|drives| drives.loads.iter().any(Option::is_some));
+    let is_driven = hinges().any(|drives| drives.motions.iter().any(Option::is_some));
     if loaded.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
         outputs.push(Output::CSLST);
     }
     let has_forces = |loaded: &Loaded| {
-        loaded.forces.is_some() || loaded.states.iter().any(|state| !state.forces.is_empty())
+        let given = |state: &State| !(state.forces.is_empty() && state.mpc_forces.is_empty());
+        loaded.forces.is_some() || loaded.states.iter().any(given)
     };
     // What presses are mostly constraint forces.
     let slides = acts(|one| one.behavior.tells_friction())
@@ -189,9 +193,9 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
         (Output::CSF, slides),
         (Output::CNF, slides),
         (Output::CASU, slides),
-        (Output::CCF, acts(|one| one.drives.loads.iter().any(Option::is_some))),
+        (Output::CCF, is_loaded || acts(|one| one.drives.loads.iter().any(Option::is_some))),
         (Output::CFAILST, acts(|one| !one.behavior.failures.is_empty())),
-        (Output::DRIVEN, acts(|one| one.drives.motions.iter().any(Option::is_some))),
+        (Output::DRIVEN, is_driven || acts(|one| one.drives.motions.iter().any(Option::is_some))),
     ] {
         outputs.extend(is_there.then_some(output));
     }

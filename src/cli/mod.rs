@@ -279,7 +279,10 @@ Forces (--forces): a table (.csv) or a document (.json), or \"forces\" beside
   or time, and the forces. JSON: {\"schema\": \"pintle-forces/1\", \"states\":
   [{\"state\": 0, \"forces\": {\"101\": {\"f1\": 2.5, \"m2\": 0}}}]}. Signs are internal:
   positive resists growth of the component; --force-sign constraints-on-b takes
-  those of constrained components as applied at node b.
+  those of constrained components as applied at node b. The element may be the
+  nodes of an MPC, 10-20-30: its forces are then those that it puts on its first
+  node, residual-side, global components, and NF, LM, KG, DNF, KT, CT and KR
+  tell what it transmits.
 
 Outputs:
   CP, CU, CCU    position; displacement from the initial position; from the

@@ -1,6 +1,8 @@
 //! Component forces given from outside, and what they do to the nodes.
 
 use super::model::{ConnectorElement, Model};
+use super::mpc::MpcElement;
+use super::mpc_forces::given_forces as of_mpc;
 use crate::behavior::Tangent;
 use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{
@@ -53,6 +55,9 @@ impl Model {
     pub fn check_forces(&self, states: &[SceneState], first: u64, file: &str) -> Result<(), Diagnostic> {
         let elements: HashMap<Label, &ConnectorElement> =
             self.connectors.iter().map(|element| (element.label, element)).collect();
+        let gives_mpcs = states.iter().any(|state| !state.mpc_forces.is_empty());
+        let mpcs: HashMap<String, &MpcElement> =
+            self.mpcs.iter().filter(|_| gives_mpcs).map(|element| (element.label(), element)).collect();
         for (counted, state) in (first..).zip(states) {
             let number = state.number.unwrap_or(counted);
             for (label, given) in &state.forces {
@@ -62,6 +67,13 @@ impl Model {
                 };
                 let name = &element.connector.connection().name;
                 let message = format!("state {number}, {name} {label}: {message}");
+                return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
+            }
+            for (nodes, given) in &state.mpc_forces {
+                let element = mpcs.get(nodes);
+                let fault = element.and_then(|element| Some((element, of_mpc(element, given).err()?)));
+                let Some((element, (code, message, remedy))) = fault else { continue };
+                let message = format!("state {number}, {}: {message}", element.title());
                 return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
             }
         }

@@ -92,6 +92,10 @@ pub struct State {
     /// Component forces by element number, where they are given.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub forces: BTreeMap<Label, ElementForces>,
+    /// The forces and moments that multi-point constraints put on their first nodes, by their nodes (`10-20-30`), where they are
+    /// given: residual-side, global components.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub mpc_forces: BTreeMap<String, ElementForces>,
 }
 
 /// States in order.
@@ -446,7 +450,7 @@ impl CsvRow<'_> {
         self.span
     }
 
-    fn field(&self, column: &str) -> Option<&str> {
+    pub(super) fn field(&self, column: &str) -> Option<&str> {
         let index = self.columns.iter().position(|known| *known == column)?;
         self.record.get(index).filter(|field| !field.is_empty())
     }
@@ -653,7 +657,8 @@ pub(super) fn of_scene(
     for Spanned { value: Given { number, time, nodes, forces }, span } in states {
         check_number(read.last(), number).map_err(|fault| fault.at(span, "this state"))?;
         let mut state = State { number, time, ..State::default() };
-        state.forces = forces::of_scene(forces, scene)?;
+        let given = forces::of_scene(forces, scene)?;
+        (state.forces, state.mpc_forces) = (given.elements, given.mpcs);
         for (name, motion) in nodes {
             let node =
                 label(&name.value, "node").and_then(|node| check_node(node, scene, &state).map(|()| node));
@@ -837,7 +842,8 @@ impl<'de> Visitor<'de> for JsonState<'_> {
             }
         }
         let state: State = state.ok_or_else(|| A::Error::missing_field("nodes"))?;
-        Ok(State { number, time, forces: forces.unwrap_or_default(), ..state })
+        let forces::Forces { elements, mpcs } = forces.unwrap_or_default();
+        Ok(State { number, time, forces: elements, mpc_forces: mpcs, ..state })
     }
 }
 
