@@ -4,6 +4,7 @@ pub(crate) mod audit;
 pub(crate) mod convert;
 pub(crate) mod eval;
 mod failure;
+mod history;
 pub(crate) mod manual;
 pub(crate) mod replay;
 mod show;
