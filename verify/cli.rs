@@ -433,11 +433,11 @@ fn requests_are_masks() {
         .collect();
     assert_eq!(format!("{shown:?}"), r#"[("u1", ["CU"]), ("ur3", ["CP"])]"#);
     let work = &document["scenes"][0]["work"];
-    // One position of 101 at three states; and u1 of 106 at all 25, for its friction follows the history; ur3 winds and costs
-    // nothing more.
+    // One position of 101 and u1 of 106 at three states: its friction is not followed, for nothing that depends on it is asked
+    // for; ur3 winds and costs nothing more.
     assert_eq!(
         (&work["values"], &work["gradients"], &work["rates"]),
-        (&28.into(), &0.into(), &0.into()),
+        (&6.into(), &0.into(), &0.into()),
         "{work}"
     );
 }

@@ -3,9 +3,11 @@
 pub(crate) mod audit;
 pub(crate) mod convert;
 pub(crate) mod eval;
+pub(crate) mod export;
 mod failure;
 mod history;
 pub(crate) mod manual;
+mod page;
 pub(crate) mod replay;
 mod show;
 
@@ -45,6 +47,8 @@ pub(crate) enum Command {
     Eval(Box<Eval>),
     /// Convert a scene between deck, TOML and JSON, and say what is lost
     Convert(Convert),
+    /// Export a connection type as a program: SymPy, JAX, C, Rust, LaTeX, or its expression graph
+    Export(export::Export),
     /// Print the JSON Schema of scenes in TOML and JSON
     #[command(after_long_help = SCHEMA_HELP)]
     Schema,
@@ -292,11 +296,14 @@ Outputs:
   CEF, CVF, CCF  elastic force, viscous force, applied connector load
   CSF, CNF       friction force, contact force of friction
   CASU, CIVC     accumulated slip, slip rate
+  SLIP           whether friction sticks or slips, or is free where nothing
+                 presses: stick, slip, free
   CRF, CTF       reaction; total force CEF + CVF + CSF + CRF − CCF, or as given
   CFAILST        failure status, 1 when released
   DRIVEN         what a connector motion prescribes; RES is how far off it is
-  TANGENT        slopes of elastic and viscous forces by displacement, velocity
-                 and, where velocities are increments, time step
+  TANGENT        slopes of component forces: elastic, viscous, friction with its
+                 consistent tangent; by displacement, velocity, reaction (CRF) of
+                 what is constrained or held, and time step
   PM             moments by which the printed formula gives the same moment,
                  where that is another one
   LM             multipliers of the equations enforced (those of RES)
@@ -304,6 +311,8 @@ Outputs:
                  the ground are its reactions; NF4 is the part of m1
   KG, DNF        geometric stiffness Σ f ∂²c; derivative of the nodal forces at
                  constant component forces, rotations spatial
+  KT, CT, KR     tangent of the nodal forces: Jᵀ (∂F/∂u) J + KG; by velocities,
+                 Jᵀ (∂F/∂v) J; by reactions. ∂NF/∂q is KT − KG + DNF
   TURNS, MARGIN  whole turns counted; distance to the nearest singular point
   CU names all components, CUR the rotations, CU1 to CU3 and CUR1 to CUR3 one
   of them; likewise CP, CCU, CV, CA. CTF names all forces, CTM the moments, CTF1
@@ -399,6 +408,17 @@ fn explain_mpc(
     Ok(out.flush()?)
 }
 
+/// The connection type of a name, or of a pair of names.
+fn connection(name: &str, second: Option<&str>) -> Result<ConnectionType, Failure> {
+    ConnectionType::named(name, second).map_err(|error| {
+        let remedy = match &error {
+            NameError::Unknown { nearest: None, .. } => "; `pintle list` shows the types there are",
+            NameError::Unknown { .. } | NameError::Pair { .. } => "",
+        };
+        Failure::Usage(format!("{error}{remedy}"))
+    })
+}
+
 /// `pintle explain`.
 pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let mut out = BufWriter::new(anstream::stdout().lock());
@@ -432,14 +452,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
         }
         _ => {}
     }
-    let connection =
-        ConnectionType::named(&arguments.name, arguments.second.as_deref()).map_err(|error| {
-            let remedy = match &error {
-                NameError::Unknown { nearest: None, .. } => "; `pintle list` shows the types there are",
-                NameError::Unknown { .. } | NameError::Pair { .. } => "",
-            };
-            Failure::Usage(format!("{error}{remedy}"))
-        })?;
+    let connection = connection(&arguments.name, arguments.second.as_deref())?;
     let explanation = explain::Explanation::of(&connection);
     match arguments.format {
         PageFormat::Human => explanation.human(&mut out, width)?,

@@ -3,11 +3,11 @@
 //! One line for each state × connector × component, one column for each output asked for. With derivatives there are five
 //! columns more, `dof_1, node_1, dof_2, node_2, derivative`, and further lines that leave the outputs empty: one for each
 //! first derivative that is not zero (`dof_2` empty) and each second derivative that is not zero, ∂²/∂dof_1∂dof_2.
-//! Nodal forces (column NF) have lines of their own, with `dof_1` and `node_1`; so have the entries of KG and DNF that are not zero:
-//! of the force on `dof_1` by `dof_2`.
+//! Nodal forces (column NF) have lines of their own, with `dof_1` and `node_1`; so have the entries of KG, DNF, KT, CT and KR that are not
+//! zero: of the force on `dof_1` by `dof_2`, which for KR names a reaction.
 //! `flags` names what needs care, on the lines of the component. Numbers read back to the same double.
 
-use super::block::{Block, Derivative, Kind, Value, node_name, slopes};
+use super::block::{Block, Derivative, Kind, NodalDerivative, Value, node_name, slopes};
 use super::evaluation::{Format, Renderer, Subject};
 use super::words;
 use crate::connector::{Flag, Output, Tally};
@@ -112,10 +112,13 @@ impl Lines<'_> {
             let column = [force.name.to_string(), node_name(force.node)];
             entry(Output::NF, force.force, [&column, &none])?;
         }
-        for (output, matrix) in block.nodal.matrices() {
-            for (line, first) in matrix.iter().zip(columns) {
-                for (value, second) in line.iter().zip(columns).filter(|(value, _)| **value != 0.0) {
-                    entry(output, *value, [first, second])?;
+        for NodalDerivative { output, by, rows } in &block.nodal.derivatives {
+            let named: Vec<[String; 2]> =
+                by.iter().flatten().map(|name| [(*name).to_string(), String::new()]).collect();
+            let by = if by.is_some() { &named } else { columns };
+            for (line, first) in rows.iter().zip(columns) {
+                for (value, second) in line.iter().zip(by).filter(|(value, _)| **value != 0.0) {
+                    entry(*output, *value, [first, second])?;
                 }
             }
         }
@@ -155,6 +158,7 @@ impl Lines<'_> {
                 cells.push(match row.values[*output as usize] {
                     None => String::new(),
                     Some(Value::Stop(status)) => status.flag().to_string(),
+                    Some(Value::Slip(status)) => words::slip(status).to_string(),
                     Some(value) => exact(value.number()),
                 });
             }

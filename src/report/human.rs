@@ -1,6 +1,8 @@
 //! Evaluations as tables for reading.
 
-use super::block::{Block, Derivative, HingeFacts, Kind, Value, flags_in_words, node_name, slopes};
+use super::block::{
+    Block, Derivative, HingeFacts, Kind, NodalDerivative, Value, flags_in_words, node_name, slopes,
+};
 use super::evaluation::{Format, Renderer, Subject, Unevaluated, unevaluated};
 use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
@@ -134,6 +136,7 @@ impl<'w> Human<'w> {
                 let cell = |value: Option<Value>| match value {
                     None => String::new(),
                     Some(Value::Stop(status)) => status.flag().to_string(),
+                    Some(Value::Slip(status)) => words::slip(status).to_string(),
                     Some(value) => self.beside(value.number(), largest),
                 };
                 let texts = block.rows.iter().map(|row| cell(row.values[output as usize])).collect();
@@ -201,17 +204,21 @@ impl<'w> Human<'w> {
                 .collect();
             self.columns(&title, &["nodal force".to_string()], &columns)?;
         }
-        for (output, matrix) in block.nodal.matrices() {
+        let names: Vec<String> = block.columns.iter().map(|column| column.name.to_string()).collect();
+        for NodalDerivative { output, by, rows: matrix } in &block.nodal.derivatives {
             let largest = largest(matrix.iter().flatten().copied());
-            let names: Vec<String> = block.columns.iter().map(|column| column.name.to_string()).collect();
-            let columns: Vec<(String, Vec<String>)> = (0..names.len())
+            let by: Vec<&str> = match by {
+                Some(by) => by.clone(),
+                None => names.iter().map(String::as_str).collect(),
+            };
+            let columns: Vec<(String, Vec<String>)> = (0..by.len())
                 .filter(|j| matrix.iter().any(|row| row[*j] != 0.0))
                 .map(|j| {
                     let entry = |row: &Vec<f64>| match row[j] {
                         0.0 => "·".to_string(),
                         entry => self.beside(entry, largest),
                     };
-                    (format!("∂{}", names[j]), matrix.iter().map(entry).collect())
+                    (format!("∂{}", by[j]), matrix.iter().map(entry).collect())
                 })
                 .collect();
             if columns.is_empty() {
@@ -280,7 +287,7 @@ impl<'w> Human<'w> {
         if slopes.is_empty() {
             return writeln!(self.out, "  slopes of forces: every entry is 0");
         }
-        writeln!(self.out, "  {}", styled(DIM, "slopes of elastic and viscous forces that are not 0"))?;
+        writeln!(self.out, "  {}", styled(DIM, "slopes of component forces that are not 0"))?;
         let largest = largest(slopes.iter().map(|(_, slope)| *slope));
         let names = slopes.iter().map(|(name, _)| layout::width(name)).max().unwrap_or(0);
         for (name, slope) in &slopes {
