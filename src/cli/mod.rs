@@ -3,8 +3,11 @@
 pub(crate) mod audit;
 pub(crate) mod convert;
 pub(crate) mod eval;
+pub(crate) mod export;
 mod failure;
+mod history;
 pub(crate) mod manual;
+mod page;
 pub(crate) mod replay;
 mod show;
 
@@ -44,6 +47,8 @@ pub(crate) enum Command {
     Eval(Box<Eval>),
     /// Convert a scene between deck, TOML and JSON, and say what is lost
     Convert(Convert),
+    /// Export a connection type as a program: SymPy, JAX, C, Rust, LaTeX, or its expression graph
+    Export(export::Export),
     /// Print the JSON Schema of scenes in TOML and JSON
     #[command(after_long_help = SCHEMA_HELP)]
     Schema,
@@ -406,6 +411,17 @@ fn explain_mpc(
     Ok(out.flush()?)
 }
 
+/// The connection type of a name, or of a pair of names.
+fn connection(name: &str, second: Option<&str>) -> Result<ConnectionType, Failure> {
+    ConnectionType::named(name, second).map_err(|error| {
+        let remedy = match &error {
+            NameError::Unknown { nearest: None, .. } => "; `pintle list` shows the types there are",
+            NameError::Unknown { .. } | NameError::Pair { .. } => "",
+        };
+        Failure::Usage(format!("{error}{remedy}"))
+    })
+}
+
 /// `pintle explain`.
 pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let mut out = BufWriter::new(anstream::stdout().lock());
@@ -439,14 +455,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
         }
         _ => {}
     }
-    let connection =
-        ConnectionType::named(&arguments.name, arguments.second.as_deref()).map_err(|error| {
-            let remedy = match &error {
-                NameError::Unknown { nearest: None, .. } => "; `pintle list` shows the types there are",
-                NameError::Unknown { .. } | NameError::Pair { .. } => "",
-            };
-            Failure::Usage(format!("{error}{remedy}"))
-        })?;
+    let connection = connection(&arguments.name, arguments.second.as_deref())?;
     let explanation = explain::Explanation::of(&connection);
     match arguments.format {
         PageFormat::Human => explanation.human(&mut out, width)?,

@@ -79,7 +79,10 @@ fn moments(ground: &Ground, angle: f64, rate: Option<f64>) -> Result<HingeMoment
     let conditions = Conditions::default();
     let along = |value| num_dual::Dual64::new(value, 1.0);
     let spring = ground.spring(along(angle), &conditions)?;
-    let dashpot = rate.map(|rate| ground.dashpot(along(rate), &conditions)).transpose()?;
+    let dashpot = rate
+        .filter(|_| ground.has_dashpots())
+        .map(|rate| ground.dashpot(along(rate), &conditions))
+        .transpose()?;
     Ok(HingeMoments {
         spring: spring.re,
         stiffness: spring.eps,

@@ -8,6 +8,7 @@ mod block;
 pub mod csv;
 mod evaluation;
 pub mod explain;
+pub mod export;
 pub mod human;
 pub mod json;
 mod layout;

@@ -111,7 +111,7 @@ impl Belt {
     }
 
     /// The same with exact first and second derivatives with respect to T1, T2 and α, in this order; the others are zero.
-    pub fn derivatives<R: Ordered>(
+    pub fn derivatives<R: Ordered + Differentiable>(
         &self,
         tension: [R; 2],
         angle: R,
@@ -133,7 +133,7 @@ impl Belt {
     }
 
     /// The increment from a state.
-    pub fn update<R: Ordered>(
+    pub fn update<R: Ordered + Differentiable>(
         &self,
         state: &State<R>,
         input: &BeltInput<'_, R>,
@@ -143,7 +143,7 @@ impl Belt {
     }
 
     /// The increment from a state with its exact consistent tangent.
-    pub fn tangent<R: Ordered>(
+    pub fn tangent<R: Ordered + Differentiable>(
         &self,
         state: &State<R>,
         input: &BeltInput<'_, R>,
@@ -167,7 +167,7 @@ impl Belt {
     fn limit<S>(&self, held: S, input: &BeltInput<'_, S>, increment: S, flags: &mut Flags) -> [S; 3]
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         let context = Context { conditions: input.conditions, ..Context::default() };
         let rate = match input.duration {
@@ -187,7 +187,7 @@ impl Belt {
     fn advance<S>(&self, state: &State<S::Real>, input: &BeltInput<'_, S>, branch: Branch) -> Outcome<S>
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         const { assert!(S::ORDER <= 1, "the slip equations are differentiated once") }
         let mut flags = Flags::default();
@@ -275,7 +275,7 @@ impl Belt {
     fn slip<S>(&self, held: S, input: &BeltInput<'_, S>, trial: S, stiffness: S, flags: &mut Flags) -> S
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         type Slope<R> = <R as Differentiable>::Gradient<1>;
         let constant = |x: S| Slope::<S::Real>::from_real(x.real());

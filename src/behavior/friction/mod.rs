@@ -37,14 +37,14 @@ pub use update::{
 
 use super::Conditions;
 use crate::scalar::elementary::norm;
-use crate::scalar::{Differentiable, Real, Scalar};
+use crate::scalar::{Real, Scalar};
 use crate::scene::Basis;
 use flags::Flags;
 
 /// A real number with an order, on which stick and slip can be told apart.
-pub trait Ordered: Differentiable<Mask = bool> {}
+pub trait Ordered: Real<Mask = bool> {}
 
-impl<R: Differentiable<Mask = bool>> Ordered for R {}
+impl<R: Real<Mask = bool>> Ordered for R {}
 
 /// What a friction may depend on besides forces.
 #[derive(Clone, Debug)]

@@ -263,7 +263,12 @@ struct Slip<S> {
 
 impl Friction {
     /// The increment from a state.
-    pub fn update<R: Ordered>(&self, state: &State<R>, input: &Input<'_, R>, branch: Branch) -> Outcome<R> {
+    pub fn update<R: Ordered + Differentiable>(
+        &self,
+        state: &State<R>,
+        input: &Input<'_, R>,
+        branch: Branch,
+    ) -> Outcome<R> {
         self.advance(state, input, branch)
     }
 
@@ -289,7 +294,7 @@ impl Friction {
     /// assert_eq!(tangent.force[0].forces[1..3], [0.3, 0.4]); // μ ∂F_N/∂λ
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn tangent<R: Ordered>(
+    pub fn tangent<R: Ordered + Differentiable>(
         &self,
         state: &State<R>,
         input: &Input<'_, R>,
@@ -345,7 +350,7 @@ impl Friction {
     ) -> Limit<S>
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         let context =
             Context { accumulated_slip: S::from_real(accumulated_slip) + increment, ..input.context.clone() };
@@ -368,7 +373,7 @@ impl Friction {
     fn advance<S>(&self, state: &State<S::Real>, input: &Input<'_, S>, branch: Branch) -> Outcome<S>
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         const { assert!(S::ORDER <= 1, "the slip equations are differentiated once") }
         let mut flags = Flags::default();
@@ -484,7 +489,7 @@ fn freed<S>(
 ) -> Slip<S>
 where
     S: Scalar,
-    S::Real: Ordered,
+    S::Real: Ordered + Differentiable,
 {
     let mut slip = [S::zero(); 6];
     let mut scaled = [S::zero(); 6];
@@ -498,7 +503,7 @@ where
 }
 
 /// The limit as a scale for its own error.
-fn larger_or_one<R: Ordered>(limit: R) -> R {
+fn larger_or_one<R: Ordered + Differentiable>(limit: R) -> R {
     if R::integer(0).less(limit) { limit } else { R::integer(1) }
 }
 
@@ -518,7 +523,7 @@ struct Problem<'a, 'b, S: Scalar> {
 impl<S> Problem<'_, '_, S>
 where
     S: Scalar,
-    S::Real: Ordered,
+    S::Real: Ordered + Differentiable,
 {
     /// The limit after the slip Δγ.
     fn limit(&self, increment: S, flags: &mut Flags) -> S {
@@ -813,7 +818,7 @@ where
 
 /// The first root in [0, most] of a function that is positive at 0 and not at `most`, given with its slope; by Newton's method,
 /// safeguarded by bisection. Between `breaks` the function is smooth.
-pub(super) fn first_root<R: Ordered>(breaks: &[R], most: R, h: impl Fn(R) -> (R, R)) -> R {
+pub(super) fn first_root<R: Ordered + Differentiable>(breaks: &[R], most: R, h: impl Fn(R) -> (R, R)) -> R {
     let zero = R::integer(0);
     let (mut low, mut high) = (zero, most);
     for point in breaks {
@@ -849,7 +854,7 @@ pub(super) fn first_root<R: Ordered>(breaks: &[R], most: R, h: impl Fn(R) -> (R,
 }
 
 /// The slips below `most`, each once, in increasing order.
-pub(super) fn sorted<R: Ordered>(slips: impl Iterator<Item = R>, most: R) -> Vec<R> {
+pub(super) fn sorted<R: Ordered + Differentiable>(slips: impl Iterator<Item = R>, most: R) -> Vec<R> {
     let mut sorted = Vec::new();
     for slip in slips.filter(|slip| R::integer(0).less(*slip) && slip.less(most)) {
         let place = sorted.iter().take_while(|known: &&R| known.less(slip)).count();
@@ -867,7 +872,7 @@ struct Equations<R> {
     n: usize,
 }
 
-impl<R: Ordered> Equations<R> {
+impl<R: Ordered + Differentiable> Equations<R> {
     /// The solution for a right-hand side that may carry derivatives, by elimination with row pivoting; none where the matrix
     /// is singular.
     fn solve<S: Scalar<Real = R>>(&self, right: &[S; SLOTS]) -> Option<[S; SLOTS]> {
