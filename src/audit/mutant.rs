@@ -127,8 +127,13 @@ pub fn mutants(quantity: Quantity, scene: &Scene<'_>) -> Vec<Mutant> {
     let mut found = entry_mistakes(entries, scene);
     match quantity {
         Quantity::Value => found.extend(value_mistakes(entries, scene)),
-        Quantity::FirstDerivatives => found.extend(row_mistakes(entries, scene)),
-        Quantity::SecondDerivatives => found.extend(matrix_mistakes(entries, scene)),
+        Quantity::FirstDerivatives | Quantity::NodalForces => found.extend(row_mistakes(entries, scene)),
+        Quantity::SecondDerivatives => {
+            found.extend(matrix_mistakes(entries, scene.numbers.entries(Quantity::FirstDerivatives), scene));
+        }
+        Quantity::GeometricStiffness => {
+            found.extend(matrix_mistakes(entries, scene.numbers.entries(Quantity::NodalForces), scene));
+        }
         Quantity::Rate | Quantity::Acceleration => found.extend(rate_mistakes(quantity, entries, scene)),
     }
     found
@@ -272,10 +277,9 @@ fn second_variation(row: &[f64], pair: &Pair<f64>) -> Vec<(usize, usize, f64)> {
     terms
 }
 
-fn matrix_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
+fn matrix_mistakes(entries: &Entries<f64>, first: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     let mut found = swapped_components(entries, DOFS * DOFS);
     let pair = scene.case.last().map(|step| step.state.pair);
-    let first = scene.numbers.entries(Quantity::FirstDerivatives);
     for (k, matrix) in entries.0.iter().enumerate() {
         let Some(matrix) = matrix else { continue };
         let at = |i: usize, j: usize| matrix[i * DOFS + j];

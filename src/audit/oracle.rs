@@ -153,6 +153,8 @@ impl WideAnswers {
         let [rate, acceleration] = truth.rates();
         differences.set(Quantity::Rate, rate);
         differences.set(Quantity::Acceleration, acceleration);
+        differences.set(Quantity::NodalForces, truth.force_rows());
+        differences.set(Quantity::GeometricStiffness, truth.force_row_changes());
         Self { dual: truth.dual(), differences }
     }
 

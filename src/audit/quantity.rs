@@ -1,7 +1,7 @@
 //! What is judged: the numbers of one evaluation, each with a name.
 
-use super::case::{Case, dof_size};
-use crate::catalog::COMPONENT;
+use super::case::dof_size;
+use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{Components, Evaluation, Output, Request};
 use crate::node::{DOF, DOFS};
 use serde::{Deserialize, Serialize};
@@ -20,12 +20,23 @@ pub enum Quantity {
     Rate,
     /// Its acceleration.
     Acceleration,
+    /// The nodal forces of a unit force of the component, residual-side.
+    NodalForces,
+    /// Their derivatives: geometric stiffness per unit force.
+    GeometricStiffness,
 }
 
 impl Quantity {
     /// Every quantity, in the order of reports.
-    pub const ALL: [Self; 5] =
-        [Self::Value, Self::FirstDerivatives, Self::SecondDerivatives, Self::Rate, Self::Acceleration];
+    pub const ALL: [Self; 7] = [
+        Self::Value,
+        Self::FirstDerivatives,
+        Self::SecondDerivatives,
+        Self::Rate,
+        Self::Acceleration,
+        Self::NodalForces,
+        Self::GeometricStiffness,
+    ];
 
     /// In words.
     pub const fn name(self) -> &'static str {
@@ -35,6 +46,8 @@ impl Quantity {
             Self::SecondDerivatives => "second derivatives",
             Self::Rate => "rates",
             Self::Acceleration => "accelerations",
+            Self::NodalForces => "nodal forces",
+            Self::GeometricStiffness => "geometric stiffness",
         }
     }
 
@@ -46,6 +59,8 @@ impl Quantity {
             Self::SecondDerivatives => "∂²f",
             Self::Rate => "ḟ",
             Self::Acceleration => "f̈",
+            Self::NodalForces => "G",
+            Self::GeometricStiffness => "∂G",
         }
     }
 
@@ -53,16 +68,18 @@ impl Quantity {
     pub const fn entries(self) -> usize {
         match self {
             Self::Value | Self::Rate | Self::Acceleration => 1,
-            Self::FirstDerivatives => DOFS,
-            Self::SecondDerivatives => DOFS * DOFS,
+            Self::FirstDerivatives | Self::NodalForces => DOFS,
+            Self::SecondDerivatives | Self::GeometricStiffness => DOFS * DOFS,
         }
     }
 
     /// The size of the degrees of freedom of entry `i`: s_j, or s_j s_k.
     pub fn entry_size(self, i: usize, length: f64) -> f64 {
         match self {
-            Self::FirstDerivatives => dof_size(i, length),
-            Self::SecondDerivatives => dof_size(i / DOFS, length) * dof_size(i % DOFS, length),
+            Self::FirstDerivatives | Self::NodalForces => dof_size(i, length),
+            Self::SecondDerivatives | Self::GeometricStiffness => {
+                dof_size(i / DOFS, length) * dof_size(i % DOFS, length)
+            }
             Self::Value | Self::Rate | Self::Acceleration => 1.0,
         }
     }
@@ -78,6 +95,10 @@ impl Quantity {
             }
             Self::Rate => format!("d{component}/dt"),
             Self::Acceleration => format!("d²{component}/dt²"),
+            Self::NodalForces => format!("{} on {}", FORCE[k], DOF[i % DOFS]),
+            Self::GeometricStiffness => {
+                format!("∂({} on {})/∂{}", FORCE[k], DOF[i / DOFS % DOFS], DOF[i % DOFS])
+            }
         }
     }
 }
@@ -131,7 +152,7 @@ impl<T: Copy> Entries<T> {
 pub struct Numbers<T>([Entries<T>; Quantity::ALL.len()]);
 
 impl<T: Copy> Numbers<T> {
-    /// Of one evaluation. Rates are those of the residual where there is one.
+    /// Of one evaluation, without forces. Rates are those of the residual where there is one.
     pub fn of(evaluation: &Evaluation<T>) -> Self {
         let one = |x: Option<T>| x.map(|x| vec![x]);
         let both = |first: &Components<T>, second: &Components<T>| {
@@ -145,6 +166,8 @@ impl<T: Copy> Numbers<T> {
             })),
             both(&evaluation.residual_rate, &evaluation.velocity),
             both(&evaluation.residual_acceleration, &evaluation.acceleration),
+            Entries::default(),
+            Entries::default(),
         ])
     }
 
@@ -162,9 +185,4 @@ impl<T: Copy> Numbers<T> {
 /// What is asked of a connector for [`Numbers`].
 pub fn request() -> Request {
     Request::new(&[Output::CU, Output::CV, Output::CA, Output::RES, Output::RESV, Output::RESA], [true; 6], 2)
-}
-
-/// What the product gives at the end of a case; `None` for an empty path.
-pub fn product(case: &Case) -> Option<Numbers<f64>> {
-    case.evaluation(&request()).map(|(evaluation, _)| Numbers::of(&evaluation))
 }
