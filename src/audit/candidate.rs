@@ -112,7 +112,7 @@ impl<'a> Candidate<'a> {
         given.set(Quantity::FirstDerivatives, Entries(rows.map(|row| row.map(|row| row.to_vec()))));
         let Some(product) = super::force::product_with_forces(case) else { return checks };
         let truth = if wide { Truth::of(case) } else { None };
-        let answers = truth.as_ref().map(WideAnswers::of);
+        let answers = truth.as_ref().map(WideAnswers::of_kinematics);
         let trusted = answers
             .as_ref()
             .map_or_else(|| product.clone(), |answers| super::atlas::truth_to_f64(&answers.differences));

@@ -5,6 +5,7 @@ use super::bound::Bound;
 use super::case::Case;
 use super::certificate::certificate;
 use super::force::product_with_forces as product;
+use super::friction::friction_cases;
 use super::invariant::{self, Context, Invariant};
 use super::mutant::{self, Mistake, Mutant, mutants};
 use super::oracle::{Narrow, Oracle, WideAnswers, remainders};
@@ -120,6 +121,9 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         };
         drawn.map_or_else(Vec::new, |case| audit_case(&case, settings, wide.contains(&i), i))
     }));
+    let frictions = friction_cases(connection, settings, settings.wide_states);
+    let found: Vec<Vec<Check>> = frictions.par_iter().map(|case| case.audit(settings)).collect();
+    found.into_iter().for_each(|found| checks_of(&mut checks, found));
     for law in [Invariant::Start, Invariant::Turns, Invariant::FreeAxis] {
         let demands = invariant::of_type(connection, law);
         if !demands.is_empty() {

@@ -55,6 +55,14 @@ pub enum Mistake {
     RatesOfAIgnored,
     /// The part quadratic in the rates is missing.
     QuadraticPartMissing,
+    /// A factor's number is left out: β = 1/L for 2/L.
+    NumberLeftOut,
+    /// A parameter multiplies that must divide: m · R_r for m/R_r.
+    MultipliedInsteadOfDivided,
+    /// The tangent of stick in slip, or the reverse.
+    StickForSlip,
+    /// What presses is held while a tangent is taken.
+    CouplingMissing,
 }
 
 impl Mistake {
@@ -79,6 +87,10 @@ impl Mistake {
             Self::TurnForgotten => "previous turns forgotten".into(),
             Self::RatesOfAIgnored => "rates of node a ignored".into(),
             Self::QuadraticPartMissing => "quadratic part missing".into(),
+            Self::NumberLeftOut => "β = 2/L without the 2".into(),
+            Self::MultipliedInsteadOfDivided => "R_r multiplied instead of divided".into(),
+            Self::StickForSlip => "stick for slip".into(),
+            Self::CouplingMissing => "contact force held".into(),
         }
     }
 }
@@ -135,6 +147,12 @@ pub fn mutants(quantity: Quantity, scene: &Scene<'_>) -> Vec<Mutant> {
             found.extend(matrix_mistakes(entries, scene.numbers.entries(Quantity::NodalForces), scene));
         }
         Quantity::Rate | Quantity::Acceleration => found.extend(rate_mistakes(quantity, entries, scene)),
+        // These are no numbers of a connector's components.
+        Quantity::FrictionCriterion
+        | Quantity::FrictionGradient
+        | Quantity::FrictionHessian
+        | Quantity::FrictionTangent
+        | Quantity::BehaviorTangent => {}
     }
     found
 }

@@ -24,10 +24,23 @@ pub enum Quantity {
     NodalForces,
     /// Their derivatives: geometric stiffness per unit force.
     GeometricStiffness,
+    /// P, F_C, F_N and Φ of a friction.
+    FrictionCriterion,
+    /// Their derivatives by the forces.
+    FrictionGradient,
+    /// Their second derivatives.
+    FrictionHessian,
+    /// The consistent tangent of an increment with friction.
+    FrictionTangent,
+    /// The slopes of elastic and viscous forces.
+    BehaviorTangent,
 }
 
+/// How many quantities there are.
+const COUNT: usize = Quantity::BehaviorTangent as usize + 1;
+
 impl Quantity {
-    /// Every quantity, in the order of reports.
+    /// Every quantity of a connector's components, in the order of reports.
     pub const ALL: [Self; 7] = [
         Self::Value,
         Self::FirstDerivatives,
@@ -48,6 +61,11 @@ impl Quantity {
             Self::Acceleration => "accelerations",
             Self::NodalForces => "nodal forces",
             Self::GeometricStiffness => "geometric stiffness",
+            Self::FrictionCriterion => "friction criteria",
+            Self::FrictionGradient => "friction gradients",
+            Self::FrictionHessian => "friction Hessians",
+            Self::FrictionTangent => "friction tangents",
+            Self::BehaviorTangent => "tangents of elastic and viscous forces",
         }
     }
 
@@ -61,15 +79,21 @@ impl Quantity {
             Self::Acceleration => "f̈",
             Self::NodalForces => "G",
             Self::GeometricStiffness => "∂G",
+            Self::FrictionCriterion => "Φ",
+            Self::FrictionGradient => "∂Φ",
+            Self::FrictionHessian => "∂²Φ",
+            Self::FrictionTangent => "∂F_f",
+            Self::BehaviorTangent => "∂F",
         }
     }
 
-    /// The number of entries per component.
+    /// The number of entries per component; 0 for what is not by components.
     pub const fn entries(self) -> usize {
         match self {
             Self::Value | Self::Rate | Self::Acceleration => 1,
             Self::FirstDerivatives | Self::NodalForces => DOFS,
             Self::SecondDerivatives | Self::GeometricStiffness => DOFS * DOFS,
+            _ => 0,
         }
     }
 
@@ -80,7 +104,7 @@ impl Quantity {
             Self::SecondDerivatives | Self::GeometricStiffness => {
                 dof_size(i / DOFS, length) * dof_size(i % DOFS, length)
             }
-            Self::Value | Self::Rate | Self::Acceleration => 1.0,
+            _ => 1.0,
         }
     }
 
@@ -99,6 +123,7 @@ impl Quantity {
             Self::GeometricStiffness => {
                 format!("∂({} on {})/∂{}", FORCE[k], DOF[i / DOFS % DOFS], DOF[i % DOFS])
             }
+            _ => format!("{} {component} {i}", self.symbol()),
         }
     }
 }
@@ -149,7 +174,7 @@ impl<T: Copy> Entries<T> {
 
 /// Everything that an audit judges of one evaluation.
 #[derive(Clone, Debug, Default)]
-pub struct Numbers<T>([Entries<T>; Quantity::ALL.len()]);
+pub struct Numbers<T>([Entries<T>; COUNT]);
 
 impl<T: Copy> Numbers<T> {
     /// Of one evaluation, without forces. Rates are those of the residual where there is one.
@@ -158,17 +183,19 @@ impl<T: Copy> Numbers<T> {
         let both = |first: &Components<T>, second: &Components<T>| {
             Entries(std::array::from_fn(|k| one(first[k].or(second[k]))))
         };
-        Self([
-            both(&evaluation.residual, &evaluation.displacement),
-            Entries(std::array::from_fn(|k| evaluation.jacobian[k].map(|row| row.to_vec()))),
-            Entries(std::array::from_fn(|k| {
-                evaluation.hessian[k].as_ref().map(|h| h.as_flattened().to_vec())
-            })),
-            both(&evaluation.residual_rate, &evaluation.velocity),
-            both(&evaluation.residual_acceleration, &evaluation.acceleration),
-            Entries::default(),
-            Entries::default(),
-        ])
+        let mut numbers = Self(std::array::from_fn(|_| Entries::default()));
+        let row = |k: usize| evaluation.jacobian[k].map(|row| row.to_vec());
+        let matrix = |k: usize| evaluation.hessian[k].as_ref().map(|h| h.as_flattened().to_vec());
+        for (quantity, entries) in [
+            (Quantity::Value, both(&evaluation.residual, &evaluation.displacement)),
+            (Quantity::FirstDerivatives, Entries(std::array::from_fn(row))),
+            (Quantity::SecondDerivatives, Entries(std::array::from_fn(matrix))),
+            (Quantity::Rate, both(&evaluation.residual_rate, &evaluation.velocity)),
+            (Quantity::Acceleration, both(&evaluation.residual_acceleration, &evaluation.acceleration)),
+        ] {
+            numbers.set(quantity, entries);
+        }
+        numbers
     }
 
     /// The entries of one quantity.
