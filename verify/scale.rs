@@ -2,6 +2,7 @@
 
 pub(crate) mod chain;
 mod sparse;
+mod threads;
 
 use pintle::evaluate::Model;
 use pintle::scene::Scene;

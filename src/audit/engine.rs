@@ -254,11 +254,12 @@ fn judge_numbers(
         };
         for oracle in Oracle::ALL.into_iter().filter(|oracle| oracle.answers(quantity) && asked(*oracle)) {
             let answer = match oracle {
-                Oracle::WideDifferences | Oracle::WideDual => {
+                Oracle::WideDifferences | Oracle::WideDual | Oracle::WideSymbolic => {
                     let Some(answers) = &answers else { continue };
                     answers.answer(oracle, quantity)
                 }
                 Oracle::NodalDual => Some(narrow.nodal_dual(&bound)),
+                Oracle::Symbolic => Some(narrow.symbolic(quantity, &bound)),
                 _ => Some(narrow.differences(&bound)),
             };
             let Some(answer) = answer.filter(|answer| !answer.numbers.is_empty()) else { continue };

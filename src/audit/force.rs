@@ -24,7 +24,7 @@ pub(super) fn add_forces<R: Differentiable>(
     state: &State<R>,
     branch: &Branch<R>,
 ) {
-    let want = Want { stiffness: true, multipliers: false };
+    let want = Want { stiffness: true, ..Want::default() };
     let rows = connector.force_rows(state, branch, [true; 6], want, &mut Tally::default());
     let row = |k: usize| rows.row(k).map(|row| row.row.to_vec());
     let change = |k: usize| Some(rows.row(k)?.change.as_ref()?.as_flattened().to_vec());

@@ -173,8 +173,14 @@ impl<T: Copy> Entries<T> {
 }
 
 /// Everything that an audit judges of one evaluation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Numbers<T>([Entries<T>; COUNT]);
+
+impl<T> Default for Numbers<T> {
+    fn default() -> Self {
+        Self(std::array::from_fn(|_| Entries::default()))
+    }
+}
 
 impl<T: Copy> Numbers<T> {
     /// Of one evaluation, without forces. Rates are those of the residual where there is one.

@@ -133,6 +133,11 @@ impl Truth {
         numbers
     }
 
+    /// First and second derivatives of the traced formulas.
+    pub fn symbolic(&self) -> Numbers<Wide> {
+        super::oracle::derivatives(&self.connector, &self.state.pair, &self.branch)
+    }
+
     /// The values.
     pub fn value(&self) -> Entries<Wide> {
         let still = self.evaluate(&[Wide::zero(); DOFS], &request());

@@ -3,8 +3,10 @@
 use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
 use pintle::behavior::state::Velocities;
 use pintle::connector::{Flag, Output, Request};
-use pintle::evaluate::{Branches, ElementBehavior, Item, Model, Plan, Selection, Sequence, request};
-use pintle::report::{self, Block, Format, Subject};
+use pintle::evaluate::{
+    Branches, ElementBehavior, Fixed, Item, Jacobian, Model, Plan, Selection, Sequence, request,
+};
+use pintle::report::{self, Block, Format, Kind, Subject};
 use pintle::scene::{Diagnostic, Example, ForceFile, ForceSign, GALLERY, Scene, State, StateFile};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -29,6 +31,15 @@ pub(crate) struct Loaded {
     pub(crate) states: Vec<State>,
     forces: Option<ForceFile>,
     pub(crate) model: Model,
+}
+
+/// A connector or MPC at one state, worked into what is written and told of it.
+struct Rendered {
+    kind: Kind,
+    has_numbers: bool,
+    text: Vec<u8>,
+    title: String,
+    flags: Vec<Flag>,
 }
 
 /// What was seen that needs care, for one line on stderr.
@@ -268,6 +279,8 @@ fn walk(
     let mut progress = Progress::new();
     for (Loaded { scene, states, model, .. }, (plan, branches, shown, numbers)) in loaded.iter().zip(&walks) {
         let mut sequence = Sequence::resume(model, plan, branches.clone());
+        let is_shown = |index: &u64| shown.iter().any(|range| range.contains(index));
+        let last_shown = numbers.iter().copied().rfind(is_shown);
         if !states.iter().any(moves) {
             sequence.set_velocities(Velocities::Increments);
         }
@@ -276,16 +289,32 @@ fn walk(
         format.scene(&Subject { scene, model, plan, states: states.len(), shown, first, last })?;
         for (done, (state, index)) in states.iter().zip(numbers.iter().copied()).enumerate() {
             progress.tick(&scene.name, done, states.len());
-            if shown.iter().any(|range| range.contains(&index)) {
+            if is_shown(&index) {
+                if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
+                    let told = save_jacobian(file, (scene, model, plan), sequence.clone(), (index, state))?;
+                    // Whatever else needs care is told by the evaluation.
+                    for (title, flag) in &told {
+                        if matches!(flag, Flag::NotFinite { .. }) {
+                            care.see(index, title, std::slice::from_ref(flag));
+                        }
+                    }
+                }
                 format.state(index, state.time)?;
-                sequence.visit(state, |item| {
+                let render = format.renderer();
+                let digest = |item: Item| -> io::Result<Rendered> {
                     let block = match &item {
                         Item::Connector(result) => Block::of_connector(model, request, result),
                         Item::Mpc(result) => Block::of_mpc(model, request, result),
                     };
-                    evaluated += u64::from(block.has_numbers());
-                    care.see(index, &title(model, &item), &block.flags);
-                    format.block(&block)
+                    let title = if block.flags.is_empty() { String::new() } else { title(model, &item) };
+                    let (kind, has_numbers, text) = (block.kind, block.has_numbers(), render(&block)?);
+                    Ok(Rendered { kind, has_numbers, text, title, flags: block.flags })
+                };
+                sequence.visit_digested(state, digest, |rendered| {
+                    let Rendered { kind, has_numbers, text, title, flags } = rendered?;
+                    evaluated += u64::from(has_numbers);
+                    care.see(index, &title, &flags);
+                    format.rendered(kind, &text)
                 })?;
                 format.end_state()?;
             } else {
@@ -358,6 +387,25 @@ fn save(path: &Path, scene: &str, branches: &Branches) -> Result<(), Failure> {
     let text = serde_json::to_string(&file).map_err(|error| Failure::Input(error.to_string()))?;
     fs::write(path, text + "\n")
         .map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))
+}
+
+/// Writes the constraint Jacobian at a state, which `sequence` has before it, and gives what of it needs care.
+fn save_jacobian(
+    path: &Path,
+    (scene, model, plan): (&Scene, &Model, &Plan),
+    mut sequence: Sequence<'_>,
+    (number, state): (u64, &State),
+) -> Result<Vec<(String, Flag)>, Failure> {
+    let jacobian = Jacobian::of_constraints(model, plan, &Fixed::of(scene)?);
+    let mut values = Vec::new();
+    let assembled = sequence.assemble(state, &jacobian, &mut values);
+    let care = assembled.map_err(|error| Failure::Usage(error.to_string()))?;
+    let of = format!("{} at state {number}", scene.name);
+    let written = File::create(path).and_then(|file| {
+        report::matrix_market::write(&mut BufWriter::new(file), &of, model, &jacobian, &values)
+    });
+    written.map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))?;
+    Ok(care)
 }
 
 fn resume(path: &Path, model: &Model, plan: &Plan) -> Result<Branches, Failure> {

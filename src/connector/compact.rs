@@ -47,6 +47,14 @@ impl<R: Real> CompactRow<R> {
     }
 }
 
+impl CompactRow<f64> {
+    /// Whether all its parts are finite.
+    pub fn is_finite(&self) -> bool {
+        let RelativeGradient { translation, rotation, flow } = &self.gradient;
+        [&translation[..], rotation, &self.arm, flow].into_iter().flatten().all(|part| part.is_finite())
+    }
+}
+
 impl<R: Differentiable> Connector<R> {
     /// The rows of the components in `wanted`, in their order, of the residual of a constrained component and of the displacement of any
     /// other, at `state` on the sheets of `branch`, which must be that of the state ([`Connector::advance`]): the entries of

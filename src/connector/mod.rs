@@ -283,6 +283,11 @@ impl<R: Differentiable> Connector<R> {
         self.rows[k].is_some_and(|row| row.slot.is_constrained())
     }
 
+    /// What measures refer to.
+    pub(crate) const fn section(&self) -> &Section<R> {
+        &self.section
+    }
+
     /// Q₀.
     pub(crate) const fn initial_orientation(&self) -> &vector::Matrix<R> {
         &self.section.initial_orientation

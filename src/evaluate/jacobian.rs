@@ -9,7 +9,9 @@
 //! its axes, as its boundary conditions are.
 
 use super::model::{ConnectorElement, Model};
+use super::mpc::MpcElement;
 use super::plan::Plan;
+use crate::catalog::COMPONENT;
 use crate::connector::{CompactRow, Components, Group, Mask};
 use crate::mpc::{self, Kind};
 use crate::node::{DOF_NUMBER, DOFS};
@@ -45,6 +47,24 @@ pub struct Equation {
     pub source: Source,
     /// The component of a connector, 0 for u1 to 5 for ur3; the equation of an MPC, in the order of [`Kind::row_name`].
     pub component: usize,
+}
+
+impl Equation {
+    /// What it enforces and which of it, as reports call it: `HINGE 101 ur2`, `MPC LINK 4-7 δl`. For a model that has it.
+    pub fn title(&self, model: &Model) -> String {
+        let named = |title: Option<String>, name: &str| format!("{} {name}", title.unwrap_or_default());
+        match self.source {
+            Source::Connector(index) => {
+                let title = model.connectors.get(index).map(ConnectorElement::title);
+                named(title, COMPONENT.get(self.component).copied().unwrap_or_default())
+            }
+            Source::Mpc(index) => {
+                let mpc = model.mpcs.get(index);
+                let name = mpc.map(|mpc| mpc.constraint.kind().row_name(self.component));
+                named(mpc.map(MpcElement::title), name.unwrap_or_default())
+            }
+        }
+    }
 }
 
 /// A pattern that was made for another plan.
@@ -321,7 +341,7 @@ impl Jacobian {
     fn add_mpc(
         &mut self,
         index: usize,
-        element: &super::MpcElement,
+        element: &MpcElement,
         (numbering, fixed): (&Numbering, &Fixed),
         known: &mut HashMap<Label, u32>,
     ) {

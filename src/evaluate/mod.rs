@@ -6,6 +6,7 @@
 //! committing every branch as it goes.
 
 mod behavior;
+mod belt;
 mod forces;
 mod jacobian;
 mod model;
@@ -18,6 +19,7 @@ mod rules;
 mod sequence;
 mod shared;
 
+pub use belt::Ring;
 pub use forces::ForceResult;
 pub use jacobian::{CompressedColumns, Equation, Fixed, ForeignPattern, Freedom, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};

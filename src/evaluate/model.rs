@@ -1,5 +1,6 @@
 //! A scene with its connection types, triads and constraints resolved.
 
+use super::belt::{self, Ring};
 use super::mpc::MpcElement;
 use super::{mpc, plane, rules, shared};
 use crate::behavior::drive::{Drives, Schedule, drives};
@@ -61,6 +62,8 @@ struct Shared {
 pub struct Model {
     /// Connectors in the order of the scene.
     pub connectors: Vec<ConnectorElement>,
+    /// The rings of belts with friction, by the index of the SLIPRING that ends there.
+    pub rings: BTreeMap<usize, Ring>,
     /// Multi-point constraints in the order of the scene.
     pub mpcs: Vec<MpcElement>,
     /// The springs and dashpots to ground that act on the angles of their hinges, by element number.
@@ -141,6 +144,7 @@ impl Model {
         {
             return model;
         }
+        model.rings = belt::rings(scene, &mut model);
         rules::boundaries(scene, &shared.freedom, &mut model.warnings);
         if let Err(error) = rules::constraints(scene)
             && !tell(error)

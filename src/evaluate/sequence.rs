@@ -1,23 +1,26 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
-use super::behavior::{flag, not_known, wants};
+use super::behavior::{SLOPES, flag, not_known, slopes_not_known, wants};
 use super::forces::{ForceResult, given_forces};
 use super::jacobian::{ForeignPattern, Jacobian};
 use super::model::{ConnectorElement, ElementBehavior, Model};
 use super::mpc::{MpcResult, START};
 use super::parallel;
 use super::plan::Plan;
-use crate::behavior::Conditions;
-use crate::behavior::state::{Event, History, Kinematics, Outcome, Tangent, Velocities};
+use crate::behavior::friction::wrap_angle;
+use crate::behavior::state::{Event, History, Kinematics, Outcome, Velocities};
+use crate::behavior::{Beyond, Conditions, Tangent, Unknown};
+use crate::catalog::COMPONENT;
 use crate::connector::{
-    Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
+    Branch, CompactRow, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally,
+    Turns,
 };
 use crate::measure::Margin;
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::scene::{Label, NodeMotion, Rotation, State as SceneState};
 use crate::so3::{self, Quaternion};
-use crate::vector::{Matrix, Vector, identity, product, sub};
+use crate::vector::{Matrix, Vector, add, identity, product, sub};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
@@ -150,6 +153,14 @@ impl Branches {
             };
             if let Some(difference) = saved.difference(element) {
                 return Err(difference);
+            }
+            let behavior = &element.behavior;
+            let needs = behavior.has_history() && behavior.is_asked(&plan.request);
+            if needs && self.states > 0 && saved.behavior.is_none() {
+                return Err(format!(
+                    "what is asked for depends on the history of connector {label}, which was not followed: \
+                     nothing that depends on it was asked for when the branches were saved"
+                ));
             }
         }
         let mpcs: BTreeSet<String> = plan.mpcs.iter().map(|index| model.mpcs[*index].key(*index)).collect();
@@ -394,8 +405,16 @@ impl<'a> Sequence<'a> {
         values.clear();
         values.resize(jacobian.entries(), 0.0);
         self.follow_nodes(state);
+        let beyond = self.beyond(state);
         let Self { model, plan, moved, ends, connectors, tally, velocities, conditions, .. } = self;
-        let context = Context { model, velocities: *velocities, conditions, scene_state: state };
+        let context = Context {
+            model,
+            planned: &plan.request,
+            velocities: *velocities,
+            conditions,
+            scene_state: state,
+            beyond: &beyond,
+        };
         let mut care = Vec::new();
         let (of_connectors, of_mpcs) = values.split_at_mut(jacobian.connector_entries());
         let mut places = jacobian.split(of_connectors);
@@ -415,9 +434,13 @@ impl<'a> Sequence<'a> {
                     element.connector.compact_rows(&result.state, branch, jacobian.wanted(at), &mut tally);
                 jacobian.write(at, &rows, place);
                 let mut flags = result.flags;
-                if place.iter().any(|entry| !entry.is_finite()) {
-                    flags.push(Flag::NotFinite { component: "", quantity: "derivative" });
-                }
+                let broken =
+                    |k: &usize| rows[*k].as_ref().is_some_and(|row: &CompactRow<f64>| !row.is_finite());
+                flags.extend(
+                    (0..6)
+                        .filter(broken)
+                        .map(|k| Flag::NotFinite { component: COMPONENT[k], quantity: "derivative" }),
+                );
                 (flags, tally)
             },
             |at, (flags, work): (Vec<Flag>, Tally)| -> Result<(), Infallible> {
@@ -465,6 +488,47 @@ impl<'a> Sequence<'a> {
         );
     }
 
+    /// What the friction of belts needs of the segments beyond their rings, by the index of the segment that ends there: found before
+    /// anything is committed, so that it does not depend on the order of the connectors.
+    fn beyond(&mut self, scene_state: &SceneState) -> BTreeMap<usize, Beyond> {
+        let mut found = BTreeMap::new();
+        let Self { model, plan, labels, moved, connectors, tally, velocities, conditions, .. } = self;
+        let (none, planned) = (BTreeMap::new(), &plan.request);
+        let (velocities, beyond) = (*velocities, &none);
+        let context = Context { model, planned, velocities, conditions, scene_state, beyond };
+        let at = |node: Option<Label>| {
+            let place = node.and_then(|label| labels.binary_search(&label).ok());
+            place.and_then(|place| moved.get(place)).unwrap_or(&STILL)
+        };
+        let chosen = plan.connectors.iter().filter_map(|index| Some((*index, model.rings.get(index)?)));
+        for (index, ring) in chosen {
+            let Some(element) = model.connectors.get(index) else { continue };
+            if !element.behavior.slides(planned) {
+                continue;
+            }
+            let next = ring.next.and_then(|next| Some((next, model.connectors.get(next)?)));
+            let Some((next, beyond)) = next else {
+                found.insert(index, Beyond { tension: Err(Unknown::OpposedBelts), angle: 0.0 });
+                continue;
+            };
+            let angle = ring.angle.unwrap_or_else(|| {
+                let direction = |of: &ConnectorElement| place(of, of.nodes.map(at)).0.pair.separation();
+                let [first, second] = [direction(element), direction(beyond)];
+                wrap_angle([0.0; 3], first, add(first, second)).0
+            });
+            let memory = plan.connectors.binary_search(&next).ok().and_then(|place| connectors.get(place));
+            // What came before is not known of a segment that is not planned.
+            let is_known = self.states == 0 || memory.is_some_and(|memory| memory.behavior.is_some());
+            let tension = if is_known || !beyond.behavior.remembers_tension() {
+                context.tension(beyond, beyond.nodes.map(at), memory, tally)
+            } else {
+                Err(Unknown::Part)
+            };
+            found.insert(index, Beyond { tension, angle });
+        }
+        found
+    }
+
     fn walk<T: Send, E>(
         &mut self,
         state: &SceneState,
@@ -473,8 +537,16 @@ impl<'a> Sequence<'a> {
         mut take: impl FnMut(T) -> Result<(), E>,
     ) -> Result<(), E> {
         self.follow_nodes(state);
+        let beyond = self.beyond(state);
         let Self { model, plan, moved, ends, connectors, tally, velocities, conditions, .. } = self;
-        let context = Context { model, velocities: *velocities, conditions, scene_state: state };
+        let context = Context {
+            model,
+            planned: &plan.request,
+            velocities: *velocities,
+            conditions,
+            scene_state: state,
+            beyond: &beyond,
+        };
         parallel::in_order(
             connectors,
             |at, memory| {
@@ -514,12 +586,51 @@ impl<'a> Sequence<'a> {
 #[derive(Clone, Copy)]
 struct Context<'a> {
     model: &'a Model,
+    /// What is planned for all states.
+    planned: &'a Request,
     velocities: Velocities,
     conditions: &'a Conditions,
     scene_state: &'a SceneState,
+    /// What the friction of belts needs, by connector.
+    beyond: &'a BTreeMap<usize, Beyond>,
 }
 
 impl Context<'_> {
+    /// The tension of a SLIPRING at the next state, which is not committed.
+    fn tension(
+        &self,
+        element: &ConnectorElement,
+        ends: [&Moved; 2],
+        memory: Option<&Memory>,
+        tally: &mut Tally,
+    ) -> Result<f64, Unknown> {
+        let (connector, behavior) = (&element.connector, &element.behavior);
+        let given = given_forces(connector, self.scene_state, element.label).unwrap_or_default();
+        if behavior.is_empty() {
+            return given[0].ok_or(Unknown::Part);
+        }
+        let (state, increment) = place(element, ends);
+        let before = memory.map_or_else(|| connector.initial_branch(), |memory| memory.branch);
+        let needed = behavior.request(&Request::nothing(0), false);
+        let evaluation = connector.evaluate(&state, &increment, &before, &needed, tally);
+        let now = Kinematics {
+            position: &evaluation.position,
+            displacement: &evaluation.displacement,
+            constitutive: &evaluation.constitutive,
+            velocity: &evaluation.velocity,
+            acceleration: &evaluation.acceleration,
+            time: self.scene_state.time,
+            velocities: self.velocities,
+            slides: false,
+            beyond: None,
+        };
+        let driven = (&behavior.drives, &self.model.schedule);
+        let none = History::default();
+        let history = memory.and_then(|memory| memory.behavior.as_deref()).unwrap_or(&none);
+        let outcome = behavior.behavior.at(&now, &given, driven, self.conditions, history);
+        outcome.total.value[0].ok_or(outcome.total.unknown[0].unwrap_or(Unknown::Part))
+    }
+
     /// Evaluates a connector and commits its state to its memory.
     fn connector(
         &self,
@@ -529,33 +640,14 @@ impl Context<'_> {
         request: &Request,
         tally: &mut Tally,
     ) -> ConnectorResult {
-        let Self { model, velocities, conditions, scene_state } = *self;
+        let Self { model, planned, velocities, conditions, scene_state, beyond } = *self;
         let element = &model.connectors[index];
-        let node = |end: usize| Node {
-            displacement: ends[end].displacement,
-            triad: product(&ends[end].rotation, &element.triads[end]),
-            flow: ends[end].flow,
-        };
-        let both = |of: fn(&Moved) -> &[f64; 7]| {
-            let mut rates = [0.0; DOFS];
-            rates[..7].copy_from_slice(of(ends[0]));
-            rates[7..].copy_from_slice(of(ends[1]));
-            rates
-        };
-        let state = State {
-            pair: Pair { reference: element.reference, a: node(0), b: node(1) },
-            velocity: both(|node| &node.rates),
-            acceleration: both(|node| &node.accelerations),
-        };
-        let increment = Increment {
-            rotation: ends.map(|end| end.change),
-            whole_turns: ends.map(|end| end.whole_turns),
-            flow: ends.map(|end| end.flow_change),
-        };
+        let (state, increment) = place(element, ends);
         let connector = &element.connector;
         let before = memory.branch;
-        let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request));
-        let needed = behavior.map(|behavior| behavior.request(request));
+        let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request, planned));
+        let slides = behavior.is_some_and(|behavior| behavior.slides(planned));
+        let needed = behavior.map(|behavior| behavior.request(request, slides));
         let mut evaluation =
             connector.evaluate(&state, &increment, &before, needed.as_ref().unwrap_or(request), tally);
         let mut stops = connector.stop_status(&evaluation.position);
@@ -566,6 +658,8 @@ impl Context<'_> {
         let mut flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
         let after = evaluation.branch;
         let given = given_forces(connector, scene_state, element.label);
+        let none = History::default();
+        let history = memory.behavior.as_deref().unwrap_or(&none);
         let outcome = behavior.map(|behavior| {
             let now = Kinematics {
                 position: &evaluation.position,
@@ -575,9 +669,9 @@ impl Context<'_> {
                 acceleration: &evaluation.acceleration,
                 time: scene_state.time,
                 velocities,
+                slides,
+                beyond: beyond.get(&index).copied(),
             };
-            let none = History::default();
-            let history = memory.behavior.as_deref().unwrap_or(&none);
             let given = given.unwrap_or_default();
             let driven = (&behavior.drives, &model.schedule);
             behavior.behavior.at(&now, &given, driven, conditions, history)
@@ -598,14 +692,14 @@ impl Context<'_> {
                 put(&mut evaluation.residual_rate[k], Output::RESV, *rate);
                 put(&mut evaluation.residual_acceleration[k], Output::RESA, *second);
             }
-            let wants_slopes = wants(request, Output::TANGENT);
+            let wants_slopes = SLOPES.into_iter().any(|output| wants(request, output));
             // Where slopes jump matters to those who ask for slopes.
             let told = outcome.events.iter().filter(|event| wants_slopes || !matches!(event, Event::Kink(_)));
             flags.extend(told.map(|event| flag(*event)));
             flags.extend(not_known(outcome, request));
             if wants_slopes {
-                let Outcome { motion, time_step, failed, .. } = outcome;
-                let slopes = behavior.behavior.tangent(motion, conditions, *time_step, *failed);
+                let slopes = behavior.behavior.consistent_tangent(outcome, conditions, history);
+                flags.extend(slopes_not_known(&slopes, request));
                 tangent = Some(Box::new(slopes));
             }
         }
@@ -615,7 +709,8 @@ impl Context<'_> {
             [0, 1, 2, 3, 4, 5].map(|k| outcome.total.value[k].or(given[k]))
         });
         let total = known_forces.filter(|forces| forces.iter().any(Option::is_some)).or(given);
-        let forces = ForceResult::of(connector, (&state, &after), total, request, tally);
+        let slopes = tangent.as_deref();
+        let forces = ForceResult::of(connector, (&state, &evaluation), total, slopes, request, tally);
         flags.extend(forces.iter().flat_map(|forces| &forces.flags));
         let history = outcome.as_ref().filter(|_| behavior.is_some_and(ElementBehavior::has_history));
         let history = history.map(|outcome| outcome.history.clone());
@@ -631,10 +726,36 @@ impl Context<'_> {
             margins,
             flags,
             behavior,
-            tangent,
+            tangent: tangent.filter(|_| wants(request, Output::TANGENT)),
             forces: forces.map(Box::new),
         }
     }
+}
+
+/// The state of a connector whose nodes are there, and its increment since the state before.
+fn place(element: &ConnectorElement, ends: [&Moved; 2]) -> (State<f64>, Increment<f64>) {
+    let node = |end: usize| Node {
+        displacement: ends[end].displacement,
+        triad: product(&ends[end].rotation, &element.triads[end]),
+        flow: ends[end].flow,
+    };
+    let both = |of: fn(&Moved) -> &[f64; 7]| {
+        let mut rates = [0.0; DOFS];
+        rates[..7].copy_from_slice(of(ends[0]));
+        rates[7..].copy_from_slice(of(ends[1]));
+        rates
+    };
+    let state = State {
+        pair: Pair { reference: element.reference, a: node(0), b: node(1) },
+        velocity: both(|node| &node.rates),
+        acceleration: both(|node| &node.accelerations),
+    };
+    let increment = Increment {
+        rotation: ends.map(|end| end.change),
+        whole_turns: ends.map(|end| end.whole_turns),
+        flow: ends.map(|end| end.flow_change),
+    };
+    (state, increment)
 }
 
 /// A node at its next state: rotation matrix, and increments since the last one.

@@ -28,6 +28,9 @@ pub(crate) fn deck(connectors: usize, types: &[(String, &[Orientation])], rest: 
         let bend = (node % 7) as f64 * 0.125;
         writeln!(text, "{node}, {node}., {bend}, {}", bend - 0.25).unwrap();
     }
+    // Every node can turn.
+    text.push_str("*ELEMENT, TYPE=ROTARYI, ELSET=TURNING\n");
+    (1..=connectors + 1).for_each(|node| writeln!(text, "{}, {node}", 10_000_000 + node).unwrap());
     text.push_str("*ORIENTATION, NAME=A\n0.6, 0.8, 0., -0.8, 0.6, 0.\n*ORIENTATION, NAME=B\n0.6, 0.8, 0., -0.75, 0.6, 0.1\n");
     for (place, (name, orientations)) in types.iter().enumerate() {
         let members: Vec<usize> = (1..=connectors).filter(|number| number % types.len() == place).collect();

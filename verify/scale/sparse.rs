@@ -183,3 +183,30 @@ fn assembly_tells_what_needs_care() {
     let refused = Sequence::new(&model, &one).assemble(&state, &jacobian, &mut values);
     assert!(refused.unwrap_err().to_string().contains("another plan"));
 }
+
+/// The Matrix Market file says what it holds, and holds it to the last bit.
+#[test]
+fn matrix_market_reads_back() {
+    let (scene, model) = model(40, "");
+    let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+    let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::of(&scene).unwrap());
+    let mut values = Vec::new();
+    Sequence::new(&model, &plan).assemble(&chain::state(3, 41), &jacobian, &mut values).unwrap();
+    let mut text = Vec::new();
+    pintle::report::matrix_market::write(&mut text, "chain.inp", &model, &jacobian, &values).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert_eq!(text.lines().next(), Some("%%MatrixMarket matrix coordinate real general"));
+    let first = jacobian.equations()[0].title(&model);
+    assert!(text.contains(&format!("% row 1: {first}\n")) && text.contains("% column 1: 1 1\n"), "{first}");
+    let mut lines = text.lines().filter(|line| !line.starts_with('%'));
+    let size = format!("{} {} {}", jacobian.rows(), jacobian.columns(), jacobian.entries());
+    assert_eq!(lines.next(), Some(size.as_str()));
+    for row in 0..jacobian.rows() {
+        for (column, place) in jacobian.row(row).iter().zip(jacobian.range(row).unwrap()) {
+            let words: Vec<&str> = lines.next().unwrap().split(' ').collect();
+            assert_eq!(words[..2], [(row + 1).to_string(), (column + 1).to_string()]);
+            assert_eq!(words[2].parse::<f64>().unwrap().to_bits(), values[place].to_bits());
+        }
+    }
+    assert_eq!(lines.next(), None);
+}
