@@ -253,8 +253,10 @@ impl<S: Scalar> Shared<'_, S> {
         let d = self.relative.d;
         let length = norm(d);
         let fixed = vector::apply_transposed(self.triad_a, self.section.fixed_direction);
-        let apart = S::Real::integer(0).less(length.real());
-        S::Real::choose(apart, || length, || vector::dot_real(fixed, d))
+        let has_length = || S::Real::integer(0).less(length.real());
+        let [distance] =
+            S::joined(|| [S::Real::choose(has_length(), || length, || vector::dot_real(fixed, d))]);
+        distance
     }
 
     /// [`Measure::Strain`].

@@ -52,7 +52,7 @@ pub fn matrix<S: Scalar>([w, x, y, z]: Quaternion<S>) -> Matrix<S> {
 #[inline(always)]
 fn diagonal<S: Scalar>(ww: S, along: S, across: [S; 2]) -> S {
     let small = (ww.real() + along.real()).less(S::Real::integer(1));
-    S::Real::either(small, ww + along - S::one(), S::one() - (across[0] + across[1]))
+    S::Real::more_exact(small, || ww + along - S::one(), || S::one() - (across[0] + across[1]))
 }
 
 /// The quaternion product p q: the rotation q followed by the rotation p.
@@ -92,7 +92,7 @@ pub fn quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
 /// As [`quaternion`], of R = exp(σ^) R₀ where the nilpotent spin σ is known: derivatives then come from exp(σ^) instead of R.
 #[inline(always)]
 pub fn quaternion_along<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> Quaternion<S> {
-    let q0 = unit_quaternion(&real_matrix(r));
+    let q0 = real_unit_quaternion(r);
     varied(r, q0, spin)
 }
 
@@ -206,6 +206,14 @@ fn real_matrix<S: Scalar>(r: &Matrix<S>) -> Matrix<S::Real> {
     [vector::real(r[0]), vector::real(r[1]), vector::real(r[2])]
 }
 
+/// The unit quaternion, w ≥ 0, of the real part of R.
+#[inline(always)]
+fn real_unit_quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S::Real> {
+    let q = S::Real::quaternion_of(&real_matrix(r));
+    // On lanes it has w ≥ 0 already.
+    if S::Real::HAS_LANES { q } else { upper_half(q) }
+}
+
 /// The real part of q.
 #[inline(always)]
 fn real_quaternion<S: Scalar>(q: Quaternion<S>) -> Quaternion<S::Real> {
@@ -220,7 +228,7 @@ fn twice_axial<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
 
 /// The dominant eigenvector of M ([`eigen_matrix`]), w ≥ 0.
 #[inline(always)]
-fn unit_quaternion<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
+pub(crate) fn dominant_eigenvector<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
     let m = eigen_matrix(R::integer(1), r);
     let start = if R::HAS_LANES {
         weighted_column(&m)
@@ -325,7 +333,7 @@ pub fn log_along<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> Vector<S>
     }
     let trace = r[0][0] + r[1][1] + r[2][2];
     let one = S::Real::integer(1);
-    S::Real::choose(
+    S::Real::more_exact(
         one.less(trace.real()),
         || {
             let cosine = (trace - S::one()).scale(S::Real::ratio(1, 2));
@@ -375,7 +383,7 @@ pub fn continuous_log_along<S: Scalar>(
     spin: Option<Vector<S>>,
     reference: Vector<S::Real>,
 ) -> ContinuousLog<S> {
-    let q0 = unit_quaternion(&real_matrix(r));
+    let q0 = real_unit_quaternion(r);
     let q = varied(r, q0, spin);
     continued(q, reference)
 }
@@ -399,10 +407,12 @@ fn continued<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -> Continu
     // v·reference ≥ −w |v|², (unit·reference) ≥ −w > −(π − θ_p).
     let v = [q0[1], q0[2], q0[3]];
     let (square, forward) = (dot(v, v), dot(v, reference));
-    let far = (half_turn * half_turn).less(dot(reference, reference));
-    let against = forward.less(-(q0[0] * square));
-    let clear = S::Real::either(far, zero, S::Real::either(against, zero, turn));
-    if S::Real::holds(zero.less(clear)) {
+    let clear = || {
+        let far = (half_turn * half_turn).less(dot(reference, reference));
+        let against = forward.less(-(q0[0] * square));
+        zero.less(S::Real::either(far, zero, S::Real::either(against, zero, turn)))
+    };
+    if S::Real::shortcut(clear) {
         return ContinuousLog { phi: principal(q), lateral: square.square_root() };
     }
     let (unit, lateral) = S::Real::direction_and_norm(v);
@@ -410,51 +420,51 @@ fn continued<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -> Continu
     let along = dot(unit, reference);
     let half = lateral.arctangent(q0[0]);
     let angle = half + half;
-    // Halves go towards zero: a half turn from a reference at zero is principal.
-    let turns = (along - angle) / turn;
-    let little = S::Real::ratio(1, i32::MAX);
-    let nearest = S::Real::choose(zero.less(turns), || turns - little, || turns + little).nearest_integer();
-    let k = S::Real::choose(
-        S::Real::ratio(SHEET.0, SHEET.1).less(length),
-        || {
-            let own = (length / turn).nearest_integer();
-            S::Real::choose(
-                lateral.less(S::Real::ratio(ZONE.0, ZONE.1)),
-                || S::Real::choose(along.less(zero), || -own, || own),
-                || nearest,
-            )
-        },
-        || nearest,
-    );
-    let phi = principal(q);
-    let is_turned = zero.less(k.magnitude());
-    if S::Real::holds(k.magnitude().less(S::Real::ratio(1, 2))) {
-        return ContinuousLog { phi, lateral };
+    let [k] = S::Real::joined(|| {
+        // Halves go towards zero: a half turn from a reference at zero is principal.
+        let nearest = || {
+            let turns = (along - angle) / turn;
+            let little = S::Real::ratio(1, i32::MAX);
+            S::Real::choose(zero.less(turns), || turns - little, || turns + little).nearest_integer()
+        };
+        [S::Real::choose(
+            S::Real::ratio(SHEET.0, SHEET.1).less(length),
+            || {
+                let own = (length / turn).nearest_integer();
+                S::Real::choose(
+                    lateral.less(S::Real::ratio(ZONE.0, ZONE.1)),
+                    || S::Real::choose(along.less(zero), || -own, || own),
+                    nearest,
+                )
+            },
+            nearest,
+        )]
+    });
+    let on_principal_sheet = principal(q);
+    if S::Real::shortcut(|| k.magnitude().less(S::Real::ratio(1, 2))) {
+        return ContinuousLog { phi: on_principal_sheet, lateral };
     }
     let whole = S::Real::with_turns(zero, k);
-    let turned = S::Real::choose(
-        zero.less(lateral),
-        || {
-            let [w, x, y, z] = q;
-            let phi = S::Real::choose(
-                q0[0].less(S::Real::ratio(1, 2)),
-                || times([x, y, z], w.lift(&turned_series(w.real(), k, S::ORDER))),
-                || vector::add(phi, scale(direction([x, y, z]), whole)),
-            );
-            // The value on its own, (θ_p + 2πk) v/|v|, takes the fewest roundings.
-            let factor = S::Real::with_turns(angle, k) / lateral;
-            [
-                phi[0].with_real(v[0] * factor),
-                phi[1].with_real(v[1] * factor),
-                phi[2].with_real(v[2] * factor),
-            ]
-        },
-        || {
-            let angle = S::from_real(whole) + dot_real(reference_direction, phi);
-            times(vector::constant(reference_direction), angle)
-        },
-    );
-    ContinuousLog { phi: S::Real::choose(is_turned, || turned, || phi), lateral }
+    let off_identity = || {
+        let [w, x, y, z] = q;
+        let phi = S::Real::more_exact(
+            q0[0].less(S::Real::ratio(1, 2)),
+            || times([x, y, z], w.lift(&turned_series(w.real(), k, S::ORDER))),
+            || vector::add(on_principal_sheet, scale(direction([x, y, z]), whole)),
+        );
+        // The value on its own, (θ_p + 2πk) v/|v|, takes the fewest roundings.
+        let factor = S::Real::with_turns(angle, k) / lateral;
+        [phi[0].with_real(v[0] * factor), phi[1].with_real(v[1] * factor), phi[2].with_real(v[2] * factor)]
+    };
+    let at_identity = || {
+        let angle = S::from_real(whole) + dot_real(reference_direction, on_principal_sheet);
+        times(vector::constant(reference_direction), angle)
+    };
+    let phi = S::joined(|| {
+        let turned = || S::Real::choose(zero.less(lateral), off_identity, at_identity);
+        S::Real::choose(zero.less(k.magnitude()), turned, || on_principal_sheet)
+    });
+    ContinuousLog { phi, lateral }
 }
 
 /// The Taylor coefficients of K_k(c) = (2 acos c + 2πk)/√(1 − c²) at 0 ≤ c < 1: on the sheet k, φ = K_k(w) v.
@@ -578,9 +588,11 @@ pub fn torsion_along<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> S {
 fn half_torsion<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> Quaternion<S> {
     let q = quaternion_along(r, spin);
     let zero = S::Real::integer(0);
-    let opposite = [S::zero() - q[0], S::zero() - q[1], S::zero() - q[2], S::zero() - q[3]];
-    let known = S::Real::either(zero.less(q[0].real()), S::Real::integer(1), q[3].real());
-    S::Real::either(known.less(zero), opposite, q)
+    S::joined(|| {
+        let opposite = [S::zero() - q[0], S::zero() - q[1], S::zero() - q[2], S::zero() - q[3]];
+        let known = S::Real::choose(zero.less(q[0].real()), || S::Real::integer(1), || q[3].real());
+        S::Real::either(known.less(zero), opposite, q)
+    })
 }
 
 /// The sign that e1, e2 midway between a and b take after whole `turns` of β, whose half they follow: −1 after an odd number.

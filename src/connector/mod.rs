@@ -6,12 +6,14 @@
 //! [`Connector::advance`] never changes the one it starts from.
 
 mod branch;
+mod compact;
 mod derivatives;
 mod flags;
 mod request;
 
 pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
+pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
@@ -282,7 +284,7 @@ impl<R: Differentiable> Connector<R> {
         self.rows[k].is_some_and(|row| row.slot.is_constrained())
     }
 
-    /// The data that measures refer to.
+    /// What measures refer to.
     pub(crate) const fn section(&self) -> &Section<R> {
         &self.section
     }

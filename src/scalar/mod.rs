@@ -115,6 +115,12 @@ pub trait Scalar:
         Self::from_real(Self::Real::integer(1))
     }
 
+    /// What `f` gives; a number that records formulas ([`crate::symbolic::Symbol`]) takes every branch of `f` and joins them here.
+    #[inline(always)]
+    fn joined<const N: usize>(f: impl Fn() -> [Self; N]) -> [Self; N] {
+        f()
+    }
+
     /// Σ c_k eᵏ: the function whose Taylor coefficients at the real part are `c`, applied to this number.
     #[inline(always)]
     fn lift(self, c: &Series<Self::Real>) -> Self {
@@ -195,8 +201,12 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// |x|.
     fn magnitude(self) -> Self;
 
-    /// |x| with the sign of another number, −0 included.
-    fn with_sign_of(self, sign: Self) -> Self;
+    /// |x| with the sign of another number, that of −0 included where the type has one.
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        let magnitude = self.magnitude();
+        Self::choose(sign.less(Self::integer(0)), || -magnitude, || magnitude)
+    }
 
     /// 1 / x, or 0 where x = 0 or, in a type of narrow range, 1 / x would overflow (`f64`: |x| < 2⁻¹⁰²⁴).
     ///
@@ -232,6 +242,25 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     #[inline(always)]
     fn either<T: Select<Self>>(mask: Self::Mask, yes: T, no: T) -> T {
         T::pick(mask, yes, no)
+    }
+
+    /// Whether a test holds that leads to the same number sooner; a number that records formulas takes no shortcuts.
+    #[inline(always)]
+    fn shortcut(test: impl FnOnce() -> Self::Mask) -> bool {
+        Self::holds(test())
+    }
+
+    /// As [`Real::choose`] between two formulas of the same quantity that differ in rounding only; a number that records formulas
+    /// keeps `no`.
+    #[inline(always)]
+    fn more_exact<T: Select<Self>>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+        Self::choose(mask, yes, no)
+    }
+
+    /// The unit quaternion, either sign, of the rotation nearest to a rotation matrix with rounding errors.
+    #[inline(always)]
+    fn quaternion_of(r: &[[Self; 3]; 3]) -> [Self; 4] {
+        crate::so3::dominant_eigenvector(r)
     }
 
     /// (sin x, cos x), x in radians.
