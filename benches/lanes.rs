@@ -7,8 +7,8 @@
 #[cfg(target_arch = "x86_64")]
 mod hand;
 
-use pintle::batch::{Batch, History, Row, Section, Tile};
-use pintle::catalog::ConnectionType;
+use pintle::batch::{Batch, HessianRow, History, Row, Section, Tile};
+use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
 use pintle::scalar::{Differentiable, Wide};
@@ -71,7 +71,8 @@ struct Case {
     truth: Vec<Vec<(f64, [f64; 12])>>,
 }
 
-fn case(name: &'static str) -> Case {
+/// `None` for a type that has no batch.
+fn case(name: &'static str) -> Option<Case> {
     let mut draw = Draw(7);
     let mut initial = draw.pair();
     // The directions coincide at first, as where a printed constraint is enforced.
@@ -79,7 +80,7 @@ fn case(name: &'static str) -> Case {
     let definition = Definition::new(ConnectionType::named(name, None).unwrap(), initial);
     let connector = Connector::<f64>::new(&definition);
     let wide = Connector::<Wide>::new(&definition);
-    let batch = Batch::new(&connector, [true; 6]).unwrap();
+    let batch = Batch::new(&connector, [true; 6]).ok()?;
     let pairs: Vec<Pair<f64>> = (0..4 * TILES).map(|_| draw.pair()).collect();
     let request = Request::new(&[Output::CP, Output::RES], [true; 6], 1);
     let truth = pairs
@@ -108,7 +109,7 @@ fn case(name: &'static str) -> Case {
         .collect();
     let fours: Vec<[Pair<f64>; 4]> =
         pairs.chunks_exact(4).map(|four| [four[0], four[1], four[2], four[3]]).collect();
-    Case {
+    Some(Case {
         name,
         batch,
         tiles: fours.iter().map(Tile::new).collect(),
@@ -117,7 +118,7 @@ fn case(name: &'static str) -> Case {
         connector,
         pairs,
         truth,
-    }
+    })
 }
 
 /// The largest error over the largest entry of the row.
@@ -189,7 +190,7 @@ impl pulp::NullaryFnOnce for Sweep<'_> {
 const BY_HAND: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
 
 fn main() {
-    let cases: Vec<Case> = BY_HAND.into_iter().map(case).collect();
+    let cases: Vec<Case> = BY_HAND.into_iter().filter_map(case).collect();
     let mut least = vec![[f64::INFINITY; 2]; cases.len()];
     for round in 0..ROUNDS {
         for (i, case) in cases.iter().enumerate() {
@@ -225,4 +226,37 @@ fn main() {
         product *= hand / lanes;
     }
     println!("geometric mean of the speed: {:.0} %", 100.0 * f64::powf(product, 1.0 / cases.len() as f64));
+    every_type();
+}
+
+/// The time per row of every type, alone and with second derivatives, and of assembled ones over that of their dearer half.
+fn every_type() {
+    let names = TABLE.iter().map(|connection| -> &'static str { &connection.name });
+    let cases: Vec<Case> = names.filter_map(case).collect();
+    let mut least = vec![[f64::INFINITY; 2]; cases.len()];
+    for round in 0..ROUNDS {
+        for (case, least) in cases.iter().zip(&mut least) {
+            let mut rows = vec![Row::default(); case.tiles.len() * case.batch.rows()];
+            let mut second = vec![HessianRow::default(); rows.len()];
+            let Case { batch, tiles, sections, histories, .. } = case;
+            let mut first =
+                || batch.rows_of(black_box(tiles), sections, histories, black_box(&mut rows)).unwrap();
+            let mut both =
+                || batch.hessians_of(black_box(tiles), sections, histories, black_box(&mut second)).unwrap();
+            let each = (case.pairs.len() * batch.rows()) as f64;
+            *least = [least[0].min(time(100, &mut first) / each), least[1].min(time(50, &mut both) / each)];
+            if round == 0 {
+                let error = error(case, &rows);
+                assert!(error < BOUND, "{}: {error:e}", case.name);
+            }
+        }
+    }
+    println!("ns per row: first derivatives, with second; over the dearer half");
+    let of = |name: &str| cases.iter().position(|case| case.name == name).map(|i| least[i]);
+    for (case, [first, second]) in cases.iter().zip(&least) {
+        let halves: Vec<[f64; 2]> =
+            case.connector.connection().halves.iter().flatten().filter_map(|half| of(half.name)).collect();
+        let dearer = halves.iter().fold(0.0, |most: f64, half| most.max(half[0]));
+        println!("{:26} {first:6.2} {second:7.2}  {:.2}", case.name, first / dearer);
+    }
 }

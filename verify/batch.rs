@@ -207,6 +207,36 @@ fn turns_are_counted_by_the_same_rule() {
     }
 }
 
+/// Rows of some components are those that all of them have, whichever formula they share.
+#[test]
+fn some_rows_are_rows_of_all() {
+    for connection in TABLE {
+        let Some(group) = groups(connection, crate::states::Extent::Brief).into_iter().next() else {
+            continue;
+        };
+        let one = &group[0];
+        let Ok(whole) = Batch::new(&one.connector, [true; 6]) else { continue };
+        let input = (
+            [Tile::new(&[one.state().pair; 4])],
+            [Section::new(&[&one.connector; 4])],
+            [History::new(&[one.found.branch; 4])],
+        );
+        let rows = |batch: &Batch| {
+            let mut rows = vec![Row::default(); batch.rows()];
+            batch.rows_of(&input.0, &input.1, &input.2, &mut rows).unwrap();
+            rows
+        };
+        let all = rows(&whole);
+        for mask in 1..64_u32 {
+            let batch = Batch::new(&one.connector, std::array::from_fn(|k| mask >> k & 1 == 1)).unwrap();
+            for (row, of) in rows(&batch).iter().zip(batch.measures()) {
+                let same = whole.measures().iter().position(|one| one == of).unwrap();
+                assert_eq!(*row, all[same], "{}: {of:?} of {mask:b}", connection.name);
+            }
+        }
+    }
+}
+
 /// What has no lanes says so.
 #[test]
 fn material_flow_is_refused() {

@@ -286,8 +286,9 @@ impl<const FUSED: bool, L: Layout<FUSED>> Task for Loop<'_, FUSED, L> {
         let Loop { pass, rows, tiles, sections, histories, out } = self;
         let elements = tiles.iter().zip(sections).zip(histories).zip(out.chunks_exact_mut(rows));
         // Mostly the rows stand side by side where they are to go.
-        let in_place =
-            (1..M).all(|m| pass.rows[m] == pass.rows[0].wrapping_add(m)) && pass.rows[M - 1] < rows;
+        let in_place = pass.rows[0] < rows
+            && pass.rows[M - 1] < rows
+            && (1..M).all(|m| pass.rows[m] == pass.rows[0].wrapping_add(m));
         let mut apart = [L::default(); M];
         for (((tile, section), history), out) in elements {
             let pair = tile.pair::<FUSED>();

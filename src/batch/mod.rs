@@ -85,11 +85,16 @@ impl Batch {
     pub fn new(connector: &Connector<f64>, wanted: Mask) -> Result<Self, BatchError> {
         let measures: Vec<(usize, Measure)> =
             (0..6).filter(|k| wanted[*k]).filter_map(|k| Some((k, connector.differentiated(k)?))).collect();
-        if let Some((k, _)) = measures.iter().find(|(_, m)| m.dependence().flow || m.is_one_form()) {
-            return Err(BatchError::NotBatched(crate::catalog::COMPONENT[*k]));
+        let refused = |row: usize| {
+            let component = measures.get(row).and_then(|(k, _)| crate::catalog::COMPONENT.get(*k));
+            BatchError::NotBatched(component.copied().unwrap_or_default())
+        };
+        if let Some(row) = measures.iter().position(|(_, m)| m.dependence().flow || m.is_one_form()) {
+            return Err(refused(row));
         }
         let list: Vec<Measure> = measures.iter().map(|(_, measure)| *measure).collect();
-        Ok(Self { passes: passes::cover(&list), measures, arch: Arch::new() })
+        let passes = passes::cover(&list).map_err(refused)?;
+        Ok(Self { passes, measures, arch: Arch::new() })
     }
 
     /// The same batch in the instructions of every processor that this program runs on, without a vector unit chosen at run

@@ -80,8 +80,8 @@ formulas! {
     1: Sweep by sweep;
 }
 
-/// The passes that compute `measures`: each formula that computes one of those that are left.
-pub(super) fn cover(measures: &[Measure]) -> Vec<Pass> {
+/// The passes that compute `measures`, each formula that computes one of those that are left; or the row of one that none computes.
+pub(super) fn cover(measures: &[Measure]) -> Result<Vec<Pass>, usize> {
     let mut left: Vec<(usize, Measure)> =
         measures.iter().copied().map(Measure::as_function).enumerate().collect();
     let mut passes = Vec::new();
@@ -98,5 +98,8 @@ pub(super) fn cover(measures: &[Measure]) -> Vec<Pass> {
         left.retain(|(row, _)| !pass.rows.contains(row));
         passes.push(pass);
     }
-    passes
+    match left.first() {
+        Some((row, _)) => Err(*row),
+        None => Ok(passes),
+    }
 }

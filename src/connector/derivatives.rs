@@ -12,9 +12,9 @@ use num_dual::HyperDual;
 impl<R: Differentiable> Connector<R> {
     pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
         let Pass { state, history, rows, request } = *pass;
-        let of_position = |k: usize| request.wants_any(&[Output::CV, Output::CA], k);
+        let of_position = |k: usize| request.wants_any([Output::CV, Output::CA], k);
         let of_residual = |k: usize, row: &Row<R>| {
-            request.wants_any(&[Output::RESV, Output::RESA], k) && row.slot.is_constrained()
+            request.wants_any([Output::RESV, Output::RESA], k) && row.slot.is_constrained()
         };
         let bias = |k: usize, row: &Row<R>| request.wants(Output::RESB, k) && row.slot.is_constrained();
         let mut measures = Vec::new();
@@ -111,21 +111,17 @@ impl<R: Differentiable> Connector<R> {
         take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
     ) {
         let Differentiation { state, history, second, .. } = *input;
-        let of = |seeds: Seeds| {
-            let chosen = measures.iter().filter(move |(_, measure)| Seeds::of(*measure) == seeds);
-            chosen.copied().collect::<Vec<_>>()
-        };
         let from = (self, state, history);
         if second {
-            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Translation), take);
-            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Rotation), take);
-            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(from, &of(Seeds::Motion), take);
-            Seeds::All.pass::<R, R::Hessian<8>, 8>(from, &of(Seeds::All), take);
+            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(from, measures, take);
+            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(from, measures, take);
+            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(from, measures, take);
+            Seeds::All.pass::<R, R::Hessian<8>, 8>(from, measures, take);
         } else {
-            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Translation), take);
-            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Rotation), take);
-            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(from, &of(Seeds::Motion), take);
-            Seeds::All.pass::<R, R::Gradient<8>, 8>(from, &of(Seeds::All), take);
+            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(from, measures, take);
+            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(from, measures, take);
+            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(from, measures, take);
+            Seeds::All.pass::<R, R::Gradient<8>, 8>(from, measures, take);
         }
         let functions = measures.iter().filter(|(_, measure)| !measure.is_one_form()).count() as u64;
         if second {
@@ -215,14 +211,16 @@ impl Seeds {
         }
     }
 
-    /// Evaluates measures on numbers with derivatives along these variations and hands on their relative derivatives.
+    /// Evaluates those measures that depend on just these variations, on numbers with derivatives along them, and hands on their
+    /// relative derivatives.
     fn pass<R: Differentiable, S: Seeded<N, Real = R>, const N: usize>(
         self,
         (connector, state, history): (&Connector<R>, &State<R>, &History<R>),
         measures: &[(usize, Measure)],
         take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
     ) {
-        if measures.is_empty() {
+        let mut own = measures.iter().filter(|(_, measure)| Self::of(*measure) == self).peekable();
+        if own.peek().is_none() {
             return;
         }
         let (first, needed) = match self {
@@ -234,7 +232,7 @@ impl Seeds {
         let zero = R::integer(0);
         let relative = state.pair.seeded::<S, N>(needed, first);
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &connector.section, history);
-        for (k, measure) in measures {
+        for (k, measure) in own {
             let value = measure.evaluate(&mut shared);
             let mut gradient = [zero; 8];
             gradient[first..first + N].copy_from_slice(&value.gradient());

@@ -342,7 +342,7 @@ impl<R: Differentiable> Connector<R> {
     fn positions(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
         let Pass { state, history, rows, request } = *pass;
         let wants_position =
-            |k: usize| request.wants_any(&[Output::CP, Output::CU, Output::CCU, Output::CSLST], k);
+            |k: usize| request.wants_any([Output::CP, Output::CU, Output::CCU, Output::CSLST], k);
         let wants_residual =
             |k: usize, row: &Row<R>| request.wants(Output::RES, k) && row.slot.is_constrained();
         let value =
@@ -376,7 +376,7 @@ impl<R: Differentiable> Connector<R> {
                 Some(value) => value - origin,
                 None => R::with_turns(turns.principal - origin, turns.turns),
             };
-            if request.wants_any(&[Output::CP, Output::CSLST], k) {
+            if request.wants_any([Output::CP, Output::CSLST], k) {
                 evaluation.position[k] = Some(from(zero));
             }
             if request.wants(Output::CU, k) {
