@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod audit; // whether the audit notices what is wrong, and nothing else
+mod audit_command; // the audit and replay through the command line: exit codes, formats, counter-examples
 mod behavior; // forces that follow from motions
 mod cli; // the command line
 mod closed; // rows derived by hand

@@ -14,6 +14,7 @@
 //! | the declaration is the manual's | its summary table, transcribed a second time, certified per type |
 
 pub mod atlas;
+mod behavior;
 pub mod bound;
 mod candidate;
 pub mod case;
@@ -45,7 +46,7 @@ pub use bound::{Bound, C, U};
 pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
 pub use counterexample::CounterExample;
-pub use engine::{Settings, audit_case, audit_cases, audit_catalogue};
+pub use engine::{Planted, Settings, audit_case, audit_cases, audit_catalogue};
 pub use force::product_with_forces as product;
 pub use friction::{FrictionCase, friction_cases};
 pub use hex::Hex;

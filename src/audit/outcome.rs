@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What numbers were compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
     /// An oracle's.
@@ -38,7 +38,7 @@ impl Against {
 }
 
 /// One check over all cases of a connector.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Check {
     /// The numbers judged; a law may span several.
     pub quantity: Option<Quantity>,
@@ -51,6 +51,7 @@ pub struct Check {
     /// Entries compared.
     pub compared: u64,
     /// The largest error in units of its tolerance, at any state.
+    #[schemars(with = "Option<f64>")]
     pub largest: f64,
     /// The entry that decided the verdict: nearest to, or farthest beyond, its tolerance.
     pub worst: Option<Finding>,
@@ -137,7 +138,7 @@ impl Check {
 }
 
 /// Everything that was found about one connector or type.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Subject {
     /// The type, or the type with the element.
     pub name: String,
@@ -213,7 +214,7 @@ impl Subject {
 }
 
 /// An audit.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// The version of this program.
     pub version: &'static str,

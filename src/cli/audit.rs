@@ -4,7 +4,7 @@ use super::eval::{Loaded, Source, load, source};
 use super::{Failure, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use pintle::audit::{Oracle, Report, Settings, Target, audit_catalogue, audit_scenes};
+use pintle::audit::{Oracle, Planted, Report, Settings, Target, audit_catalogue, audit_scenes};
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
 use pintle::evaluate::{Plan, Selection};
@@ -49,6 +49,24 @@ pub(crate) enum AuditFormat {
     Html,
 }
 
+/// A fault planted on purpose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Plant {
+    /// A derivative is wrong
+    WrongEntry,
+    /// Answers of the oracles are lost
+    LostAnswer,
+}
+
+impl From<Plant> for Planted {
+    fn from(plant: Plant) -> Self {
+        match plant {
+            Plant::WrongEntry => Self::WrongEntry,
+            Plant::LostAnswer => Self::LostAnswer,
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
 pub(crate) struct Audit {
@@ -90,6 +108,9 @@ pub(crate) struct Audit {
     /// Write the figures of the page into this folder, as SVG files
     #[arg(long, value_name = "FOLDER")]
     pub(super) plots: Option<PathBuf>,
+    /// Plant a fault, to see the audit fail
+    #[arg(long, value_enum, hide = true)]
+    plant: Option<Plant>,
     /// Exit with 3 where something is undecided
     #[arg(long)]
     strict: bool,
@@ -186,6 +207,7 @@ fn settings(arguments: &Audit) -> Settings {
         near_singular_states: arguments.near_singular_states,
         drawn_states: arguments.drawn_states,
         seed: arguments.seed.clone(),
+        planted: arguments.plant.map(Planted::from),
         ..Settings::default()
     };
     if let Some(wide_states) = arguments.wide_states {
