@@ -1,5 +1,6 @@
 //! Formulas seen: the generic kinematics, traced instead of computed.
 
+mod condition;
 mod derivative;
 mod evaluate;
 mod friction;
@@ -9,6 +10,7 @@ mod model;
 pub(crate) mod print;
 mod symbol;
 
+pub use condition::Condition;
 pub use derivative::Derivation;
 pub use friction::{FrictionModel, FrictionTraceError, POINT};
 pub use graph::{Graph, Id, Node, Number};
