@@ -484,3 +484,51 @@ fn latex_is_balanced() {
         );
     }
 }
+
+#[test]
+fn the_picture_is_that_of_the_program() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/revolute.dot");
+    let revolute = Export::of(&ConnectionType::named("REVOLUTE", None).unwrap(), Frame::Relative).unwrap();
+    assert_eq!(fs::read_to_string(path).unwrap(), revolute.graphviz(), "draw docs/revolute.svg again");
+}
+
+#[test]
+fn bad_input_is_named() {
+    let pintle = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_pintle")).args(arguments).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    for (arguments, code, said) in [
+        (&["export", "REVOLUT", "--as", "c"][..], 2, "did you mean REVOLUTE?"),
+        (&["export", "HINGE", "JOIN", "--as", "c"], 2, "HINGE and JOIN do not pair"),
+        (&["export", "HINGE", "--as", "fortran"], 2, "possible values"),
+        (&["export", "HINGE"], 2, "--as"),
+        (
+            &["export", "HINGE", "--as", "c", "-o", "no/such/folder/hinge.c"],
+            6,
+            "no/such/folder/hinge.c cannot be written",
+        ),
+        (&["explain", "MPC", "--format", "latex"], 2, "only connection types have formulas in LaTeX"),
+        (
+            &["explain", "deck::unknown-node", "--format", "latex"],
+            2,
+            "only connection types have formulas in LaTeX",
+        ),
+    ] {
+        let (found, stderr) = pintle(arguments);
+        assert_eq!(found, Some(code), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(said), "{arguments:?}: {stderr}");
+    }
+}
+
+#[test]
+fn a_pair_is_exported_like_its_halves() {
+    let pair = ConnectionType::named("CARTESIAN", Some("CARDAN")).unwrap();
+    let text = Export::of(&pair, Frame::Relative).unwrap().write(Target::C);
+    assert!(
+        text.contains(
+            "void pintle_cartesian_cardan_values(const double d[3], const double Q[9], double values[6])"
+        ),
+        "{text}"
+    );
+}
