@@ -207,3 +207,39 @@ fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
         })
         .collect()
 }
+
+/// The cases of some connectors, by their indices in increasing order, at the last state; at a drawn one where there is none.
+pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(String, Case)> {
+    let Target { model, states, .. } = *target;
+    if states.is_empty() {
+        let drawn = connectors.iter().filter_map(|at| {
+            let element = model.connectors.get(*at)?;
+            let title = element.title();
+            let length = own_length(model, norm(element.reference), 0.0);
+            let draw = &mut Draw::new(&format!("{} {title}", target.name));
+            let name = format!("{title}, a drawn state");
+            let case = about_initial(&element.definition, 1, length, name, draw)?;
+            Some((title, case))
+        });
+        return drawn.collect();
+    }
+    let plan = Plan {
+        connectors: connectors.to_vec(),
+        mpcs: Vec::new(),
+        request: Request::nothing(0),
+        ..target.plan.clone()
+    };
+    let mut walk = Sequence::new(model, &plan);
+    let mut found = Vec::new();
+    for (index, state) in states.iter().enumerate() {
+        found.clear();
+        let number = state.number.unwrap_or(index as u64);
+        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
+            if let Item::Connector(placed) = placed {
+                found.push((model.connectors[placed.index].title(), case(model, &placed, number)));
+            }
+            Ok(())
+        });
+    }
+    found
+}

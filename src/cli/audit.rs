@@ -1,7 +1,7 @@
 //! `pintle audit`.
 
 use super::eval::{Loaded, Source, load, source};
-use super::{Failure, page_width};
+use super::{Failure, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle::audit::{Oracle, Report, Settings, Target, audit_catalogue, audit_scenes};
@@ -9,7 +9,7 @@ use pintle::catalog::TABLE;
 use pintle::connector::Request;
 use pintle::evaluate::{Plan, Selection};
 use pintle::report::audit as report;
-use pintle::scene::GALLERY;
+use pintle::scene::{GALLERY, Scene};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -30,6 +30,7 @@ invalid. docs/audit.md tells how it judges.
 Examples:
   pintle audit
   pintle audit model.inp --at run.csv --counter-examples found
+  pintle audit model.inp --html audit.html --plots figures
   pintle audit --states 10000 --format junit";
 
 /// How an audit is written.
@@ -44,6 +45,8 @@ pub(crate) enum AuditFormat {
     Junit,
     /// Markdown, for a comment on a change
     Markdown,
+    /// One self-contained page of HTML
+    Html,
 }
 
 #[derive(Debug, Args)]
@@ -81,12 +84,18 @@ pub(crate) struct Audit {
     /// Write a counter-example for every mismatch into this folder, for `pintle replay`
     #[arg(long, value_name = "FOLDER")]
     counter_examples: Option<PathBuf>,
+    /// Write the report as a self-contained page of HTML too
+    #[arg(long, value_name = "FILE")]
+    pub(super) html: Option<PathBuf>,
+    /// Write the figures of the page into this folder, as SVG files
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) plots: Option<PathBuf>,
     /// Exit with 3 where something is undecided
     #[arg(long)]
     strict: bool,
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
-    format: AuditFormat,
+    pub(super) format: AuditFormat,
     /// Show every check
     #[arg(short, long)]
     verbose: bool,
@@ -157,7 +166,14 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         Some(of_catalogue) => of_catalogue.joined(of_scenes),
         None => of_scenes,
     };
-    write(arguments.format, arguments.verbose, &report)?;
+    let is_page = matches!(arguments.format, AuditFormat::Html);
+    if is_page || arguments.html.is_some() || arguments.plots.is_some() {
+        let scenes: Vec<&Scene> = loaded.iter().map(|loaded| &loaded.scene).collect();
+        page::write(arguments, &report, &page::supplement(&report, is_catalogue, &targets, &scenes))?;
+    }
+    if !is_page {
+        write(arguments.format, arguments.verbose, &report)?;
+    }
     if let Some(folder) = &arguments.counter_examples {
         save(folder, &report)?;
     }
@@ -210,6 +226,11 @@ pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Resul
         AuditFormat::Junit => {
             let mut out = BufWriter::new(io::stdout().lock());
             report::junit(&mut out, found)?;
+            Ok(out.flush()?)
+        }
+        AuditFormat::Html => {
+            let mut out = BufWriter::new(io::stdout().lock());
+            report::html(&mut out, found, &report::Supplement::default())?;
             Ok(out.flush()?)
         }
         AuditFormat::Markdown => {

@@ -1,5 +1,3 @@
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use super::*;
 use crate::audit::{Against, Check, Oracle, Settings, Verdict, audit_catalogue};
 use crate::catalog::{ConnectionType, TABLE};

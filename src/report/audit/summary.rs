@@ -91,3 +91,8 @@ pub(super) fn headline(report: &Report) -> String {
 pub(super) fn count(n: usize, noun: &str) -> String {
     if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
 }
+
+/// The scene that a subject belongs to.
+pub(super) fn scene(subject: &Subject) -> Option<&str> {
+    subject.scene.as_deref()
+}
