@@ -51,6 +51,7 @@
 //! | [`force`] | what do the forces of its components do to its nodes? |
 //! | [`mpc`] | what does one multi-point constraint give at one state? |
 //! | [`behavior`] | which forces follow from a motion: springs, dampers, stops, locks, drives? |
+//! | [`symbolic`] | which formulas are computed, and what are their derivatives? |
 //! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
 //! | [`audit`] | is it right, and how do we know? |
@@ -90,6 +91,7 @@ pub mod report;
 pub mod scalar;
 pub mod scene;
 pub mod so3;
+pub mod symbolic;
 pub mod vector;
 
 /// The version of this crate, as every report states it.

@@ -27,11 +27,13 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<(), Failure> {
+    cli::use_threads(cli.threads)?;
     match &cli.command {
         Command::List(arguments) => cli::list(arguments),
         Command::Explain(arguments) => cli::explain(arguments),
         Command::Eval(arguments) => cli::eval::run(arguments),
         Command::Convert(arguments) => cli::convert::run(arguments),
+        Command::Export(arguments) => cli::export::run(arguments),
         Command::Schema => cli::convert::schema(),
         Command::Audit(arguments) => cli::audit::run(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments),

@@ -425,11 +425,10 @@ impl Measure {
             Self::Distance => {
                 let length = norm(d);
                 let fixed = vector::apply_transposed(shared.triad_a, shared.section.fixed_direction);
-                S::Real::choose(
-                    S::Real::integer(0).less(length.real()),
-                    || length,
-                    || vector::dot_real(fixed, d),
-                )
+                let has_length = || S::Real::integer(0).less(length.real());
+                let [distance] =
+                    S::joined(|| [S::Real::choose(has_length(), || length, || vector::dot_real(fixed, d))]);
+                distance
             }
             Self::Strain => {
                 let material = S::from_real(shared.section.initial_length) + flow[0] - flow[1];

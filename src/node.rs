@@ -216,7 +216,7 @@ impl<R: Real> Pair<R> {
     #[inline(always)]
     pub fn nodal_row(&self, gradient: &RelativeGradient<R>) -> [R; DOFS] {
         let (g, h) = (gradient.translation, gradient.rotation);
-        let arm = sub(cross(g, self.separation()), h);
+        let arm = self.arm(gradient);
         let mut row = [R::integer(0); DOFS];
         for i in 0..3 {
             row[XA + i] = -g[i];
@@ -227,6 +227,12 @@ impl<R: Real> Pair<R> {
         row[PSI_A] = gradient.flow[0];
         row[PSI_B] = gradient.flow[1];
         row
+    }
+
+    /// g × D − h: the part of [`Pair::nodal_row`] by the rotation of a.
+    #[inline(always)]
+    pub(crate) fn arm(&self, gradient: &RelativeGradient<R>) -> Vector<R> {
+        sub(cross(gradient.translation, self.separation()), gradient.rotation)
     }
 
     /// The nodal second derivatives ∂²f/∂q_j∂q_k of a measure from its relative gradient and relative second derivatives

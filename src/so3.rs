@@ -44,7 +44,7 @@ pub fn matrix<S: Scalar>([w, x, y, z]: Quaternion<S>) -> Matrix<S> {
     let one = S::Real::integer(1);
     let diagonal = |along: S, across: [S; 2]| {
         let small = (ww.real() + along.real()).less(one);
-        S::Real::choose(small, || ww + along - S::one(), || S::one() - (across[0] + across[1]))
+        S::Real::more_exact(small, || ww + along - S::one(), || S::one() - (across[0] + across[1]))
     };
     [
         [diagonal(xx, [yy, zz]), xy - wz, xz + wy],
@@ -84,7 +84,7 @@ pub fn normalize<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
 /// (q·q₀)² = q₀·M q₀. Taken through the real formulas derivatives would be sums of large terms that cancel.
 #[inline(always)]
 pub fn quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
-    derived(r, upper_half(unit_quaternion(&real_matrix(r))))
+    derived(r, upper_half(S::Real::quaternion_of(&real_matrix(r))))
 }
 
 /// The quaternion of R, from that of its real part.
@@ -162,7 +162,7 @@ fn twice_axial<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
 
 /// The dominant eigenvector of M ([`eigen_matrix`]), either sign.
 #[inline(always)]
-fn unit_quaternion<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
+pub(crate) fn dominant_eigenvector<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
     let m = eigen_matrix(R::integer(1), r);
     let larger = |a: (R, Quaternion<R>), b: (R, Quaternion<R>)| R::choose(a.0.less(b.0), || b, || a);
     let candidate = |i: usize| (m[i][i], m[i]);
@@ -226,7 +226,7 @@ fn principal<S: Scalar>([w, x, y, z]: Quaternion<S>) -> Vector<S> {
 pub fn log<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
     let trace = r[0][0] + r[1][1] + r[2][2];
     let one = S::Real::integer(1);
-    S::Real::choose(
+    S::Real::more_exact(
         one.less(trace.real()),
         || {
             let cosine = (trace - S::one()).scale(S::Real::ratio(1, 2));
@@ -266,7 +266,7 @@ pub struct ContinuousLog<S: Scalar> {
 /// At R = I exactly with k ≠ 0 the axis is the reference's, and derivatives are taken along it only (those across do not
 /// exist; `lateral` is 0).
 pub fn continuous_log<S: Scalar>(r: &Matrix<S>, reference: Vector<S::Real>) -> ContinuousLog<S> {
-    let q0 = upper_half(unit_quaternion(&real_matrix(r)));
+    let q0 = upper_half(S::Real::quaternion_of(&real_matrix(r)));
     continued(q0, reference, || log(r), || derived(r, q0))
 }
 
@@ -310,50 +310,54 @@ fn continued<S: Scalar>(
         };
         S::Real::choose(above, || S::Real::choose(below, || zero, counted), counted)
     };
-    let k = S::Real::choose(
-        S::Real::ratio(SHEET.0, SHEET.1).less(length),
-        || {
-            let own = (length / turn).nearest_integer();
-            S::Real::choose(
-                lateral.less(S::Real::ratio(ZONE.0, ZONE.1)),
-                || S::Real::choose(along.less(zero), || -own, || own),
-                nearest,
-            )
-        },
-        nearest,
-    );
-    let phi = S::Real::choose(
-        zero.less(k.magnitude()),
-        || {
-            S::Real::choose(
-                zero.less(lateral),
-                || {
-                    let [w, x, y, z] = quaternion();
-                    let phi = S::Real::choose(
-                        q0[0].less(S::Real::ratio(1, 2)),
-                        || times([x, y, z], w.lift(&turned_series(w.real(), k, S::ORDER))),
-                        || {
-                            vector::add(
-                                principal(),
-                                scale(direction([x, y, z]), S::Real::with_turns(zero, k)),
-                            )
-                        },
-                    );
-                    // The value on its own, (θ_p + 2πk) v/|v|, takes the fewest roundings.
-                    let factor = S::Real::with_turns(angle(), k) / lateral;
-                    let value = |i: usize| S::from_real(q0[1 + i] * factor) + phi[i].nilpotent();
-                    [value(0), value(1), value(2)]
-                },
-                || {
-                    let axial = dot_real(reference_direction, principal());
-                    let angle = S::from_real(S::Real::with_turns(zero, k)) + axial;
-                    let axis: Vector<S> = vector::constant(reference_direction);
-                    times(axis, angle)
-                },
-            )
-        },
-        &principal,
-    );
+    let [k] = S::Real::joined(|| {
+        [S::Real::choose(
+            S::Real::ratio(SHEET.0, SHEET.1).less(length),
+            || {
+                let own = (length / turn).nearest_integer();
+                S::Real::choose(
+                    lateral.less(S::Real::ratio(ZONE.0, ZONE.1)),
+                    || S::Real::choose(along.less(zero), || -own, || own),
+                    nearest,
+                )
+            },
+            nearest,
+        )]
+    });
+    let phi = S::joined(|| {
+        S::Real::choose(
+            zero.less(k.magnitude()),
+            || {
+                S::Real::choose(
+                    zero.less(lateral),
+                    || {
+                        let [w, x, y, z] = quaternion();
+                        let phi = S::Real::more_exact(
+                            q0[0].less(S::Real::ratio(1, 2)),
+                            || times([x, y, z], w.lift(&turned_series(w.real(), k, S::ORDER))),
+                            || {
+                                vector::add(
+                                    principal(),
+                                    scale(direction([x, y, z]), S::Real::with_turns(zero, k)),
+                                )
+                            },
+                        );
+                        // The value on its own, (θ_p + 2πk) v/|v|, takes the fewest roundings.
+                        let factor = S::Real::with_turns(angle(), k) / lateral;
+                        let value = |i: usize| S::from_real(q0[1 + i] * factor) + phi[i].nilpotent();
+                        [value(0), value(1), value(2)]
+                    },
+                    || {
+                        let axial = dot_real(reference_direction, principal());
+                        let angle = S::from_real(S::Real::with_turns(zero, k)) + axial;
+                        let axis: Vector<S> = vector::constant(reference_direction);
+                        times(axis, angle)
+                    },
+                )
+            },
+            &principal,
+        )
+    });
     ContinuousLog { phi, lateral }
 }
 
@@ -466,11 +470,13 @@ pub fn torsion<S: Scalar>(r: &Matrix<S>) -> S {
 fn half_torsion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
     let q = quaternion(r);
     let zero = S::Real::integer(0);
-    S::Real::choose(
-        zero.less(q[0].real()),
-        || q,
-        || S::Real::choose(q[3].real().less(zero), || q.map(|part| S::zero() - part), || q),
-    )
+    S::joined(|| {
+        S::Real::choose(
+            zero.less(q[0].real()),
+            || q,
+            || S::Real::choose(q[3].real().less(zero), || q.map(|part| S::zero() - part), || q),
+        )
+    })
 }
 
 /// The sign that e1, e2 midway between a and b take after whole `turns` of β, whose half they follow: −1 after an odd number.

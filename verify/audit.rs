@@ -1,6 +1,6 @@
 //! The audit: it finds nothing wrong with the catalogue, and everything wrong with what is made wrong on purpose.
 
-use crate::{golden, manual};
+use crate::{golden, golden_mpc, manual};
 use pintle::audit::certificate::{Certificate, certificates};
 use pintle::audit::mutant::{Mistake, Scene, mutants};
 use pintle::audit::quantity::{Entries, product};
@@ -8,11 +8,13 @@ use pintle::audit::sample::{Draw, Extent, Region, cases, draw_case};
 use pintle::audit::shrink::shrink;
 use pintle::audit::{
     Against, Bound, Candidate, Case, CounterExample, Hex, Numbers, Oracle, Quantity, Report, Settings,
-    Verdict, atlas, audit_catalogue, invariant,
+    Target, Verdict, atlas, audit_catalogue, audit_scenes, invariant,
 };
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Connector, Definition, Increment, NodalRow, Request, State, Tally};
+use pintle::evaluate::{Model, Plan, Selection};
 use pintle::node::{DOFS, Node, Pair};
+use pintle::scene::{self, GALLERY};
 use pintle::vector::identity;
 use std::collections::BTreeMap;
 
@@ -50,6 +52,49 @@ fn the_catalogue_passes() {
     }
 }
 
+/// Every connector and MPC of the gallery, at its states, and of a deck without states, at drawn ones.
+#[test]
+fn scenes_pass() {
+    let loaded: Vec<(String, Model, Vec<scene::State>)> = GALLERY
+        .iter()
+        .map(|example| {
+            let scene = example.scene().unwrap();
+            let states = example.states(&scene).unwrap().states;
+            (example.name.to_string(), Model::compile(&scene).unwrap(), states)
+        })
+        .collect();
+    let mut loaded = loaded;
+    let bare = loaded[1].1.clone();
+    loaded.push(("no states".into(), bare, Vec::new()));
+    let plan = |model: &Model| Plan::compile(model, &Selection::All, Request::nothing(0)).unwrap();
+    let plans: Vec<Plan> = loaded.iter().map(|(_, model, _)| plan(model)).collect();
+    let targets: Vec<Target<'_>> = loaded
+        .iter()
+        .zip(&plans)
+        .map(|((name, model, states), plan)| Target { name, model, plan, states })
+        .collect();
+    let report = audit_scenes(&brief(), &targets, &silent);
+    let mut text = Vec::new();
+    pintle::report::audit::human(&mut text, &report, 120, false).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{text}");
+    let planned: usize = plans.iter().map(|plan| plan.connectors.len() + plan.mpcs.len()).sum();
+    assert_eq!(report.subjects.len(), planned);
+    for subject in &report.subjects {
+        assert_eq!(subject.derivative.headline(), Verdict::Pass, "{text}");
+        assert_eq!(subject.formula, Verdict::Pass, "{}", subject.name);
+        let scene = subject.scene.as_deref().unwrap();
+        let states = loaded.iter().find(|(name, ..)| name == scene).unwrap().2.len();
+        let want = if states == 0 { brief().drawn_states } else { states };
+        assert_eq!(subject.cases, want as u64, "{} of {scene}", subject.name);
+        let sharp = Against::Oracle(Oracle::WideDifferences);
+        for quantity in [Quantity::Value, Quantity::FirstDerivatives, Quantity::Acceleration] {
+            let check = subject.checks.iter().find(|c| c.quantity == Some(quantity) && c.against == sharp);
+            assert!(check.is_some_and(|check| check.score.killed > 0), "{}", subject.name);
+        }
+    }
+}
+
 /// The same audit on one thread and on three is the same, number by number.
 #[test]
 fn threads_do_not_matter() {
@@ -68,11 +113,14 @@ fn threads_do_not_matter() {
 /// The certificates in the source are what the golden values and the transcribed tables say.
 #[test]
 fn certificates_follow_from_the_tests() {
-    let states = golden::states_by_type();
+    let mut states = golden::states_by_type();
+    states.extend(golden_mpc::states_by_kind());
     let want: BTreeMap<String, Certificate> = manual::pages()
+        .map(|(name, page)| (name.to_string(), page))
+        .chain(manual::mpc_pages())
         .map(|(name, page)| {
-            let jax_states = states.get(name).copied().unwrap_or(0);
-            (name.to_string(), Certificate { jax_states, manual_page: page.to_string() })
+            let jax_states = states.get(&name).copied().unwrap_or(0);
+            (name, Certificate { jax_states, manual_page: page.to_string() })
         })
         .collect();
     let text = serde_json::to_string_pretty(&want).unwrap() + "\n";

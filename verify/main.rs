@@ -7,6 +7,7 @@ mod cli; // the command line
 mod closed; // rows derived by hand
 mod convert; // scenes in other forms
 mod faults; // what is said about every faulty input
+mod findings; // what an audit finds in models
 mod freedom; // which degrees of freedom nodes have
 mod friction; // what sticks and slips
 mod fuzzing; // what holds of any bytes whatever
@@ -18,6 +19,7 @@ mod numerics; // how exact the elementary functions and the rotations are
 mod plane; // the two-dimensional forms
 mod reports; // whether reports of an audit show what was found
 mod rules; // what a connector section may do
+mod scale; // large models: sparse matrices, threads, memory
 mod scene; // what decks and state files mean
 mod states; // where laws are tried
 mod tolerance; // every tolerance, with the cause of the odd ones

@@ -161,3 +161,16 @@ pub(crate) const GOLDEN_MPC: f64 = 2e-13;
 /// Friction along a history of 12 states against the same formulas worked out apart, relative to trial force and limit: a few
 /// roundings of each state, which stick carries on to the next.
 pub(crate) const FRICTION_HISTORY: f64 = 1e-13;
+
+/// Consistent tangents of component forces against wide differences, relative to the largest slope.
+pub(crate) const TANGENT: f64 = 1e-13;
+
+/// Tangents of nodal forces against wide differences, relative to the largest entry: lengths and angles are about 1 there.
+pub(crate) const NODAL_TANGENT: f64 = 1e-13;
+
+/// CSF2 of a belt that slips against T2 − T1 of the known solution, over T2: the deck gives the angle of wrap to eight digits and both
+/// sides use them; what is left is 1e5 times the rounding of strains.
+pub(crate) const BELT_FRICTION: f64 = 1e-12;
+
+/// Slopes of a belt's friction, over the stiffness of its segments: a slope is that of a table times e^(μα) − 1.
+pub(crate) const BELT_SLOPE: f64 = 1e-14;

@@ -28,6 +28,31 @@ pub const U: f64 = 1.0 / 9_007_199_254_740_992.0;
 /// catalogue is in `verify/audit.rs`.
 pub const C: f64 = 4.0;
 
+/// The conditioned scales of a function of n degrees of freedom: of its value, first and second derivatives (row by row), rate and
+/// acceleration. `size` holds s_j; `input` the magnitudes of the numbers that are rounded, s_j but where a number is larger than
+/// that, as an angle of many turns is; `rates` the velocities and accelerations; `nearness` is δ, 0 on a singular set.
+pub fn scales(
+    value: f64,
+    first: &[f64],
+    second: &[f64],
+    (size, input): (&[f64], &[f64]),
+    (velocity, acceleration): (&[f64], &[f64]),
+    nearness: f64,
+) -> [Vec<f64>; 5] {
+    let n = size.len();
+    let times = |row: &[f64], by: &[f64]| row.iter().zip(by).map(|(x, s)| x.abs() * s.abs()).sum::<f64>();
+    let f = value.abs() + times(first, input);
+    let bent: Vec<f64> = second.chunks(n.max(1)).map(|row| times(row, input)).collect();
+    let f2 = f + times(&bent, input);
+    let near = if nearness > 0.0 { (1.0 / nearness).max(1.0) } else { 1.0 };
+    let row: Vec<f64> = size.iter().zip(&bent).map(|(s, bent)| f / s + bent).collect();
+    let matrix: Vec<f64> = size.iter().flat_map(|s| size.iter().map(move |t| near * f2 / (s * t))).collect();
+    let fastest = velocity.iter().zip(size).fold(0.0_f64, |most, (v, s)| most.max(v.abs() / s));
+    let rate = times(&row, velocity);
+    let faster = times(&row, acceleration) + near * f2 * fastest * fastest;
+    [vec![f], row, matrix, vec![rate], vec![faster]]
+}
+
 /// Tolerances and scales of everything that is judged at one state.
 #[derive(Clone, Debug, Default)]
 pub struct Bound {
@@ -49,23 +74,13 @@ impl Bound {
         let mut scales: [Entries<f64>; 5] = Default::default();
         for k in 0..6 {
             let Some(value) = truth.entries(Quantity::Value).get(k, 0) else { continue };
-            let first = |j: usize| truth.entries(Quantity::FirstDerivatives).get(k, j).unwrap_or(0.0);
-            let second = |j: usize, l: usize| {
-                truth.entries(Quantity::SecondDerivatives).get(k, j * DOFS + l).unwrap_or(0.0)
+            let of = |quantity: Quantity| -> Vec<f64> {
+                (0..quantity.entries()).map(|i| truth.entries(quantity).get(k, i).unwrap_or(0.0)).collect()
             };
-            let f = (0..DOFS).fold(value.abs(), |sum, j| sum + first(j).abs() * size[j]);
-            let bent: [f64; DOFS] =
-                std::array::from_fn(|j| (0..DOFS).map(|l| second(j, l).abs() * size[l]).sum());
-            let f2 = (0..DOFS).fold(f, |sum, j| sum + bent[j] * size[j]);
-            let near = if nearness > 0.0 { (1.0 / nearness).max(1.0) } else { 1.0 };
-            let row: Vec<f64> = (0..DOFS).map(|j| f / size[j] + bent[j]).collect();
-            let matrix: Vec<f64> =
-                (0..DOFS * DOFS).map(|i| near * f2 / (size[i / DOFS] * size[i % DOFS])).collect();
-            let rate: f64 = (0..DOFS).map(|j| row[j] * velocity[j].abs()).sum();
-            let fastest = (0..DOFS).fold(0.0_f64, |most, j| most.max(velocity[j].abs() / size[j]));
-            let pushed: f64 = (0..DOFS).map(|j| row[j] * acceleration[j].abs()).sum();
-            let faster = pushed + near * f2 * fastest * fastest;
-            for (scale, entries) in scales.iter_mut().zip([vec![f], row, matrix, vec![rate], vec![faster]]) {
+            let (first, second) = (of(Quantity::FirstDerivatives), of(Quantity::SecondDerivatives));
+            let found =
+                self::scales(value, &first, &second, (&size, &size), (velocity, acceleration), nearness);
+            for (scale, entries) in scales.iter_mut().zip(found) {
                 scale.0[k] = Some(entries);
             }
         }

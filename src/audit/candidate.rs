@@ -27,16 +27,17 @@
 
 use super::bound::Bound;
 use super::case::{Case, dof_size, moved};
-use super::engine::{Against, Check, Report, Settings, Subject, checks_of};
+use super::certificate::certificate;
+use super::engine::{Settings, checks_of};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
+use super::outcome::{Against, Check, Report, Subject};
 use super::quantity::{Entries, Numbers, Quantity};
-use super::sample::{Draw, Motion};
+use super::sample::{Draw, about_initial};
 use super::truth::Truth;
 use super::verdict::{Score, Surroundings, Verdict, judge};
 use crate::connector::{Components, Definition, NodalRow, State};
 use crate::node::DOFS;
 use crate::scalar::elementary::norm;
-use crate::vector::scale;
 
 /// What a candidate gives at a state: the residual of each constrained component and the displacement of any other, and their
 /// rows of derivatives by the nodal degrees of freedom.
@@ -82,13 +83,14 @@ impl<'a> Candidate<'a> {
         let mut found: Vec<Check> = Vec::new();
         let mut cases = 0;
         for i in 0..self.settings.states {
-            let Some(case) = self.case(i, length, draw) else { continue };
+            let name = format!("{} state {i}", self.name);
+            let Some(case) = about_initial(self.definition, i, length, name, draw) else { continue };
             cases += 1;
             let wide = i < self.settings.wide_states;
             checks_of(&mut found, self.judge(&case, &routine, wide));
         }
         let connection = &self.definition.connection;
-        let mut subject = Subject::new(self.name.to_string(), connection, cases, found);
+        let mut subject = Subject::new(self.name.to_string(), certificate(connection), cases, found);
         // A candidate's formula is judged state by state.
         let values = subject.checks.iter().filter(|check| check.quantity == Some(Quantity::Value));
         subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
@@ -99,36 +101,6 @@ impl<'a> Candidate<'a> {
             subjects: vec![subject],
             atlas: Vec::new(),
         }
-    }
-
-    /// State `i`: the initial one, then random motions of both nodes, clear of singular sets.
-    fn case(&self, i: usize, length: f64, draw: &mut Draw) -> Option<Case> {
-        const ATTEMPTS: usize = 100;
-        let turn = |draw: &mut Draw, most: f64| {
-            let size = draw.between(0.0, most);
-            scale(draw.direction(), size)
-        };
-        for _ in 0..ATTEMPTS {
-            let [common, spin] = if i == 0 { [[0.0; 3]; 2] } else { [turn(draw, 3.0), turn(draw, 1.2)] };
-            let mut motion = Motion { common, ..Motion::random(draw, length, spin) };
-            if i == 0 {
-                (motion.displacement, motion.flow) = ([[0.0; 3]; 2], [0.0; 2]);
-            }
-            let mut path = motion.path(&self.definition.initial);
-            if let Some(end) = path.last_mut() {
-                end.state.velocity = draw.rates(length);
-                end.state.acceleration = draw.rates(length);
-            }
-            let name = format!("{} state {i}", self.name);
-            let case = Case { name, definition: self.definition.clone(), start: None, path, length };
-            if case.is_clear(0.0, 0.01) {
-                return Some(case);
-            }
-            if i == 0 {
-                return None;
-            }
-        }
-        None
     }
 
     fn judge(&self, case: &Case, routine: &impl Fn(&State<f64>) -> Given, wide: bool) -> Vec<Check> {

@@ -45,3 +45,8 @@ pub fn certificate(connection: &ConnectionType) -> Option<Certificate> {
         manual_page: format!("{} + {}", t.manual_page, r.manual_page),
     })
 }
+
+/// The certificate of a multi-point constraint, under the name `MPC BEAM`.
+pub fn certificate_of_mpc(kind: crate::mpc::Kind) -> Option<Certificate> {
+    CERTIFICATES.get(&format!("MPC {}", kind.name())).cloned()
+}

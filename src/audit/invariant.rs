@@ -188,12 +188,16 @@ impl<'a> Context<'a> {
         matches!(measure, Measure::Distance) && self.state.pair.separation() == [0.0; 3]
     }
 
-    /// Both ends of the connector move: rows of a grounded one are not those of a free pair.
+    /// The degrees of freedom that the connector would have if its nodes had all of theirs.
+    fn of_free_nodes(&self) -> [bool; DOFS] {
+        let mut definition = self.case.definition.clone();
+        (definition.moves, definition.rotates) = ([true; 2], [true; 2]);
+        *Connector::<f64>::new(&definition).active()
+    }
+
+    /// Nothing of its rows is left out: those of a grounded node, of one without rotations, out of the plane.
     fn is_free(&self) -> bool {
-        let active = self.connector.active();
-        self.case.definition.moves == [true; 2]
-            && (0..3).all(|i| active[i] == active[i + DOFS / 2])
-            && !self.case.definition.planar
+        !self.case.definition.planar && self.of_free_nodes() == *self.connector.active()
     }
 
     fn rigid_modes(&self) -> Vec<Demand> {
@@ -277,9 +281,9 @@ impl<'a> Context<'a> {
     fn power(&self) -> Vec<Demand> {
         let mut found = Vec::new();
         let (v, a) = (&self.state.velocity, &self.state.acceleration);
-        // A node that does not move has no rates either.
-        let moving = |j: usize| self.connector.active()[j];
-        if (0..DOFS).any(|j| !moving(j) && j % 7 != 6 && (v[j] != 0.0 || a[j] != 0.0)) {
+        // A node that is given rates and has no columns for them is not told of by rows.
+        let (active, free) = (self.connector.active(), self.of_free_nodes());
+        if (0..DOFS).any(|j| free[j] && !active[j] && (v[j] != 0.0 || a[j] != 0.0)) {
             return found;
         }
         for (k, measure) in self.components() {

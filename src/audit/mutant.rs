@@ -12,6 +12,9 @@ use std::f64::consts::PI;
 pub const LADDER: [f64; 14] =
     [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14];
 
+/// What is below this part of its conditioned scale is taken to be zero but for rounding: that it is not must be noticed too.
+pub(super) const NOTHING: f64 = 1e-9;
+
 /// A mistake.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -135,8 +138,11 @@ fn entry_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     let mut found = Vec::new();
     for (k, i, x) in entries.iter() {
         let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
+        let scale = (scene.scale)(k, i);
+        if x.abs() <= NOTHING * scale {
+            one(Mistake::Spurious, x + 1e-3 * scale);
+        }
         if x == 0.0 {
-            one(Mistake::Spurious, 1e-3 * (scene.scale)(k, i));
             continue;
         }
         one(Mistake::Dropped, 0.0);

@@ -38,6 +38,17 @@ impl Quantity {
         }
     }
 
+    /// The symbol, as headings of tables have it.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Value => "f",
+            Self::FirstDerivatives => "∂f",
+            Self::SecondDerivatives => "∂²f",
+            Self::Rate => "ḟ",
+            Self::Acceleration => "f̈",
+        }
+    }
+
     /// The number of entries per component.
     pub const fn entries(self) -> usize {
         match self {
@@ -116,8 +127,14 @@ impl<T: Copy> Entries<T> {
 }
 
 /// Everything that an audit judges of one evaluation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Numbers<T>([Entries<T>; Quantity::ALL.len()]);
+
+impl<T> Default for Numbers<T> {
+    fn default() -> Self {
+        Self(std::array::from_fn(|_| Entries::default()))
+    }
+}
 
 impl<T: Copy> Numbers<T> {
     /// Of one evaluation. Rates are those of the residual where there is one.

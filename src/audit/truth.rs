@@ -102,6 +102,11 @@ impl Truth {
         Numbers::of(&self.evaluate(&[Wide::zero(); DOFS], &request()))
     }
 
+    /// First and second derivatives of the traced formulas.
+    pub fn symbolic(&self) -> Numbers<Wide> {
+        super::oracle::derivatives(&self.connector, &self.state.pair, &self.branch)
+    }
+
     /// The values.
     pub fn value(&self) -> Entries<Wide> {
         let still = self.evaluate(&[Wide::zero(); DOFS], &request());

@@ -69,9 +69,9 @@ impl Verdict {
 pub struct Finding {
     /// The entry by name: `∂ur1/∂θb3`.
     pub entry: String,
-    /// The component (0-based) and the place within it.
+    /// The component (0-based) and the place within it, where it is one entry of a connector's.
     #[serde(skip)]
-    pub at: (usize, usize),
+    pub at: Option<(usize, usize)>,
     /// What was given.
     pub got: f64,
     /// What it must be.
@@ -98,7 +98,7 @@ pub struct Judgement {
 
 /// Beyond this fraction of a row's largest entry, a tolerance lets errors through that matter: the point is called
 /// ill-conditioned.
-const COARSE: f64 = 1e-6;
+pub(super) const COARSE: f64 = 1e-6;
 
 /// How far the product's dual numbers over 237 bits may be from the truth, relative to the tolerance on doubles, and still
 /// prove the formula right.
@@ -120,7 +120,7 @@ pub struct Surroundings<'a> {
 }
 
 /// |got − want| in units of what is allowed; infinite where it is not a number.
-fn units(got: f64, want: Wide, allowed: f64) -> f64 {
+pub(super) fn units(got: f64, want: Wide, allowed: f64) -> f64 {
     let error = (Wide::from_f64(got) - want).abs().to_f64();
     if error == 0.0 {
         return 0.0;
@@ -152,7 +152,7 @@ pub fn judge(
         if worst.as_ref().is_none_or(|w| units > w.units || !x.is_finite()) {
             worst = Some(Finding {
                 entry: quantity.entry_name(k, i),
-                at: (k, i),
+                at: Some((k, i)),
                 got: x,
                 want: want.to_f64(),
                 tolerance: allowed,
@@ -178,7 +178,7 @@ pub fn judge(
 
 /// Why an entry is beyond its tolerance.
 fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Verdict {
-    let (k, i) = worst.at;
+    let Some((k, i)) = worst.at else { return Verdict::Wrong };
     if around.nearness == 0.0 {
         if let Some([below, above]) = around.one_sided {
             worst.one_sided = below.get(k, i).zip(above.get(k, i)).map(|(b, a)| [b.to_f64(), a.to_f64()]);
@@ -217,6 +217,26 @@ pub struct Score {
 }
 
 impl Score {
+    /// Counts a mutant that changes a number by `change` tolerances, in an entry of that name.
+    pub(super) fn count(
+        &mut self,
+        mistake: Mistake,
+        noticed: bool,
+        change: f64,
+        entry: impl FnOnce() -> String,
+    ) {
+        if noticed {
+            self.killed += 1;
+        } else if change == 0.0 {
+            self.equivalent += 1;
+        } else if change < 2.0 {
+            self.below_resolution += 1;
+        } else {
+            self.survived += 1;
+            self.survivors.insert(mistake.name(), entry());
+        }
+    }
+
     /// Adds another score.
     pub fn merge(&mut self, other: Self) {
         self.killed += other.killed;
@@ -244,7 +264,7 @@ impl Score {
 
 /// Entries smaller than this part of the largest of their row, in units of the degrees of freedom, do not count for the smallest
 /// error that is noticed: what is left of a cancellation has no relative error of its own.
-const SIGNIFICANT: f64 = 1e-3;
+pub(super) const SIGNIFICANT: f64 = 1e-3;
 
 /// Tries every mutant on the same comparison; `size` is the unit of an entry's degrees of freedom.
 pub fn try_mutants(
@@ -287,17 +307,8 @@ pub fn try_mutants(
                 missed = missed.max(delta);
             }
         }
-        if noticed {
-            score.killed += 1;
-        } else if change == 0.0 {
-            score.equivalent += 1;
-        } else if change < 2.0 {
-            score.below_resolution += 1;
-        } else {
-            score.survived += 1;
-            let entry = mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
-            score.survivors.insert(mutant.mistake.name(), entry.unwrap_or_default());
-        }
+        let entry = mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
+        score.count(mutant.mistake, noticed, change, || entry.unwrap_or_default());
     }
     if smallest.is_finite() {
         score.detectable_at.push(if missed > 0.0 { missed * 10.0 } else { smallest });

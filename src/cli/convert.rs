@@ -90,7 +90,7 @@ fn save_states(file: &Path, scene: &Scene) -> Result<(), Failure> {
     write(file, &(text + "\n"))
 }
 
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
+pub(super) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     fs::write(path, text)
         .map_err(|error| Failure::Input(format!("{} cannot be written: {error}", path.display())))
 }

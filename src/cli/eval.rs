@@ -3,8 +3,10 @@
 use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
 use pintle::behavior::state::Velocities;
 use pintle::connector::{Flag, Output, Request};
-use pintle::evaluate::{Branches, ElementBehavior, Item, Model, Plan, Selection, Sequence, request};
-use pintle::report::{self, Block, Format, Subject};
+use pintle::evaluate::{
+    Branches, ElementBehavior, Fixed, Item, Jacobian, Model, Plan, Selection, Sequence, request,
+};
+use pintle::report::{self, Block, Format, Kind, Subject};
 use pintle::scene::{Diagnostic, Example, ForceFile, ForceSign, GALLERY, Scene, State, StateFile};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -23,11 +25,21 @@ pub(crate) enum Source<'a> {
 }
 
 /// A scene, read and resolved, with its states.
-struct Loaded {
-    scene: Scene,
-    states: Vec<State>,
+pub(crate) struct Loaded {
+    pub(crate) scene: Scene,
+    /// Those of a file, of the gallery, or of the scene itself; the scene may have none.
+    pub(crate) states: Vec<State>,
     forces: Option<ForceFile>,
-    model: Model,
+    pub(crate) model: Model,
+}
+
+/// A connector or MPC at one state, worked into what is written and told of it.
+struct Rendered {
+    kind: Kind,
+    has_numbers: bool,
+    text: Vec<u8>,
+    title: String,
+    flags: Vec<Flag>,
 }
 
 /// What was seen that needs care, for one line on stderr.
@@ -40,8 +52,10 @@ struct Care {
 /// Evaluates scenes and writes the results.
 pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
     let sources = sources(arguments)?;
-    let mut loaded =
-        sources.iter().map(|source| load(*source, arguments)).collect::<Result<Vec<Loaded>, Failure>>()?;
+    let mut loaded = sources
+        .iter()
+        .map(|source| of_arguments(*source, arguments))
+        .collect::<Result<Vec<Loaded>, Failure>>()?;
     let request = wanted(arguments, &loaded)?;
     if matches!(arguments.format, EvalFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());
@@ -97,23 +111,36 @@ pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
     })
 }
 
-/// Reads and resolves a scene, and says what deserves a look.
-fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
-    let scene = match source {
-        Source::Gallery(example) => example.scene()?,
-        Source::File(path) => Scene::read(path)?,
-    };
-    let states = match (&arguments.states, source) {
-        (Some(file), _) => StateFile::read(file, &scene)?.states,
-        (None, Source::Gallery(example)) => example.states(&scene)?.states,
-        (None, Source::File(_)) if scene.states.is_empty() => vec![State::default()],
-        (None, Source::File(_)) => scene.states.clone(),
-    };
+/// A scene with its states, or the initial one, and its forces.
+fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
     let sign = match arguments.force_sign {
         Sign::Internal => ForceSign::Internal,
         Sign::ConstraintsOnB => ForceSign::ConstraintsOnB,
     };
-    let forces = arguments.forces.as_ref().map(|file| ForceFile::read(file, &scene, sign)).transpose()?;
+    let mut loaded =
+        load(source, arguments.states.as_deref(), arguments.forces.as_deref().map(|f| (f, sign)))?;
+    if loaded.states.is_empty() {
+        loaded.states.push(State::default());
+    }
+    Ok(loaded)
+}
+
+/// Reads and resolves a scene, and says what deserves a look.
+pub(crate) fn load(
+    source: Source<'_>,
+    states: Option<&Path>,
+    forces: Option<(&Path, ForceSign)>,
+) -> Result<Loaded, Failure> {
+    let scene = match source {
+        Source::Gallery(example) => example.scene()?,
+        Source::File(path) => Scene::read(path)?,
+    };
+    let states = match (states, source) {
+        (Some(file), _) => StateFile::read(file, &scene)?.states,
+        (None, Source::Gallery(example)) => example.states(&scene)?.states,
+        (None, Source::File(_)) => scene.states.clone(),
+    };
+    let forces = forces.map(|(file, sign)| ForceFile::read(file, &scene, sign)).transpose()?;
     let with_source = |diagnostic: Diagnostic| match source {
         Source::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
         Source::File(_) => match File::open(diagnostic.file()) {
@@ -252,6 +279,8 @@ fn walk(
     let mut progress = Progress::new();
     for (Loaded { scene, states, model, .. }, (plan, branches, shown, numbers)) in loaded.iter().zip(&walks) {
         let mut sequence = Sequence::resume(model, plan, branches.clone());
+        let is_shown = |index: &u64| shown.iter().any(|range| range.contains(index));
+        let last_shown = numbers.iter().copied().rfind(is_shown);
         if !states.iter().any(moves) {
             sequence.set_velocities(Velocities::Increments);
         }
@@ -260,16 +289,32 @@ fn walk(
         format.scene(&Subject { scene, model, plan, states: states.len(), shown, first, last })?;
         for (done, (state, index)) in states.iter().zip(numbers.iter().copied()).enumerate() {
             progress.tick(&scene.name, done, states.len());
-            if shown.iter().any(|range| range.contains(&index)) {
+            if is_shown(&index) {
+                if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
+                    let told = save_jacobian(file, (scene, model, plan), sequence.clone(), (index, state))?;
+                    // Whatever else needs care is told by the evaluation.
+                    for (title, flag) in &told {
+                        if matches!(flag, Flag::NotFinite { .. }) {
+                            care.see(index, title, std::slice::from_ref(flag));
+                        }
+                    }
+                }
                 format.state(index, state.time)?;
-                sequence.visit(state, |item| {
+                let render = format.renderer();
+                let digest = |item: Item| -> io::Result<Rendered> {
                     let block = match &item {
                         Item::Connector(result) => Block::of_connector(model, request, result),
                         Item::Mpc(result) => Block::of_mpc(model, request, result),
                     };
-                    evaluated += u64::from(block.has_numbers());
-                    care.see(index, &title(model, &item), &block.flags);
-                    format.block(&block)
+                    let title = if block.flags.is_empty() { String::new() } else { title(model, &item) };
+                    let (kind, has_numbers, text) = (block.kind, block.has_numbers(), render(&block)?);
+                    Ok(Rendered { kind, has_numbers, text, title, flags: block.flags })
+                };
+                sequence.visit_digested(state, digest, |rendered| {
+                    let Rendered { kind, has_numbers, text, title, flags } = rendered?;
+                    evaluated += u64::from(has_numbers);
+                    care.see(index, &title, &flags);
+                    format.rendered(kind, &text)
                 })?;
                 format.end_state()?;
             } else {
@@ -285,7 +330,7 @@ fn walk(
         }
         format.end_scene(sequence.tally())?;
         if let Some(file) = &arguments.save_branches {
-            save(file, &scene.name, sequence.branches())?;
+            save(file, &scene.name, &sequence.branches())?;
         }
     }
     progress.clear();
@@ -342,6 +387,25 @@ fn save(path: &Path, scene: &str, branches: &Branches) -> Result<(), Failure> {
     let text = serde_json::to_string(&file).map_err(|error| Failure::Input(error.to_string()))?;
     fs::write(path, text + "\n")
         .map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))
+}
+
+/// Writes the constraint Jacobian at a state, which `sequence` has before it, and gives what of it needs care.
+fn save_jacobian(
+    path: &Path,
+    (scene, model, plan): (&Scene, &Model, &Plan),
+    mut sequence: Sequence<'_>,
+    (number, state): (u64, &State),
+) -> Result<Vec<(String, Flag)>, Failure> {
+    let jacobian = Jacobian::of_constraints(model, plan, &Fixed::of(scene)?);
+    let mut values = Vec::new();
+    let assembled = sequence.assemble(state, &jacobian, &mut values);
+    let care = assembled.map_err(|error| Failure::Usage(error.to_string()))?;
+    let of = format!("{} at state {number}", scene.name);
+    let written = File::create(path).and_then(|file| {
+        report::matrix_market::write(&mut BufWriter::new(file), &of, model, &jacobian, &values)
+    });
+    written.map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))?;
+    Ok(care)
 }
 
 fn resume(path: &Path, model: &Model, plan: &Plan) -> Result<Branches, Failure> {

@@ -3,8 +3,10 @@
 pub(crate) mod audit;
 pub(crate) mod convert;
 pub(crate) mod eval;
+pub(crate) mod export;
 mod failure;
 pub(crate) mod manual;
+mod page;
 pub(crate) mod replay;
 mod show;
 
@@ -27,6 +29,9 @@ Exit codes: 0 all right, 1 a number is wrong, 2 usage, 3 undecided (--strict), 4
 5 the self-test failed, 6 bad input, 70 internal error.
 Results go to stdout, everything else to stderr. NO_COLOR is respected.")]
 pub(crate) struct Cli {
+    /// Threads; no result depends on their number [default: one per core, or RAYON_NUM_THREADS]
+    #[arg(long, value_name = "COUNT", global = true, value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -41,11 +46,13 @@ pub(crate) enum Command {
     Eval(Box<Eval>),
     /// Convert a scene between deck, TOML and JSON, and say what is lost
     Convert(Convert),
+    /// Export a connection type as a program: SymPy, JAX, C, Rust, LaTeX, or its expression graph
+    Export(export::Export),
     /// Print the JSON Schema of scenes in TOML and JSON
     #[command(after_long_help = SCHEMA_HELP)]
     Schema,
-    /// Audit the catalogue: is every number right, and would an error have been noticed?
-    Audit(audit::Audit),
+    /// Audit the catalogue, or scenes: is every number right, and would an error have been noticed?
+    Audit(Box<audit::Audit>),
     /// Judge the state of a counter-example again
     Replay(replay::Replay),
     /// Print the completions of a shell
@@ -229,6 +236,9 @@ pub(crate) struct Eval {
     /// Continue from saved branches, bit for bit as if the states had followed in one run
     #[arg(long, value_name = "FILE", requires = "scene")]
     resume: Option<PathBuf>,
+    /// Write the constraint Jacobian of the last state shown, a sparse matrix (Matrix Market, .mtx; see below)
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    jacobian: Option<PathBuf>,
     /// Say more: what was read and not evaluated, what was computed
     #[arg(short, long)]
     verbose: bool,
@@ -285,11 +295,14 @@ Outputs:
   CEF, CVF, CCF  elastic force, viscous force, applied connector load
   CSF, CNF       friction force, contact force of friction
   CASU, CIVC     accumulated slip, slip rate
+  SLIP           whether friction sticks or slips, or is free where nothing
+                 presses: stick, slip, free
   CRF, CTF       reaction; total force CEF + CVF + CSF + CRF − CCF, or as given
   CFAILST        failure status, 1 when released
   DRIVEN         what a connector motion prescribes; RES is how far off it is
-  TANGENT        slopes of elastic and viscous forces by displacement, velocity
-                 and, where velocities are increments, time step
+  TANGENT        slopes of component forces: elastic, viscous, friction with its
+                 consistent tangent; by displacement, velocity, reaction (CRF) of
+                 what is constrained or held, and time step
   PM             moments by which the printed formula gives the same moment,
                  where that is another one
   LM             multipliers of the equations enforced (those of RES)
@@ -297,6 +310,8 @@ Outputs:
                  the ground are its reactions; NF4 is the part of m1
   KG, DNF        geometric stiffness Σ f ∂²c; derivative of the nodal forces at
                  constant component forces, rotations spatial
+  KT, CT, KR     tangent of the nodal forces: Jᵀ (∂F/∂u) J + KG; by velocities,
+                 Jᵀ (∂F/∂v) J; by reactions. ∂NF/∂q is KT − KG + DNF
   TURNS, MARGIN  whole turns counted; distance to the nearest singular point
   CU names all components, CUR the rotations, CU1 to CU3 and CUR1 to CUR3 one
   of them; likewise CP, CCU, CV, CA. CTF names all forces, CTM the moments, CTF1
@@ -323,6 +338,13 @@ JSON: {\"schema\": \"pintle-eval/1\", …, \"scenes\": [{\"scene\", \"states\":
   back to the same doubles; one that is not finite is null, with the flag
   not-finite.
 
+Jacobian (--jacobian): rows are the constrained components of connectors and the
+  equations of MPCs, columns the degrees of freedom of their nodes, numbered by
+  node; the ground, and what *BOUNDARY prescribes before or in the first step,
+  have none. Columns of a node under *TRANSFORM are along its axes. Comments of
+  the file name every row and column. scipy.io.mmread reads it, as do MATLAB,
+  Octave and Julia.
+
 A file of two states, as CSV and as JSON:
   state,time,node,u1,ur3,vr3
   0,0,2,0,0,15
@@ -341,6 +363,13 @@ Examples:
   pintle eval
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
+
+/// Gives the pool of rayon its number of threads, if there is one to give.
+pub(crate) fn use_threads(count: Option<u16>) -> Result<(), Failure> {
+    let Some(count) = count else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(count));
+    pool.build_global().map_err(|error| Failure::Usage(format!("{count} threads cannot be started: {error}")))
+}
 
 /// The width of a page: that of the terminal; elsewhere the environment's COLUMNS, or 100.
 fn page_width(stream: &impl IsTerminal) -> usize {
@@ -378,6 +407,17 @@ fn explain_mpc(
     Ok(out.flush()?)
 }
 
+/// The connection type of a name, or of a pair of names.
+fn connection(name: &str, second: Option<&str>) -> Result<ConnectionType, Failure> {
+    ConnectionType::named(name, second).map_err(|error| {
+        let remedy = match &error {
+            NameError::Unknown { nearest: None, .. } => "; `pintle list` shows the types there are",
+            NameError::Unknown { .. } | NameError::Pair { .. } => "",
+        };
+        Failure::Usage(format!("{error}{remedy}"))
+    })
+}
+
 /// `pintle explain`.
 pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let mut out = BufWriter::new(anstream::stdout().lock());
@@ -411,14 +451,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
         }
         _ => {}
     }
-    let connection =
-        ConnectionType::named(&arguments.name, arguments.second.as_deref()).map_err(|error| {
-            let remedy = match &error {
-                NameError::Unknown { nearest: None, .. } => "; `pintle list` shows the types there are",
-                NameError::Unknown { .. } | NameError::Pair { .. } => "",
-            };
-            Failure::Usage(format!("{error}{remedy}"))
-        })?;
+    let connection = connection(&arguments.name, arguments.second.as_deref())?;
     let explanation = explain::Explanation::of(&connection);
     match arguments.format {
         PageFormat::Human => explanation.human(&mut out, width)?,

@@ -78,11 +78,7 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
         take: &mut impl FnMut(usize, NodalRow<R>, Option<NodalMatrix<R>>),
     ) {
-        let Differentiation { state, history, active, second } = *input;
-        let of = |seeds: Seeds| {
-            let chosen = measures.iter().filter(move |(_, measure)| Seeds::of(*measure) == seeds);
-            chosen.copied().collect::<Vec<_>>()
-        };
+        let Differentiation { state, active, second, .. } = *input;
         let mut nodal =
             |(k, measure): (usize, Measure), gradient: RelativeGradient<R>, relative: [[R; 8]; 8]| {
                 // A measure that no direction of a enters does not feel a turn.
@@ -99,27 +95,43 @@ impl<R: Differentiable> Connector<R> {
                 let hessian = || Box::new(state.pair.nodal_hessian(&gradient, &relative, &active));
                 take(k, row, second.then(hessian));
             };
+        self.relative_derivatives(input, measures, tally, &mut nodal);
+        for (k, measure) in measures.iter().filter(|(_, measure)| measure.is_one_form()) {
+            let (row, hessian) = self.one_form_row(input, *measure, tally);
+            take(*k, row, hessian);
+        }
+    }
+
+    /// The derivatives by the relative variations of measures, but for one-forms, handed on with their numbers.
+    pub(super) fn relative_derivatives(
+        &self,
+        input: &Differentiation<'_, R>,
+        measures: &[(usize, Measure)],
+        tally: &mut Tally,
+        take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
+    ) {
+        let Differentiation { state, history, second, .. } = *input;
+        let of = |seeds: Seeds| {
+            let chosen = measures.iter().filter(move |(_, measure)| Seeds::of(*measure) == seeds);
+            chosen.copied().collect::<Vec<_>>()
+        };
         let from = (self, state, history);
         if second {
-            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Translation), &mut nodal);
-            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Rotation), &mut nodal);
-            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(from, &of(Seeds::Motion), &mut nodal);
-            Seeds::All.pass::<R, R::Hessian<8>, 8>(from, &of(Seeds::All), &mut nodal);
+            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Translation), take);
+            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Rotation), take);
+            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(from, &of(Seeds::Motion), take);
+            Seeds::All.pass::<R, R::Hessian<8>, 8>(from, &of(Seeds::All), take);
         } else {
-            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Translation), &mut nodal);
-            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Rotation), &mut nodal);
-            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(from, &of(Seeds::Motion), &mut nodal);
-            Seeds::All.pass::<R, R::Gradient<8>, 8>(from, &of(Seeds::All), &mut nodal);
+            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Translation), take);
+            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Rotation), take);
+            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(from, &of(Seeds::Motion), take);
+            Seeds::All.pass::<R, R::Gradient<8>, 8>(from, &of(Seeds::All), take);
         }
         let functions = measures.iter().filter(|(_, measure)| !measure.is_one_form()).count() as u64;
         if second {
             tally.hessians += functions;
         } else {
             tally.gradients += functions;
-        }
-        for (k, measure) in of(Seeds::None) {
-            let (row, hessian) = self.one_form_row(input, measure, tally);
-            take(k, row, hessian);
         }
     }
 

@@ -6,12 +6,14 @@
 //! [`Connector::advance`] never changes the one it starts from.
 
 mod branch;
+mod compact;
 mod derivatives;
 mod flags;
 mod request;
 
 pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
+pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
@@ -279,6 +281,11 @@ impl<R: Differentiable> Connector<R> {
     /// Whether component k (0-based) is constrained.
     pub fn is_constrained(&self, k: usize) -> bool {
         self.rows[k].is_some_and(|row| row.slot.is_constrained())
+    }
+
+    /// What measures refer to.
+    pub(crate) const fn section(&self) -> &Section<R> {
+        &self.section
     }
 
     /// Q₀.

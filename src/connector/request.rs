@@ -47,6 +47,8 @@ pub enum Output {
     CASU,
     /// Slip rate.
     CIVC,
+    /// Whether friction sticks or slips.
+    SLIP,
     /// Failure status.
     CFAILST,
     /// What a connector motion prescribes.
@@ -63,11 +65,17 @@ pub enum Output {
     KG,
     /// Derivative of the nodal forces.
     DNF,
+    /// Tangent of the nodal forces by displacements.
+    KT,
+    /// Tangent of the nodal forces by velocities.
+    CT,
+    /// Tangent of the nodal forces by reactions.
+    KR,
 }
 
 impl Output {
     /// Every output, in the order of reports.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 33] = [
         Self::CP,
         Self::CU,
         Self::CCU,
@@ -89,6 +97,7 @@ impl Output {
         Self::CNF,
         Self::CASU,
         Self::CIVC,
+        Self::SLIP,
         Self::CFAILST,
         Self::DRIVEN,
         Self::TANGENT,
@@ -97,6 +106,9 @@ impl Output {
         Self::NF,
         Self::KG,
         Self::DNF,
+        Self::KT,
+        Self::CT,
+        Self::KR,
     ];
 
     /// The name.
@@ -123,6 +135,7 @@ impl Output {
             Self::CNF => "CNF",
             Self::CASU => "CASU",
             Self::CIVC => "CIVC",
+            Self::SLIP => "SLIP",
             Self::CFAILST => "CFAILST",
             Self::DRIVEN => "DRIVEN",
             Self::TANGENT => "TANGENT",
@@ -131,6 +144,9 @@ impl Output {
             Self::NF => "NF",
             Self::KG => "KG",
             Self::DNF => "DNF",
+            Self::KT => "KT",
+            Self::CT => "CT",
+            Self::KR => "KR",
         }
     }
 
@@ -147,7 +163,8 @@ impl Output {
     /// Whether it follows from behaviour, motions and loads rather than from kinematics.
     pub const fn is_of_behavior(self) -> bool {
         self.is_force()
-            || matches!(self, Self::CASU | Self::CIVC | Self::CFAILST | Self::DRIVEN | Self::TANGENT)
+            || matches!(self, Self::CASU | Self::CIVC | Self::SLIP)
+            || matches!(self, Self::CFAILST | Self::DRIVEN | Self::TANGENT)
     }
 
     /// Whether it follows from component forces.
@@ -158,7 +175,12 @@ impl Output {
     /// Whether it belongs to nodal degrees of freedom, rather than to components: asked for of a component, it is the part of that
     /// component's force.
     pub const fn is_nodal(self) -> bool {
-        matches!(self, Self::NF | Self::KG | Self::DNF)
+        matches!(self, Self::NF | Self::KG | Self::DNF) || self.is_nodal_tangent()
+    }
+
+    /// Whether it is a part of the tangent of the nodal forces.
+    pub const fn is_nodal_tangent(self) -> bool {
+        matches!(self, Self::KT | Self::CT | Self::KR)
     }
 
     /// The power of time by which the unit of the component is divided: 0, 1 or 2.
@@ -196,12 +218,16 @@ impl Output {
             Self::CIVC => "slip rate",
             Self::CFAILST => "failure status",
             Self::DRIVEN => "what a connector motion prescribes",
-            Self::TANGENT => "slopes of elastic and viscous forces",
+            Self::SLIP => "whether friction sticks or slips, or is free where nothing presses",
+            Self::TANGENT => "slopes of component forces",
             Self::PM => "moments by which the printed formula gives the exact moment",
             Self::LM => "multiplier of the equation enforced",
             Self::NF => "nodal forces, residual-side: transposed rows × component forces",
             Self::KG => "geometric stiffness Σ f ∂²c",
             Self::DNF => "derivative ∂NF/∂q at constant component forces",
+            Self::KT => "tangent Jᵀ (∂F/∂u) J + KG of the nodal forces",
+            Self::CT => "tangent Jᵀ (∂F/∂v) J of the nodal forces by velocities",
+            Self::KR => "tangent of the nodal forces by reactions",
         }
     }
 }
@@ -312,4 +338,14 @@ pub struct Tally {
     pub hessians: u64,
     /// Measures evaluated along time.
     pub rates: u64,
+}
+
+impl std::ops::AddAssign for Tally {
+    fn add_assign(&mut self, more: Self) {
+        let Self { values, gradients, hessians, rates } = more;
+        self.values += values;
+        self.gradients += gradients;
+        self.hessians += hessians;
+        self.rates += rates;
+    }
 }

@@ -6,17 +6,22 @@
 //! committing every branch as it goes.
 
 mod behavior;
+mod belt;
 mod forces;
+mod jacobian;
 mod model;
 mod mpc;
 mod outputs;
+mod parallel;
 mod plan;
 mod plane;
 mod rules;
 mod sequence;
 mod shared;
 
+pub use belt::Ring;
 pub use forces::ForceResult;
+pub use jacobian::{CompressedColumns, Equation, Fixed, ForeignPattern, Freedom, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};
 pub use outputs::{OutputError, request};

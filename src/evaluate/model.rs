@@ -1,5 +1,6 @@
 //! A scene with its connection types, triads and constraints resolved.
 
+use super::belt::{self, Ring};
 use super::mpc::MpcElement;
 use super::{mpc, plane, rules, shared};
 use crate::behavior::drive::{Drives, Schedule, drives};
@@ -61,6 +62,8 @@ struct Shared {
 pub struct Model {
     /// Connectors in the order of the scene.
     pub connectors: Vec<ConnectorElement>,
+    /// The rings of belts with friction, by the index of the SLIPRING that ends there.
+    pub rings: BTreeMap<usize, Ring>,
     /// Multi-point constraints in the order of the scene.
     pub mpcs: Vec<MpcElement>,
     /// The springs and dashpots to ground that act on the angles of their hinges, by element number.
@@ -71,6 +74,9 @@ pub struct Model {
     pub schedule: Schedule,
     /// Element sets: the connectors in each, by index.
     pub sets: BTreeMap<String, Vec<usize>>,
+    /// The size of lengths in the model: the mean length of its connectors whose nodes are apart, else the diagonal of the box
+    /// that holds its nodes, else 1.
+    pub length: f64,
     /// Rules broken that warn instead of refusing.
     pub warnings: Vec<Diagnostic>,
 }
@@ -106,7 +112,7 @@ impl Model {
 
     /// Resolves a scene. Each error is told, which says whether to go on.
     fn resolve(scene: &Scene, tell: &mut dyn FnMut(Diagnostic) -> bool) -> Self {
-        let mut model = Self { schedule: Schedule::new(scene), ..Self::default() };
+        let mut model = Self { schedule: Schedule::new(scene), length: size(scene), ..Self::default() };
         let drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
             .map_err(|error| error.in_file(&scene.name));
         let drives = match drives {
@@ -138,6 +144,7 @@ impl Model {
         {
             return model;
         }
+        model.rings = belt::rings(scene, &mut model);
         rules::boundaries(scene, &shared.freedom, &mut model.warnings);
         if let Err(error) = rules::constraints(scene)
             && !tell(error)
@@ -252,7 +259,7 @@ impl Model {
         let length = match (has_friction, own_length > 0.0) {
             (false, _) => 1.0,
             (true, true) => own_length,
-            (true, false) => typical_length(scene),
+            (true, false) => mean_length(scene).unwrap_or(1.0),
         };
         let shared = match behaviors.entry((element.section, facts.planar, length.to_bits())) {
             Entry::Occupied(known) => Arc::clone(known.get()),
@@ -346,14 +353,29 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
     })
 }
 
-/// The mean length of the connectors of a scene whose nodes are apart; 1 where there is none.
-fn typical_length(scene: &Scene) -> f64 {
+/// The mean length of the connectors of a scene whose nodes are apart; `None` where there is none.
+fn mean_length(scene: &Scene) -> Option<f64> {
     let length = |element: &crate::scene::ConnectorElement| {
         let at = |end| scene.position(element, end).unwrap_or_default();
         norm(sub(at(SceneEnd::B), at(SceneEnd::A)))
     };
     let lengths: Vec<f64> = scene.connectors.values().map(length).filter(|length| *length > 0.0).collect();
-    if lengths.is_empty() { 1.0 } else { lengths.iter().sum::<f64>() / lengths.len() as f64 }
+    (!lengths.is_empty()).then(|| lengths.iter().sum::<f64>() / lengths.len() as f64)
+}
+
+/// See [`Model::length`].
+fn size(scene: &Scene) -> f64 {
+    let diagonal = || {
+        let mut corners: Option<[[f64; 3]; 2]> = None;
+        for node in scene.nodes.values() {
+            let x = node.coordinates;
+            let [low, high] = corners.unwrap_or([x; 2]);
+            corners = Some([[0, 1, 2].map(|i| low[i].min(x[i])), [0, 1, 2].map(|i| high[i].max(x[i]))]);
+        }
+        corners.map_or(0.0, |[low, high]| norm(sub(high, low)))
+    };
+    let found = mean_length(scene).unwrap_or_else(diagonal);
+    if found > 0.0 && found.is_finite() { found } else { 1.0 }
 }
 
 /// A number that tells a behaviour from others: FNV-1a over what the deck says.

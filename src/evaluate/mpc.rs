@@ -41,6 +41,12 @@ pub struct HingeMoments {
 pub struct MpcResult {
     /// Its index in the model.
     pub index: usize,
+    /// Its nodes.
+    pub state: State<f64>,
+    /// How the first turned against the second since the previous state.
+    pub turning: Turning<f64>,
+    /// The angles of its hinges that the previous state left.
+    pub before: [Turns<f64>; 2],
     /// The numbers.
     pub evaluation: Evaluation<f64>,
     /// The angles of its hinges as the state gives them, where it does (rad).
@@ -288,15 +294,8 @@ impl MpcElement {
         format!("{index}:{}:{}", self.constraint.kind().name(), self.label())
     }
 
-    /// Evaluates it with its nodes, in their order, where they are, after angles of hinges that were `before`.
-    pub(super) fn evaluate(
-        &self,
-        index: usize,
-        nodes: &[Moved],
-        before: &[Turns<f64>; 2],
-        request: &Request,
-        tally: &mut Tally,
-    ) -> MpcResult {
+    /// The state of a constraint whose nodes, in their order, are there, and how the first turned against the second.
+    pub(super) fn place(nodes: &[Moved]) -> (State<f64>, Turning<f64>) {
         let still = Moved::still();
         let node = |place: usize| nodes.get(place).unwrap_or(&still);
         let (slave, master) = (node(0), node(1));
@@ -321,6 +320,19 @@ impl MpcElement {
         };
         let whole = sub(slave.whole_turns, master.whole_turns);
         let turning = Turning { whole, rest: sub(sub(slave.change, master.change), whole) };
+        (state, turning)
+    }
+
+    /// Evaluates it with its nodes, in their order, where they are, after angles of hinges that were `before`.
+    pub(super) fn evaluate(
+        &self,
+        index: usize,
+        nodes: &[Moved],
+        before: &[Turns<f64>; 2],
+        request: &Request,
+        tally: &mut Tally,
+    ) -> MpcResult {
+        let (state, turning) = Self::place(nodes);
         let constraint = &self.constraint;
         let evaluation = constraint.evaluate(&state, before, &turning, request, tally);
         let flags = constraint.flags(&state, before, &turning, &evaluation);
@@ -333,6 +345,17 @@ impl MpcElement {
             let rate = state.angles[i].map(|_| state.velocity[PHI + i]).or(implied);
             (!self.ground[i].is_empty()).then(|| moments(&self.ground[i], angle, rate))
         });
-        MpcResult { index, evaluation, given: state.angles, misalignment, moments, margins, flags }
+        MpcResult {
+            index,
+            state,
+            turning,
+            before: *before,
+            given: state.angles,
+            evaluation,
+            misalignment,
+            moments,
+            margins,
+            flags,
+        }
     }
 }

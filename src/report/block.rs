@@ -1,8 +1,9 @@
 //! One connector or MPC at one state, as every format writes it.
 
 use super::words;
-use crate::behavior::state::{Outcome, Tangent};
-use crate::behavior::{Forces, Unknown};
+use crate::behavior::friction::{self, Status};
+use crate::behavior::state::Outcome;
+use crate::behavior::{Forces, Tangent, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Connector, Flag, NodalMatrix, Output, Request, StopStatus, Turns};
 use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcResult};
@@ -32,10 +33,20 @@ pub struct NodalForce {
 pub struct Nodal {
     /// NF.
     pub forces: Vec<NodalForce>,
-    /// KG, where asked for.
-    pub geometric: Option<Vec<Vec<f64>>>,
-    /// DNF, where asked for.
-    pub derivative: Option<Vec<Vec<f64>>>,
+    /// Derivatives, those that are asked for.
+    pub derivatives: Vec<NodalDerivative>,
+}
+
+/// Derivatives of the nodal forces.
+#[derive(Clone, Debug)]
+pub struct NodalDerivative {
+    /// KG, DNF, KT, CT, KR.
+    pub output: Output,
+    /// By what: `None` is the degrees of freedom of the block, else reactions (CRF1 … CRM3) and T2, the tension of the belt on the
+    /// other side of a ring.
+    pub by: Option<Vec<&'static str>>,
+    /// A row for each degree of freedom of the block.
+    pub rows: Vec<Vec<f64>>,
 }
 
 impl Nodal {
@@ -49,23 +60,35 @@ impl Nodal {
             let end = usize::from(j >= DOFS / 2);
             NodalForce { name: DOF[j], node: nodes[end], role: ["a", "b"][end], dof: DOF_NUMBER[j], force }
         };
-        let entries = forces.nodal.iter().flatten().copied().enumerate();
-        Self {
-            forces: entries.filter(|(j, _)| reached(j)).map(force).collect(),
-            geometric: forces.geometric.as_ref().map(matrix),
-            derivative: forces.derivative.as_ref().map(matrix),
+        let square = [
+            (Output::KG, &forces.geometric),
+            (Output::DNF, &forces.derivative),
+            (Output::KT, &forces.tangent),
+            (Output::CT, &forces.damping),
+        ];
+        let mut derivatives: Vec<NodalDerivative> = square
+            .into_iter()
+            .filter_map(|(output, of)| Some(NodalDerivative { output, by: None, rows: matrix(of.as_ref()?) }))
+            .collect();
+        let reactions = REACTION.into_iter().zip(&forces.by_reactions);
+        let columns: Vec<(&'static str, &[f64; DOFS])> = reactions
+            .chain([("T2", &forces.by_beyond)])
+            .filter_map(|(name, column)| Some((name, column.as_ref()?)))
+            .collect();
+        if !columns.is_empty() {
+            let row = |i: &usize| columns.iter().map(|(_, column)| column[*i]).collect();
+            derivatives.push(NodalDerivative {
+                output: Output::KR,
+                by: Some(columns.iter().map(|(name, _)| *name).collect()),
+                rows: kept.iter().map(row).collect(),
+            });
         }
+        let entries = forces.nodal.iter().flatten().copied().enumerate();
+        Self { forces: entries.filter(|(j, _)| reached(j)).map(force).collect(), derivatives }
     }
 
     fn is_empty(&self) -> bool {
-        self.forces.is_empty() && self.geometric.is_none() && self.derivative.is_none()
-    }
-
-    /// The matrices there are, by output.
-    pub(super) fn matrices(&self) -> impl Iterator<Item = (Output, &Vec<Vec<f64>>)> {
-        [(Output::KG, &self.geometric), (Output::DNF, &self.derivative)]
-            .into_iter()
-            .filter_map(|(output, matrix)| Some((output, matrix.as_ref()?)))
+        self.forces.is_empty() && self.derivatives.is_empty()
     }
 }
 
@@ -127,6 +150,8 @@ pub enum Value {
     Number(f64),
     /// CSLST.
     Stop(StopStatus),
+    /// SLIP.
+    Slip(Status),
     /// TURNS.
     Turns(Turns<f64>),
     /// MARGIN.
@@ -140,6 +165,9 @@ impl Value {
             Self::Number(number) => number,
             Self::Stop(StopStatus::Free) => 0.0,
             Self::Stop(_) => 1.0,
+            Self::Slip(Status::Stick) => 0.0,
+            Self::Slip(Status::Slip) => 1.0,
+            Self::Slip(Status::Free) => 2.0,
             Self::Turns(turns) => turns.turns,
             Self::Margin(margin) => margin.distance,
         }
@@ -233,8 +261,7 @@ impl<'a> Block<'a> {
                     ),
                     Output::PM => number(forces.and_then(|forces| forces.printed[k])),
                     Output::LM => number(forces.and_then(|forces| forces.multipliers[k])),
-                    Output::NF | Output::KG | Output::DNF => None,
-                    Output::TANGENT => None,
+                    of_slopes if of_slopes.is_nodal() || of_slopes == Output::TANGENT => None,
                     of_behavior => behavior.and_then(|outcome| force(outcome, of_behavior, k)),
                 };
                 value.filter(|_| request.wants(output, k))
@@ -369,8 +396,8 @@ impl<'a> Block<'a> {
         for force in self.nodal.forces.iter().filter(|force| !force.force.is_finite()) {
             self.flags.push(Flag::NotFinite { component: force.name, quantity: Output::NF.name() });
         }
-        for (output, matrix) in self.nodal.matrices() {
-            let (rows, dofs) = (matrix.iter(), self.columns.iter());
+        for NodalDerivative { output, rows, .. } in &self.nodal.derivatives {
+            let (rows, dofs) = (rows.iter(), self.columns.iter());
             let broken = rows.zip(dofs).filter(|(row, _)| row.iter().any(|entry| !entry.is_finite()));
             self.flags.extend(
                 broken.map(|(_, dof)| Flag::NotFinite { component: dof.name, quantity: output.name() }),
@@ -417,46 +444,50 @@ impl<'a> Block<'a> {
 /// The names of component forces.
 pub(crate) const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
 
+/// The names of reactions.
+const REACTION: [&str; 6] = ["CRF1", "CRF2", "CRF3", "CRM1", "CRM2", "CRM3"];
+
 /// The names of component velocities.
 const VELOCITY: [&str; 6] = ["v1", "v2", "v3", "vr1", "vr2", "vr3"];
 
-/// The slopes that are not zero: force, motion (u, v or the time step dt), slope.
+/// The slopes that are not zero: force, by what (u, v, CRF, the tension T2 beyond a ring, the time step dt), slope.
 pub(crate) fn slopes(tangent: &Tangent<f64>) -> Vec<(&'static str, &'static str, f64)> {
     let mut all = Vec::new();
     for i in 0..6 {
         let of = |names: [&'static str; 6], line: [f64; 6]| names.into_iter().zip(line);
-        let motions = of(COMPONENT, tangent.displacement[i]).chain(of(VELOCITY, tangent.velocity[i]));
-        all.extend(motions.chain([("dt", tangent.time[i])]).map(|(name, slope)| (FORCE[i], name, slope)));
+        let by = of(COMPONENT, tangent.displacement[i])
+            .chain(of(VELOCITY, tangent.velocity[i]))
+            .chain(of(REACTION, tangent.reaction[i]))
+            .chain([("T2", tangent.beyond[i]), ("dt", tangent.time[i])]);
+        all.extend(by.map(|(name, slope)| (FORCE[i], name, slope)));
     }
     all.retain(|(_, _, slope)| *slope != 0.0);
     all
 }
 
-/// An output of one friction.
-fn sliding(slip: &crate::behavior::friction::Outcome<f64>, output: Output) -> Option<Value> {
+/// An output of one friction in an increment that has a duration, or has none.
+fn sliding(slip: &friction::Outcome<f64>, duration: Option<f64>, output: Output) -> Option<Value> {
     Some(Value::Number(match output {
         Output::CSF => slip.tangential,
         Output::CNF => slip.normal,
         Output::CASU => slip.accumulated_slip,
-        Output::CIVC => slip.slip_rate,
+        Output::CIVC => duration.map(|_| slip.slip_rate)?,
+        Output::SLIP => return Some(Value::Slip(slip.status)),
         _ => return None,
     }))
 }
 
-/// The rows of frictions that several components share: CSFC, CNFC, CASUC, CIVC.
+/// The rows of frictions that several components share: CSFC, CNFC, CASUC, CIVC, SLIP.
 fn coupled(outcome: &Outcome, request: &Request) -> Vec<Row> {
     let wanted = |output: Output| request.outputs().any(|one| one == output);
-    let shared = outcome.slips.iter().filter(|(mask, _)| mask.iter().filter(|one| **one).count() > 1);
-    let row = |slip: &crate::behavior::friction::Outcome<f64>| Row {
+    let shared = outcome.slips.iter().filter(|slip| slip.components.iter().filter(|one| **one).count() > 1);
+    let row = |slip: &friction::Outcome<f64>| Row {
         name: "C",
         role: "slip",
         unit: Unit::Length,
-        values: Output::ALL.map(|output| {
-            let is_there = wanted(output) && (output != Output::CIVC || outcome.has_duration);
-            sliding(slip, output).filter(|_| is_there)
-        }),
+        values: Output::ALL.map(|output| sliding(slip, outcome.duration, output).filter(|_| wanted(output))),
     };
-    let rows = shared.filter_map(|(_, slip)| Some(row(slip.as_ref().ok()?)));
+    let rows = shared.filter_map(|slip| Some(row(slip.outcome.as_ref().ok()?)));
     rows.filter(|row| row.values != NO_VALUES).collect()
 }
 
@@ -470,11 +501,11 @@ fn force(outcome: &Outcome, output: Output, k: usize) -> Option<Value> {
         Output::CRF => number(&outcome.reaction),
         Output::CSF => number(&outcome.friction),
         Output::CCF => number(&outcome.load),
-        Output::CNF | Output::CASU | Output::CIVC => {
+        Output::CNF | Output::CASU | Output::CIVC | Output::SLIP => {
             // A coupled friction has them once, in a row of its own.
             let alone = [0, 1, 2, 3, 4, 5].map(|j| j == k);
-            let (_, slip) = outcome.slips.iter().find(|(mask, _)| *mask == alone)?;
-            sliding(slip.as_ref().ok()?, output).filter(|_| output != Output::CIVC || outcome.has_duration)
+            let slip = outcome.slips.iter().find(|slip| slip.components == alone)?;
+            sliding(slip.outcome.as_ref().ok()?, outcome.duration, output)
         }
         Output::CFAILST => Some(Value::Number(f64::from(u8::from(outcome.failed[k])))),
         Output::DRIVEN => outcome.prescribed[k]?.value().1.map(Value::Number),

@@ -1,6 +1,6 @@
 //! What `pintle eval` writes: one stream of blocks, written as they come, in one of three formats.
 
-use super::block::Block;
+use super::block::{Block, Kind};
 use crate::connector::Tally;
 use crate::evaluate::{Model, Plan, SUBOPTIONS};
 use crate::scene::{Behavior, DampingKind, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions};
@@ -38,8 +38,15 @@ pub trait Format {
     fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()>;
     /// A state begins.
     fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()>;
+    /// What writes the blocks of this state into texts, on any thread.
+    fn renderer(&self) -> Renderer;
+    /// A connector or MPC at this state, as the renderer wrote it; connectors come first.
+    fn rendered(&mut self, kind: Kind, text: &[u8]) -> io::Result<()>;
     /// A connector or MPC at this state; connectors come first.
-    fn block(&mut self, block: &Block<'_>) -> io::Result<()>;
+    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
+        let text = self.renderer()(block)?;
+        self.rendered(block.kind, &text)
+    }
     /// The state ends.
     fn end_state(&mut self) -> io::Result<()>;
     /// The scene ends; `work` counts what was computed for it.
@@ -47,6 +54,9 @@ pub trait Format {
     /// After everything.
     fn end(&mut self) -> io::Result<()>;
 }
+
+/// Writes a block into a text of its own.
+pub type Renderer = Box<dyn Fn(&Block<'_>) -> io::Result<Vec<u8>> + Send + Sync>;
 
 /// Something that was read and is not evaluated.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]

@@ -1,7 +1,9 @@
 //! Evaluations as tables for reading.
 
-use super::block::{Block, Derivative, HingeFacts, Value, flags_in_words, node_name, slopes};
-use super::evaluation::{Format, Subject, Unevaluated, unevaluated};
+use super::block::{
+    Block, Derivative, HingeFacts, Kind, NodalDerivative, Value, flags_in_words, node_name, slopes,
+};
+use super::evaluation::{Format, Renderer, Subject, Unevaluated, unevaluated};
 use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
 use super::words;
@@ -107,8 +109,8 @@ impl<'w> Human<'w> {
     fn values(&mut self, block: &Block<'_>) -> io::Result<()> {
         let nodes: Vec<String> = block.nodes.iter().map(|(_, node)| node_name(*node)).collect();
         let title = match block.kind {
-            super::block::Kind::Connector => format!("{}  {}", block.title(), nodes.join(" → ")),
-            super::block::Kind::Mpc => {
+            Kind::Connector => format!("{}  {}", block.title(), nodes.join(" → ")),
+            Kind::Mpc => {
                 let nodes: Vec<String> =
                     block.nodes.iter().map(|(role, node)| format!("{role} {}", node_name(*node))).collect();
                 format!("{}  {}", block.title(), nodes.join(", "))
@@ -134,6 +136,7 @@ impl<'w> Human<'w> {
                 let cell = |value: Option<Value>| match value {
                     None => String::new(),
                     Some(Value::Stop(status)) => status.flag().to_string(),
+                    Some(Value::Slip(status)) => words::slip(status).to_string(),
                     Some(value) => self.beside(value.number(), largest),
                 };
                 let texts = block.rows.iter().map(|row| cell(row.values[output as usize])).collect();
@@ -201,17 +204,21 @@ impl<'w> Human<'w> {
                 .collect();
             self.columns(&title, &["nodal force".to_string()], &columns)?;
         }
-        for (output, matrix) in block.nodal.matrices() {
+        let names: Vec<String> = block.columns.iter().map(|column| column.name.to_string()).collect();
+        for NodalDerivative { output, by, rows: matrix } in &block.nodal.derivatives {
             let largest = largest(matrix.iter().flatten().copied());
-            let names: Vec<String> = block.columns.iter().map(|column| column.name.to_string()).collect();
-            let columns: Vec<(String, Vec<String>)> = (0..names.len())
+            let by: Vec<&str> = match by {
+                Some(by) => by.clone(),
+                None => names.iter().map(String::as_str).collect(),
+            };
+            let columns: Vec<(String, Vec<String>)> = (0..by.len())
                 .filter(|j| matrix.iter().any(|row| row[*j] != 0.0))
                 .map(|j| {
                     let entry = |row: &Vec<f64>| match row[j] {
                         0.0 => "·".to_string(),
                         entry => self.beside(entry, largest),
                     };
-                    (format!("∂{}", names[j]), matrix.iter().map(entry).collect())
+                    (format!("∂{}", by[j]), matrix.iter().map(entry).collect())
                 })
                 .collect();
             if columns.is_empty() {
@@ -280,7 +287,7 @@ impl<'w> Human<'w> {
         if slopes.is_empty() {
             return writeln!(self.out, "  slopes of forces: every entry is 0");
         }
-        writeln!(self.out, "  {}", styled(DIM, "slopes of elastic and viscous forces that are not 0"))?;
+        writeln!(self.out, "  {}", styled(DIM, "slopes of component forces that are not 0"))?;
         let largest = largest(slopes.iter().map(|(_, slope)| *slope));
         let names = slopes.iter().map(|(name, _)| layout::width(name)).max().unwrap_or(0);
         for (name, slope) in &slopes {
@@ -349,48 +356,9 @@ fn shown(subject: &Subject<'_>) -> String {
     format!(" (shown: {}; --show all shows every one)", list.join(", "))
 }
 
-fn plural(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
-}
-
-impl Format for Human<'_> {
-    fn begin(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()> {
-        if self.scenes > 0 {
-            writeln!(self.out)?;
-        }
-        self.scenes += 1;
-        (self.first, self.last) = (subject.first, subject.last);
-        let scene = subject.scene;
-        writeln!(self.out, "{}", styled(BOLD, &scene.name))?;
-        for line in scene.heading.lines().map(str::trim).filter(|line| !line.is_empty()) {
-            for line in layout::wrap(line, self.style.width.saturating_sub(INDENT)) {
-                writeln!(self.out, "  {line}")?;
-            }
-        }
-        let plan = subject.plan;
-        let mut counts = vec![plural(plan.connectors.len(), "connector")];
-        if !plan.mpcs.is_empty() {
-            counts.push(plural(plan.mpcs.len(), "MPC"));
-        }
-        counts.push(plural(subject.states, "state") + &shown(subject));
-        let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
-        for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
-            writeln!(self.out, "  {line}")?;
-        }
-        self.notes(&unevaluated(scene, subject.model))
-    }
-
-    fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
-        let time = time.map(|time| format!(", t = {}", self.number(time))).unwrap_or_default();
-        let (first, last) = (self.first, self.last);
-        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of {first} … {last}{time} ──")))
-    }
-
-    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
+impl Human<'_> {
+    /// A connector or MPC.
+    fn write(&mut self, block: &Block<'_>) -> io::Result<()> {
         if block.is_empty() {
             return Ok(());
         }
@@ -460,6 +428,61 @@ impl Format for Human<'_> {
             }
         }
         Ok(())
+    }
+}
+
+fn plural(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+impl Format for Human<'_> {
+    fn begin(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()> {
+        if self.scenes > 0 {
+            writeln!(self.out)?;
+        }
+        self.scenes += 1;
+        (self.first, self.last) = (subject.first, subject.last);
+        let scene = subject.scene;
+        writeln!(self.out, "{}", styled(BOLD, &scene.name))?;
+        for line in scene.heading.lines().map(str::trim).filter(|line| !line.is_empty()) {
+            for line in layout::wrap(line, self.style.width.saturating_sub(INDENT)) {
+                writeln!(self.out, "  {line}")?;
+            }
+        }
+        let plan = subject.plan;
+        let mut counts = vec![plural(plan.connectors.len(), "connector")];
+        if !plan.mpcs.is_empty() {
+            counts.push(plural(plan.mpcs.len(), "MPC"));
+        }
+        counts.push(plural(subject.states, "state") + &shown(subject));
+        let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
+        for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
+            writeln!(self.out, "  {line}")?;
+        }
+        self.notes(&unevaluated(scene, subject.model))
+    }
+
+    fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
+        let time = time.map(|time| format!(", t = {}", self.number(time))).unwrap_or_default();
+        let (first, last) = (self.first, self.last);
+        writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of {first} … {last}{time} ──")))
+    }
+
+    fn renderer(&self) -> Renderer {
+        let style = self.style;
+        Box::new(move |block| {
+            let mut text = Vec::new();
+            Human::new(&mut text, style).write(block)?;
+            Ok(text)
+        })
+    }
+
+    fn rendered(&mut self, _kind: Kind, text: &[u8]) -> io::Result<()> {
+        self.out.write_all(text)
     }
 
     fn end_state(&mut self) -> io::Result<()> {

@@ -102,6 +102,12 @@ pub trait Scalar:
         Self::from_real(Self::Real::integer(1))
     }
 
+    /// What `f` gives; a number that records formulas ([`crate::symbolic::Symbol`]) takes every branch of `f` and joins them here.
+    #[inline(always)]
+    fn joined<const N: usize>(f: impl Fn() -> [Self; N]) -> [Self; N] {
+        f()
+    }
+
     /// Σ c_k eᵏ: the function whose Taylor coefficients at the real part are `c`, applied to this number.
     #[inline(always)]
     fn lift(self, c: &Series<Self::Real>) -> Self {
@@ -210,6 +216,19 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     #[inline(always)]
     fn choose<T: Select<Self>>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
         if Self::holds(mask) { yes() } else { no() }
+    }
+
+    /// As [`Real::choose`] between two formulas of the same quantity that differ in rounding only; a number that records formulas
+    /// keeps `no`.
+    #[inline(always)]
+    fn more_exact<T: Select<Self>>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+        Self::choose(mask, yes, no)
+    }
+
+    /// The unit quaternion, either sign, of the rotation nearest to a rotation matrix with rounding errors.
+    #[inline(always)]
+    fn quaternion_of(r: &[[Self; 3]; 3]) -> [Self; 4] {
+        crate::so3::dominant_eigenvector(r)
     }
 
     /// (sin x, cos x), x in radians.

@@ -171,6 +171,7 @@ codes! {
     NegativeRadius = "rule::negative-radius": "A node of a CONN2D2 element in an axisymmetric model has a negative coordinate 1, which is the radius.";
     RepeatedConstraint = "rule::repeated-constraint": "Two connectors between the same nodes, with the same orientations, constrain the same components. A warning.";
     CrowdedSliprings = "rule::crowded-sliprings": "More than two SLIPRINGs share a node.";
+    OpposedSliprings = "rule::opposed-sliprings": "Two SLIPRINGs with friction both end, or both begin, at the node that they share. A warning.";
     NoRotation = "rule::no-rotation": "A rotation is prescribed at a node of a connector that has no rotational degrees of freedom. A warning.";
 
     StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
@@ -201,7 +202,6 @@ codes! {
     ModelOrientationNotOrthogonal = "model::orientation-not-orthogonal": "The two directions by which an orientation is given are not at right angles. The first is kept, the plane of both is kept, and the second is turned within it. A note where they are far from right angles, for any point of the plane may be given; a warning where they are within 10 degrees of them, which looks like an error.";
     ModelOrientationIllConditioned = "model::orientation-ill-conditioned": "The points of an orientation lie so close together, or so nearly in a line, that the rounding of their coordinates turns the directions by more than 1e-8 rad. A warning.";
     ModelMisalignedAxes = "model::misaligned-axes": "The directions of a and b differ initially, and the connection type holds rotations between them: the angles are frozen at what they are initially. A warning.";
-    ModelHeldOffset = "model::held-offset": "The nodes are apart initially along a direction in which the connection type holds them: the distance is frozen at what it is initially, in the directions of node a. A note.";
     ModelNearlyCoincident = "model::nearly-coincident-nodes": "A length or direction is needed, and the nodes are so close to each other that its direction has lost half of its digits. A warning.";
     ModelSingular = "model::singular": "A state lies on a singular set of a component: derivatives, and at a true singularity the value, do not exist. A warning.";
     ModelIllConditioned = "model::ill-conditioned": "A state is so close to a singular set of a component that derivatives lose half of their digits or more. A warning.";
@@ -222,7 +222,6 @@ codes! {
     AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents and no prescribed motion drives. A note.";
     AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant. A warning.";
 
-    CoverageNone = "coverage::none": "No state was given: only the initial one has been looked at. A note.";
     CoverageIdentity = "coverage::identity": "The states saw only the neighbourhood of the initial one: an error in terms that vanish there would not show. A warning.";
     CoverageOneNode = "coverage::one-node": "Only one node of the connectors was rotated in the states: terms in the rotation of the other were never exercised. A warning.";
     CoverageUndeformed = "coverage::undeformed": "No component that is free to move was moved in any state: the nodes moved together, as one rigid body. A warning.";
@@ -314,6 +313,12 @@ impl Diagnostic {
     #[must_use]
     pub fn of_severity(mut self, severity: Severity) -> Self {
         self.0.severity = severity;
+        self
+    }
+
+    /// The same, with more words at the end of the message.
+    pub(crate) fn with_more(mut self, words: &str) -> Self {
+        self.0.message.push_str(words);
         self
     }
 

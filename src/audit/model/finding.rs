@@ -68,6 +68,13 @@ impl Finding {
         self
     }
 
+    /// The same, with more words at the end of the message.
+    #[must_use]
+    pub(super) fn add(mut self, words: &str) -> Self {
+        self.diagnostic = self.diagnostic.with_more(words);
+        self
+    }
+
     /// The stable code.
     pub fn code(&self) -> Code {
         self.diagnostic.code()

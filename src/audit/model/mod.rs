@@ -13,7 +13,12 @@
 //! | `behavior` | does what is attached to components act? |
 //! | `duplicates` | is something there twice? |
 
+mod along;
+mod behavior;
+mod duplicates;
 mod finding;
+mod gather;
+mod geometry;
 mod levels;
 mod rules;
 
@@ -50,6 +55,10 @@ impl ModelReport {
 /// Looks at a scene, at its initial state and at those given.
 pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelReport {
     let (model, errors) = Model::examine(scene);
-    let findings = rules::findings(scene, &model, errors);
+    let mut findings = rules::findings(scene, &model, errors);
+    findings.extend(geometry::findings(scene, &model));
+    findings.extend(behavior::findings(scene, &model));
+    findings.extend(duplicates::findings(scene, &model));
+    findings.extend(along::findings(scene, &model, states, &mut |_| ()));
     ModelReport { scene: scene.name.clone(), states: states.len(), findings: levels.apply(findings) }
 }

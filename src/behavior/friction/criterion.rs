@@ -9,7 +9,7 @@ use crate::catalog::{
     SPATIAL,
 };
 use crate::scalar::elementary::{abs, norm, sin_cos};
-use crate::scalar::{Real, Scalar, Seeded};
+use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::scene::Basis;
 use crate::vector::{cross, dot};
 
@@ -413,7 +413,7 @@ impl Criterion {
     }
 
     /// P, F_C, F_N and Φ with exact first and second derivatives with respect to the forces.
-    pub fn derivatives<R: Ordered>(
+    pub fn derivatives<R: Ordered + Differentiable>(
         &self,
         forces: &[R; 6],
         coefficient: R,

@@ -1,8 +1,8 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
-use super::summary::{Row, count, detectable, headline, self_test as tested, telling};
-use crate::audit::{Against, Check, Quantity, Report, Verdict};
+use super::summary::{LEGEND, Row, count, detectable, headline, self_test as tested, telling};
+use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
 use crate::node::{DOF, DOFS};
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
             BOLD,
             format!(
                 "{} audited, {} numbers compared; tolerance C·u·(conditioned scale) with C = {}",
-                count(report.subjects.len(), "connector"),
+                count(report.subjects.len(), "subject"),
                 report.compared(),
                 report.constant
             )
@@ -33,20 +33,14 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     }
     writeln!(out)?;
     subjects(out, report)?;
-    for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
-        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
-        for line in wrap(&format!("{}: declaration undecided: {page}", subject.name), width.saturating_sub(2))
-        {
-            writeln!(out, "  {}", styled(DIM, line))?;
-        }
-    }
+    undecided_declarations(out, report, width)?;
     for subject in &report.subjects {
         let shown: Vec<&Check> =
             if verbose { subject.checks.iter().collect() } else { telling(subject).collect() };
         let mut first = true;
         for check in shown {
             if std::mem::take(&mut first) {
-                writeln!(out, "\n{}", styled(BOLD, &subject.name))?;
+                writeln!(out, "\n{}", styled(BOLD, subject.title()))?;
             }
             self::check(out, check, width)?;
         }
@@ -61,33 +55,62 @@ fn word(verdict: Verdict) -> String {
     if verdict.is_mismatch() { styled(CARE, verdict.name()) } else { verdict.name().to_string() }
 }
 
+/// Why declarations are undecided: once for each reason.
+fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
+    const SHOWN: usize = 4;
+    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
+        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
+        let names = reasons.entry(page).or_default();
+        if !names.contains(&subject.name.as_str()) {
+            names.push(&subject.name);
+        }
+    }
+    for (page, names) in reasons {
+        let more = names.len().saturating_sub(SHOWN);
+        let mut text = names.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
+        if more > 0 {
+            text.push_str(&format!(" and {more} more"));
+        }
+        for line in wrap(&format!("{text}: declaration undecided: {page}"), width.saturating_sub(2)) {
+            writeln!(out, "  {}", styled(DIM, line))?;
+        }
+    }
+    Ok(())
+}
+
+/// A table of the catalogue, and one of each scene.
 fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let rows: Vec<Vec<String>> = report
-        .subjects
-        .iter()
-        .map(|subject| {
-            let row = Row::of(subject);
-            let mut cells = vec![row.name];
-            cells.extend(row.verdicts.map(word));
-            cells.push(row.states.to_string());
-            cells.extend(
-                row.worst.map(|units| units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))),
-            );
-            cells.push(detectable(subject).map_or_else(|| "–".into(), |delta| format!("{delta:.0e}")));
-            cells
-        })
-        .collect();
-    let heading =
-        ["connector", "derivative", "formula", "declaration", "states", "f", "∂f", "∂²f", "ḟ", "f̈", "δ seen"];
-    write!(out, "{}", table(&heading, &rows))?;
-    writeln!(
-        out,
-        "{}",
-        styled(
-            DIM,
-            "f … f̈: worst error in units of its tolerance; δ seen: the smallest relative error of an entry that the check notices, median"
-        )
-    )
+    let mut scenes: Vec<Option<&str>> = Vec::new();
+    for subject in &report.subjects {
+        if !scenes.contains(&subject.scene.as_deref()) {
+            scenes.push(subject.scene.as_deref());
+        }
+    }
+    for (i, scene) in scenes.iter().enumerate() {
+        if let Some(scene) = scene {
+            let gap = if i > 0 { "\n" } else { "" };
+            writeln!(out, "{gap}{}", styled(BOLD, scene))?;
+        }
+        let of_it = report.subjects.iter().filter(|subject| subject.scene.as_deref() == *scene);
+        let rows: Vec<Vec<String>> = of_it.map(cells).collect();
+        let first = if scene.is_none() { "type" } else { "connector" };
+        let mut heading = vec![first, "derivative", "formula", "declaration", "states"];
+        heading.extend(Quantity::ALL.map(Quantity::symbol));
+        heading.push("δ seen");
+        write!(out, "{}", table(&heading, &rows))?;
+    }
+    writeln!(out, "{}", styled(DIM, LEGEND))
+}
+
+fn cells(subject: &Subject) -> Vec<String> {
+    let row = Row::of(subject);
+    let mut cells = vec![row.name];
+    cells.extend(row.verdicts.map(word));
+    cells.push(row.states.to_string());
+    cells.extend(row.worst.map(|units| units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))));
+    cells.push(detectable(subject).map_or_else(|| "–".into(), |delta| format!("{delta:.0e}")));
+    cells
 }
 
 fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
@@ -118,7 +141,7 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
 
 /// The blocks of the Jacobian, with the wrong entry marked.
 fn diagram(out: &mut dyn Write, check: &Check) -> io::Result<()> {
-    let Some((k, j)) = check.worst.as_ref().map(|worst| worst.at) else { return Ok(()) };
+    let Some((k, j)) = check.worst.as_ref().and_then(|worst| worst.at) else { return Ok(()) };
     let widths = DOF.map(|name| name.chars().count());
     let heading: Vec<String> = DOF.iter().map(|name| (*name).to_string()).collect();
     writeln!(out, "         {}", heading.join(" "))?;

@@ -11,7 +11,7 @@ use std::io::{self, Write};
 pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     let mut document = quick_junit::Report::new("pintle audit");
     for subject in &report.subjects {
-        let mut suite = TestSuite::new(subject.name.as_str());
+        let mut suite = TestSuite::new(subject.title());
         for check in &subject.checks {
             suite.add_test_case(TestCase::new(title(check), status(check)));
         }

@@ -1,7 +1,7 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
-use super::summary::{Row, detectable, headline, self_test, telling};
-use crate::audit::{Check, Report, Subject};
+use super::summary::{LEGEND, Row, detectable, headline, self_test, telling};
+use crate::audit::{Check, Quantity, Report, Subject};
 use std::io::{self, Write};
 
 /// Rows of a table that are shown at once; a longer table is folded.
@@ -68,7 +68,7 @@ fn item(subject: &Subject, check: &Check) -> String {
     let of = check.quantity.map_or_else(String::new, |quantity| format!("{} against ", quantity.name()));
     let mut line = format!(
         "- **{}**, {of}{}: {}",
-        escaped(&subject.name),
+        escaped(&subject.title()),
         check.against.name(),
         check.verdict.headline().name()
     );
@@ -98,11 +98,13 @@ fn table(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     if folded {
         writeln!(out, "<details><summary>All {} connectors and types</summary>\n", report.subjects.len())?;
     }
+    let symbols = Quantity::ALL.map(Quantity::symbol);
     writeln!(
         out,
-        "| connector | derivative | formula | declaration | states | f | ∂f | ∂²f | ḟ | f̈ | δ seen |"
+        "| connector | derivative | formula | declaration | states | {} | δ seen |",
+        symbols.join(" | ")
     )?;
-    writeln!(out, "|---|---|---|---|---:|---:|---:|---:|---:|---:|---:|")?;
+    writeln!(out, "|---|---|---|---|---:|{}---:|", "---:|".repeat(symbols.len()))?;
     for subject in &report.subjects {
         let row = Row::of(subject);
         let worst: Vec<String> =
@@ -115,16 +117,13 @@ fn table(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         writeln!(
             out,
             "| {} | {} | {} | {} | {seen} |",
-            escaped(&row.name),
+            escaped(&subject.title()),
             verdicts.join(" | "),
             row.states,
             worst.join(" | ")
         )?;
     }
-    writeln!(
-        out,
-        "\nf … f̈: worst error in units of its tolerance; δ seen: the smallest relative error of an entry that is noticed, median."
-    )?;
+    writeln!(out, "\n{LEGEND}.")?;
     if folded {
         writeln!(out, "\n</details>")?;
     }

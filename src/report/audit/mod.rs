@@ -1,10 +1,12 @@
-//! Reports of an audit: for reading, as JSON, as JUnit XML, as Markdown.
+//! Reports of an audit: for reading, as JSON, as JUnit XML, as Markdown, as HTML.
 
+mod html;
 mod human;
 mod junit;
 mod markdown;
 mod summary;
 
+pub use html::{Audited, Supplement, figures, html};
 pub use human::human;
 pub use junit::junit;
 pub use markdown::markdown;

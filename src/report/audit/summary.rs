@@ -2,6 +2,10 @@
 
 use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
 
+/// What the columns of the table of verdicts say.
+pub(super) const LEGEND: &str = "f … f̈: worst error in units of its tolerance; δ seen: the smallest relative error of an entry \
+     that is noticed, median";
+
 /// The line of a subject in the table of verdicts.
 pub(super) struct Row {
     pub(super) name: String,
@@ -78,7 +82,7 @@ pub(super) fn headline(report: &Report) -> String {
         (survivors @ 1.., ..) => format!("self-test failed: {survivors} mutants survived"),
         (0, 1, _) => "1 mismatch".into(),
         (0, mismatches @ 2.., _) => format!("{mismatches} mismatches"),
-        (0, 0, undecided @ 1..) => format!("no mismatch; {} undecided", count(undecided, "connector")),
+        (0, 0, undecided @ 1..) => format!("no mismatch; {} undecided", count(undecided, "subject")),
         _ => "no mismatch".into(),
     }
 }
@@ -86,4 +90,9 @@ pub(super) fn headline(report: &Report) -> String {
 /// 1 connector, 2 connectors.
 pub(super) fn count(n: usize, noun: &str) -> String {
     if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+}
+
+/// The scene that a subject belongs to.
+pub(super) fn scene(subject: &Subject) -> Option<&str> {
+    subject.scene.as_deref()
 }
