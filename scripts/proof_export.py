@@ -4,14 +4,14 @@ import inspect
 import json
 import pathlib
 import subprocess
-import sys
 
 import sympy
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-SHAPES = {"d": 3, "Q": (3, 3), "Q0": (3, 3), "phi_ref": 3, "e_fixed": 3, "X": 3, "U_a": 3, "U_b": 3, "A": (3, 3), "B": (3, 3), "f": 6, "angles": 2,
-          "tension": 2}
+MATRIX = (3, 3)
+SHAPES = {"d": 3, "Q": MATRIX, "Q0": MATRIX, "phi_ref": 3, "e_fixed": 3, "X": 3, "U_a": 3, "U_b": 3, "A": MATRIX, "B": MATRIX, "f": 6}
+SHAPES |= {"angles": 2, "tension": 2}
 """The inputs that are no single number."""
 
 
@@ -20,10 +20,16 @@ def program():
     command = ["cargo", "build", "--quiet", "--locked", "--all-features", "--bin", "pintle", "--message-format=json"]
     built = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
     messages = [json.loads(line) for line in built.stdout.splitlines() if line.startswith("{")]
-    found = [message["executable"] for message in messages if message.get("target", {}).get("name") == "pintle" and message.get("executable")]
+    found = [message["executable"] for message in messages if message.get("executable")]
     if not found:
         raise SystemExit("prove.py: cargo named no program `pintle`")
     return found[-1]
+
+
+def listed(path):
+    """The names of the catalogue."""
+    done = subprocess.run([path, "list", "--format", "json"], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
+    return {entry["name"] for entry in json.loads(done.stdout)["types"]}
 
 
 def symbols_of(name, **assumptions):
@@ -91,7 +97,3 @@ class Export:
         point, gradient, _ = function(*inputs.values())
         groups = {name: group if isinstance(group, list) else [group] for name, group in inputs.items()}
         return [sympy.sympify(entry) for entry in point], [sympy.sympify(entry) for entry in gradient], groups
-
-
-if __name__ == "__main__":
-    sys.exit("scripts/prove.py runs this")

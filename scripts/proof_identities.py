@@ -141,7 +141,7 @@ def revolute_forms(draw):
 
 def revolute_branch(draw):
     """By how much −tan⁻¹ misses the angle, quadrant by quadrant (decision D-1)."""
-    claim = Claim("α − (−tan⁻¹(R23/R33)) = 0 for |α| < π/2, ±π beyond: n of both parities; reported: atan2", "seed REVOLUTE, Description (D-1)")
+    claim = Claim("α − (−tan⁻¹(R23/R33)) = 0 for |α| < π/2, ±π beyond: n of both parities; used: atan2", "seed REVOLUTE, Description (D-1)")
     for low, high, n in ((-1.5, 1.5, 0), (1.6, 3.1, 1), (-3.1, -1.6, -1), (3.2, 4.6, 1), (4.8, 7.8, 2), (8.0, 9.4, 3), (-9.4, -8.0, -3)):
         ring = Ring({}, {"a": draw.between(low, high)})
         entries = about(ring, 0, ring.named("a"))
@@ -184,7 +184,7 @@ def dual_axes(draw):
         dual = Claim("axis_i · dual_j = δ_ij: m_i = M·axis_i ⇔ M = Σ m_j dual_j", f"{name}, Description (D-4)")
         excess = Claim(
             "the printed style M = Σ m_i axis_i would give M·axis_1 = m1 + m3 "
-            + ("sin β" if name == "CARDAN" else "cos β") + ": off by that; reported: the dual vectors",
+            + ("sin β" if name == "CARDAN" else "cos β") + ": off by that; used: the dual vectors",
             f"{name} (D-4)",
         )
         for region in regions(draw, 2):
@@ -206,7 +206,11 @@ def dual_axes(draw):
 
 def universal_misaligned(draw):
     """By how much m1 e1a + m3 e3b misses at a frozen β0 (decision D-5)."""
-    claim = Claim("|(e1a − sin β0 e3b)/cos² β0 − e1a| = |tan β0|, zero where aligned (0.3093 at β0 = 0.3); reported: the dual vectors", "UNIVERSAL, REVOLUTE (D-5)")
+    example = mpmath.nstr(mpmath.tan(mpmath.mpf("0.3")), 4)
+    claim = Claim(
+        f"|(e1a − sin β0 e3b)/cos² β0 − e1a| = |tan β0|, zero where aligned ({example} at β0 = 0.3); used: the dual vectors",
+        "UNIVERSAL, REVOLUTE (D-5)",
+    )
     for region in cardan_regions(draw, 3):
         b = sympy.Symbol("b")
         evaluation = Evaluation(region.ring, region.numbers | {b: region.ring.named("b")})
@@ -219,9 +223,12 @@ def universal_misaligned(draw):
 def rotation_moment(draw):
     """m_i = M·e_i^a against M = A H⁻ᵀ m (decision D-6), and e_i^b·φ = e_i^a·φ (decision D-7)."""
     parallel = Claim("H⁻ᵀ φ = φ: the printed m_i = M·e_i^a is exact for m ∥ φ", "seed ROTATION, Description (D-6)")
+    size = mpmath.mpf("1.15")
+    kappa = 1 / size**2 - (1 + mpmath.cos(size)) / (2 * size * mpmath.sin(size))
+    norm = mpmath.nstr(size * mpmath.sqrt(2 * (mpmath.mpf("0.25") + kappa**2 * size**2)), 3)
     across = Claim(
         "|H⁻ᵀ m − m|² = (1/4 + κ² t²) |φ × m|², κ = 1/t² − (1 + cos t)/(2 t sin t): exact for no other m "
-        "(√2 · 0.5862 = 0.829 at |φ| = 1.15, Frobenius norm); reported beside it: M·e_i^a",
+        f"(|H⁻ᵀ − I| = {norm} at |φ| = 1.15, Frobenius norm); used: H⁻ᵀ, reported beside it: M·e_i^a",
         "seed ROTATION, Description (D-6)",
     )
     carried = Claim("e_i^b·φ = e_i^a·φ", "seed ROTATION-ACCELEROMETER, Description (D-7)")
@@ -246,7 +253,7 @@ def rotation_moment(draw):
 
 def euler_parity(draw):
     """β = cos⁻¹ R33 + jπ with odd j is no angle between the axes (decision D-3)."""
-    claim = Claim("cos(cos⁻¹ R33 + π) − R33 = −2 R33, not 0: odd j is wrong; reported: ± cos⁻¹ R33 + 2 j π", "EULER, Description (D-3)")
+    claim = Claim("cos(cos⁻¹ R33 + π) − R33 = −2 R33, not 0: odd j is wrong; used: ± cos⁻¹ R33 + 2 j π", "EULER, Description (D-3)")
     for region in euler_regions(draw, 2):
         claim.add(region.evaluation(), cos(acos(Q[2, 2]) + pi) - Q[2, 2], -2 * Q[2, 2])
     return [claim]
@@ -255,7 +262,7 @@ def euler_parity(draw):
 def constant_velocity(draw):
     """The printed angle B and the torsion (decision D-8)."""
     equation = Claim("B = −β and B = π − β solve e1a·b2 = e2a·b1, b1 = cos B e1b + sin B e2b, b2 = −sin B e1b + cos B e2b", "CONSTANT VELOCITY, Description (D-8)")
-    length = Claim("|(e3a + e3b)/(1 + e3a·e3b)| = 1/cos(α/2): by so much a unit vector would differ; reported: the conjugate one", "CONSTANT VELOCITY (D-8)")
+    length = Claim("|(e3a + e3b)/(1 + e3a·e3b)| = 1/cos(α/2): by so much a unit vector would differ; used: the conjugate one", "CONSTANT VELOCITY (D-8)")
     velocity = Claim("ω along each own shaft and along e3b × e3a with β̇ = 0: ω_a·e3a = ω_b·e3b", "CONSTANT VELOCITY, Description")
     for region in shaft_regions(draw, 2):
         ring = region.ring
@@ -293,7 +300,7 @@ def flexion_composition(draw):
 
 def sliprings():
     """Flow forces ±f1 and the gradient of the energy (decision D-10)."""
-    claim = Claim("l_ref ∂u1/∂Ψ_b = λ, printed 1: off by the strain λ − 1; reported: the tension f1", "SLIPRING (D-10)")
+    claim = Claim("l_ref ∂u1/∂Ψ_b = λ, printed 1: off by the strain λ − 1; used: the tension f1", "SLIPRING (D-10)")
     energy = Claim("−∂(W l_ref)/∂l_ref = T λ − W per unit flow: 51.25 where T = 50 at 5 % (W = K ε²/2)", "SLIPRING (D-10)")
     evaluation = plain(["d", "l0", "a", "b", "K", "l"])
     d, l0, a, b, stiffness, length = symbols("d l0 a b K l", positive=True)

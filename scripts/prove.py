@@ -2,21 +2,25 @@
 
 `pintle export TYPE --as sympy` gives the formulas as traced from the program's kinematics; scripts/proof_formulas.py has them as the
 manual's pages print them, typed independently. For every connection type the difference is shown to vanish: values, first
-derivatives, friction. scripts/proof_identities.py proves what the pages say in two ways, and by how much a printed formula that a
-decision sets aside differs from what the program uses.
+derivatives, friction; in the directions of a, and at the nodes. scripts/proof_identities.py proves what the pages say in two ways, and
+by how much a printed formula that a decision sets aside differs from what the program uses; scripts/proof_reported.py that the
+printed one is reported beside it.
 
 *Proved* means that the reduced numerator of the difference is the zero polynomial on each branch met (scripts/proof_algebra.py).
 Where that cannot be had the difference is zero to 50 digits at random states, and the table says so.
 
-Each comparison is repeated with the exported formula negated and doubled, and must refuse both; an exported module with one sign or
-one factor changed must fail as a whole.
+Each comparison is repeated with the exported formula negated and doubled, and must refuse both; exported programs with one sign or
+one factor changed must be refused as well.
 
-Usage: python3 scripts/prove.py           the table of proofs
-       python3 scripts/prove.py --check   the same, for the test command: only what is not proved, and the count
+Usage (needs cargo, and SymPy of scripts/requirements.txt; a minute):
+  python3 scripts/prove.py           the table of proofs
+  python3 scripts/prove.py --check   the same, for the test command: only what is not proved, and the count
 """
 
 import argparse
+import ast
 import itertools
+import re
 import sys
 import time
 from dataclasses import dataclass
@@ -24,22 +28,23 @@ from dataclasses import dataclass
 import mpmath
 import proof_export
 import proof_identities
+import proof_reported
 import sympy
 from proof_algebra import Evaluation, Number, Ring
 from proof_formulas import ASSEMBLED, BASIC, FRICTION, NOTHING, TYPES, printed
 from proof_export import symbols_of
 from proof_regions import D, NODE_ANGLES, PSI_A, PSI_B, Q, Draw, Region, about, product, regions_for, relative_state
 
-MUTANTS = [
-    ("REVOLUTE", "atan2(-Q[1, 2], Q[2, 2])", "atan2(Q[1, 2], Q[2, 2])"),
-    ("TRANSLATOR", "t16 = 2 / L", "t16 = 4 / L"),
-]
-"""A type, a piece of its exported program, and what is put in its place."""
+MUTANTS = {
+    "REVOLUTE": ("values", "jacobian"), "EULER": ("values",), "RADIAL-THRUST": ("jacobian",), "SLIPRING": ("values", "jacobian"),
+    "PROJECTION CARTESIAN": ("values",),
+}
+"""Types whose exported programs are changed for the self-test, sign by sign, and the functions in which."""
 
 SAMPLES = 6
 """States at which each formula is compared."""
 
-PROVED, SAMPLED, DIFFERS = "proved symbolically", "by 50-digit sampling", "DIFFERS"
+PROVED, SAMPLED, REPORTED, DIFFERS = "proved symbolically", "by 50-digit sampling", "reported to rounding", "DIFFERS"
 
 
 @dataclass
@@ -63,6 +68,7 @@ class Judgement:
     cases: int = 0
     exact: int = 0
     states: int = 0
+    branches: int = 0
     differs: str = ""
     reason: str = ""
     perturbed: int = 0
@@ -88,6 +94,11 @@ class Judgement:
                     raise AssertionError("a perturbed formula was not refused")
                 self.perturbed += 1
 
+    def at_state(self, is_exact):
+        """Takes note of one more state, the first of its branch where it is exact."""
+        self.states += 1
+        self.branches += is_exact
+
     def add(self, other):
         """Takes over what was found elsewhere."""
         self.cases += other.cases
@@ -103,7 +114,7 @@ class Judgement:
         if not self.cases:
             return Line(subject, DIFFERS, "nothing was compared", source)
         if self.exact and not self.reason:
-            return Line(subject, PROVED, "", source)
+            return Line(subject, PROVED, "" if self.branches < 2 else f"{self.branches} branches", source)
         return Line(subject, SAMPLED, f"{self.states} states: {self.reason}", source)
 
 
@@ -152,8 +163,8 @@ def state_of(name, region):
 class Comparison:
     """The functions of one basic type against the printed ones."""
 
-    def __init__(self, type_name, export, samples=SAMPLES):
-        self.type_name, self.export, self.samples = type_name, export, samples
+    def __init__(self, type_name, export, samples=SAMPLES, is_exact=True):
+        self.type_name, self.export, self.samples, self.is_exact = type_name, export, samples, is_exact
 
     def functions(self):
         expected, found = set(printed(self.type_name)), set(self.export.names)
@@ -174,16 +185,16 @@ class Comparison:
         for region in regions_for(self.type_name, name, Draw(f"{self.type_name} {name}"), self.samples):
             state = state_of(name, region)
             slope_row = along_variations(formula.forms[0].value(state)) if formula.forms else []
-            evaluation, is_exact = evaluation_of(region, [*([value] if formula.forms else []), *row], seen)
+            evaluation, is_exact = evaluation_of(region, [*([value] if formula.forms else []), *row], seen, self.is_exact)
             exported_row = [evaluation.of(entry) for entry in row]
             for form, judgement in zip(formula.forms, judgements, strict=True):
-                judgement.states += 1
+                judgement.at_state(is_exact)
                 judgement.compare(evaluation.of(value), evaluation.of(form.value(state)), form.modulo, is_exact)
-            slopes.states += 1
+            slopes.at_state(is_exact)
             for entry, slope in zip(exported_row, slope_row):
                 slopes.compare(entry, evaluation.of(slope), None, is_exact)
             for printed_row, judgement in zip(formula.rows, rows, strict=True):
-                judgement.states += 1
+                judgement.at_state(is_exact)
                 for entry, other in zip(exported_row, row_of(printed_row, state), strict=True):
                     judgement.compare(entry, evaluation.of(other), None, is_exact)
         subject = f"{self.type_name} {name}"
@@ -195,14 +206,14 @@ class Comparison:
             yield judgement.line(f"{subject} row", printed_row.source), judgement
 
 
-def evaluation_of(region, expressions, seen):
+def evaluation_of(region, expressions, seen, is_exact=True):
     """An exact evaluation on the first state of each branch, on the others one of values only."""
     region.is_exact = False
     sampled = region.evaluation()
     for expression in expressions:
         sampled.of(expression)
     branch = (region.kind, frozenset(sampled.branches))
-    if branch in seen:
+    if branch in seen or not is_exact:
         return sampled, False
     seen.add(branch)
     region.is_exact = True
@@ -242,7 +253,7 @@ class Friction:
             region = friction_region(draw, names)
             evaluation, is_exact = evaluation_of(region, [*point, *gradient], seen)
             for pairs, judgement in zip(((point, wanted), (gradient, slopes)), judgements, strict=True):
-                judgement.states += 1
+                judgement.at_state(is_exact)
                 for exported, other in zip(*pairs, strict=True):
                     judgement.compare(evaluation.of(exported), evaluation.of(other), None, is_exact)
         subject = f"{self.type_name} friction {form.criterion}"
@@ -353,30 +364,102 @@ def nodal_rows(type_name, relative, nodal, known):
     return judgement.line(f"{type_name} nodal values and rows", "variations of d and Q (D-29)"), judgement
 
 
-def self_test(path):
-    """Exported modules with one sign or one factor changed are refused."""
-    for type_name, right, wrong in MUTANTS:
-        text = proof_export.Export.of(path, type_name).text
-        head, mark, body = text.partition("def values")
-        if right not in body:
-            raise AssertionError(f"self-test: {type_name} is no longer exported with `{right}`")
-        export = proof_export.Export(head + mark + body.replace(right, wrong, 1))
-        lines = list(Comparison(type_name, export, 2).lines()) + (list(Friction(type_name, export).lines()) if type_name in FRICTION else [])
-        if not any(line.verdict == DIFFERS for line, _ in lines):
-            raise AssertionError(f"self-test: {type_name} with `{wrong}` for `{right}` was not refused")
-    return len(MUTANTS)
+class Changed(ast.NodeTransformer):
+    """Changes the n-th place of a function: a sign dropped, a sum for a difference or the reverse, a factor 2 in a quotient."""
+
+    def __init__(self, n):
+        self.left = n
+
+    def is_hit(self):
+        self.left -= 1
+        return self.left == -1
+
+    def visit_UnaryOp(self, node):
+        self.generic_visit(node)
+        return node.operand if isinstance(node.op, ast.USub) and self.is_hit() else node
+
+    def visit_BinOp(self, node):
+        self.generic_visit(node)
+        if isinstance(node.op, (ast.Add, ast.Sub)) and self.is_hit():
+            node.op = ast.Add() if isinstance(node.op, ast.Sub) else ast.Sub()
+        elif isinstance(node.op, ast.Div) and self.is_hit():
+            node.left = ast.BinOp(ast.Constant(2), ast.Mult(), node.left)
+        return node
 
 
-def proofs(path):
+def changed(text, function):
+    """Every program that differs from `text` in one place of `function`."""
+    for n in itertools.count():
+        tree, change = ast.parse(text), Changed(n)
+        for node in tree.body:
+            if isinstance(node, ast.FunctionDef) and node.name == function:
+                change.visit(node)
+        if change.left >= 0:
+            return
+        yield ast.unparse(ast.fix_missing_locations(tree))
+
+
+def beside(path):
+    """That `pintle eval` reports the printed moment beside the exact one where they are not the same."""
+    for type_name, formula, errors, apart in proof_reported.reported(path):
+        subject, source = f"{type_name} PM beside CTM", formula
+        if max(errors) > proof_reported.ROUNDING:
+            yield Line(subject, DIFFERS, f"misses the moment on b by {mpmath.nstr(max(errors), 3)}", source)
+        elif apart < proof_reported.APART:
+            yield Line(subject, DIFFERS, "PM and CTM are the same at the state: nothing is tested", source)
+        else:
+            yield Line(subject, REPORTED, f"{apart:.3g} apart; both give the moment on b", source)
+
+
+def is_same(type_name, one, other):
+    """Whether two programs agree to 50 digits at a state."""
+    for name in one.names:
+        region = regions_for(type_name, name, Draw("same"), 1)[0]
+        region.is_exact = False
+        evaluation = region.evaluation()
+        pairs = zip([one.value(name), *one.row(name)], [other.value(name), *other.row(name)], strict=True)
+        if any(equal(evaluation.of(x), evaluation.of(y)) is None for x, y in pairs):
+            return False
+    return True
+
+
+def self_test(exports):
+    """Programs that differ in one sign or one factor are refused."""
+    refused = 0
+    for type_name, functions in MUTANTS.items():
+        for function in functions:
+            for place, text in enumerate(changed(exports[type_name].text, function)):
+                export = proof_export.Export(text)
+                if is_same(type_name, exports[type_name], export):
+                    continue  # a sign of what is zero
+                lines = Comparison(type_name, export, samples=2, is_exact=False).lines()
+                if all(line.verdict != DIFFERS for line, _ in lines):
+                    raise AssertionError(f"self-test: {type_name} with place {place} of {function} changed was not refused")
+                refused += 1
+    right = exports["TRANSLATOR"].text
+    wrong = re.sub(r"\b2 / L\b", "4 / L", right, count=1)
+    found = Friction("TRANSLATOR", proof_export.Export(wrong)).lines()
+    if wrong == right or all(line.verdict != DIFFERS for line, _ in found):
+        raise AssertionError("self-test: TRANSLATOR with 4/L for 2/L was not refused")
+    if refused < 20:
+        raise AssertionError(f"self-test: only {refused} changed programs")
+    return refused + 1
+
+
+def proofs(path, exports):
     """Every line of the table, with the judgement behind it."""
     yield from claims()
-    exports = {type_name: proof_export.Export.of(path, type_name) for type_name in TYPES}
     for type_name in BASIC:
         yield from Comparison(type_name, exports[type_name]).lines()
     for type_name, halves in ASSEMBLED.items():
         yield assembled(type_name, exports[type_name], [exports[half] for half in halves])
+    for type_name in TYPES:
+        if (exports[type_name].frictions > 0) != (type_name in FRICTION):
+            raise AssertionError(f"{type_name}: friction is printed or exported, not both")
     for type_name in FRICTION:
         yield from Friction(type_name, exports[type_name]).lines()
+    for line in beside(path):
+        yield line, Judgement()
     known = {}
     for type_name in BASIC:
         yield nodal_rows(type_name, exports[type_name], proof_export.Export.of(path, type_name, "nodal"), known)
@@ -388,15 +471,19 @@ def main():
     arguments = parser.parse_args()
     start = time.time()
     path = proof_export.program()
-    counts, perturbed = {PROVED: 0, SAMPLED: 0, DIFFERS: 0}, 0
-    for line, judgement in proofs(path):
+    if proof_export.listed(path) != set(TYPES):
+        raise SystemExit(f"prove.py: the catalogue and the printed formulas differ in {proof_export.listed(path) ^ set(TYPES)}")
+    counts, perturbed = dict.fromkeys((PROVED, SAMPLED, REPORTED, DIFFERS), 0), 0
+    exports = {type_name: proof_export.Export.of(path, type_name) for type_name in TYPES}
+    for line, judgement in proofs(path, exports):
         counts[line.verdict] += 1
         perturbed += judgement.perturbed
-        if not arguments.check or line.verdict != PROVED:
+        if not arguments.check or line.verdict in (SAMPLED, DIFFERS):
             print(line, flush=True)
-    mutants = self_test(path)
+    mutants = self_test(exports)
     print(
-        f"{counts[PROVED]} proved symbolically, {counts[SAMPLED]} by 50-digit sampling, {counts[DIFFERS]} differ; "
+        f"{counts[PROVED]} proved symbolically, {counts[SAMPLED]} by 50-digit sampling, {counts[REPORTED]} reported to rounding, "
+        f"{counts[DIFFERS]} differ; "
         f"{perturbed} perturbed formulas and {mutants} changed programs refused; {time.time() - start:.0f} s"
     )
     return 1 if counts[DIFFERS] or not counts[PROVED] else 0
