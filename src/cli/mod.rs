@@ -5,6 +5,7 @@ pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
 mod failure;
+mod history;
 pub(crate) mod manual;
 mod page;
 pub(crate) mod replay;
