@@ -284,7 +284,10 @@ Forces (--forces): a table (.csv) or a document (.json), or \"forces\" beside
   or time, and the forces. JSON: {\"schema\": \"pintle-forces/1\", \"states\":
   [{\"state\": 0, \"forces\": {\"101\": {\"f1\": 2.5, \"m2\": 0}}}]}. Signs are internal:
   positive resists growth of the component; --force-sign constraints-on-b takes
-  those of constrained components as applied at node b.
+  those of constrained components as applied at node b. The element may be the
+  nodes of an MPC, 10-20-30: its forces are then those that it puts on its first
+  node, residual-side, global components, and NF, LM, KG, DNF, KT, CT and KR
+  tell what it transmits.
 
 Outputs:
   CP, CU, CCU    position; displacement from the initial position; from the
@@ -365,11 +368,16 @@ Examples:
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
 
-/// Gives the pool of rayon its number of threads, if there is one to give.
+/// The stack of every thread, in bytes: derivatives of derivatives lie on it, whole, in a build without optimisation.
+pub(crate) const STACK: usize = 64 << 20;
+
+/// Gives the pool of rayon its stacks, and its number of threads if there is one to give.
 pub(crate) fn use_threads(count: Option<u16>) -> Result<(), Failure> {
-    let Some(count) = count else { return Ok(()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(count));
-    pool.build_global().map_err(|error| Failure::Usage(format!("{count} threads cannot be started: {error}")))
+    let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count.map_or(0, usize::from));
+    pool.build_global().map_err(|error| {
+        let asked = count.map_or_else(String::new, |count| format!("{count} "));
+        Failure::Usage(format!("{asked}threads cannot be started: {error}"))
+    })
 }
 
 /// The width of a page: that of the terminal; elsewhere the environment's COLUMNS, or 100.

@@ -512,7 +512,8 @@ impl<'a> Sequence<'a> {
             let nodes =
                 self.mpc_nodes[at].iter().map(|node| node.map_or(STILL, |node| self.moved[node as usize]));
             let nodes: Vec<Moved> = nodes.collect();
-            let result = element.evaluate(*index, &nodes, &self.mpcs[at], &request, &mut self.tally);
+            let of_state = (&request, &self.model.schedule, state);
+            let result = element.evaluate(*index, &nodes, &self.mpcs[at], of_state, &mut self.tally);
             self.mpcs[at] = result.evaluation.angles;
             let place = rest.split_off_mut(..jacobian.mpc_entries(at)).unwrap_or_default();
             jacobian.write_mpc(at, &result.evaluation.jacobian, place);
@@ -624,7 +625,8 @@ impl<'a> Sequence<'a> {
                 let index = plan.mpcs[at];
                 let nodes = mpc_nodes[at].iter().map(|node| node.map_or(STILL, |node| moved[node as usize]));
                 let nodes: Vec<Moved> = nodes.collect();
-                let result = model.mpcs[index].evaluate(index, &nodes, angles, request, &mut tally);
+                let of_state = (request, &model.schedule, state);
+                let result = model.mpcs[index].evaluate(index, &nodes, angles, of_state, &mut tally);
                 *angles = result.evaluation.angles;
                 (digest(Item::Mpc(Box::new(result))), tally)
             },

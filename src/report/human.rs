@@ -375,9 +375,12 @@ impl Human<'_> {
                     format!("{}{whose} ({axis})", given.unwrap_or_default())
                 })
                 .collect();
-            for HingeFacts { name, moments, .. } in &facts.hinges {
+            for HingeFacts { name, moments, constraint, .. } in &facts.hinges {
+                if let Some(moment) = constraint {
+                    texts.push(format!("moment of the constraint on {name}: {}", self.number(*moment)));
+                }
                 match moments {
-                    Some(Ok(HingeMoments { spring, stiffness, energy, dashpot, damping })) => {
+                    Some(Ok(HingeMoments { spring, stiffness, energy, dashpot, damping, .. })) => {
                         let number = |value: &f64| self.number(*value);
                         let (spring, stiffness, energy) = (number(spring), number(stiffness), number(energy));
                         texts.push(format!(
@@ -390,7 +393,8 @@ impl Human<'_> {
                     }
                     Some(Err(unknown)) => {
                         texts.push(format!(
-                            "the moments of springs and dashpots on {name} are not known: {unknown:?}"
+                            "the moments of springs and dashpots on {name} are not known: {}",
+                            unknown.in_words()
                         ));
                     }
                     None => {}
