@@ -1,6 +1,7 @@
 //! The tests, in one binary: each module asks one question of the whole.
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod assembly; // what assemblies of known mobility can do
 mod audit; // whether the audit notices what is wrong, and nothing else
 mod behavior; // forces that follow from motions
 mod cli; // the command line
