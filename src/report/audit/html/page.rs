@@ -286,7 +286,7 @@ fn problem(subject: &Subject, check: &Check) -> Problem {
             .flat_map(|diagnosis| diagnosis.lines())
             .map(|(sentence, code)| (capital(&sentence), code.as_str()))
             .collect(),
-        heat: check.comparison.as_ref().map_or_else(String::new, |comparison| {
+        heat: check.comparison.as_ref().filter(|_| is_sharp(check)).map_or_else(String::new, |comparison| {
             figure::heat(&full_name(subject), comparison, Place::Page)
         }),
         numbers,
