@@ -3,12 +3,11 @@
 use crate::{golden, golden_mpc, manual};
 use pintle::audit::certificate::{Certificate, certificates};
 use pintle::audit::mutant::{Mistake, Scene, mutants};
-use pintle::audit::quantity::{Entries, product};
 use pintle::audit::sample::{Draw, Extent, Region, cases, draw_case};
 use pintle::audit::shrink::shrink;
 use pintle::audit::{
-    Against, Bound, Candidate, Case, CounterExample, Hex, Numbers, Oracle, Quantity, Report, Settings,
-    Target, Verdict, atlas, audit_catalogue, audit_scenes, invariant,
+    Against, Bound, Candidate, Case, CounterExample, Entries, Hex, Numbers, Oracle, Quantity, Report,
+    Settings, Target, Verdict, atlas, audit_catalogue, audit_scenes, friction_cases, invariant, product,
 };
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Connector, Definition, Increment, NodalRow, Request, State, Tally};
@@ -43,7 +42,12 @@ fn the_catalogue_passes() {
     for subject in &report.subjects {
         assert_eq!(subject.derivative.headline(), Verdict::Pass, "{text}");
         assert_eq!(subject.formula, Verdict::Pass, "{text}");
+        let connector = cases(named(&subject.name), Extent::Brief)[0].connector();
+        let has_forces = (0..6).any(|k| connector.has_force(k));
         for quantity in Quantity::ALL {
+            if !has_forces && matches!(quantity, Quantity::NodalForces | Quantity::GeometricStiffness) {
+                continue;
+            }
             let sharp = Against::Oracle(Oracle::WideDifferences);
             let check = subject.checks.iter().find(|c| c.quantity == Some(quantity) && c.against == sharp);
             let check = check.unwrap_or_else(|| panic!("{}: {} unchecked", subject.name, quantity.name()));
@@ -381,4 +385,33 @@ fn the_atlas_tells_classes_apart() {
         }
     }
     assert_eq!(DOFS, 14);
+}
+
+/// Friction is judged with every quantity, in stick and in slip, and a factor that is wrong is noticed.
+#[test]
+fn friction_passes_and_its_mistakes_are_noticed() {
+    let settings = Settings::default();
+    let mut found = BTreeMap::<Quantity, (u64, u64)>::new();
+    for connection in TABLE {
+        let cases = friction_cases(connection, &settings, 12);
+        for case in &cases {
+            for check in case.audit(&settings) {
+                assert_eq!(check.verdict.headline(), Verdict::Pass, "{}: {check:?}", connection.name);
+                assert_eq!(check.score.survived, 0, "{}: {check:?}", connection.name);
+                let counted = found.entry(check.quantity.unwrap()).or_default();
+                counted.0 += check.compared;
+                counted.1 += check.score.killed;
+            }
+        }
+    }
+    println!("{found:?}");
+    for quantity in [
+        Quantity::FrictionCriterion,
+        Quantity::FrictionGradient,
+        Quantity::FrictionHessian,
+        Quantity::FrictionTangent,
+    ] {
+        let (compared, killed) = found[&quantity];
+        assert!(compared > 100 && killed > 1000, "{quantity:?}: {compared} {killed}");
+    }
 }

@@ -51,7 +51,7 @@ fn every_mutant_is_diagnosed_as_itself() {
                         _ => false,
                     };
                     // Of the 196 entries of a matrix of second derivatives, some.
-                    if skipped || (single && quantity == Quantity::SecondDerivatives && n % 101 != 0) {
+                    if skipped || (single && quantity.entries() > DOFS && n % 101 != 0) {
                         continue;
                     }
                     let units = |(k, i, x): &(usize, usize, f64)| {
@@ -68,7 +68,7 @@ fn every_mutant_is_diagnosed_as_itself() {
                     let found = diagnose(&symptoms);
                     let name = mutant.mistake.name();
                     let found = found.unwrap_or_else(|| panic!("{}: {name}: nothing wrong", case.name));
-                    let cause = Cause::of(mutant.mistake);
+                    let cause = Cause::of(mutant.mistake).unwrap();
                     let what = format!("{} {}, {name}:\n{}", case.name, quantity.name(), said(&found));
                     assert_eq!((found.causes.len(), found.unexplained), (1, 0), "{what}");
                     let codes: Vec<Code> = found
@@ -120,7 +120,7 @@ fn conventions_are_named_in_one_sentence() {
     });
     assert_eq!(
         both,
-        "∂ur1/∂θa1..3 and ∂θb1..3, ∂ur2/∂θa1..3 and ∂θb1..3, ∂ur3/∂θa1..3 and ∂θb1..3 equals Aᵀ and Bᵀ × expected: \
+        "∂ur1/∂θa1..3 and ∂θb1..3, ∂ur2/∂θa1..3 and ∂θb1..3, ∂ur3/∂θa1..3 and ∂θb1..3 equal Aᵀ and Bᵀ × expected: \
          rotation degrees of freedom taken as local [diagnosis::rotation-as-local]"
     );
     let one = of_changed("REVOLUTE", |case, entries| {
@@ -196,7 +196,7 @@ fn a_wrong_candidate_is_told_why() {
         }
     };
     let report = spoiled("UNIVERSAL", turn);
-    let sentence = "equals Aᵀ × expected: rotation degrees of freedom taken as local";
+    let sentence = "equal Aᵀ × expected: rotation degrees of freedom taken as local";
     let mut human = Vec::new();
     pintle::report::audit::human(&mut human, &report, 300, false).unwrap();
     let human = anstream_free(&String::from_utf8(human).unwrap());

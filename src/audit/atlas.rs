@@ -3,7 +3,8 @@
 
 use super::bound::{Bound, U};
 use super::case::{Case, Step, carried, turn};
-use super::quantity::{Numbers, Quantity, product};
+use super::force::product_with_forces as product;
+use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Motion, about_1, about_3, cube_orientations, definition, pair};
 use super::truth::Truth;
 use crate::catalog::{COMPONENT, ConnectionType};

@@ -11,6 +11,7 @@
 //! | a first derivative | C u (F/s_j + Σ_k abs(∂²f/∂q_j∂q_k) s_k) |
 //! | a second derivative | C u F₂/(s_j s_k) · max(1, 1/δ) |
 //! | a rate | Σ_j tol_j abs(q̇_j) |
+//! | nodal forces of a unit force, their derivatives | as a first and a second derivative, without the value in F |
 //! | an acceleration | Σ_j tol_j abs(q̈_j) + C u F₂ max(1, 1/δ) max_j (q̇_j/s_j)² |
 //!
 //! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set,
@@ -71,7 +72,7 @@ impl Bound {
     ) -> Self {
         let size: [f64; DOFS] = std::array::from_fn(|j| dof_size(j, length));
         let mut of = Self::default();
-        let mut scales: [Entries<f64>; 5] = Default::default();
+        let mut scales: [Entries<f64>; Quantity::ALL.len()] = Default::default();
         for k in 0..6 {
             let Some(value) = truth.entries(Quantity::Value).get(k, 0) else { continue };
             let of = |quantity: Quantity| -> Vec<f64> {
@@ -83,6 +84,16 @@ impl Bound {
             for (scale, entries) in scales.iter_mut().zip(found) {
                 scale.0[k] = Some(entries);
             }
+        }
+        for k in 0..6 {
+            let of = |quantity: Quantity| truth.entries(quantity).0[k].as_deref();
+            let Some(rows) = of(Quantity::NodalForces) else { continue };
+            let changes = of(Quantity::GeometricStiffness).unwrap_or_default();
+            let still = ([0.0; DOFS], [0.0; DOFS]);
+            let [_, row, matrix, ..] =
+                self::scales(0.0, rows, changes, (&size, &size), (&still.0, &still.1), nearness);
+            scales[Quantity::NodalForces as usize].0[k] = Some(row);
+            scales[Quantity::GeometricStiffness as usize].0[k] = Some(matrix);
         }
         for (quantity, scale) in Quantity::ALL.into_iter().zip(scales) {
             of.tolerance.set(quantity, scale.map(|_, _, x| C * U * x));

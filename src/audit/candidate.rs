@@ -111,9 +111,9 @@ impl<'a> Candidate<'a> {
         let mut given = Numbers::<f64>::default();
         given.set(Quantity::Value, Entries(values.map(|x| x.map(|x| vec![x]))));
         given.set(Quantity::FirstDerivatives, Entries(rows.map(|row| row.map(|row| row.to_vec()))));
-        let Some(product) = super::quantity::product(case) else { return checks };
+        let Some(product) = super::force::product_with_forces(case) else { return checks };
         let truth = if wide { Truth::of(case) } else { None };
-        let answers = truth.as_ref().map(WideAnswers::of);
+        let answers = truth.as_ref().map(WideAnswers::of_kinematics);
         let trusted = answers
             .as_ref()
             .map_or_else(|| product.clone(), |answers| super::atlas::truth_to_f64(&answers.differences));

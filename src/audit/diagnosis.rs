@@ -73,9 +73,9 @@ causes! {
 }
 
 impl Cause {
-    /// The cause that a mistake of the self-test is.
-    pub const fn of(mistake: Mistake) -> Self {
-        match mistake {
+    /// The cause that a mistake of the self-test is; `None` for those that are not made in numbers of components.
+    pub const fn of(mistake: Mistake) -> Option<Self> {
+        Some(match mistake {
             Mistake::Dropped => Self::Dropped,
             Mistake::Sign => Self::Sign,
             Mistake::Spurious => Self::Spurious,
@@ -94,7 +94,11 @@ impl Cause {
             Mistake::TurnForgotten => Self::TurnForgotten,
             Mistake::RatesOfAIgnored => Self::RatesOfAIgnored,
             Mistake::QuadraticPartMissing => Self::QuadraticPartMissing,
-        }
+            Mistake::NumberLeftOut
+            | Mistake::MultipliedInsteadOfDivided
+            | Mistake::StickForSlip
+            | Mistake::CouplingMissing => return None,
+        })
     }
 
     /// By how much rounding of what is expected grows in it.
@@ -220,12 +224,12 @@ fn class(quantity: Quantity, k: usize, i: usize) -> (usize, usize, usize) {
         _ => 2,
     };
     match quantity {
-        Quantity::FirstDerivatives => (k / 3, kind(i), 0),
-        Quantity::SecondDerivatives => {
+        Quantity::FirstDerivatives | Quantity::NodalForces => (k / 3, kind(i), 0),
+        Quantity::SecondDerivatives | Quantity::GeometricStiffness => {
             let [x, y] = [kind(i / DOFS), kind(i % DOFS)];
             (k / 3, x.min(y), x.max(y))
         }
-        Quantity::Value | Quantity::Rate | Quantity::Acceleration => (k / 3, 0, 0),
+        _ => (k / 3, 0, 0),
     }
 }
 
@@ -254,14 +258,15 @@ impl Symptoms<'_> {
             scale: &scale,
         };
         let made = mutants(self.quantity, &scene).into_iter();
-        let made =
-            made.map(|mutant| Hypothesis { cause: Cause::of(mutant.mistake), changes: mutant.changes });
+        let made = made.filter_map(|mutant| {
+            Some(Hypothesis { cause: Cause::of(mutant.mistake)?, changes: mutant.changes })
+        });
         let mut found: Vec<Hypothesis> = made.filter(|made| !made.cause.is_of_an_entry()).collect();
         for (k, entries) in self.wanted().0.iter().enumerate() {
             let Some(entries) = entries else { continue };
             let changes = entries.iter().enumerate().map(|(i, x)| (k, i, -x)).collect();
             found.push(Hypothesis { cause: Cause::Reversed, changes });
-            if self.quantity == Quantity::FirstDerivatives {
+            if matches!(self.quantity, Quantity::FirstDerivatives | Quantity::NodalForces) {
                 found.extend(self.conventions(k, entries));
             }
         }
@@ -399,7 +404,8 @@ impl Symptoms<'_> {
             }
             _ => cause.relation().to_string(),
         };
-        let sentence = format!("{place} equals {relation}: {}", cause.meaning());
+        let equals = if place.contains(", ") { "equal" } else { "equals" };
+        let sentence = format!("{place} {equals} {relation}: {}", cause.meaning());
         Some(Explained { cause, code: cause.code(), sentence, also })
     }
 
@@ -431,22 +437,23 @@ impl Symptoms<'_> {
             named.join(", ")
         };
         match self.quantity {
-            Quantity::Value => rows.join(", "),
+            _ if shown.len() == 1 => shown.iter().map(|(k, i)| self.quantity.entry_name(*k, *i)).collect(),
             Quantity::Rate => each("d", "/dt"),
             Quantity::Acceleration => each("d²", "/dt²"),
-            Quantity::SecondDerivatives if shown.len() == 1 => {
-                shown.iter().map(|(k, i)| self.quantity.entry_name(*k, *i)).collect()
-            }
             Quantity::SecondDerivatives => each("∂²", ""),
-            Quantity::FirstDerivatives => {
-                let columns: BTreeSet<usize> = shown.iter().map(|(_, j)| *j).collect();
-                if columns.len() >= DOFS - 2 {
-                    return each("∂", "");
-                }
-                each("∂", &format!("/∂{}", ranges(&columns).join(" and ∂")))
-            }
+            Quantity::NodalForces => each("the nodal forces of ", &columns(shown, " on ", " and ")),
+            Quantity::GeometricStiffness => each("the geometric stiffness of ", ""),
+            Quantity::FirstDerivatives => each("∂", &columns(shown, "/∂", " and ∂")),
+            _ => rows.join(", "),
         }
     }
+}
+
+/// The columns of entries in words, after a prefix; nothing where they are all columns.
+fn columns(shown: &BTreeSet<(usize, usize)>, prefix: &str, and: &str) -> String {
+    let columns: BTreeSet<usize> = shown.iter().map(|(_, j)| *j).collect();
+    // A connector need not have both flows.
+    if columns.len() >= DOFS - 2 { String::new() } else { format!("{prefix}{}", ranges(&columns).join(and)) }
 }
 
 /// Columns in words: `θa1..3`, `xb2`.

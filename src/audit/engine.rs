@@ -5,11 +5,13 @@ use super::bound::Bound;
 use super::case::Case;
 use super::certificate::certificate;
 use super::diagnosis::Symptoms;
+use super::force::product_with_forces as product;
+use super::friction::friction_cases;
 use super::invariant::{self, Context, Invariant};
 use super::mutant::{self, Mistake, Mutant, mutants};
 use super::oracle::{Narrow, Oracle, WideAnswers, remainders};
 use super::outcome::{Against, Check, Report, Subject};
-use super::quantity::{Numbers, Quantity, product};
+use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
 use super::truth::Truth;
 use super::verdict::{Finding, Judgement, Score, Surroundings, Verdict, judge, try_mutants};
@@ -120,7 +122,10 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         };
         drawn.map_or_else(Vec::new, |case| audit_case(&case, settings, wide.contains(&i), i))
     }));
-    for law in [Invariant::Start, Invariant::Turns] {
+    let frictions = friction_cases(connection, settings, settings.wide_states);
+    let found: Vec<Vec<Check>> = frictions.par_iter().map(|case| case.audit(settings)).collect();
+    found.into_iter().for_each(|found| checks_of(&mut checks, found));
+    for law in [Invariant::Start, Invariant::Turns, Invariant::FreeAxis] {
         let demands = invariant::of_type(connection, law);
         if !demands.is_empty() {
             checks.push(law_of_type(law, &demands, connection));

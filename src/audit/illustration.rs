@@ -2,9 +2,10 @@
 
 use super::bound::Bound;
 use super::case::{Case, dof_size};
+use super::force::product_with_forces as product;
 use super::oracle::{Narrow, WideAnswers};
 use super::outcome::Report;
-use super::quantity::{Entries, Quantity, product};
+use super::quantity::{Entries, Quantity};
 use super::sample::{Draw, Extent, cases};
 use super::scene::{self, Target};
 use super::truth::Truth;

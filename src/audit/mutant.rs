@@ -55,6 +55,14 @@ pub enum Mistake {
     RatesOfAIgnored,
     /// The part quadratic in the rates is missing.
     QuadraticPartMissing,
+    /// A factor's number is left out: β = 1/L for 2/L.
+    NumberLeftOut,
+    /// A parameter multiplies that must divide: m · R_r for m/R_r.
+    MultipliedInsteadOfDivided,
+    /// The tangent of stick in slip, or the reverse.
+    StickForSlip,
+    /// What presses is held while a tangent is taken.
+    CouplingMissing,
 }
 
 impl Mistake {
@@ -79,6 +87,10 @@ impl Mistake {
             Self::TurnForgotten => "previous turns forgotten".into(),
             Self::RatesOfAIgnored => "rates of node a ignored".into(),
             Self::QuadraticPartMissing => "quadratic part missing".into(),
+            Self::NumberLeftOut => "β = 2/L without the 2".into(),
+            Self::MultipliedInsteadOfDivided => "R_r multiplied instead of divided".into(),
+            Self::StickForSlip => "stick for slip".into(),
+            Self::CouplingMissing => "contact force held".into(),
         }
     }
 }
@@ -127,9 +139,20 @@ pub fn mutants(quantity: Quantity, scene: &Scene<'_>) -> Vec<Mutant> {
     let mut found = entry_mistakes(entries, scene);
     match quantity {
         Quantity::Value => found.extend(value_mistakes(entries, scene)),
-        Quantity::FirstDerivatives => found.extend(row_mistakes(entries, scene)),
-        Quantity::SecondDerivatives => found.extend(matrix_mistakes(entries, scene)),
+        Quantity::FirstDerivatives | Quantity::NodalForces => found.extend(row_mistakes(entries, scene)),
+        Quantity::SecondDerivatives => {
+            found.extend(matrix_mistakes(entries, scene.numbers.entries(Quantity::FirstDerivatives), scene));
+        }
+        Quantity::GeometricStiffness => {
+            found.extend(matrix_mistakes(entries, scene.numbers.entries(Quantity::NodalForces), scene));
+        }
         Quantity::Rate | Quantity::Acceleration => found.extend(rate_mistakes(quantity, entries, scene)),
+        // These are no numbers of a connector's components.
+        Quantity::FrictionCriterion
+        | Quantity::FrictionGradient
+        | Quantity::FrictionHessian
+        | Quantity::FrictionTangent
+        | Quantity::BehaviorTangent => {}
     }
     found
 }
@@ -272,10 +295,9 @@ fn second_variation(row: &[f64], pair: &Pair<f64>) -> Vec<(usize, usize, f64)> {
     terms
 }
 
-fn matrix_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
+fn matrix_mistakes(entries: &Entries<f64>, first: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     let mut found = swapped_components(entries, DOFS * DOFS);
     let pair = scene.case.last().map(|step| step.state.pair);
-    let first = scene.numbers.entries(Quantity::FirstDerivatives);
     for (k, matrix) in entries.0.iter().enumerate() {
         let Some(matrix) = matrix else { continue };
         let at = |i: usize, j: usize| matrix[i * DOFS + j];

@@ -162,6 +162,14 @@ pub struct WideAnswers {
 impl WideAnswers {
     /// At the end of a case.
     pub fn of(truth: &Truth) -> Self {
+        let mut answers = Self::of_kinematics(truth);
+        answers.differences.set(Quantity::NodalForces, truth.force_rows());
+        answers.differences.set(Quantity::GeometricStiffness, truth.force_row_changes());
+        answers
+    }
+
+    /// At the end of a case, without forces by differences.
+    pub fn of_kinematics(truth: &Truth) -> Self {
         let mut differences = Numbers::default();
         differences.set(Quantity::Value, truth.value());
         differences.set(Quantity::FirstDerivatives, truth.first());

@@ -1,14 +1,18 @@
 //! `pintle eval`.
 
+use super::history::{History, Survey};
 use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
 use pintle::behavior::state::Velocities;
 use pintle::connector::{Flag, Output, Request};
 use pintle::evaluate::{
-    Branches, ElementBehavior, Fixed, Item, Jacobian, Model, Plan, Selection, Sequence, request,
+    Branches, ElementBehavior, Fixed, ForceCheck, Item, Jacobian, Model, Plan, Selection, Sequence, request,
 };
 use pintle::report::{self, Block, Format, Kind, Subject};
-use pintle::scene::{Diagnostic, Example, ForceFile, ForceSign, GALLERY, Scene, State, StateFile};
+use pintle::scene::{
+    Diagnostic, ElementForces, Example, ForceFile, ForceSign, GALLERY, Label, Scene, State, StateFile,
+};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Cursor, IsTerminal, Write};
 use std::path::Path;
@@ -33,6 +37,15 @@ pub(crate) struct Loaded {
     pub(crate) model: Model,
 }
 
+/// A scene that is to be evaluated.
+struct Run {
+    scene: Scene,
+    history: History,
+    survey: Survey,
+    forces: Option<ForceFile>,
+    model: Model,
+}
+
 /// A connector or MPC at one state, worked into what is written and told of it.
 struct Rendered {
     kind: Kind,
@@ -52,17 +65,17 @@ struct Care {
 /// Evaluates scenes and writes the results.
 pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
     let sources = sources(arguments)?;
-    let mut loaded = sources
+    let runs = sources
         .iter()
         .map(|source| of_arguments(*source, arguments))
-        .collect::<Result<Vec<Loaded>, Failure>>()?;
-    let request = wanted(arguments, &loaded)?;
+        .collect::<Result<Vec<Run>, Failure>>()?;
+    let request = wanted(arguments, &runs)?;
     if matches!(arguments.format, EvalFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());
         let width = page_width(&io::stdout());
         let style =
             report::human::Style { width, digits: usize::from(arguments.digits), verbose: arguments.verbose };
-        walk(arguments, &mut loaded, &request, &mut report::human::Human::new(&mut out, style))
+        walk(arguments, &runs, &request, &mut report::human::Human::new(&mut out, style))
     } else {
         let mut out = BufWriter::new(io::stdout().lock());
         match arguments.format {
@@ -71,12 +84,12 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
                 let has_slopes = request.outputs().any(|output| output == Output::TANGENT);
                 let order = request.order.max(u8::from(has_slopes));
                 let mut format = report::csv::Csv::new(&mut out, outputs, order);
-                walk(arguments, &mut loaded, &request, &mut format)?;
+                walk(arguments, &runs, &request, &mut format)?;
                 drop(format);
                 Ok(out.flush()?)
             }
             EvalFormat::Json | EvalFormat::Human => {
-                walk(arguments, &mut loaded, &request, &mut report::json::Json::new(&mut out))
+                walk(arguments, &runs, &request, &mut report::json::Json::new(&mut out))
             }
         }
     }
@@ -112,17 +125,24 @@ pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
 }
 
 /// A scene with its states, or the initial one, and its forces.
-fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
+fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
     let sign = match arguments.force_sign {
         Sign::Internal => ForceSign::Internal,
         Sign::ConstraintsOnB => ForceSign::ConstraintsOnB,
     };
-    let mut loaded =
-        load(source, arguments.states.as_deref(), arguments.forces.as_deref().map(|f| (f, sign)))?;
-    if loaded.states.is_empty() {
-        loaded.states.push(State::default());
-    }
-    Ok(loaded)
+    let forces = arguments.forces.as_deref().map(|file| (file, sign));
+    let Loaded { scene, mut states, forces, model } = load(source, None, forces)?;
+    let history = match &arguments.states {
+        Some(file) => History::open(file, &scene)?,
+        None => {
+            if states.is_empty() {
+                states.push(State::default());
+            }
+            History::Held(states)
+        }
+    };
+    let survey = history.survey(&scene)?;
+    Ok(Run { scene, history, survey, forces, model })
 }
 
 /// Reads and resolves a scene, and says what deserves a look.
@@ -159,30 +179,28 @@ pub(crate) fn load(
 }
 
 /// The request: the outputs named, or what the scenes suggest.
-fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
+fn wanted(arguments: &Eval, runs: &[Run]) -> Result<Request, Failure> {
     let order = arguments.order.unwrap_or(u8::from(arguments.outputs.is_empty()));
     if !arguments.outputs.is_empty() {
         let names = arguments.outputs.iter().map(String::as_str);
         return request(names, order).map_err(|error| Failure::Usage(error.to_string()));
     }
     let mut outputs = vec![Output::CP, Output::CU, Output::RES];
-    if loaded.iter().any(|loaded| loaded.states.iter().any(moves)) {
+    if runs.iter().any(|run| run.survey.moves) {
         outputs.extend([Output::CV, Output::CA]);
     }
-    let stops = |loaded: &Loaded| {
-        loaded.model.connectors.iter().any(|element| element.connector.stops().iter().any(Option::is_some))
+    let stops = |run: &Run| {
+        run.model.connectors.iter().any(|element| element.connector.stops().iter().any(Option::is_some))
     };
-    let elements = || loaded.iter().flat_map(|loaded| &loaded.model.connectors);
+    let elements = || runs.iter().flat_map(|run| &run.model.connectors);
     let acts = |what: fn(&ElementBehavior) -> bool| elements().any(|one| what(&one.behavior));
-    if loaded.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
+    if runs.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
         outputs.push(Output::CSLST);
     }
-    let has_forces = |loaded: &Loaded| {
-        loaded.forces.is_some() || loaded.states.iter().any(|state| !state.forces.is_empty())
-    };
+    let has_forces = |run: &Run| run.forces.is_some() || run.survey.has_forces();
     // What presses are mostly constraint forces.
     let slides = acts(|one| one.behavior.tells_friction())
-        || loaded.iter().any(has_forces) && acts(|one| !one.behavior.friction.frictions.is_empty());
+        || runs.iter().any(has_forces) && acts(|one| !one.behavior.friction.frictions.is_empty());
     for (output, is_there) in [
         (Output::CEF, acts(|one| one.behavior.elasticity.components().contains(&true))),
         (Output::CVF, acts(|one| one.behavior.damping.components().contains(&true))),
@@ -195,7 +213,7 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     ] {
         outputs.extend(is_there.then_some(output));
     }
-    if loaded.iter().any(has_forces) {
+    if runs.iter().any(has_forces) {
         outputs.push(Output::CTF);
         outputs.extend(
             elements().any(|element| element.connector.connection().printed.is_some()).then_some(Output::PM),
@@ -205,46 +223,39 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     Ok(Request::new(&outputs, [true; 6], order))
 }
 
-/// Gives component forces to the states, the first of which has the number `first`, and checks them all.
-fn give(
-    states: &mut [State],
-    forces: Option<&ForceFile>,
-    model: &Model,
-    first: u64,
-    arguments: &Eval,
-) -> Result<(), Failure> {
+/// The forces of a file by the places of states.
+type Assigned<'a> = BTreeMap<usize, &'a BTreeMap<Label, ElementForces>>;
+
+/// Finds the states, the first of which has the number `first`, that the forces of a file belong to, and checks all forces.
+fn assign<'a>(run: &'a Run, first: u64, arguments: &Eval) -> Result<Assigned<'a>, Failure> {
     let show = |file: &Path, diagnostic: Diagnostic| match File::open(file) {
         Ok(text) => diagnostic.with_source(BufReader::new(text)),
         Err(_) => diagnostic,
     };
+    let Run { scene, history, survey, forces, model } = run;
     let file = arguments.forces.as_deref().or(arguments.states.as_deref());
     let file = file.or(arguments.scene.as_deref().map(Path::new)).unwrap_or(Path::new(""));
-    if let Some(forces) = forces {
-        forces.attach(states, first).map_err(|error| show(file, error))?;
+    let assigned = match forces {
+        Some(forces) => forces.assign(&survey.marks, first).map_err(|error| show(file, error))?,
+        None => Assigned::new(),
+    };
+    if assigned.is_empty() && !survey.has_forces() {
+        return Ok(assigned);
     }
-    let checked = model.check_forces(states, first, &file.display().to_string());
-    Ok(checked.map_err(|error| show(file, error))?)
-}
-
-/// Whether a state has rates.
-fn moves(state: &State) -> bool {
-    let still = [0.0; 3];
-    state.nodes.values().any(|node| {
-        [node.velocity, node.angular_velocity, node.acceleration, node.angular_acceleration]
-            .iter()
-            .any(|rate| *rate != still)
-            || node.flow_velocity != 0.0
-            || node.flow_acceleration != 0.0
-    })
+    let (check, name) = (ForceCheck::new(model), file.display().to_string());
+    let numbers = survey.numbers(first);
+    let mut place = 0;
+    history.each(scene, |state| {
+        let forces = assigned.get(&place).copied().unwrap_or(&state.forces);
+        let number = numbers.get(place).copied().unwrap_or_default();
+        place += 1;
+        Ok(check.check(forces, number, &name).map_err(|error| show(file, error))?)
+    })?;
+    Ok(assigned)
 }
 
 /// Walks through the states of every scene, writing as it goes.
-fn walk(
-    arguments: &Eval,
-    loaded: &mut [Loaded],
-    request: &Request,
-    format: &mut dyn Format,
-) -> Result<(), Failure> {
+fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Format) -> Result<(), Failure> {
     let selection = match arguments.connector.as_slice() {
         [] => Selection::All,
         names => Selection::Named(names.to_vec()),
@@ -256,7 +267,8 @@ fn walk(
     let mut evaluated = 0;
     // What cannot be is said before anything is written.
     let mut walks = Vec::new();
-    for Loaded { scene, states, forces, model } in &mut *loaded {
+    for run in runs {
+        let Run { scene, survey, model, .. } = run;
         let plan = Plan::compile(model, &selection, request.clone())
             .map_err(|error| Failure::Usage(error.to_string()))?;
         if plan.connectors.is_empty() && plan.mpcs.is_empty() && arguments.scene.is_some() {
@@ -267,28 +279,33 @@ fn walk(
             Some(file) => resume(file, model, &plan)?,
             None => Branches::default(),
         };
-        give(states, forces.as_ref(), model, branches.states, arguments)?;
-        let numbers: Vec<u64> = (branches.states..)
-            .zip(&*states)
-            .map(|(counted, state)| state.number.unwrap_or(counted))
-            .collect();
+        let assigned = assign(run, branches.states, arguments)?;
+        let numbers = survey.numbers(branches.states);
         let shown = show.among(&numbers).map_err(Failure::Usage)?;
-        walks.push((plan, branches, shown, numbers));
+        walks.push((plan, branches, shown, numbers, assigned));
     }
     format.begin()?;
     let mut progress = Progress::new();
-    for (Loaded { scene, states, model, .. }, (plan, branches, shown, numbers)) in loaded.iter().zip(&walks) {
+    for (run, (plan, branches, shown, numbers, assigned)) in runs.iter().zip(&walks) {
+        let Run { scene, history, survey, model, .. } = run;
         let mut sequence = Sequence::resume(model, plan, branches.clone());
         let is_shown = |index: &u64| shown.iter().any(|range| range.contains(index));
         let last_shown = numbers.iter().copied().rfind(is_shown);
-        if !states.iter().any(moves) {
+        if !survey.moves {
             sequence.set_velocities(Velocities::Increments);
         }
         let [first, last] =
             [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
-        format.scene(&Subject { scene, model, plan, states: states.len(), shown, first, last })?;
-        for (done, (state, index)) in states.iter().zip(numbers.iter().copied()).enumerate() {
-            progress.tick(&scene.name, done, states.len());
+        format.scene(&Subject { scene, model, plan, states: numbers.len(), shown, first, last })?;
+        let mut done = 0;
+        history.each(scene, |given| {
+            let with_forces = assigned
+                .get(&done)
+                .map(|forces| Box::new(State { forces: (*forces).clone(), ..given.clone() }));
+            let state = with_forces.as_deref().unwrap_or(given);
+            let index = numbers.get(done).copied().unwrap_or_default();
+            progress.tick(&scene.name, done, numbers.len());
+            done += 1;
             if is_shown(&index) {
                 if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
                     let told = save_jacobian(file, (scene, model, plan), sequence.clone(), (index, state))?;
@@ -323,11 +340,14 @@ fn walk(
                         Item::Connector(result) => &result.flags,
                         Item::Mpc(result) => &result.flags,
                     };
-                    care.see(index, &title(model, &item), flags);
+                    if !flags.is_empty() {
+                        care.see(index, &title(model, &item), flags);
+                    }
                     Ok(())
                 })?;
             }
-        }
+            Ok(())
+        })?;
         format.end_scene(sequence.tally())?;
         if let Some(file) = &arguments.save_branches {
             save(file, &scene.name, &sequence.branches())?;

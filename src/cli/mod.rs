@@ -5,6 +5,7 @@ pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
 mod failure;
+mod history;
 pub(crate) mod manual;
 mod page;
 pub(crate) mod replay;
@@ -364,11 +365,16 @@ Examples:
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
 
-/// Gives the pool of rayon its number of threads, if there is one to give.
+/// The stack of every thread, in bytes: derivatives of derivatives lie on it, whole, in a build without optimisation.
+pub(crate) const STACK: usize = 64 << 20;
+
+/// Gives the pool of rayon its stacks, and its number of threads if there is one to give.
 pub(crate) fn use_threads(count: Option<u16>) -> Result<(), Failure> {
-    let Some(count) = count else { return Ok(()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(count));
-    pool.build_global().map_err(|error| Failure::Usage(format!("{count} threads cannot be started: {error}")))
+    let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count.map_or(0, usize::from));
+    pool.build_global().map_err(|error| {
+        let asked = count.map_or_else(String::new, |count| format!("{count} "));
+        Failure::Usage(format!("{asked}threads cannot be started: {error}"))
+    })
 }
 
 /// The width of a page: that of the terminal; elsewhere the environment's COLUMNS, or 100.

@@ -9,7 +9,7 @@ use crate::connector::{
 use crate::force::{ForceRows, Want};
 use crate::measure::SingularClass;
 use crate::scene::{Code, Diagnostic, ElementForces, ForceSign, Label, State as SceneState};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// What the forces of a connector's components give at one state; each part is present where it was asked for.
 #[derive(Clone, Debug)]
@@ -51,19 +51,43 @@ impl Model {
     /// # Errors
     /// The first that does not, with its state, element, component and a remedy.
     pub fn check_forces(&self, states: &[SceneState], first: u64, file: &str) -> Result<(), Diagnostic> {
-        let elements: HashMap<Label, &ConnectorElement> =
-            self.connectors.iter().map(|element| (element.label, element)).collect();
-        for (counted, state) in (first..).zip(states) {
-            let number = state.number.unwrap_or(counted);
-            for (label, given) in &state.forces {
-                let Some(element) = elements.get(label) else { continue };
-                let Err(Fault { code, message, remedy }) = component_forces(&element.connector, given) else {
-                    continue;
-                };
-                let name = &element.connector.connection().name;
-                let message = format!("state {number}, {name} {label}: {message}");
-                return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
-            }
+        let check = ForceCheck::new(self);
+        (first..).zip(states).try_for_each(|(counted, state)| {
+            check.check(&state.forces, state.number.unwrap_or(counted), file)
+        })
+    }
+}
+
+/// Whether forces belong to connectors that have them, for one state at a time.
+#[derive(Clone, Debug)]
+pub struct ForceCheck<'a> {
+    elements: HashMap<Label, &'a ConnectorElement>,
+}
+
+impl<'a> ForceCheck<'a> {
+    /// For the connectors of a model.
+    pub fn new(model: &'a Model) -> Self {
+        Self { elements: model.connectors.iter().map(|element| (element.label, element)).collect() }
+    }
+
+    /// Whether the forces of the state called `number` are those of connectors; `file` is where they were read.
+    ///
+    /// # Errors
+    /// The first that does not belong, with its state, element, component and a remedy.
+    pub fn check(
+        &self,
+        forces: &BTreeMap<Label, ElementForces>,
+        number: u64,
+        file: &str,
+    ) -> Result<(), Diagnostic> {
+        for (label, given) in forces {
+            let Some(element) = self.elements.get(label) else { continue };
+            let Err(Fault { code, message, remedy }) = component_forces(&element.connector, given) else {
+                continue;
+            };
+            let name = &element.connector.connection().name;
+            let message = format!("state {number}, {name} {label}: {message}");
+            return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
         }
         Ok(())
     }

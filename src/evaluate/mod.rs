@@ -20,7 +20,7 @@ mod sequence;
 mod shared;
 
 pub use belt::Ring;
-pub use forces::ForceResult;
+pub use forces::{ForceCheck, ForceResult};
 pub use jacobian::{CompressedColumns, Equation, Fixed, ForeignPattern, Freedom, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};

@@ -92,7 +92,6 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
     ) -> ForceRows<R> {
         let triad_a = state.pair.a.triad;
-        let frozen = self.frozen_axes();
         let mut rows: Components<ForceRow<R>> = [const { None }; 6];
         let mut gradients: Vec<(usize, Measure)> = Vec::new();
         let mut tension = None;
@@ -107,11 +106,9 @@ impl<R: Differentiable> Connector<R> {
                     tension = Some(k);
                     gradients.push((k, Measure::Distance));
                 }
-                Loading::AlongA(i) => {
-                    rows[k] = Some(self.carried(column(&triad_a, i - 1), want.stiffness));
-                }
-                Loading::FrozenAxis(i) => {
-                    rows[k] = Some(self.carried(apply(&triad_a, frozen[i - 1]), want.stiffness));
+                Loading::AlongA(_) | Loading::FrozenAxis(_) => {
+                    let axis = self.moment_axis(k, &triad_a);
+                    rows[k] = axis.map(|axis| self.carried(axis, want.stiffness));
                 }
             }
         }
@@ -185,6 +182,15 @@ impl<R: Differentiable> Connector<R> {
             triad_a,
             axes,
             printed,
+        }
+    }
+
+    /// The direction, carried by a, along which a unit constraint moment of component k acts on b, where it is printed so.
+    pub(crate) fn moment_axis(&self, k: usize, triad_a: &Matrix<R>) -> Option<Vector<R>> {
+        match self.connection().loading(k)? {
+            Loading::AlongA(i) => Some(column(triad_a, i - 1)),
+            Loading::FrozenAxis(i) => Some(apply(triad_a, self.frozen_axes()[i - 1])),
+            Loading::Conjugate | Loading::Tension => None,
         }
     }
 

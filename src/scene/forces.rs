@@ -20,7 +20,7 @@ use super::diagnostic::{Code, Diagnostic, Result};
 use super::label::Label;
 use super::model::Scene;
 use super::span::{Span, Spanned};
-use super::states::{self, Context, CsvRow, Fault, State};
+use super::states::{self, Context, CsvRow, Fault, State, StateMark};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -231,19 +231,42 @@ impl ForceFile {
     /// # Errors
     /// Forces of a state that there is not, of a time that no state or several have, or of a state that has forces already.
     pub fn attach(&self, states: &mut [State], first: u64) -> Result<()> {
+        let marks: Vec<StateMark> = states.iter().map(StateMark::of).collect();
+        for (index, forces) in self.assign(&marks, first)? {
+            if let Some(state) = states.get_mut(index) {
+                state.forces.clone_from(forces);
+            }
+        }
+        Ok(())
+    }
+
+    /// The forces by the places of the states they belong to, of states that are known by their marks only.
+    ///
+    /// # Errors
+    /// Those of [`ForceFile::attach`].
+    pub fn assign(
+        &self,
+        states: &[StateMark],
+        first: u64,
+    ) -> Result<BTreeMap<usize, &BTreeMap<Label, ElementForces>>> {
         let known = Known::of(states, first);
+        let mut assigned = BTreeMap::new();
         for group in &self.groups {
             let index = self.index(group, states, &known)?;
-            let Some(state) = states.get_mut(index) else { continue };
-            if !state.forces.is_empty() {
+            let Some(state) = states.get(index) else { continue };
+            let is_given = assigned.contains_key(&index);
+            if state.has_forces || is_given {
                 let number = state.number.unwrap_or(first + index as u64);
                 let message = format!("state {number} is given forces twice");
                 let remedy = "keep one of them: in the file of states or in that of forces, once";
                 return Err(self.fail(Code::ForcesRepeatedElement, group, message, remedy));
             }
-            state.forces.clone_from(&group.forces);
+            // An empty group gives nothing.
+            if !group.forces.is_empty() {
+                assigned.insert(index, &group.forces);
+            }
         }
-        Ok(())
+        Ok(assigned)
     }
 
     /// The name of the file.
@@ -255,7 +278,7 @@ impl ForceFile {
         Diagnostic::error(code, group.span, message, "here").help(remedy).in_file(&self.name)
     }
 
-    fn index(&self, group: &Group, states: &[State], known: &Known) -> Result<usize> {
+    fn index(&self, group: &Group, states: &[StateMark], known: &Known) -> Result<usize> {
         let fail =
             |message: String, remedy: &str| Err(self.fail(Code::ForcesUnknownState, group, message, remedy));
         let remedy = "give the numbers of the states, as `pintle eval` prints them, in `state`";
@@ -297,7 +320,7 @@ struct Known {
 }
 
 impl Known {
-    fn of(states: &[State], first: u64) -> Self {
+    fn of(states: &[StateMark], first: u64) -> Self {
         let numbered = (first..).zip(states).enumerate();
         let numbers = numbered.map(|(index, (counted, state))| (state.number.unwrap_or(counted), index));
         let timed = states.iter().enumerate();
@@ -330,39 +353,45 @@ fn csv_groups(text: &str, scene: &Scene, sign: ForceSign) -> Result<Vec<Group>> 
     let mut seen: HashSet<(Option<u64>, Option<u64>)> = HashSet::new();
     let known = || KEYS.into_iter().chain(NAMES.iter().map(|(name, _)| *name));
     let find = |field: &str| known().find(|known| known.eq_ignore_ascii_case(field));
-    states::csv_rows(text, &known().collect::<Vec<_>>(), find, "element", |row: &CsvRow<'_>| {
-        let (state, time) = (row.integer("state")?, row.number("time")?);
-        let is_same = groups.last().is_some_and(|last| last.state == state && last.time == time);
-        if !is_same {
-            let key = (state, time.filter(|_| state.is_none()).map(f64::to_bits));
-            if !seen.insert(key) {
-                let message = "rows of one state are apart, or have different times";
-                return Err(Diagnostic::error(Code::StatesOrder, row.span(), message, "this row")
-                    .help("put the rows of a state together, all with its number and time"));
+    states::csv_rows(
+        states::Source::Text(text),
+        &known().collect::<Vec<_>>(),
+        find,
+        "element",
+        |row: &CsvRow<'_>| {
+            let (state, time) = (row.integer("state")?, row.number("time")?);
+            let is_same = groups.last().is_some_and(|last| last.state == state && last.time == time);
+            if !is_same {
+                let key = (state, time.filter(|_| state.is_none()).map(f64::to_bits));
+                if !seen.insert(key) {
+                    let message = "rows of one state are apart, or have different times";
+                    return Err(Diagnostic::error(Code::StatesOrder, row.span(), message, "this row")
+                        .help("put the rows of a state together, all with its number and time"));
+                }
+                groups.push(Group { state, time, forces: BTreeMap::new(), span: row.span() });
             }
-            groups.push(Group { state, time, forces: BTreeMap::new(), span: row.span() });
-        }
-        let Some(element) = row.label("element")? else {
-            return Err(Diagnostic::error(
-                Code::StatesMalformedNumber,
-                row.span(),
-                "a row without an element",
-                "this row",
-            )
-            .help("give the element number in the column `element`"));
-        };
-        let Some(group) = groups.last_mut() else { return Ok(()) };
-        check_element(element, scene, &group.forces)
-            .map_err(|fault| fault.at(row.place("element"), "this element"))?;
-        let mut forces = ElementForces { sign, span: row.span(), ..ElementForces::default() };
-        for (name, _) in &NAMES {
-            if let Some(value) = row.number(name)? {
-                forces.set(name, value).map_err(|fault| fault.at(row.place(name), "this column"))?;
+            let Some(element) = row.label("element")? else {
+                return Err(Diagnostic::error(
+                    Code::StatesMalformedNumber,
+                    row.span(),
+                    "a row without an element",
+                    "this row",
+                )
+                .help("give the element number in the column `element`"));
+            };
+            let Some(group) = groups.last_mut() else { return Ok(()) };
+            check_element(element, scene, &group.forces)
+                .map_err(|fault| fault.at(row.place("element"), "this element"))?;
+            let mut forces = ElementForces { sign, span: row.span(), ..ElementForces::default() };
+            for (name, _) in &NAMES {
+                if let Some(value) = row.number(name)? {
+                    forces.set(name, value).map_err(|fault| fault.at(row.place(name), "this column"))?;
+                }
             }
-        }
-        group.forces.insert(element, forces);
-        Ok(())
-    })?;
+            group.forces.insert(element, forces);
+            Ok(())
+        },
+    )?;
     Ok(groups)
 }
 

@@ -93,4 +93,4 @@ pub use model::{
 };
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};
-pub use states::{MAX_ROTATION, NodeMotion, Rotation, State, StateFile};
+pub use states::{MAX_ROTATION, NodeMotion, Rotation, State, StateFile, StateMark, StateStream};

@@ -74,6 +74,15 @@ pub struct Criterion {
     pub output: &'static str,
 }
 
+/// A mistake that is made in the factors of predefined friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FactorMistake {
+    /// 1/L for 2/L.
+    NumberLeftOut,
+    /// Times R_r instead of divided by it.
+    Multiplied,
+}
+
 /// Φ and what it is formed from, for a given coefficient.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point<S> {
@@ -354,6 +363,35 @@ impl Criterion {
             internal: Internal::Constant(criterion.internal.map_or(0.0, |i| number(Quantity::Parameter(i)))),
             output: criterion.output,
         })
+    }
+
+    /// The same with one mistake in a factor, for every factor in which it can be made: a check of the criterion must notice.
+    pub(crate) fn factor_mistakes(&self) -> Vec<(FactorMistake, Self)> {
+        let mut found = Vec::new();
+        if let Pressing::Terms(terms) = &self.pressing {
+            for (i, term) in terms.iter().enumerate() {
+                let mut with = |mistake, changed: Term| {
+                    let mut terms = terms.clone();
+                    terms[i] = changed;
+                    found.push((mistake, Self { pressing: Pressing::Terms(terms), ..self.clone() }));
+                };
+                if term.number != 1 {
+                    with(FactorMistake::NumberLeftOut, Term { number: 1, ..term.clone() });
+                }
+                if let Some(over) = term.over {
+                    with(FactorMistake::Multiplied, Term { over: Some(1.0 / over), ..term.clone() });
+                }
+            }
+        }
+        if let Tangential::Norm(components) = &self.tangential {
+            for (i, (component, radius)) in components.iter().enumerate().filter(|(_, (_, r))| *r != 1.0) {
+                let mut components = components.clone();
+                components[i] = (*component, 1.0 / radius);
+                let wrong = Self { tangential: Tangential::Norm(components), ..self.clone() };
+                found.push((FactorMistake::Multiplied, wrong));
+            }
+        }
+        found
     }
 
     /// P, F_C, F_N and Φ at given forces f1, f2, f3, m1, m2, m3 and a given coefficient, and what needs care there.

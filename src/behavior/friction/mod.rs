@@ -27,6 +27,7 @@ mod update;
 pub use belt::{Belt, BeltInput, BeltTangent, FLOW, wrap_angle};
 pub use build::{Frictions, of_behavior};
 pub use coefficient::{Coefficient, CoefficientError};
+pub(crate) use criterion::FactorMistake;
 pub use criterion::{Criterion, Derivatives, Internal, ParameterError, Point, Pressing, Tangential, Term};
 pub use derived::{Contribution, Derived, DerivedPart, Form, Potential, PotentialError};
 pub use flags::Flag;
