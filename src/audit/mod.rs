@@ -13,13 +13,18 @@
 //! | the formula is the manual's | JAX, certified per type ([`certificate`]) |
 //! | the declaration is the manual's | its summary table, transcribed a second time, certified per type |
 
+pub mod assembly;
 pub mod atlas;
 pub mod bound;
 mod candidate;
 pub mod case;
 pub mod certificate;
 pub mod counterexample;
+<<<<<<< HEAD
 pub mod diagnosis;
+=======
+pub mod coverage;
+>>>>>>> main
 mod engine;
 mod force;
 pub mod friction;
@@ -46,7 +51,11 @@ pub use bound::{Bound, C, U};
 pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
 pub use counterexample::CounterExample;
+<<<<<<< HEAD
 pub use diagnosis::{Cause, Diagnosis, Explained};
+=======
+pub use coverage::Coverage;
+>>>>>>> main
 pub use engine::{Settings, audit_case, audit_cases, audit_catalogue};
 pub use force::product_with_forces as product;
 pub use friction::{FrictionCase, friction_cases};

@@ -247,9 +247,9 @@ codes! {
     AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant. A warning.";
 
     CoverageIdentity = "coverage::identity": "The states saw only the neighbourhood of the initial one: an error in terms that vanish there would not show. A warning.";
-    CoverageOneNode = "coverage::one-node": "Only one node of the connectors was rotated in the states: terms in the rotation of the other were never exercised. A warning.";
-    CoverageUndeformed = "coverage::undeformed": "No component that is free to move was moved in any state: the nodes moved together, as one rigid body. A warning.";
-    CoverageSmallAngles = "coverage::small-angles": "No relative rotation in the states exceeds 0.1 rad: formulas that agree for small angles cannot be told apart. A warning.";
+    CoverageOneNode = "coverage::one-node": "In no state were both nodes of a connector rotated: terms in which the rotations of both meet were never exercised. A note.";
+    CoverageUndeformed = "coverage::undeformed": "No component that is free to move was moved in any state: the nodes moved together, as one rigid body. A note.";
+    CoverageSmallAngles = "coverage::small-angles": "No relative rotation in the states exceeds 0.1 rad: formulas that agree for small angles cannot be told apart. A note.";
 }
 
 impl Code {
