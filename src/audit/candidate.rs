@@ -28,11 +28,8 @@
 use super::bound::Bound;
 use super::case::{Case, dof_size, moved};
 use super::certificate::certificate;
-<<<<<<< HEAD
-use super::diagnosis::Symptoms;
-=======
 use super::coverage::Coverage;
->>>>>>> main
+use super::diagnosis::Symptoms;
 use super::engine::{Settings, checks_of};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
 use super::outcome::{Against, Check, Report, Subject};

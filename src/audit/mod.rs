@@ -20,11 +20,8 @@ mod candidate;
 pub mod case;
 pub mod certificate;
 pub mod counterexample;
-<<<<<<< HEAD
-pub mod diagnosis;
-=======
 pub mod coverage;
->>>>>>> main
+pub mod diagnosis;
 mod engine;
 mod force;
 pub mod friction;
@@ -51,11 +48,8 @@ pub use bound::{Bound, C, U};
 pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
 pub use counterexample::CounterExample;
-<<<<<<< HEAD
-pub use diagnosis::{Cause, Diagnosis, Explained};
-=======
 pub use coverage::Coverage;
->>>>>>> main
+pub use diagnosis::{Cause, Diagnosis, Explained};
 pub use engine::{Settings, audit_case, audit_cases, audit_catalogue};
 pub use force::product_with_forces as product;
 pub use friction::{FrictionCase, friction_cases};
