@@ -13,12 +13,15 @@
 //! | the formula is the manual's | JAX, certified per type ([`certificate`]) |
 //! | the declaration is the manual's | its summary table, transcribed a second time, certified per type |
 
+pub mod assembly;
 pub mod atlas;
 pub mod bound;
 mod candidate;
 pub mod case;
 pub mod certificate;
 pub mod counterexample;
+pub mod coverage;
+pub mod diagnosis;
 mod engine;
 mod force;
 pub mod friction;
@@ -45,6 +48,8 @@ pub use bound::{Bound, C, U};
 pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
 pub use counterexample::CounterExample;
+pub use coverage::Coverage;
+pub use diagnosis::{Cause, Diagnosis, Explained};
 pub use engine::{Settings, audit_case, audit_cases, audit_catalogue};
 pub use force::product_with_forces as product;
 pub use friction::{FrictionCase, friction_cases};
