@@ -1,12 +1,15 @@
 //! The tests, in one binary: each module asks one question of the whole.
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod assembly; // what assemblies of known mobility can do
 mod audit; // whether the audit notices what is wrong, and nothing else
 mod audit_command; // the audit and replay through the command line: exit codes, formats, counter-examples
 mod behavior; // forces that follow from motions
 mod cli; // the command line
 mod closed; // rows derived by hand
 mod convert; // scenes in other forms
+mod diagnosis; // whether what is wrong is told why
+mod export; // exported programs, compiled and run
 mod faults; // what is said about every faulty input
 mod findings; // what an audit finds in models
 mod freedom; // which degrees of freedom nodes have

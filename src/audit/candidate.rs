@@ -28,6 +28,8 @@
 use super::bound::Bound;
 use super::case::{Case, dof_size, moved};
 use super::certificate::certificate;
+use super::coverage::Coverage;
+use super::diagnosis::Symptoms;
 use super::engine::{Settings, checks_of};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
 use super::outcome::{Against, Check, Report, Subject};
@@ -73,18 +75,35 @@ impl<'a> Candidate<'a> {
         self
     }
 
+    /// Which region of configuration space the states exercise at which a routine of this name is checked.
+    pub fn coverage(&self) -> Coverage {
+        let mut coverage = Coverage::default();
+        for (_, case) in self.cases() {
+            if let Some(step) = case.last() {
+                coverage.add(self.definition, &step.state);
+            }
+        }
+        coverage
+    }
+
+    /// The states, with their places.
+    fn cases(&self) -> impl Iterator<Item = (usize, Case)> {
+        let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.name));
+        let length = norm(self.definition.initial.reference).max(self.reference_length);
+        let length = if length > 0.0 { length } else { 1.0 };
+        (0..self.settings.states).filter_map(move |i| {
+            let name = format!("{} state {i}", self.name);
+            Some((i, about_initial(self.definition, i, length, name, &mut draw)?))
+        })
+    }
+
     /// Draws states about the initial one and checks what the routine gives there: its values against the connector's, its
     /// Jacobian against differences on 237 bits *and* against differences of its own values, so that a wrong derivative is told
     /// from another formula.
     pub fn check(&self, routine: impl Fn(&State<f64>) -> Given) -> Report {
-        let draw = &mut Draw::new(&format!("{} {}", self.settings.seed, self.name));
-        let length = norm(self.definition.initial.reference).max(self.reference_length);
-        let length = if length > 0.0 { length } else { 1.0 };
         let mut found: Vec<Check> = Vec::new();
         let mut cases = 0;
-        for i in 0..self.settings.states {
-            let name = format!("{} state {i}", self.name);
-            let Some(case) = about_initial(self.definition, i, length, name, draw) else { continue };
+        for (i, case) in self.cases() {
             cases += 1;
             let wide = i < self.settings.wide_states;
             checks_of(&mut found, self.judge(&case, &routine, wide));
@@ -100,6 +119,7 @@ impl<'a> Candidate<'a> {
             constant: super::C,
             subjects: vec![subject],
             atlas: Vec::new(),
+            models: Vec::new(),
         }
     }
 
@@ -126,6 +146,7 @@ impl<'a> Candidate<'a> {
             let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
             check.add(judgement, Score::default(), case);
+            check.explain(&Symptoms { quantity, got, want: &trusted, case, bound: &bound }, &answer.numbers);
             if let Some((k, i, _)) = missing {
                 check.missing(quantity.entry_name(k, i), case);
             }

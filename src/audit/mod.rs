@@ -13,6 +13,7 @@
 //! | the formula is the manual's | JAX, certified per type ([`certificate`]) |
 //! | the declaration is the manual's | its summary table, transcribed a second time, certified per type |
 
+pub mod assembly;
 pub mod atlas;
 mod behavior;
 pub mod bound;
@@ -20,6 +21,8 @@ mod candidate;
 pub mod case;
 pub mod certificate;
 pub mod counterexample;
+pub mod coverage;
+pub mod diagnosis;
 mod engine;
 mod force;
 pub mod friction;
@@ -46,6 +49,8 @@ pub use bound::{Bound, C, U};
 pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
 pub use counterexample::CounterExample;
+pub use coverage::Coverage;
+pub use diagnosis::{Cause, Diagnosis, Explained};
 pub use engine::{Planted, Settings, audit_case, audit_cases, audit_catalogue};
 pub use force::product_with_forces as product;
 pub use friction::{FrictionCase, friction_cases};

@@ -78,6 +78,9 @@ impl Conditions {
     }
 }
 
+/// How far a given force may differ from the sum of its parts, relative to them: files of forces have six digits or so.
+pub(crate) const PRINTED: f64 = 1e-5;
+
 /// Why a force is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -108,6 +111,8 @@ pub enum Unknown {
     ContactForce,
     /// Friction was not known at an earlier state, so that what it left is not known.
     FrictionHistory,
+    /// It follows from a velocity that is neither given nor asked for (output CV).
+    Rate,
     /// Plasticity or damage acts on the component, and is not evaluated.
     Inelastic,
 }
@@ -131,6 +136,7 @@ impl Unknown {
             Self::FrictionHistory => {
                 "friction was not known at an earlier state, so that what it left is not known"
             }
+            Self::Rate => "it follows from a velocity that is neither given nor asked for (CV)",
             Self::Inelastic => "plasticity or damage acts on the component, and is not evaluated",
         }
     }

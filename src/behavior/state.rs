@@ -15,7 +15,7 @@ use super::elasticity::Elasticity;
 use super::friction::{self, Frictions};
 use super::limits::{Criterion, Passed, Verdict};
 use super::slide::{Beyond, Slip};
-use super::{Conditions, ForceKink, Forces, Motion, Unknown};
+use super::{Conditions, ForceKink, Forces, Motion, PRINTED, Unknown};
 use crate::catalog::ConnectionType;
 use crate::connector::{Components, Mask, Stop, StopStatus};
 use crate::scene::{self, Diagnostic, MotionType};
@@ -94,9 +94,6 @@ pub struct Kinematics<'a> {
     /// The belt on the other side of the ring at b, where there is one.
     pub beyond: Option<Beyond>,
 }
-
-/// How far a given force may differ from the sum of its parts, relative to them: files of forces have six digits or so.
-const PRINTED: f64 = 1e-5;
 
 /// Something that happened at a state, or needs care.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -350,7 +347,7 @@ impl Behavior {
             load,
             reaction: Forces::none(),
             total: Forces::none(),
-            prescribed: prescribed.map(|prescribed| prescribed.map(real_part)),
+            prescribed: prescribed.map(|prescribed| prescribed.map(Prescribed::real)),
             residual: [None; 6],
             held: stopped,
             locked,
@@ -663,13 +660,15 @@ fn add(mask: &mut Mask, component: u8) {
     }
 }
 
-/// Without the time derivatives.
-fn real_part(prescribed: Prescribed<Dual2_64>) -> Prescribed<f64> {
-    match prescribed {
-        Prescribed::Displacement(value) => Prescribed::Displacement(value.re),
-        Prescribed::Velocity(value) => Prescribed::Velocity(value.re),
-        Prescribed::Acceleration(value) => Prescribed::Acceleration(value.re),
-        Prescribed::Unknown(kind, unknown) => Prescribed::Unknown(kind, unknown),
+impl Prescribed<Dual2_64> {
+    /// Without the time derivatives.
+    pub(crate) const fn real(self) -> Prescribed<f64> {
+        match self {
+            Self::Displacement(value) => Prescribed::Displacement(value.re),
+            Self::Velocity(value) => Prescribed::Velocity(value.re),
+            Self::Acceleration(value) => Prescribed::Acceleration(value.re),
+            Self::Unknown(kind, unknown) => Prescribed::Unknown(kind, unknown),
+        }
     }
 }
 

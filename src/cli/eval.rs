@@ -9,7 +9,7 @@ use pintle::evaluate::{
 };
 use pintle::report::{self, Block, Format, Kind, Subject};
 use pintle::scene::{
-    Diagnostic, ElementForces, Example, ForceFile, ForceSign, GALLERY, Label, Scene, State, StateFile,
+    Diagnostic, Example, ForceFile, ForceSign, GALLERY, Scene, State, StateFile, StateForces,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -194,6 +194,9 @@ fn wanted(arguments: &Eval, runs: &[Run]) -> Result<Request, Failure> {
     };
     let elements = || runs.iter().flat_map(|run| &run.model.connectors);
     let acts = |what: fn(&ElementBehavior) -> bool| elements().any(|one| what(&one.behavior));
+    let hinges = || runs.iter().flat_map(|run| &run.model.mpcs).flat_map(|mpc| &mpc.drives);
+    let is_loaded = hinges().any(|drives| drives.loads.iter().any(Option::is_some));
+    let is_driven = hinges().any(|drives| drives.motions.iter().any(Option::is_some));
     if runs.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
         outputs.push(Output::CSLST);
     }
@@ -207,9 +210,9 @@ fn wanted(arguments: &Eval, runs: &[Run]) -> Result<Request, Failure> {
         (Output::CSF, slides),
         (Output::CNF, slides),
         (Output::CASU, slides),
-        (Output::CCF, acts(|one| one.drives.loads.iter().any(Option::is_some))),
+        (Output::CCF, is_loaded || acts(|one| one.drives.loads.iter().any(Option::is_some))),
         (Output::CFAILST, acts(|one| !one.behavior.failures.is_empty())),
-        (Output::DRIVEN, acts(|one| one.drives.motions.iter().any(Option::is_some))),
+        (Output::DRIVEN, is_driven || acts(|one| one.drives.motions.iter().any(Option::is_some))),
     ] {
         outputs.extend(is_there.then_some(output));
     }
@@ -224,7 +227,7 @@ fn wanted(arguments: &Eval, runs: &[Run]) -> Result<Request, Failure> {
 }
 
 /// The forces of a file by the places of states.
-type Assigned<'a> = BTreeMap<usize, &'a BTreeMap<Label, ElementForces>>;
+type Assigned<'a> = BTreeMap<usize, &'a StateForces>;
 
 /// Finds the states, the first of which has the number `first`, that the forces of a file belong to, and checks all forces.
 fn assign<'a>(run: &'a Run, first: u64, arguments: &Eval) -> Result<Assigned<'a>, Failure> {
@@ -246,7 +249,10 @@ fn assign<'a>(run: &'a Run, first: u64, arguments: &Eval) -> Result<Assigned<'a>
     let numbers = survey.numbers(first);
     let mut place = 0;
     history.each(scene, |state| {
-        let forces = assigned.get(&place).copied().unwrap_or(&state.forces);
+        let forces = match assigned.get(&place) {
+            Some(forces) => (&forces.elements, &forces.mpcs),
+            None => (&state.forces, &state.mpc_forces),
+        };
         let number = numbers.get(place).copied().unwrap_or_default();
         place += 1;
         Ok(check.check(forces, number, &name).map_err(|error| show(file, error))?)
@@ -289,6 +295,9 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
     for (run, (plan, branches, shown, numbers, assigned)) in runs.iter().zip(&walks) {
         let Run { scene, history, survey, model, .. } = run;
         let mut sequence = Sequence::resume(model, plan, branches.clone());
+        if arguments.save_branches.is_some() || arguments.jacobian.is_some() {
+            sequence.follow_everything();
+        }
         let is_shown = |index: &u64| shown.iter().any(|range| range.contains(index));
         let last_shown = numbers.iter().copied().rfind(is_shown);
         if !survey.moves {
@@ -299,9 +308,10 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
         format.scene(&Subject { scene, model, plan, states: numbers.len(), shown, first, last })?;
         let mut done = 0;
         history.each(scene, |given| {
-            let with_forces = assigned
-                .get(&done)
-                .map(|forces| Box::new(State { forces: (*forces).clone(), ..given.clone() }));
+            let with_forces = assigned.get(&done).map(|forces| {
+                let (forces, mpc_forces) = (forces.elements.clone(), forces.mpcs.clone());
+                Box::new(State { forces, mpc_forces, ..given.clone() })
+            });
             let state = with_forces.as_deref().unwrap_or(given);
             let index = numbers.get(done).copied().unwrap_or_default();
             progress.tick(&scene.name, done, numbers.len());

@@ -98,6 +98,29 @@ pub(crate) struct List {
     format: PageFormat,
 }
 
+/// How an explanation is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ExplainFormat {
+    /// Text for reading
+    #[default]
+    Human,
+    /// One JSON document
+    Json,
+    /// The formulas of a connection type, in LaTeX
+    Latex,
+}
+
+impl ExplainFormat {
+    /// The format of a page that has no formulas.
+    fn page(self) -> Result<PageFormat, Failure> {
+        match self {
+            Self::Human => Ok(PageFormat::Human),
+            Self::Json => Ok(PageFormat::Json),
+            Self::Latex => Err(Failure::Usage("only connection types have formulas in LaTeX".to_string())),
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Explain {
     /// A connection type such as REVOLUTE, in any case; MPC or MPC REVOLUTE; or the code of a diagnostic such as deck::unknown-node
@@ -108,7 +131,7 @@ pub(crate) struct Explain {
     second: Option<String>,
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
-    format: PageFormat,
+    format: ExplainFormat,
 }
 
 /// The forms of a scene.
@@ -298,7 +321,10 @@ Forces (--forces): a table (.csv) or a document (.json), or \"forces\" beside
   or time, and the forces. JSON: {\"schema\": \"pintle-forces/1\", \"states\":
   [{\"state\": 0, \"forces\": {\"101\": {\"f1\": 2.5, \"m2\": 0}}}]}. Signs are internal:
   positive resists growth of the component; --force-sign constraints-on-b takes
-  those of constrained components as applied at node b.
+  those of constrained components as applied at node b. The element may be the
+  nodes of an MPC, 10-20-30: its forces are then those that it puts on its first
+  node, residual-side, global components, and NF, LM, KG, DNF, KT, CT and KR
+  tell what it transmits.
 
 Outputs:
   CP, CU, CCU    position; displacement from the initial position; from the
@@ -443,7 +469,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let mut out = BufWriter::new(anstream::stdout().lock());
     let width = page_width(&io::stdout());
     if let Some(code) = Code::ALL.iter().find(|code| code.as_str().eq_ignore_ascii_case(&arguments.name)) {
-        match arguments.format {
+        match arguments.format.page()? {
             PageFormat::Human => explain::code(&mut out, *code, width)?,
             PageFormat::Json => explain::code_json(&mut out, *code)?,
         }
@@ -452,7 +478,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let second = arguments.second.as_deref().unwrap_or_default();
     let words = format!("{} {second}", arguments.name).to_ascii_uppercase();
     match words.split_whitespace().collect::<Vec<_>>()[..] {
-        ["MPC"] => return explain_mpc(&mut out, None, arguments.format, width),
+        ["MPC"] => return explain_mpc(&mut out, None, arguments.format.page()?, width),
         ["MPC", name] => {
             let Some(kind) = mpc::Kind::named(name) else {
                 let names = mpc::TABLE.map(|entry| entry.name).join(", ");
@@ -460,22 +486,23 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
                     "the MPCs that are evaluated, and explained, are {names}"
                 )));
             };
-            return explain_mpc(&mut out, Some(kind), arguments.format, width);
+            return explain_mpc(&mut out, Some(kind), arguments.format.page()?, width);
         }
         ["MPC", ..] => return Err(Failure::Usage("an MPC has one type: MPC REVOLUTE".to_string())),
         // A name that no connection type has.
         [name] if !TABLE.iter().any(|entry| entry.name == name) => {
             if let Some(kind) = mpc::Kind::named(name) {
-                return explain_mpc(&mut out, Some(kind), arguments.format, width);
+                return explain_mpc(&mut out, Some(kind), arguments.format.page()?, width);
             }
         }
         _ => {}
     }
     let connection = connection(&arguments.name, arguments.second.as_deref())?;
-    let explanation = explain::Explanation::of(&connection);
+    let explanation = || explain::Explanation::of(&connection);
     match arguments.format {
-        PageFormat::Human => explanation.human(&mut out, width)?,
-        PageFormat::Json => explanation.json(&mut out)?,
+        ExplainFormat::Human => explanation().human(&mut out, width)?,
+        ExplainFormat::Json => explanation().json(&mut out)?,
+        ExplainFormat::Latex => report::formulas::latex(&connection, &mut out)?,
     }
     Ok(out.flush()?)
 }

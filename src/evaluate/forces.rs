@@ -1,6 +1,8 @@
 //! Component forces given from outside, and what they do to the nodes.
 
 use super::model::{ConnectorElement, Model};
+use super::mpc::MpcElement;
+use super::mpc_forces::given_forces as of_mpc;
 use crate::behavior::Tangent;
 use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{
@@ -53,7 +55,7 @@ impl Model {
     pub fn check_forces(&self, states: &[SceneState], first: u64, file: &str) -> Result<(), Diagnostic> {
         let check = ForceCheck::new(self);
         (first..).zip(states).try_for_each(|(counted, state)| {
-            check.check(&state.forces, state.number.unwrap_or(counted), file)
+            check.check((&state.forces, &state.mpc_forces), state.number.unwrap_or(counted), file)
         })
     }
 }
@@ -62,21 +64,25 @@ impl Model {
 #[derive(Clone, Debug)]
 pub struct ForceCheck<'a> {
     elements: HashMap<Label, &'a ConnectorElement>,
+    mpcs: HashMap<String, &'a MpcElement>,
 }
 
 impl<'a> ForceCheck<'a> {
-    /// For the connectors of a model.
+    /// For the connectors and multi-point constraints of a model.
     pub fn new(model: &'a Model) -> Self {
-        Self { elements: model.connectors.iter().map(|element| (element.label, element)).collect() }
+        Self {
+            elements: model.connectors.iter().map(|element| (element.label, element)).collect(),
+            mpcs: model.mpcs.iter().map(|element| (element.label(), element)).collect(),
+        }
     }
 
-    /// Whether the forces of the state called `number` are those of connectors; `file` is where they were read.
+    /// Whether the forces of the state called `number` are those of connectors and constraints; `file` is where they were read.
     ///
     /// # Errors
     /// The first that does not belong, with its state, element, component and a remedy.
     pub fn check(
         &self,
-        forces: &BTreeMap<Label, ElementForces>,
+        (forces, mpc_forces): (&BTreeMap<Label, ElementForces>, &BTreeMap<String, ElementForces>),
         number: u64,
         file: &str,
     ) -> Result<(), Diagnostic> {
@@ -87,6 +93,13 @@ impl<'a> ForceCheck<'a> {
             };
             let name = &element.connector.connection().name;
             let message = format!("state {number}, {name} {label}: {message}");
+            return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
+        }
+        for (nodes, given) in mpc_forces {
+            let element = self.mpcs.get(nodes);
+            let fault = element.and_then(|element| Some((element, of_mpc(element, given).err()?)));
+            let Some((element, (code, message, remedy))) = fault else { continue };
+            let message = format!("state {number}, {}: {message}", element.title());
             return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
         }
         Ok(())

@@ -15,7 +15,7 @@ use crate::catalog::COMPONENT;
 use crate::connector::{CompactRow, Components, Group, Mask};
 use crate::mpc::{self, Kind};
 use crate::node::{DOF_NUMBER, DOFS};
-use crate::scene::{Boundary, Diagnostic, Label, Operation, Scene, Target};
+use crate::scene::{Boundary, Diagnostic, Label, MotionType, Operation, Scene, Target};
 use crate::vector::{Matrix, Vector, dot};
 use std::collections::{HashMap, HashSet};
 
@@ -67,12 +67,21 @@ impl Equation {
     }
 }
 
-/// A pattern that was made for another plan.
+/// A pattern that a sequence cannot fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "the pattern of the Jacobian was made for another plan: make it from the model and plan of the sequence"
-)]
-pub struct ForeignPattern;
+pub enum ForeignPattern {
+    /// It was made for another plan.
+    #[error(
+        "the pattern of the Jacobian was made for another plan: make it from the model and plan of the sequence"
+    )]
+    Plan,
+    /// It has a row that depends on the history of a component, and the states so far have been passed without following that.
+    #[error(
+        "the pattern of the Jacobian has rows that depend on the history of components that the plan does not name: \
+         name them in its request, or call `Sequence::follow_everything` before the first state"
+    )]
+    History,
+}
 
 /// Degrees of freedom that are no unknowns, and the axes of nodes in which that is said.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -108,17 +117,45 @@ impl Fixed {
     /// # Errors
     /// The points of a `*TRANSFORM` that define no directions.
     pub fn in_step(scene: &Scene, step: usize) -> Result<Self, Diagnostic> {
+        Self::prescribed(scene, step, |_| true)
+    }
+
+    /// Those of [`Fixed::in_step`] that are held where they are: displacements and rotations prescribed as zero.
+    ///
+    /// # Errors
+    /// As [`Fixed::in_step`].
+    pub fn held_in_step(scene: &Scene, step: usize) -> Result<Self, Diagnostic> {
+        Self::prescribed(scene, step, |boundary| {
+            boundary.kind == MotionType::Displacement && boundary.magnitude == 0.0 && !boundary.applied.user
+        })
+    }
+
+    fn prescribed(
+        scene: &Scene,
+        step: usize,
+        wanted: impl Fn(&Boundary) -> bool,
+    ) -> Result<Self, Diagnostic> {
         let mut fixed = Self::default();
-        let put = |freedoms: &mut HashSet<Freedom>, boundary: &Boundary| {
+        let mut named = HashSet::new();
+        let mut put = |freedoms: &mut HashSet<Freedom>, boundary: &Boundary| {
             let nodes: &[Label] = match &boundary.target.value {
                 Target::Label(label) => std::slice::from_ref(label),
                 Target::Set(name) => {
                     scene.node_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice())
                 }
             };
+            named.extend(nodes);
+            let is_wanted = wanted(boundary);
             for node in nodes {
-                let of_node = |number: &u8| Freedom { node: *node, number: *number };
-                freedoms.extend(boundary.degrees_of_freedom.iter().map(of_node));
+                for freedom in
+                    boundary.degrees_of_freedom.iter().map(|number| Freedom { node: *node, number: *number })
+                {
+                    if is_wanted {
+                        freedoms.insert(freedom);
+                    } else {
+                        freedoms.remove(&freedom);
+                    }
+                }
             }
         };
         for boundary in &scene.boundaries {
@@ -133,12 +170,16 @@ impl Fixed {
             }
         }
         if !scene.transforms.is_empty() {
-            let nodes: HashSet<Label> = fixed.freedoms.iter().map(|freedom| freedom.node).collect();
-            for node in nodes {
+            for node in named {
                 fixed.axes.insert(node, scene.nodal_axes(node)?);
             }
         }
         Ok(fixed)
+    }
+
+    /// The degrees of freedom.
+    pub fn iter(&self) -> impl Iterator<Item = Freedom> + '_ {
+        self.freedoms.iter().copied()
     }
 
     /// Whether a degree of freedom is fixed.
@@ -436,7 +477,7 @@ impl Jacobian {
 
     pub(super) fn check(&self, plan: &Plan) -> Result<(), ForeignPattern> {
         let is_same = self.plan[0] == plan.connectors && self.plan[1] == plan.mpcs;
-        if is_same { Ok(()) } else { Err(ForeignPattern) }
+        if is_same { Ok(()) } else { Err(ForeignPattern::Plan) }
     }
 
     pub(super) const fn connector_entries(&self) -> usize {

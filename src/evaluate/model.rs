@@ -309,6 +309,7 @@ impl Model {
         }
         self.warnings.extend(mpc::check(scene, &joined)?);
         self.grounded = mpc::ground(scene, &mut joined)?;
+        mpc::drive(scene, &self.schedule, &mut joined)?;
         self.mpcs = joined.into_iter().map(|(element, _)| element).collect();
         Ok(())
     }

@@ -1,12 +1,13 @@
 //! One connector or MPC at one state, as every format writes it.
 
 use super::words;
+use crate::behavior::drive::Prescribed;
 use crate::behavior::friction::{self, Status};
 use crate::behavior::state::Outcome;
 use crate::behavior::{Forces, Tangent, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Connector, Flag, NodalMatrix, Output, Request, StopStatus, Turns};
-use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcResult};
+use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcElement, MpcForces, MpcResult};
 use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc::{self, DOFS as MPC_DOFS, ROWS as MPC_ROWS};
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
@@ -87,9 +88,85 @@ impl Nodal {
         Self { forces: entries.filter(|(j, _)| reached(j)).map(force).collect(), derivatives }
     }
 
+    /// Of an MPC, by the degrees of freedom that it has.
+    fn of_mpc(element: &MpcElement, forces: &MpcForces, request: &Request, kept: &[usize]) -> Self {
+        let kind = element.constraint.kind();
+        let wants = |output: Output| request.outputs().any(|one| one == output);
+        let force = |j: &usize| {
+            let (place, dof) = mpc::Kind::column_dof(*j);
+            let role = kind.entry().nodes.get(place).copied().unwrap_or_default();
+            let node = element.nodes.get(place).copied();
+            NodalForce { name: kind.column_name(*j), node, role, dof, force: forces.nodal[*j] }
+        };
+        let matrix = |of: &mpc::force::DofMatrix<f64>| {
+            kept.iter().map(|i| kept.iter().map(|j| of[*i][*j]).collect()).collect::<Vec<Vec<f64>>>()
+        };
+        let square = [
+            (Output::KG, &forces.geometric),
+            (Output::DNF, &forces.derivative),
+            (Output::KT, &forces.tangent),
+            (Output::CT, &forces.damping),
+        ];
+        let mut derivatives: Vec<NodalDerivative> = square
+            .into_iter()
+            .filter_map(|(output, of)| Some(NodalDerivative { output, by: None, rows: matrix(of.as_ref()?) }))
+            .collect();
+        let columns: Vec<(&'static str, &[f64; MPC_DOFS])> = forces
+            .by_multipliers
+            .iter()
+            .enumerate()
+            .filter_map(|(row, column)| Some((kind.row_name(row), column.as_ref()?)))
+            .collect();
+        if !columns.is_empty() {
+            let row = |i: &usize| columns.iter().map(|(_, column)| column[*i]).collect();
+            derivatives.push(NodalDerivative {
+                output: Output::KR,
+                by: Some(columns.iter().map(|(name, _)| *name).collect()),
+                rows: kept.iter().map(row).collect(),
+            });
+        }
+        let forces = if wants(Output::NF) { kept.iter().map(force).collect() } else { Vec::new() };
+        Self { forces, derivatives }
+    }
+
     fn is_empty(&self) -> bool {
         self.forces.is_empty() && self.derivatives.is_empty()
     }
+}
+
+/// Whether anything acts on the angle of a hinge, or what the constraint transmits is known.
+fn acts(result: &MpcResult, i: usize) -> bool {
+    let driven = result.hinges[i].is_some_and(|hinge| hinge.load.is_some() || hinge.prescribed.is_some());
+    driven || result.moments[i].is_some() || result.forces.is_some()
+}
+
+/// The moments on hinges that are asked for and not known.
+fn not_known_of_hinges(request: &Request, result: &MpcResult, names: &[&'static str]) -> Vec<Flag> {
+    let mut flags = Vec::new();
+    for (i, name) in names.iter().enumerate().filter(|(i, _)| acts(result, *i)) {
+        let Some(hinge) = result.hinges.get(i).copied().flatten() else { continue };
+        let own = result.moments.get(i).copied().flatten().and_then(Result::err);
+        let driven = match hinge.prescribed {
+            Some(Prescribed::Unknown(_, why)) => Some(why),
+            _ => None,
+        };
+        for (output, unknown) in [
+            (Output::CEF, own),
+            (Output::CVF, own),
+            (Output::CCF, hinge.load.and_then(Result::err)),
+            (Output::CRF, hinge.reaction.err()),
+            (Output::CTF, hinge.constraint.err()),
+            (Output::DRIVEN, driven),
+        ] {
+            let is_wanted = request.outputs().any(|one| one == output);
+            flags.extend(unknown.filter(|_| is_wanted).map(|why| Flag::NotKnown {
+                component: name,
+                quantity: output.name(),
+                why: why.in_words(),
+            }));
+        }
+    }
+    flags
 }
 
 /// What a block is about.
@@ -220,6 +297,8 @@ pub struct HingeFacts {
     pub axis: [f64; 3],
     /// What springs and dashpots to ground do to it, or why that is not known.
     pub moments: Option<Result<HingeMoments, Unknown>>,
+    /// M_J, what the constraint puts on it, residual-side, where something acts on it or forces are given, and it is known.
+    pub constraint: Option<f64>,
 }
 
 const NO_VALUES: [Option<Value>; Output::ALL.len()] = [None; Output::ALL.len()];
@@ -322,12 +401,25 @@ impl<'a> Block<'a> {
             let turns = evaluation.angles[i];
             let angle = f64::with_turns(turns.principal, turns.turns);
             let rate = |order: usize| evaluation.angle_rates.map(|rates| rates[i][order]);
+            let hinge = result.hinges[i];
+            let own = result.moments[i].and_then(Result::ok);
             let values = values(&|output| match output {
                 Output::CP | Output::CU => Some(Value::Number(angle)),
                 Output::CV => number(rate(0)),
                 Output::CA => number(rate(1)),
                 Output::TURNS => Some(Value::Turns(turns)),
                 Output::MARGIN => result.margins.angles[i].map(Value::Margin),
+                Output::CEF => number(own.map(|moments| moments.spring)),
+                Output::CVF => number(own.and_then(|moments| moments.dashpot)),
+                Output::CCF => number(hinge?.load?.ok()),
+                Output::CRF => number(hinge.filter(|_| acts(result, i))?.reaction.ok()),
+                Output::CTF => {
+                    number(hinge.filter(|_| acts(result, i))?.constraint.ok().map(|moment| -moment))
+                }
+                Output::DRIVEN => number(hinge?.prescribed?.value().1),
+                Output::RES => number(hinge?.residual[0]),
+                Output::RESV => number(hinge?.residual[1]),
+                Output::RESA => number(hinge?.residual[2]),
                 _ => None,
             });
             rows.push(Row { name, role: "available", unit: Unit::Angle, values });
@@ -340,6 +432,7 @@ impl<'a> Block<'a> {
                 Output::RESB => number(evaluation.residual_bias[row]),
                 Output::RESA => number(evaluation.residual_acceleration[row]),
                 Output::MARGIN => result.margins.rows[row].map(Value::Margin),
+                Output::LM => number(result.forces.as_ref().and_then(|forces| forces.multipliers[row])),
                 _ => None,
             });
             let (name, unit) = (kind.row_name(row), mpc::Kind::row_unit(row));
@@ -366,8 +459,13 @@ impl<'a> Block<'a> {
         });
         let hinges = entry.angles.iter().enumerate().filter_map(|(i, name)| {
             let (given, moments) = (result.given[i], result.moments[i]);
-            Some(HingeFacts { name, given, axis: evaluation.axes[i]?, moments })
+            let constraint =
+                result.hinges[i].filter(|_| acts(result, i)).and_then(|hinge| hinge.constraint.ok());
+            Some(HingeFacts { name, given, axis: evaluation.axes[i]?, moments, constraint })
         });
+        let nodal = result.forces.as_deref().map(|forces| Nodal::of_mpc(element, forces, request, &kept));
+        let mut flags = result.flags.clone();
+        flags.extend(not_known_of_hinges(request, result, entry.angles));
         Self {
             kind: Kind::Mpc,
             label: element.label(),
@@ -377,10 +475,10 @@ impl<'a> Block<'a> {
             columns: columns.collect(),
             derivatives: derivatives.collect(),
             tangent: None,
-            nodal: Nodal::default(),
+            nodal: nodal.unwrap_or_default(),
             branch: None,
             mpc: Some(MpcFacts { hinges: hinges.collect(), misalignment: result.misalignment }),
-            flags: result.flags.clone(),
+            flags,
         }
         .with_what_is_not_finite()
     }

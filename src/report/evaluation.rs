@@ -3,8 +3,12 @@
 use super::block::{Block, Kind};
 use crate::connector::Tally;
 use crate::evaluate::{Model, Plan, SUBOPTIONS};
-use crate::scene::{Behavior, DampingKind, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions};
+use crate::scene::{
+    Behavior, Boundary, DampingKind, Label, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions,
+    Target,
+};
 use indexmap::IndexMap;
+use std::collections::HashSet;
 use std::io;
 use std::ops::RangeInclusive;
 
@@ -133,16 +137,34 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     let what = ["mass, spring or dashpot element", "mass, spring or dashpot elements"];
     add(count as u64, what, kinds);
     let steps = &scene.steps;
-    let in_steps = |count: fn(&Step) -> usize| steps.iter().map(count).sum::<usize>();
+    let in_steps = |count: &dyn Fn(&Step) -> usize| steps.iter().map(count).sum::<usize>();
+    // What acts on the angles of hinges alone is evaluated.
+    let hinges: HashSet<Label> = model
+        .mpcs
+        .iter()
+        .flat_map(|mpc| mpc.nodes.iter().skip(2).take(mpc.constraint.kind().entry().angles.len()).copied())
+        .collect();
+    let is_left = |target: &Target, dofs: &[u8]| {
+        let nodes = match target {
+            Target::Label(label) => std::slice::from_ref(label),
+            Target::Set(name) => scene.node_sets.get(name.as_str()).map_or(&[][..], |set| &set.labels),
+        };
+        !(dofs == [6] && nodes.iter().all(|node| hinges.contains(node)))
+    };
+    let held = |boundaries: &[Boundary]| {
+        boundaries.iter().filter(|given| is_left(&given.target.value, &given.degrees_of_freedom)).count()
+    };
+    let loads = |step: &Step| {
+        let nodal = step.concentrated_loads.iter();
+        let left = nodal.filter(|load| is_left(&load.target.value, &[load.degree_of_freedom])).count();
+        left + step.distributed_loads.len()
+    };
     for (count, what) in [
         (
-            scene.boundaries.len() + in_steps(|step| step.boundaries.len()),
+            held(&scene.boundaries) + in_steps(&|step| held(&step.boundaries)),
             ["boundary condition", "boundary conditions"],
         ),
-        (
-            in_steps(|step| step.concentrated_loads.len() + step.distributed_loads.len()),
-            ["nodal or distributed load", "nodal or distributed loads"],
-        ),
+        (in_steps(&loads), ["nodal or distributed load", "nodal or distributed loads"]),
         (steps.len(), ["step", "steps"]),
     ] {
         add(count as u64, what, Vec::new());

@@ -375,9 +375,12 @@ impl Human<'_> {
                     format!("{}{whose} ({axis})", given.unwrap_or_default())
                 })
                 .collect();
-            for HingeFacts { name, moments, .. } in &facts.hinges {
+            for HingeFacts { name, moments, constraint, .. } in &facts.hinges {
+                if let Some(moment) = constraint {
+                    texts.push(format!("moment of the constraint on {name}: {}", self.number(*moment)));
+                }
                 match moments {
-                    Some(Ok(HingeMoments { spring, stiffness, energy, dashpot, damping })) => {
+                    Some(Ok(HingeMoments { spring, stiffness, energy, dashpot, damping, .. })) => {
                         let number = |value: &f64| self.number(*value);
                         let (spring, stiffness, energy) = (number(spring), number(stiffness), number(energy));
                         texts.push(format!(
@@ -390,7 +393,8 @@ impl Human<'_> {
                     }
                     Some(Err(unknown)) => {
                         texts.push(format!(
-                            "the moments of springs and dashpots on {name} are not known: {unknown:?}"
+                            "the moments of springs and dashpots on {name} are not known: {}",
+                            unknown.in_words()
                         ));
                     }
                     None => {}
@@ -491,9 +495,10 @@ impl Format for Human<'_> {
 
     fn end_scene(&mut self, work: Tally) -> io::Result<()> {
         if self.style.verbose {
-            let Tally { values, gradients, hessians, rates } = work;
+            let Tally { values, gradients, hessians, rates, histories, margins, rotations, behaviors } = work;
             let text = format!(
-                "\n  computed: {values} values, {gradients} gradients, {hessians} Hessians, {rates} pairs of rates"
+                "\n  computed: {values} values, {gradients} gradients, {hessians} Hessians, {rates} pairs of rates, \
+                 {histories} histories, {margins} margins, {behaviors} behaviours, {rotations} rotations of nodes"
             );
             writeln!(self.out, "{}", styled(DIM, text))?;
         }

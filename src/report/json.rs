@@ -153,6 +153,9 @@ impl Serialize for Block<'_> {
                     Some(Err(unknown)) => hinge["moments"] = json!({"unknown": unknown}),
                     None => {}
                 }
+                if let Some(moment) = of.constraint {
+                    hinge["constraint_moment"] = json!(moment);
+                }
                 (of.name, hinge)
             };
             map.serialize_entry("hinges", &named(&facts.hinges, hinge))?;

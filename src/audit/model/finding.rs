@@ -70,7 +70,7 @@ impl Finding {
 
     /// The same, with more words at the end of the message.
     #[must_use]
-    pub(super) fn add(mut self, words: &str) -> Self {
+    pub(in crate::audit) fn add(mut self, words: &str) -> Self {
         self.diagnostic = self.diagnostic.with_more(words);
         self
     }

@@ -25,8 +25,10 @@ mod rules;
 pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
+use crate::audit::assembly::{self, Assembly};
+use crate::audit::coverage::Coverage;
 use crate::evaluate::Model;
-use crate::scene::{Scene, Severity, State};
+use crate::scene::{Scene, Severity, Span, State};
 use serde::Serialize;
 
 /// What is found in one scene.
@@ -36,7 +38,11 @@ pub struct ModelReport {
     pub scene: String,
     /// The number of states that were looked at besides the initial one.
     pub states: usize,
-    /// Findings: rules first, then by place in the file.
+    /// What the assembly as a whole can do; `None` where a rule refuses the model.
+    pub assembly: Option<Assembly>,
+    /// Which region of configuration space the states exercised.
+    pub coverage: Coverage,
+    /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
     pub findings: Vec<Finding>,
 }
 
@@ -55,10 +61,31 @@ impl ModelReport {
 /// Looks at a scene, at its initial state and at those given.
 pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelReport {
     let (model, errors) = Model::examine(scene);
+    let is_refused = !errors.is_empty();
     let mut findings = rules::findings(scene, &model, errors);
     findings.extend(geometry::findings(scene, &model));
     findings.extend(behavior::findings(scene, &model));
     findings.extend(duplicates::findings(scene, &model));
-    findings.extend(along::findings(scene, &model, states, &mut |_| ()));
-    ModelReport { scene: scene.name.clone(), states: states.len(), findings: levels.apply(findings) }
+    let mut coverage = Coverage::default();
+    findings.extend(along::findings(scene, &model, states, &mut |result| {
+        if let Some(element) = model.connectors.get(result.index) {
+            coverage.add_of(&element.connector, &element.definition, &result.state);
+        }
+    }));
+    let mut assembly = None;
+    if !is_refused {
+        match assembly::analyse(scene, &model, states, 1) {
+            Ok(found) => {
+                findings.extend(assembly::findings::findings(scene, &found));
+                assembly = Some(found);
+            }
+            Err(error) => findings.push(error.into()),
+        }
+    }
+    findings.extend(coverage.gaps().into_iter().map(|lack| {
+        let reason = "the states given, every connector at each";
+        Finding::new(scene, lack.code, Span::default(), lack.message, reason, lack.remedy)
+    }));
+    let findings = levels.apply(findings);
+    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, coverage, findings }
 }

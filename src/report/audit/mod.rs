@@ -4,6 +4,7 @@ mod html;
 mod human;
 mod junit;
 mod markdown;
+mod model;
 mod summary;
 
 pub use html::{Audited, Supplement, figures, html};
@@ -41,7 +42,8 @@ struct Described {
 
 /// The JSON Schema of the JSON report.
 pub fn schema() -> serde_json::Value {
-    let mut schema = schemars::schema_for!(Document<'_>);
+    let settings = schemars::generate::SchemaSettings::default().for_serialize();
+    let mut schema = settings.into_generator().into_root_schema_for::<Document<'_>>();
     schema.insert("title".to_owned(), SCHEMA.into());
     schema.to_value()
 }

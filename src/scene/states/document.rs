@@ -4,7 +4,7 @@ use super::source::{Source, unreadable};
 use super::table::empty;
 use super::{Fault, Motion, SCHEMA, State, Take, check_motion, check_node, check_number, label};
 use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::forces::{ForceSign, JsonForces};
+use crate::scene::forces::{ForceSign, JsonForces, StateForces};
 use crate::scene::freedom::NodeFreedom;
 use crate::scene::model::Scene;
 use crate::scene::span::Span;
@@ -226,7 +226,8 @@ impl<'de> Visitor<'de> for JsonState<'_> {
             }
         }
         let state: State = state.ok_or_else(|| A::Error::missing_field("nodes"))?;
-        Ok(State { number, time, forces: forces.unwrap_or_default(), ..state })
+        let StateForces { elements, mpcs } = forces.unwrap_or_default();
+        Ok(State { number, time, forces: elements, mpc_forces: mpcs, ..state })
     }
 }
 

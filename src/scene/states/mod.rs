@@ -96,6 +96,10 @@ pub struct State {
     /// Component forces by element number, where they are given.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub forces: BTreeMap<Label, ElementForces>,
+    /// The forces and moments that multi-point constraints put on their first nodes, by their nodes (`10-20-30`), where they are
+    /// given: residual-side, global components.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub mpc_forces: BTreeMap<String, ElementForces>,
 }
 
 /// What a state is called, and whether it has forces: all that has to be known of it to find it among others.
@@ -113,7 +117,11 @@ impl StateMark {
     /// That of a state.
     #[must_use]
     pub fn of(state: &State) -> Self {
-        Self { number: state.number, time: state.time, has_forces: !state.forces.is_empty() }
+        Self {
+            number: state.number,
+            time: state.time,
+            has_forces: !(state.forces.is_empty() && state.mpc_forces.is_empty()),
+        }
     }
 }
 
@@ -400,7 +408,8 @@ pub(super) fn of_scene(
         check_number(read.last().map(|last: &State| last.number), number)
             .map_err(|fault| fault.at(span, "this state"))?;
         let mut state = State { number, time, ..State::default() };
-        state.forces = forces::of_scene(forces, scene)?;
+        let given = forces::of_scene(forces, scene)?;
+        (state.forces, state.mpc_forces) = (given.elements, given.mpcs);
         for (name, motion) in nodes {
             let node =
                 label(&name.value, "node").and_then(|node| check_node(node, scene, &state).map(|()| node));

@@ -211,7 +211,7 @@ impl CsvRow<'_> {
         row_span(self.record, self.source)
     }
 
-    fn field(&self, column: &str) -> Option<&str> {
+    pub(in crate::scene) fn field(&self, column: &str) -> Option<&str> {
         let index = self.columns.iter().position(|known| *known == column)?;
         self.record.get(index).filter(|field| !field.is_empty())
     }
