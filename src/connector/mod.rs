@@ -284,7 +284,7 @@ impl<R: Differentiable> Connector<R> {
     }
 
     /// What measures refer to.
-    pub(crate) const fn section(&self) -> &Section<R> {
+    pub const fn section(&self) -> &Section<R> {
         &self.section
     }
 
