@@ -4,6 +4,7 @@ use super::eval::{Loaded, Source, load, source};
 use super::{Failure, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use pintle::audit::model::{Levels, ModelReport, audit_model};
 use pintle::audit::{Oracle, Report, Settings, Target, audit_catalogue, audit_scenes};
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
@@ -169,7 +170,11 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
         let scenes: Vec<&Scene> = loaded.iter().map(|loaded| &loaded.scene).collect();
-        page::write(arguments, &report, &page::supplement(&report, is_catalogue, &targets, &scenes))?;
+        let looked_at = targets.iter().zip(&scenes);
+        let models: Vec<ModelReport> =
+            looked_at.map(|(target, scene)| audit_model(scene, target.states, &Levels::default())).collect();
+        let supplement = page::supplement(&report, is_catalogue, &targets, &scenes, &models);
+        page::write(arguments, &report, &supplement)?;
     }
     if !is_page {
         write(arguments.format, arguments.verbose, &report)?;
