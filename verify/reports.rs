@@ -78,17 +78,16 @@ fn page() -> (String, Report, Vec<(String, String)>, ModelReport) {
     let mut report = brief().joined(of_scene).joined(wrong());
     let crank = report.subjects.iter_mut().find(|subject| subject.name == "BEAM 104").unwrap();
     crank.derivative = Verdict::Wrong;
-    let models = [audit_model(&scene, &states, &Levels::default())];
+    let looked_at = audit_model(&scene, &states, &Levels::default());
+    report.models.push(looked_at.clone());
     let supplement = Supplement {
-        models: &models,
         scenes: vec![Audited { name: target.name, scene: &scene, model: &model }],
         illustrations,
         command: format!("pintle audit {HOSTILE}"),
     };
     let page = text(|out, report| report::html(out, report, &supplement), &report);
     let figures = report::figures(&report, &supplement);
-    let [model] = models;
-    (page, report, figures, model)
+    (page, report, figures, looked_at)
 }
 
 #[test]

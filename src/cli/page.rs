@@ -2,7 +2,6 @@
 
 use super::Failure;
 use super::audit::{Audit, AuditFormat};
-use pintle::audit::model::ModelReport;
 use pintle::audit::{Illustration, Report, Target, illustrate_catalogue, illustrate_scene};
 use pintle::report::audit::{self as report, Audited, Supplement};
 use pintle::scene::Scene;
@@ -19,7 +18,6 @@ pub(super) fn supplement<'a>(
     is_catalogue: bool,
     targets: &[Target<'a>],
     scenes: &[&'a Scene],
-    models: &'a [ModelReport],
 ) -> Supplement<'a> {
     let mut illustrations: Vec<Illustration> = Vec::new();
     if is_catalogue {
@@ -32,7 +30,6 @@ pub(super) fn supplement<'a>(
         scenes: audited
             .map(|(target, scene)| Audited { name: target.name, scene, model: target.model })
             .collect(),
-        models,
         illustrations,
         command: command_line(),
     }
