@@ -24,7 +24,7 @@ fn brief() -> Settings {
 
 fn silent(_: &str) {}
 
-fn named(name: &str) -> &'static ConnectionType {
+pub(crate) fn named(name: &str) -> &'static ConnectionType {
     TABLE.iter().find(|entry| entry.name == name).unwrap()
 }
 
@@ -202,7 +202,7 @@ fn assert_ok_names_the_entry() {
 }
 
 /// Bound, numbers and truth of a case.
-fn judged(case: &Case) -> (Numbers<f64>, Bound, f64) {
+pub(crate) fn judged(case: &Case) -> (Numbers<f64>, Bound, f64) {
     let numbers = product(case).unwrap();
     let step = case.last().unwrap();
     let narrow = pintle::audit::oracle::Narrow::of(case).unwrap();

@@ -675,7 +675,7 @@ fn what_needs_care_is_said() {
         assert!(words.contains(part), "{part:?} in {page}");
     }
     let message =
-        stderr(&pintle(&["eval", &deck, "--states", &states, "--show", "0", "--outputs", "CU1"]).assert());
+        stderr(&pintle(&["eval", &deck, "--states", &states, "--show", "1", "--outputs", "CUR1"]).assert());
     assert!(message.contains("state 2, CARDAN 101: ur1 moved by 3.1"), "a state not shown: {message}");
     let table = stdout(&pintle(&[&arguments[..], &["csv"]].concat()).assert().success());
     assert!(table.contains("not-finite") && table.contains("large-increment"), "{table}");

@@ -7,6 +7,8 @@ mod behavior; // forces that follow from motions
 mod cli; // the command line
 mod closed; // rows derived by hand
 mod convert; // scenes in other forms
+mod diagnosis; // whether what is wrong is told why
+mod export; // exported programs, compiled and run
 mod faults; // what is said about every faulty input
 mod findings; // what an audit finds in models
 mod freedom; // which degrees of freedom nodes have

@@ -47,6 +47,9 @@ pub(crate) const NUMERICS: &[Gate] = &[
     gate("jerk, matrices", 60.0, 150.0, 16.0),
 ];
 
+/// Exported programs against `eval`, in units of the audit's bound on either.
+pub(crate) const EXPORT: f64 = 2.0;
+
 /// What a law allows.
 pub(crate) struct Law {
     /// Its name.

@@ -4,6 +4,7 @@ use super::atlas::{self, Approach, truth_to_f64};
 use super::bound::Bound;
 use super::case::Case;
 use super::certificate::certificate;
+use super::diagnosis::Symptoms;
 use super::force::product_with_forces as product;
 use super::friction::friction_cases;
 use super::invariant::{self, Context, Invariant};
@@ -274,6 +275,7 @@ fn judge_numbers(
             };
             let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
             check.add(judgement, score, case);
+            check.explain(&Symptoms { quantity, got, want: &trusted, case, bound: &bound }, &answer.numbers);
             checks.push(check);
         }
     }

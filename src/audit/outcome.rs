@@ -5,12 +5,15 @@ use super::bound::C;
 use super::case::Case;
 use super::certificate::Certificate;
 use super::counterexample::CounterExample;
+use super::diagnosis::{Diagnosis, Symptoms, diagnose};
 use super::engine::{Settings, audit_case};
+use super::illustration::Comparison;
 use super::invariant::Invariant;
 use super::oracle::Oracle;
-use super::quantity::Quantity;
+use super::quantity::{Entries, Quantity};
 use super::shrink::shrink;
 use super::verdict::{Finding, Judgement, Score, Verdict};
+use crate::scalar::Wide;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -58,6 +61,12 @@ pub struct Check {
     pub worst_state: Option<String>,
     /// How mutants of the same numbers fared.
     pub score: Score,
+    /// Why it is wrong, at the state that tells most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diagnosis: Option<Box<Diagnosis>>,
+    /// The matrix of first derivatives at the worst state, where it is wrong.
+    #[serde(skip)]
+    pub comparison: Option<Box<Comparison>>,
     /// The case of the worst mismatch, for a counter-example.
     #[serde(skip)]
     pub failing: Option<Box<Case>>,
@@ -75,6 +84,8 @@ impl Check {
             worst: None,
             worst_state: None,
             score: Score::default(),
+            diagnosis: None,
+            comparison: None,
             failing: None,
         }
     }
@@ -99,6 +110,17 @@ impl Check {
 
     pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
         self.add_at(judgement, score, &case.name, Some(case));
+    }
+
+    /// Says why numbers are wrong, and keeps them to be shown.
+    pub(super) fn explain(&mut self, symptoms: &Symptoms<'_>, want: &Entries<Wide>) {
+        if !matches!(self.verdict, Verdict::Wrong) {
+            return;
+        }
+        self.diagnosis = diagnose(symptoms).map(Box::new);
+        if symptoms.quantity == Quantity::FirstDerivatives {
+            self.comparison = Some(Box::new(Comparison::new(symptoms.got, want, symptoms.bound)));
+        }
     }
 
     pub(super) fn add_at(&mut self, judgement: Judgement, score: Score, state: &str, case: Option<&Case>) {
@@ -130,9 +152,15 @@ impl Check {
             self.worst = other.worst;
             self.worst_state = other.worst_state;
             self.failing = other.failing.or(self.failing.take());
+            self.comparison = other.comparison.or(self.comparison.take());
         }
         self.verdict = self.verdict.max(other.verdict);
         self.score.merge(other.score);
+        if let Some(diagnosis) = other.diagnosis
+            && self.diagnosis.as_ref().is_none_or(|known| diagnosis.is_clearer_than(known))
+        {
+            self.diagnosis = Some(diagnosis);
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! `pintle explain TYPE`: what a connection type is, in the order of the manual's summary table, and what rests on what.
 
+use super::formulas::{self, Group};
 use super::layout::{self, BOLD, DIM, styled};
 use super::list::{is_measured, names};
 use super::words::{self, NOTATION, ROWS, SIGNS};
@@ -43,6 +44,8 @@ pub struct Explanation {
     remarks: Vec<&'static str>,
     sources: Vec<&'static str>,
     evidence: Vec<Tag>,
+    /// Empty where a formula cannot be traced.
+    formulas: Vec<Group>,
 }
 
 /// A criterion of predefined friction, Φ = P − μ |F_C + F_C^int| ≤ 0.
@@ -168,6 +171,7 @@ impl Explanation {
             remarks: some(&connection.notes),
             sources: some(&connection.source),
             evidence: Tag::all(),
+            formulas: formulas::groups(connection).unwrap_or_default(),
         }
     }
 
@@ -200,6 +204,7 @@ impl Explanation {
         paragraph(out, "Two-dimensional and axisymmetric (CONN2D2)", &form)?;
         paragraph(out, "Signs", &[self.signs])?;
         paragraph(out, "Rows of derivatives", &[self.rows])?;
+        formulas::human(&self.formulas, out, width)?;
         paragraph(out, "Remarks", &self.remarks)?;
         paragraph(out, "Sources", &self.sources)?;
         Tag::write(&self.evidence, out, width)

@@ -130,6 +130,11 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     if let Some([below, above]) = worst.one_sided {
         writeln!(out, "    from below {below:.10e}, from above {above:.10e}")?;
     }
+    for (sentence, code) in check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines()) {
+        for line in wrap(&format!("{sentence} [{code}]"), width.saturating_sub(4)) {
+            writeln!(out, "    {}", styled(BOLD, line))?;
+        }
+    }
     for (mistake, entry) in &check.score.survivors {
         writeln!(out, "    {} {mistake} ({entry})", styled(CARE, "survived:"))?;
     }

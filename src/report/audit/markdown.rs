@@ -83,6 +83,9 @@ fn item(subject: &Subject, check: &Check) -> String {
             escaped(state)
         );
     }
+    for (sentence, code) in check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines()) {
+        line += &format!("; **{}** `{code}`", escaped(&sentence));
+    }
     for (mistake, entry) in &check.score.survivors {
         line += &format!("; survived: {} ({})", escaped(mistake), escaped(entry));
     }

@@ -25,8 +25,10 @@ struct Problem {
     subject: String,
     is_mild: bool,
     said: String,
-    /// The sentence and its code.
-    diagnosis: Option<(String, String)>,
+    /// Sentences with codes.
+    diagnosis: Vec<(String, &'static str)>,
+    /// The matrix, where it is one of first derivatives.
+    heat: String,
     numbers: String,
     more: Vec<String>,
 }
@@ -245,7 +247,8 @@ fn problems(report: &Report) -> Vec<Problem> {
             subject: format!("{} {}", approach.connection, approach.component),
             is_mild: false,
             said: format!("At {}: declared {:?}, seen {seen}.", approach.at, approach.declared),
-            diagnosis: None,
+            diagnosis: Vec::new(),
+            heat: String::new(),
             numbers: String::new(),
             more: Vec::new(),
         });
@@ -277,7 +280,15 @@ fn problem(subject: &Subject, check: &Check) -> Problem {
         subject: full_name(subject),
         is_mild: !check.verdict.is_mismatch() && check.score.survived == 0,
         said: capital(&format!("{of}{}: {}.", check.against.name(), check.verdict.headline().name())),
-        diagnosis: None,
+        diagnosis: check
+            .diagnosis
+            .iter()
+            .flat_map(|diagnosis| diagnosis.lines())
+            .map(|(sentence, code)| (capital(&sentence), code.as_str()))
+            .collect(),
+        heat: check.comparison.as_ref().filter(|_| is_sharp(check)).map_or_else(String::new, |comparison| {
+            figure::heat(&full_name(subject), comparison, Place::Page)
+        }),
         numbers,
         more,
     }
