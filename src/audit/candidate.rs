@@ -119,6 +119,7 @@ impl<'a> Candidate<'a> {
             constant: super::C,
             subjects: vec![subject],
             atlas: Vec::new(),
+            models: Vec::new(),
         }
     }
 

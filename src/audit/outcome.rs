@@ -9,6 +9,7 @@ use super::diagnosis::{Diagnosis, Symptoms, diagnose};
 use super::engine::{Settings, audit_case};
 use super::illustration::Comparison;
 use super::invariant::Invariant;
+use super::model::ModelReport;
 use super::oracle::Oracle;
 use super::quantity::{Entries, Quantity};
 use super::shrink::shrink;
@@ -253,12 +254,22 @@ pub struct Report {
     pub subjects: Vec<Subject>,
     /// Singular points.
     pub atlas: Vec<Approach>,
+    /// What is found in the models of scenes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub models: Vec<ModelReport>,
 }
 
 impl Report {
     /// A report of subjects and singular points.
     pub(super) fn new(settings: &Settings, subjects: Vec<Subject>, atlas: Vec<Approach>) -> Self {
-        Self { version: crate::VERSION, settings: settings.clone(), constant: C, subjects, atlas }
+        Self {
+            version: crate::VERSION,
+            settings: settings.clone(),
+            constant: C,
+            subjects,
+            atlas,
+            models: Vec::new(),
+        }
     }
 
     /// The same with what another report found.
@@ -266,6 +277,7 @@ impl Report {
     pub fn joined(mut self, other: Self) -> Self {
         self.subjects.extend(other.subjects);
         self.atlas.extend(other.atlas);
+        self.models.extend(other.models);
         self
     }
 
@@ -273,6 +285,11 @@ impl Report {
     pub fn mismatches(&self) -> usize {
         let wrong = self.subjects.iter().filter(|subject| subject.verdict().is_mismatch()).count();
         wrong + self.atlas.iter().filter(|approach| !approach.is_confirmed()).count()
+    }
+
+    /// Models of which a finding is an error.
+    pub fn failing_models(&self) -> usize {
+        self.models.iter().filter(|model| model.fails()).count()
     }
 
     /// Subjects of which something is undecided.

@@ -171,6 +171,8 @@ codes! {
     NegativeRadius = "rule::negative-radius": "A node of a CONN2D2 element in an axisymmetric model has a negative coordinate 1, which is the radius.";
     RepeatedConstraint = "rule::repeated-constraint": "Two connectors between the same nodes, with the same orientations, constrain the same components. A warning.";
     CrowdedSliprings = "rule::crowded-sliprings": "More than two SLIPRINGs share a node.";
+    FrictionParameterUnused = "rule::friction-parameter-unused": "A number of predefined friction is given that no criterion holds in our reading. A warning.";
+    LockVelocity = "rule::lock-velocity": "A lock in an Explicit analysis has items after its limits, which are read as temperature and field variables. A warning.";
     OpposedSliprings = "rule::opposed-sliprings": "Two SLIPRINGs with friction both end, or both begin, at the node that they share. A warning.";
     NoRotation = "rule::no-rotation": "A rotation is prescribed at a node of a connector that has no rotational degrees of freedom. A warning.";
 

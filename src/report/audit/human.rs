@@ -47,6 +47,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     }
     atlas(out, report)?;
     self_test(out, report)?;
+    super::model::human(out, &report.models, width)?;
     verdict(out, report)
 }
 
@@ -203,7 +204,7 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 }
 
 fn verdict(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let failed = report.survivors() > 0 || report.mismatches() > 0;
+    let failed = report.survivors() > 0 || report.mismatches() > 0 || report.failing_models() > 0;
     let text = if failed { styled(CARE, headline(report)) } else { headline(report) };
     writeln!(out, "\n{}", styled(BOLD, text))
 }

@@ -4,6 +4,7 @@ mod html;
 mod human;
 mod junit;
 mod markdown;
+mod model;
 mod summary;
 
 pub use html::{Audited, Supplement, figures, html};
