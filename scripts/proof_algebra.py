@@ -4,7 +4,7 @@ A number is a fraction of polynomials in plain symbols, in angles, and in the co
 Square roots that are no such fraction are adjoined with their relation. In this ring, which has no zero divisors, a fraction is zero
 exactly if its reduced numerator is: that is a proof, not a sample.
 
-What an arctangent, an arc cosine or the sign of a root is depends on the region. Each number therefore also carries its value to 60
+What an arctangent, an arc cosine or the sign of a root is depends on the region. Each number therefore also carries its value to 110
 digits at one sample point, computed apart from the fraction: it decides branches and signs, and it is the fallback where the
 fraction cannot be had.
 """
@@ -15,7 +15,7 @@ import mpmath
 import sympy
 from sympy.polys.rings import ring
 
-DIGITS = 60
+DIGITS = 110
 mpmath.mp.dps = DIGITS
 NOISE = mpmath.mpf(10) ** -50
 """Values that agree to this, relative to their size, agree to 50 digits."""
@@ -308,7 +308,7 @@ class Fraction:
 
 
 class Number:
-    """A value to 60 digits, and the fraction that it is, or None with the reason why there is none."""
+    """A value to 110 digits, and the fraction that it is, or None with the reason why there is none."""
 
     __slots__ = ("value", "fraction", "reason")
 

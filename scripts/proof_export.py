@@ -66,6 +66,7 @@ class Export:
         self.names = self.module["FUNCTIONS"]
         self._values = dict(zip(self.module["VALUES"], self._called("values") if "values" in self.module else [], strict=True))
         self._rows = dict(zip(self.names, self._called("jacobian"), strict=True))
+        self._seconds = None
 
     @classmethod
     def of(cls, path, type_name, variables="relative"):
@@ -85,6 +86,12 @@ class Export:
 
     def row(self, name):
         return [sympy.sympify(entry) for entry in self._rows[name]]
+
+    def second(self, name):
+        """The second derivatives by two variations, row by row."""
+        if self._seconds is None:
+            self._seconds = dict(zip(self.names, self._called("hessian"), strict=True))
+        return [[sympy.sympify(entry) for entry in row] for row in self._seconds[name]]
 
     @property
     def frictions(self):

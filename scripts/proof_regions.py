@@ -58,7 +58,7 @@ PLAIN = ["d0", "d1", "d2", "Psi_a", "Psi_b", "l0", "beta_s", "phi_ref0", "phi_re
 
 
 class Draw:
-    """Random numbers of 60 digits."""
+    """Random numbers of 200 bits."""
 
     def __init__(self, seed):
         self.random = random.Random(seed)

@@ -1,9 +1,9 @@
 """Proofs that the formulas which the program differentiates are the printed ones, in SymPy.
 
 `pintle export TYPE --as sympy` gives the formulas as traced from the program's kinematics; scripts/proof_formulas.py has them as the
-manual's pages print them, typed independently. For every connection type the difference is shown to vanish: values, first
-derivatives, friction; in the directions of a, and at the nodes. scripts/proof_identities.py proves what the pages say in two ways, and
-by how much a printed formula that a decision sets aside differs from what the program uses; scripts/proof_reported.py that the
+manual's pages print them, typed independently. For every connection type the difference is shown to vanish: values, first and second
+derivatives, friction; in the directions of a, and at the nodes. scripts/proof_identities.py proves what the pages say in two ways,
+and by how much a printed formula that a decision sets aside differs from what the program uses; scripts/proof_reported.py that the
 printed one is reported beside it.
 
 *Proved* means that the reduced numerator of the difference is the zero polynomial on each branch met (scripts/proof_algebra.py).
@@ -14,11 +14,13 @@ one factor changed must be refused as well.
 
 Usage (needs cargo, and SymPy of scripts/requirements.txt; a minute):
   python3 scripts/prove.py           the table of proofs
-  python3 scripts/prove.py --check   the same, for the test command: only what is not proved, and the count
+  python3 scripts/prove.py --check   for the test command: only what is not proved, and the count; the longest second derivatives
+                                     are sampled
 """
 
 import argparse
 import ast
+import concurrent.futures
 import itertools
 import re
 import sys
@@ -41,10 +43,14 @@ MUTANTS = {
 }
 """Types whose exported programs are changed for the self-test, sign by sign, and the functions in which."""
 
+LONG = {"PROJECTION CARTESIAN", "ALIGN", "PROJECTION FLEXION-TORSION"}
+"""Types whose second derivatives take minutes to prove; `--check` samples them."""
+
 SAMPLES = 6
 """States at which each formula is compared."""
 
 PROVED, SAMPLED, REPORTED, DIFFERS = "proved symbolically", "by 50-digit sampling", "reported to rounding", "DIFFERS"
+REFUSED = "refused"
 
 
 @dataclass
@@ -149,6 +155,12 @@ def along_variations(expression):
     return found + [expression.diff(PSI_A), expression.diff(PSI_B)]
 
 
+def second_variations(slopes):
+    """The derivatives of eight first derivatives, the mean of both orders where they are two turns."""
+    ordered = [along_variations(slope) for slope in slopes]
+    return [[(ordered[i][j] + ordered[j][i]) / 2 for j in range(8)] for i in range(8)]
+
+
 def row_of(row, state):
     """The printed force on b, moment on b, and forces on the flows."""
     force = row.force(state) if row.force else NOTHING
@@ -163,8 +175,8 @@ def state_of(name, region):
 class Comparison:
     """The functions of one basic type against the printed ones."""
 
-    def __init__(self, type_name, export, samples=SAMPLES, is_exact=True):
-        self.type_name, self.export, self.samples, self.is_exact = type_name, export, samples, is_exact
+    def __init__(self, type_name, export, samples=SAMPLES, is_exact=True, is_quick=False):
+        self.type_name, self.export, self.samples, self.is_exact, self.is_quick = type_name, export, samples, is_exact, is_quick
 
     def functions(self):
         expected, found = set(printed(self.type_name)), set(self.export.names)
@@ -197,6 +209,8 @@ class Comparison:
                 judgement.at_state(is_exact)
                 for entry, other in zip(exported_row, row_of(printed_row, state), strict=True):
                     judgement.compare(entry, evaluation.of(other), None, is_exact)
+        if formula.forms and self.is_exact:
+            yield self.second(name, formula.forms[0])
         subject = f"{self.type_name} {name}"
         for form, judgement in zip(formula.forms, judgements, strict=True):
             yield judgement.line(f"{subject} value", form.source), judgement
@@ -204,6 +218,23 @@ class Comparison:
             yield slopes.line(f"{subject} derivatives", formula.forms[0].source), slopes
         for printed_row, judgement in zip(formula.rows, rows, strict=True):
             yield judgement.line(f"{subject} row", printed_row.source), judgement
+
+
+    def second(self, name, form):
+        """The second derivatives, on the first branch."""
+        judgement = Judgement()
+        region = regions_for(self.type_name, name, Draw(f"second {self.type_name} {name}"), 1)[0]
+        region.is_exact = not (self.is_quick and self.type_name in LONG)
+        evaluation = region.evaluation()
+        judgement.at_state(True)
+        wanted = second_variations(along_variations(form.value(state_of(name, region))))
+        exported = self.export.second(name)
+        for i in range(8):
+            for j in range(i, 8):
+                judgement.compare(evaluation.of(exported[i][j]), evaluation.of(wanted[i][j]))
+                if exported[i][j] != exported[j][i]:
+                    raise AssertionError(f"{self.type_name} {name}: the second derivatives are not symmetric")
+        return judgement.line(f"{self.type_name} {name} second derivatives", form.source), judgement
 
 
 def evaluation_of(region, expressions, seen, is_exact=True):
@@ -446,23 +477,61 @@ def self_test(exports):
     return refused + 1
 
 
-def proofs(path, exports):
-    """Every line of the table, with the judgement behind it."""
-    yield from claims()
-    for type_name in BASIC:
-        yield from Comparison(type_name, exports[type_name]).lines()
-    for type_name, halves in ASSEMBLED.items():
-        yield assembled(type_name, exports[type_name], [exports[half] for half in halves])
-    for type_name in TYPES:
-        if (exports[type_name].frictions > 0) != (type_name in FRICTION):
-            raise AssertionError(f"{type_name}: friction is printed or exported, not both")
-    for type_name in FRICTION:
-        yield from Friction(type_name, exports[type_name]).lines()
-    for line in beside(path):
-        yield line, Judgement()
+class Programs(dict):
+    """Exported programs by type and variables, each asked for once."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.path = path
+
+    def __missing__(self, key):
+        type_name, variables = key if isinstance(key, tuple) else (key, "relative")
+        self[key] = proof_export.Export.of(self.path, type_name, variables)
+        return self[key]
+
+
+PARTS = {
+    "claims": lambda programs: claims(),
+    "beside": lambda programs: ((line, Judgement()) for line in beside(programs.path)),
+    "self-test": lambda programs: [(Line("changed programs", REFUSED, "", ""), Judgement(perturbed=self_test(programs)))],
+    "assembled": lambda programs: (
+        assembled(type_name, programs[type_name], [programs[half] for half in halves]) for type_name, halves in ASSEMBLED.items()
+    ),
+    "friction": lambda programs: itertools.chain(*(Friction(type_name, programs[type_name]).lines() for type_name in FRICTION)),
+    "nodal": lambda programs: nodal_lines(programs),
+}
+"""What is proved of several types together."""
+
+
+def nodal_lines(programs):
     known = {}
-    for type_name in BASIC:
-        yield nodal_rows(type_name, exports[type_name], proof_export.Export.of(path, type_name, "nodal"), known)
+    return [nodal_rows(type_name, programs[type_name], programs[type_name, "nodal"], known) for type_name in BASIC]
+
+
+def lines_of(path, part, is_quick):
+    """The lines of a part, or of a basic type, with the judgements behind them."""
+    programs = Programs(path)
+    if part in PARTS:
+        return list(PARTS[part](programs))
+    return list(Comparison(part, programs[part], is_quick=is_quick).lines())
+
+
+def proofs(path, is_quick):
+    """Every line of the table, in order, from two processes."""
+    parts = [*(part for part in PARTS if part != "self-test"), *BASIC, "self-test"]
+    with concurrent.futures.ProcessPoolExecutor(max_workers=2) as pool:
+        futures = {part: pool.submit(lines_of, path, part, is_quick) for part in sorted(parts, key=lambda part: part not in (*LONG, "nodal"))}
+        for part in parts:
+            yield from futures[part].result()
+
+
+def check_coverage(path):
+    """Every type of the catalogue is printed, and friction where it has any."""
+    if proof_export.listed(path) != set(TYPES):
+        raise SystemExit(f"prove.py: the catalogue and the printed formulas differ in {proof_export.listed(path) ^ set(TYPES)}")
+    for type_name in TYPES:
+        if (proof_export.Export.of(path, type_name).frictions > 0) != (type_name in FRICTION):
+            raise SystemExit(f"prove.py: {type_name}: friction is printed or exported, not both")
 
 
 def main():
@@ -471,22 +540,21 @@ def main():
     arguments = parser.parse_args()
     start = time.time()
     path = proof_export.program()
-    if proof_export.listed(path) != set(TYPES):
-        raise SystemExit(f"prove.py: the catalogue and the printed formulas differ in {proof_export.listed(path) ^ set(TYPES)}")
-    counts, perturbed = dict.fromkeys((PROVED, SAMPLED, REPORTED, DIFFERS), 0), 0
-    exports = {type_name: proof_export.Export.of(path, type_name) for type_name in TYPES}
-    for line, judgement in proofs(path, exports):
+    check_coverage(path)
+    counts, perturbed = dict.fromkeys((PROVED, SAMPLED, REPORTED, REFUSED, DIFFERS), 0), 0
+    for line, judgement in proofs(path, arguments.check):
+        if line.verdict == REFUSED:
+            counts[REFUSED] += judgement.perturbed
+            continue
         counts[line.verdict] += 1
         perturbed += judgement.perturbed
         if not arguments.check or line.verdict in (SAMPLED, DIFFERS):
             print(line, flush=True)
-    mutants = self_test(exports)
     print(
         f"{counts[PROVED]} proved symbolically, {counts[SAMPLED]} by 50-digit sampling, {counts[REPORTED]} reported to rounding, "
-        f"{counts[DIFFERS]} differ; "
-        f"{perturbed} perturbed formulas and {mutants} changed programs refused; {time.time() - start:.0f} s"
+        f"{counts[DIFFERS]} differ; {perturbed} perturbed formulas and {counts[REFUSED]} changed programs refused; {time.time() - start:.0f} s"
     )
-    return 1 if counts[DIFFERS] or not counts[PROVED] else 0
+    return 1 if counts[DIFFERS] or not counts[PROVED] or not counts[REFUSED] else 0
 
 
 if __name__ == "__main__":

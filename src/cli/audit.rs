@@ -217,7 +217,8 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
         let scenes: Vec<&Scene> = loaded.iter().map(|loaded| &loaded.scene).collect();
-        page::write(arguments, &report, &page::supplement(&report, is_catalogue, &targets, &scenes))?;
+        let supplement = page::supplement(&report, is_catalogue, &targets, &scenes);
+        page::write(arguments, &report, &supplement)?;
     }
     if !is_page {
         write(arguments.format, arguments.verbose, &report)?;

@@ -106,7 +106,15 @@ impl<R: Differentiable> Connector<R> {
             let lean = scale(vector::apply_transposed(&pair.a.triad, told), R::ratio(LEAN.0, LEAN.1));
             tally.histories += 1;
             let log = so3::continuous_log(&relative.q, add(carried, lean));
-            next.rotation_vector = R::choose(log.is_reference(), || log.phi, || carried);
+            // Near a whole turn the direction of φ says nothing: that of the history stands, with the angle of φ.
+            let held = || {
+                let (unit, length) = R::direction_and_norm(carried);
+                let (_, angle) = R::direction_and_norm(log.phi);
+                let backwards = dot(unit, log.phi).less(R::integer(0));
+                let signed = R::choose(backwards, || -angle, || angle);
+                R::choose(R::integer(0).less(length), || scale(unit, signed), || carried)
+            };
+            next.rotation_vector = R::choose(log.is_reference(), || log.phi, held);
         }
         if needs(|m| matches!(m, Measure::Euler(_))) {
             // The sheet is that on which all of them move least.

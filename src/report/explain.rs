@@ -53,6 +53,9 @@ pub struct Explanation {
 struct Criterion {
     tangential: String,
     contact: String,
+    /// What stands in place of μ |F_C + F_C^int|, where that is a law of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limit: Option<&'static str>,
     output: &'static str,
     /// P and F_C in two dimensions, where the type can be used there.
     two_dimensional: Option<[String; 2]>,
@@ -70,6 +73,7 @@ fn criteria(friction: &Friction, is_planar: bool) -> Vec<Criterion> {
             Criterion {
                 tangential,
                 contact,
+                limit: criterion.limit_formula(),
                 output: criterion.output,
                 two_dimensional: is_planar.then(|| formulas(criterion, PLANE)),
             }
@@ -337,14 +341,15 @@ fn summary(connection: &ConnectionType) -> Vec<Field> {
             let all: Vec<String> = criteria(&friction, connection.planar != Availability::Never)
                 .into_iter()
                 .map(|criterion| {
-                    let Criterion { tangential, contact, output, two_dimensional } = criterion;
+                    let Criterion { tangential, contact, limit, output, two_dimensional } = criterion;
+                    let limit = limit.map(|limit| format!(", limit {limit}")).unwrap_or_default();
                     let plane = match two_dimensional {
                         Some([p, c]) if p != tangential || c != contact => {
                             format!("; in two dimensions F_C = {c}, against P = {p}")
                         }
                         _ => String::new(),
                     };
-                    format!("F_C = {contact}, against P = {tangential} ({output}){plane}")
+                    format!("F_C = {contact}{limit}, against P = {tangential} ({output}){plane}")
                 })
                 .collect();
             let constants = friction

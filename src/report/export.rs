@@ -147,7 +147,7 @@ impl Export {
                         name: "point",
                         shape: vec![4],
                         unit: "force, or moment",
-                        meaning: "P, F_C, F_N, Phi = P - mu F_N".into(),
+                        meaning: "P, F_C, F_N, Phi".into(),
                         ids: point.to_vec(),
                     },
                     Output {
@@ -334,8 +334,12 @@ fn facts(connection: &ConnectionType, model: &Model, frictions: &[FrictionModel]
     }
     if let Some(friction) = &connection.friction {
         for (i, criterion) in friction.criteria.iter().enumerate().take(frictions.len()) {
+            let law = criterion.limit_formula().map_or_else(
+                || "F_N = |F_C + F_C^int|, Φ = P − μ F_N".to_string(),
+                |limit| format!("F_N = F_C, Φ = P − {limit}"),
+            );
             facts.push(format!(
-                "friction_{}: P = {}, F_C = {}, F_N = |F_C + F_C^int|, Phi = P - mu F_N",
+                "friction_{}: P = {}, F_C = {}, {law}",
                 i + 1,
                 criterion.tangential_formula(friction, SPATIAL),
                 criterion.contact_formula(friction, SPATIAL),
