@@ -1,6 +1,7 @@
 //! Reports of an audit: each shows what was found, and no text of the input becomes markup.
 
 use crate::audit::spoiled;
+use pintle::audit::model::{Levels, ModelReport, audit_model};
 use pintle::audit::{
     Illustration, Quantity, Report, Settings, Target, Verdict, audit_catalogue, audit_scenes,
     illustrate_catalogue, illustrate_scene,
@@ -61,7 +62,7 @@ fn markdown_of_a_clean_audit() {
 }
 
 /// The page of a report on the catalogue and one scene of the gallery, with one verdict spoiled so that something is to be said.
-fn page() -> (String, Report, Vec<(String, String)>) {
+fn page() -> (String, Report, Vec<(String, String)>, ModelReport) {
     let example = GALLERY.iter().find(|example| example.name == "slider_crank").unwrap();
     let scene = example.scene().unwrap();
     let model = Model::compile(&scene).unwrap();
@@ -77,20 +78,21 @@ fn page() -> (String, Report, Vec<(String, String)>) {
     let mut report = brief().joined(of_scene).joined(wrong());
     let crank = report.subjects.iter_mut().find(|subject| subject.name == "BEAM 104").unwrap();
     crank.derivative = Verdict::Wrong;
+    let looked_at = audit_model(&scene, &states, &Levels::default());
+    report.models.push(looked_at.clone());
     let supplement = Supplement {
         scenes: vec![Audited { name: target.name, scene: &scene, model: &model }],
         illustrations,
         command: format!("pintle audit {HOSTILE}"),
-        ..Supplement::default()
     };
     let page = text(|out, report| report::html(out, report, &supplement), &report);
     let figures = report::figures(&report, &supplement);
-    (page, report, figures)
+    (page, report, figures, looked_at)
 }
 
 #[test]
 fn the_page_is_self_contained_and_escapes_its_input() {
-    let (page, report, figures) = page();
+    let (page, report, figures, models) = page();
     // Nothing is loaded from anywhere: the only addresses are names of the SVG namespace.
     let addresses = page.matches("://").count();
     assert_eq!(addresses, page.matches("http://www.w3.org/2000/svg").count());
@@ -99,15 +101,28 @@ fn the_page_is_self_contained_and_escapes_its_input() {
     }
     assert!(!page.contains("<script>alert"));
     assert_eq!(page.matches("<script>").count(), 1);
-    for section in
-        ["problems", "scene", "verdicts", "jacobians", "steps", "singular", "self-test", "environment"]
-    {
+    for section in [
+        "problems",
+        "model",
+        "coverage",
+        "scene",
+        "verdicts",
+        "jacobians",
+        "steps",
+        "singular",
+        "self-test",
+        "environment",
+    ] {
         assert!(page.contains(&format!("<section id=\"{section}\">")), "{section}");
         assert!(page.contains(&format!("href=\"#{section}\"")), "{section}");
     }
     for subject in report.subjects.iter().filter(|subject| subject.name != HOSTILE) {
         assert!(page.contains(&subject.name), "{}", subject.name);
     }
+    for finding in &models.findings {
+        assert!(page.contains(&format!("<code>{}</code>", finding.code().as_str())), "{}", finding.message());
+    }
+    assert!(page.contains("<table class=\"map\">") && page.contains("rank of the constraints"));
     // The wrong entry, in words.
     assert!(page.contains("∂ur1/∂θb1: 0e0, must be "), "the finding");
     // The spoiled connector is drawn as such, the others as what they are.
@@ -200,7 +215,7 @@ fn a_browser_shows_the_page() {
         );
         return;
     };
-    let (page, report, _) = page();
+    let (page, report, ..) = page();
     let page = page.replace("</body>", PROBE);
     let (dom, console) = browsed(&chromium, "audit.html", &page);
     assert_eq!(console, "");
