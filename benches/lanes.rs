@@ -172,15 +172,22 @@ impl pulp::NullaryFnOnce for Sweep<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { v, name, case, out } = self;
-        let tiles = case.tiles.iter().zip(out.chunks_exact_mut(case.batch.rows()));
+        // Loops written out: a closure would be compiled for the baseline, and called.
+        macro_rules! each {
+            (|$tile:ident, $section:ident, $out:ident| $row:expr) => {
+                for (($tile, $section), $out) in
+                    case.tiles.iter().zip(&case.sections).zip(out.chunks_exact_mut(case.batch.rows()))
+                {
+                    $row
+                }
+            };
+        }
         match name {
-            "SLIDE-PLANE" => tiles.for_each(|(tile, out)| hand::simd::slide_plane(v, tile, out)),
-            "REVOLUTE" => tiles.for_each(|(tile, out)| hand::simd::revolute(v, tile, out)),
-            "TRANSLATOR" => tiles
-                .zip(&case.sections)
-                .for_each(|((tile, out), section)| hand::simd::translator(v, tile, section, out)),
-            "ROTATION" => tiles.for_each(|(tile, out)| hand::simd::rotation(v, tile, out)),
-            "CARDAN" => tiles.for_each(|(tile, out)| hand::simd::cardan(v, tile, out)),
+            "SLIDE-PLANE" => each!(|tile, _section, out| hand::simd::slide_plane(v, tile, out)),
+            "REVOLUTE" => each!(|tile, _section, out| hand::simd::revolute(v, tile, out)),
+            "TRANSLATOR" => each!(|tile, section, out| hand::simd::translator(v, tile, section, out)),
+            "ROTATION" => each!(|tile, _section, out| hand::simd::rotation(v, tile, out)),
+            "CARDAN" => each!(|tile, _section, out| hand::simd::cardan(v, tile, out)),
             other => panic!("{other} is not written by hand"),
         }
     }

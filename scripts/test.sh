@@ -15,8 +15,6 @@ if ! command -v chromium chromium-browser google-chrome > /dev/null; then
     fi
 fi
 
-cargo test --all-features
-
 if [ ! -x .venv/bin/python ]; then
     python3 -m venv .venv || {
         echo "scripts/test.sh: python3 could not make a virtual environment (on Debian: apt install python3-venv)" >&2
@@ -27,6 +25,9 @@ if ! cmp -s scripts/requirements.txt .venv/installed.txt; then
     .venv/bin/pip install --quiet --disable-pip-version-check --requirement scripts/requirements.txt
     cp scripts/requirements.txt .venv/installed.txt
 fi
+
+# After the environment: the tests run exported Python programs in it.
+cargo test --all-features
 
 passed=0
 for witness in $(grep --files-with-matches -- '"--check"' scripts/*.py); do

@@ -109,7 +109,7 @@ fn check(group: &[One], name: &str, worst: &mut Worst) {
         Err(error) => panic!("{name}: {error}"),
     };
     // A stride that has no factor in common with the number of cases: neighbours come from different regions.
-    let stride = (1..).map(|i| 7 + i).find(|s| group.len() % s != 0 || group.len() == 1).unwrap();
+    let stride = (1..).map(|i| 7 + i).find(|s| !group.len().is_multiple_of(*s) || group.len() == 1).unwrap();
     let order: Vec<&One> = (0..group.len().next_multiple_of(4))
         .map(|i| &group[(i * stride + i / group.len()) % group.len()])
         .collect();

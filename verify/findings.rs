@@ -103,6 +103,8 @@ fn every_deck_has_exactly_what_it_says() {
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
+/// What is found of a scene; what an audit says of numbers has tests of its own.
+const GROUPS: [&str; 3] = ["model", "assembly", "coverage"];
 /// Provoked where large assemblies are.
 const ELSEWHERE: [Code; 1] = [Code::AssemblyRedundantUnjudged];
 
@@ -119,8 +121,62 @@ fn every_finding_has_a_deck_and_a_neighbour() {
     let lacked: BTreeSet<&str> = decks.iter().filter_map(|deck| deck.lacks).map(Code::as_str).collect();
     let codes = Code::ALL
         .iter()
-        .filter(|code| code.is_finding() && !ELSEWHERE.contains(code))
+        .filter(|code| GROUPS.contains(&code.group()) && !ELSEWHERE.contains(code))
         .map(|code| code.as_str());
     let missing: Vec<&str> = codes.filter(|code| !had.contains(code) || !lacked.contains(code)).collect();
     assert!(missing.is_empty(), "without deck or neighbour: {}", missing.join(", "));
+}
+
+fn command(arguments: &[&str]) -> std::process::Output {
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_pintle"));
+    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "RUST_BACKTRACE"] {
+        command.env_remove(name);
+    }
+    command.current_dir(directory()).arg("audit").args(arguments).args([
+        "--drawn-states",
+        "2",
+        "--wide-states",
+        "1",
+    ]);
+    command.output().unwrap()
+}
+
+/// The command shows findings, and the levels given decide what is shown and whether it fails.
+#[test]
+fn levels_are_set_on_the_command_line() {
+    let told = |arguments: &[&str]| {
+        let output = command(arguments);
+        (
+            output.status.code(),
+            String::from_utf8(output.stdout).unwrap(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
+    };
+    let deck = "stop-violated.inp";
+    let (code, shown, _) = told(&[deck]);
+    assert_eq!(code, Some(0), "{shown}");
+    assert!(shown.contains("warning[model::stop-violated] stop-violated.inp:17"), "{shown}");
+    assert!(shown.contains("help: move the stop") && shown.contains("degrees of freedom"), "{shown}");
+    for denied in ["model::stop-violated", "model", "warnings"] {
+        let (code, shown, said) = told(&[deck, "--deny", denied]);
+        assert_eq!(code, Some(1), "{shown}");
+        assert!(
+            shown.contains("error[model::stop-violated]") && said.contains("a finding"),
+            "{shown} {said}"
+        );
+    }
+    // What is said of a code outweighs what is said of all.
+    let (code, shown, _) = told(&[deck, "--deny", "warnings", "--allow", "model::stop-violated"]);
+    assert_eq!((code, shown.contains("stop-violated]")), (Some(0), false), "{shown}");
+    let (code, shown, _) = told(&[deck, "--note", "model::stop-violated", "--format", "json"]);
+    let document: serde_json::Value = serde_json::from_str(&shown).unwrap();
+    let finding = &document["models"][0]["findings"][0];
+    assert_eq!((code, &finding["severity"], &finding["line"]), (Some(0), &"note".into(), &17.into()));
+    assert_eq!(finding["about"]["components"][0], "u1");
+    let (code, _, said) = told(&[deck, "--deny", "model::stop-violatd"]);
+    assert_eq!(code, Some(2));
+    assert!(said.contains("did you mean model::stop-violated?"), "{said}");
+    // Where the rank is undecided, --strict says so.
+    let (code, shown, _) = told(&["undecided.inp", "--strict"]);
+    assert_eq!(code, Some(3), "{shown}");
 }

@@ -313,7 +313,7 @@ const MANUAL: &[Row] = &[
         kinetic_forces: "f1, f2",
         orientation: ["ignored?", "ignored?"],
         references: "ε1ref",
-        friction: &[["|T2 − T1|", "min(T1, T2) (exp(μ α) − 1)/μ", "CSF2"]],
+        friction: &[["|T2 − T1|", "min(T1, T2)", "CSF2"]],
         planar: "Standard only",
         page: "connectiontypedesc-slipring, guide; stops and the summary unread",
         ..BASIC

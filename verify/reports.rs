@@ -1,6 +1,7 @@
 //! Reports of an audit: each shows what was found, and no text of the input becomes markup.
 
 use crate::audit::spoiled;
+use pintle::audit::model::{Levels, ModelReport, audit_model};
 use pintle::audit::{
     Illustration, Quantity, Report, Settings, Target, Verdict, audit_catalogue, audit_scenes,
     illustrate_catalogue, illustrate_scene,
@@ -61,7 +62,7 @@ fn markdown_of_a_clean_audit() {
 }
 
 /// The page of a report on the catalogue and one scene of the gallery, with one verdict spoiled so that something is to be said.
-fn page() -> (String, Report, Vec<(String, String)>) {
+fn page() -> (String, Report, Vec<(String, String)>, ModelReport) {
     let example = GALLERY.iter().find(|example| example.name == "slider_crank").unwrap();
     let scene = example.scene().unwrap();
     let model = Model::compile(&scene).unwrap();
@@ -77,20 +78,21 @@ fn page() -> (String, Report, Vec<(String, String)>) {
     let mut report = brief().joined(of_scene).joined(wrong());
     let crank = report.subjects.iter_mut().find(|subject| subject.name == "BEAM 104").unwrap();
     crank.derivative = Verdict::Wrong;
+    let looked_at = audit_model(&scene, &states, &Levels::default());
+    report.models.push(looked_at.clone());
     let supplement = Supplement {
         scenes: vec![Audited { name: target.name, scene: &scene, model: &model }],
         illustrations,
         command: format!("pintle audit {HOSTILE}"),
-        ..Supplement::default()
     };
     let page = text(|out, report| report::html(out, report, &supplement), &report);
     let figures = report::figures(&report, &supplement);
-    (page, report, figures)
+    (page, report, figures, looked_at)
 }
 
 #[test]
 fn the_page_is_self_contained_and_escapes_its_input() {
-    let (page, report, figures) = page();
+    let (page, report, figures, models) = page();
     // Nothing is loaded from anywhere: the only addresses are names of the SVG namespace.
     let addresses = page.matches("://").count();
     assert_eq!(addresses, page.matches("http://www.w3.org/2000/svg").count());
@@ -99,22 +101,36 @@ fn the_page_is_self_contained_and_escapes_its_input() {
     }
     assert!(!page.contains("<script>alert"));
     assert_eq!(page.matches("<script>").count(), 1);
-    for section in
-        ["problems", "scene", "verdicts", "jacobians", "steps", "singular", "self-test", "environment"]
-    {
+    for section in [
+        "problems",
+        "model",
+        "coverage",
+        "scene",
+        "verdicts",
+        "jacobians",
+        "steps",
+        "singular",
+        "self-test",
+        "environment",
+    ] {
         assert!(page.contains(&format!("<section id=\"{section}\">")), "{section}");
         assert!(page.contains(&format!("href=\"#{section}\"")), "{section}");
     }
     for subject in report.subjects.iter().filter(|subject| subject.name != HOSTILE) {
         assert!(page.contains(&subject.name), "{}", subject.name);
     }
+    for finding in &models.findings {
+        assert!(page.contains(&format!("<code>{}</code>", finding.code().as_str())), "{}", finding.message());
+    }
+    assert!(page.contains("<table class=\"map\">") && page.contains("rank of the constraints"));
     // The wrong entry, in words.
     assert!(page.contains("∂ur1/∂θb1: 0e0, must be "), "the finding");
     // The spoiled connector is drawn as such, the others as what they are.
     assert!(page.contains("<g class=\"link v-wrong\"><title>BEAM 104: wrong</title>"));
     assert!(page.contains("<title>JOIN 103: pass</title>"));
-    let heat = page.matches("class=\"heat\"").count();
-    assert_eq!(heat, pintle::catalog::TABLE.len() + 3);
+    // One for each Jacobian shown, and that of what is wrong, once.
+    let heat = pintle::catalog::TABLE.len() + 3;
+    assert_eq!(page.matches("class=\"heat\"").count(), heat + 1);
     // The same figures as files, each one a document of its own.
     let names: std::collections::BTreeSet<&String> = figures.iter().map(|(name, _)| name).collect();
     assert_eq!(names.len(), figures.len());
@@ -136,7 +152,8 @@ fn a_wrong_matrix_shows() {
     (row[0].got, row[0].units) = (7.0, 1e12);
     let supplement = Supplement { illustrations: shown, ..Supplement::default() };
     let page = text(|out, report| report::html(out, report, &supplement), &wrong());
-    assert_eq!(page.matches("<rect class=\"bad\"").count(), 1);
+    // One in the gallery, one where the wrong matrix is explained.
+    assert_eq!(page.matches("<rect class=\"bad\"").count(), 2);
     assert!(page.contains("= 7e0, must be"));
 }
 
@@ -198,7 +215,7 @@ fn a_browser_shows_the_page() {
         );
         return;
     };
-    let (page, report, _) = page();
+    let (page, report, ..) = page();
     let page = page.replace("</body>", PROBE);
     let (dom, console) = browsed(&chromium, "audit.html", &page);
     assert_eq!(console, "");
@@ -210,7 +227,7 @@ fn a_browser_shows_the_page() {
     let heats = pintle::catalog::TABLE.len() + 3;
     // Steps for each Jacobian, one plot for each singular set, and that of the smallest errors noticed.
     has("plots", &(heats + report.atlas.len() + 1).to_string());
-    has("heats", &heats.to_string());
+    has("heats", &(heats + 1).to_string());
     has("scenes", "1");
     has("links", "1");
     has("rows", &report.subjects.len().to_string());

@@ -1,6 +1,7 @@
 //! What holds of large models: the sparse Jacobian is that of the elements, threads change no bit, memory does not grow with time.
 
 pub(crate) mod chain;
+mod demand;
 mod sparse;
 mod threads;
 

@@ -47,6 +47,9 @@ pub(crate) const NUMERICS: &[Gate] = &[
     gate("jerk, matrices", 60.0, 150.0, 16.0),
 ];
 
+/// Exported programs against `eval`, in units of the audit's bound on either.
+pub(crate) const EXPORT: f64 = 2.0;
+
 /// What a law allows.
 pub(crate) struct Law {
     /// Its name.
@@ -180,3 +183,6 @@ pub(crate) const BELT_SLOPE: f64 = 1e-14;
 
 /// Moments on hinges and what constraints transmit, over 1 + the number: sums of a few products of unit vectors.
 pub(crate) const HINGE: f64 = 1e-14;
+
+/// What is left at free degrees of freedom of the decks, over the forces there: sums of some ten products.
+pub(crate) const DECK_BALANCE: f64 = 2e-14;

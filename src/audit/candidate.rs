@@ -29,6 +29,7 @@ use super::bound::Bound;
 use super::case::{Case, dof_size, moved};
 use super::certificate::certificate;
 use super::coverage::Coverage;
+use super::diagnosis::Symptoms;
 use super::engine::{Settings, checks_of};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
 use super::outcome::{Against, Check, Report, Subject};
@@ -118,6 +119,7 @@ impl<'a> Candidate<'a> {
             constant: super::C,
             subjects: vec![subject],
             atlas: Vec::new(),
+            models: Vec::new(),
         }
     }
 
@@ -144,6 +146,7 @@ impl<'a> Candidate<'a> {
             let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
             check.add(judgement, Score::default(), case);
+            check.explain(&Symptoms { quantity, got, want: &trusted, case, bound: &bound }, &answer.numbers);
             if let Some((k, i, _)) = missing {
                 check.missing(quantity.entry_name(k, i), case);
             }

@@ -15,12 +15,14 @@
 
 pub mod assembly;
 pub mod atlas;
+mod behavior;
 pub mod bound;
 mod candidate;
 pub mod case;
 pub mod certificate;
 pub mod counterexample;
 pub mod coverage;
+pub mod diagnosis;
 mod engine;
 mod force;
 pub mod friction;
@@ -48,7 +50,8 @@ pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
 pub use counterexample::CounterExample;
 pub use coverage::Coverage;
-pub use engine::{Settings, audit_case, audit_cases, audit_catalogue};
+pub use diagnosis::{Cause, Diagnosis, Explained};
+pub use engine::{Planted, Settings, audit_case, audit_cases, audit_catalogue};
 pub use force::product_with_forces as product;
 pub use friction::{FrictionCase, friction_cases};
 pub use hex::Hex;

@@ -13,7 +13,7 @@ use crate::vector::sub;
 use serde::{Deserialize, Serialize};
 
 /// What an oracle shares with the product: an error in a shared part is invisible to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Shares {
     /// The source text of the kinematics: a wrong formula.
     pub kinematics: bool,
@@ -24,7 +24,9 @@ pub struct Shares {
 }
 
 /// A source of reference numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Oracle {
     /// Central differences on 237-bit numbers.

@@ -5,17 +5,21 @@ use super::bound::C;
 use super::case::Case;
 use super::certificate::Certificate;
 use super::counterexample::CounterExample;
+use super::diagnosis::{Diagnosis, Symptoms, diagnose};
 use super::engine::{Settings, audit_case};
+use super::illustration::Comparison;
 use super::invariant::Invariant;
+use super::model::ModelReport;
 use super::oracle::Oracle;
-use super::quantity::Quantity;
+use super::quantity::{Entries, Quantity};
 use super::shrink::shrink;
 use super::verdict::{Finding, Judgement, Score, Verdict};
+use crate::scalar::Wide;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What numbers were compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
     /// An oracle's.
@@ -38,7 +42,7 @@ impl Against {
 }
 
 /// One check over all cases of a connector.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Check {
     /// The numbers judged; a law may span several.
     pub quantity: Option<Quantity>,
@@ -51,6 +55,7 @@ pub struct Check {
     /// Entries compared.
     pub compared: u64,
     /// The largest error in units of its tolerance, at any state.
+    #[schemars(with = "Option<f64>")]
     pub largest: f64,
     /// The entry that decided the verdict: nearest to, or farthest beyond, its tolerance.
     pub worst: Option<Finding>,
@@ -58,6 +63,12 @@ pub struct Check {
     pub worst_state: Option<String>,
     /// How mutants of the same numbers fared.
     pub score: Score,
+    /// Why it is wrong, at the state that tells most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diagnosis: Option<Box<Diagnosis>>,
+    /// The matrix of first derivatives at the worst state, where it is wrong.
+    #[serde(skip)]
+    pub comparison: Option<Box<Comparison>>,
     /// The case of the worst mismatch, for a counter-example.
     #[serde(skip)]
     pub failing: Option<Box<Case>>,
@@ -75,6 +86,8 @@ impl Check {
             worst: None,
             worst_state: None,
             score: Score::default(),
+            diagnosis: None,
+            comparison: None,
             failing: None,
         }
     }
@@ -99,6 +112,17 @@ impl Check {
 
     pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
         self.add_at(judgement, score, &case.name, Some(case));
+    }
+
+    /// Says why numbers are wrong, and keeps them to be shown.
+    pub(super) fn explain(&mut self, symptoms: &Symptoms<'_>, want: &Entries<Wide>) {
+        if !matches!(self.verdict, Verdict::Wrong) {
+            return;
+        }
+        self.diagnosis = diagnose(symptoms).map(Box::new);
+        if symptoms.quantity == Quantity::FirstDerivatives {
+            self.comparison = Some(Box::new(Comparison::new(symptoms.got, want, symptoms.bound)));
+        }
     }
 
     pub(super) fn add_at(&mut self, judgement: Judgement, score: Score, state: &str, case: Option<&Case>) {
@@ -130,14 +154,20 @@ impl Check {
             self.worst = other.worst;
             self.worst_state = other.worst_state;
             self.failing = other.failing.or(self.failing.take());
+            self.comparison = other.comparison.or(self.comparison.take());
         }
         self.verdict = self.verdict.max(other.verdict);
         self.score.merge(other.score);
+        if let Some(diagnosis) = other.diagnosis
+            && self.diagnosis.as_ref().is_none_or(|known| diagnosis.is_clearer_than(known))
+        {
+            self.diagnosis = Some(diagnosis);
+        }
     }
 }
 
 /// Everything that was found about one connector or type.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Subject {
     /// The type, or the type with the element.
     pub name: String,
@@ -213,7 +243,7 @@ impl Subject {
 }
 
 /// An audit.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// The version of this program.
     pub version: &'static str,
@@ -225,12 +255,23 @@ pub struct Report {
     pub subjects: Vec<Subject>,
     /// Singular points.
     pub atlas: Vec<Approach>,
+    /// What is found in the models of scenes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(with = "Vec<serde_json::Value>")]
+    pub models: Vec<ModelReport>,
 }
 
 impl Report {
     /// A report of subjects and singular points.
     pub(super) fn new(settings: &Settings, subjects: Vec<Subject>, atlas: Vec<Approach>) -> Self {
-        Self { version: crate::VERSION, settings: settings.clone(), constant: C, subjects, atlas }
+        Self {
+            version: crate::VERSION,
+            settings: settings.clone(),
+            constant: C,
+            subjects,
+            atlas,
+            models: Vec::new(),
+        }
     }
 
     /// The same with what another report found.
@@ -238,6 +279,7 @@ impl Report {
     pub fn joined(mut self, other: Self) -> Self {
         self.subjects.extend(other.subjects);
         self.atlas.extend(other.atlas);
+        self.models.extend(other.models);
         self
     }
 
@@ -245,6 +287,11 @@ impl Report {
     pub fn mismatches(&self) -> usize {
         let wrong = self.subjects.iter().filter(|subject| subject.verdict().is_mismatch()).count();
         wrong + self.atlas.iter().filter(|approach| !approach.is_confirmed()).count()
+    }
+
+    /// Models of which a finding is an error.
+    pub fn failing_models(&self) -> usize {
+        self.models.iter().filter(|model| model.fails()).count()
     }
 
     /// Subjects of which something is undecided.

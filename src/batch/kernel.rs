@@ -371,9 +371,7 @@ impl<const FUSED: bool> Element<'_, FUSED> {
             let mut all = [zero; 6];
             let mut second = [[zero; 6]; 6];
             let gradient = values[m].gradient();
-            for i in 0..N {
-                all[first + i] = gradient[i];
-            }
+            all[first..first + N].copy_from_slice(&gradient);
             if L::ORDER > 1 {
                 let hessian = values[m].hessian();
                 for i in 0..N {

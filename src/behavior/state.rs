@@ -337,7 +337,10 @@ impl Behavior {
         });
         let pressing = self.pressing(held, total, [&elastic, &viscous], &load, history);
         let friction = now.slides.then(|| self.slide(now, &pressing, duration, &motion, conditions, history));
-        let (friction, slips) = friction.unwrap_or((Forces::none(), Vec::new()));
+        // Where friction is not followed, the sums that it is a part of are not known.
+        let left_out =
+            || Forces { value: [None; 6], unknown: self.slips.map(|is| is.then_some(Unknown::Part)) };
+        let (friction, slips) = friction.unwrap_or_else(|| (left_out(), Vec::new()));
         let mut outcome = Outcome {
             elastic,
             viscous,

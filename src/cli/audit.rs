@@ -4,7 +4,8 @@ use super::eval::{Loaded, Source, load, source};
 use super::{Failure, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use pintle::audit::{Oracle, Report, Settings, Target, audit_catalogue, audit_scenes};
+use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
+use pintle::audit::{Oracle, Planted, Report, Settings, Target, audit_catalogue, audit_scenes};
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
 use pintle::evaluate::{Plan, Selection};
@@ -27,8 +28,17 @@ where mutants of the same numbers were noticed. Other verdicts: ill-conditioned
 point, kink, undecided (no independent oracle), unstable formula, wrong,
 invalid. docs/audit.md tells how it judges.
 
+Of each scene the model is looked at besides: rules, orientations, singular
+points along the states, stops, frictions, duplicates; mobility, redundant
+constraints and free motions of the whole assembly; which region of
+configuration space the states exercised. Each finding has a code, which
+pintle explain CODE explains, and is a note, a warning or an error; --deny,
+--warn, --note and --allow say which. What is said of a code outweighs what is
+said of its group, and that what is said of all notes or warnings.
+
 Examples:
   pintle audit
+  pintle audit model.inp --deny warnings --allow assembly::redundant
   pintle audit model.inp --at run.csv --counter-examples found
   pintle audit model.inp --html audit.html --plots figures
   pintle audit --states 10000 --format junit";
@@ -47,6 +57,24 @@ pub(crate) enum AuditFormat {
     Markdown,
     /// One self-contained page of HTML
     Html,
+}
+
+/// A fault planted on purpose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Plant {
+    /// A derivative is wrong
+    WrongEntry,
+    /// Answers of the oracles are lost
+    LostAnswer,
+}
+
+impl From<Plant> for Planted {
+    fn from(plant: Plant) -> Self {
+        match plant {
+            Plant::WrongEntry => Self::WrongEntry,
+            Plant::LostAnswer => Self::LostAnswer,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -90,6 +118,21 @@ pub(crate) struct Audit {
     /// Write the figures of the page into this folder, as SVG files
     #[arg(long, value_name = "FOLDER")]
     pub(super) plots: Option<PathBuf>,
+    /// Plant a fault, to see the audit fail
+    #[arg(long, value_enum, hide = true)]
+    plant: Option<Plant>,
+    /// Findings of this code, of this group (model, assembly, coverage, rule …), all notes or all warnings, are errors: exit 1
+    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    deny: Vec<String>,
+    /// … are warnings
+    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    warn: Vec<String>,
+    /// … are notes
+    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    note: Vec<String>,
+    /// … are not shown
+    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    allow: Vec<String>,
     /// Exit with 3 where something is undecided
     #[arg(long)]
     strict: bool,
@@ -113,6 +156,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         return Err(Failure::Usage("--at gives the states of one scene: name one".into()));
     }
     let settings = settings(arguments);
+    let levels = levels(arguments)?;
     let is_catalogue = arguments.scenes.is_empty();
     let sources = match arguments.scenes.as_slice() {
         [] => GALLERY.iter().map(Source::Gallery).collect(),
@@ -162,14 +206,19 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     let of_catalogue = is_catalogue.then(|| audit_catalogue(&settings, &progress));
     let of_scenes = audit_scenes(&settings, &targets, &progress);
     bar.finish_and_clear();
-    let report = match of_catalogue {
+    let mut report = match of_catalogue {
         Some(of_catalogue) => of_catalogue.joined(of_scenes),
         None => of_scenes,
     };
+    if !is_catalogue {
+        let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
+        report.models = loaded.iter().map(of_model).collect();
+    }
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
         let scenes: Vec<&Scene> = loaded.iter().map(|loaded| &loaded.scene).collect();
-        page::write(arguments, &report, &page::supplement(&report, is_catalogue, &targets, &scenes))?;
+        let supplement = page::supplement(&report, is_catalogue, &targets, &scenes);
+        page::write(arguments, &report, &supplement)?;
     }
     if !is_page {
         write(arguments.format, arguments.verbose, &report)?;
@@ -180,12 +229,27 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     verdict(arguments.strict, &report)
 }
 
+/// How bad the findings of each code are taken to be.
+fn levels(arguments: &Audit) -> Result<Levels, Failure> {
+    let Audit { allow, note, warn, deny, .. } = arguments;
+    let mut levels = Levels::default();
+    for (names, level) in
+        [(allow, Level::Allow), (note, Level::Note), (warn, Level::Warn), (deny, Level::Deny)]
+    {
+        for name in names {
+            levels.set(name, level).map_err(Failure::Usage)?;
+        }
+    }
+    Ok(levels)
+}
+
 fn settings(arguments: &Audit) -> Settings {
     let mut settings = Settings {
         states: arguments.states,
         near_singular_states: arguments.near_singular_states,
         drawn_states: arguments.drawn_states,
         seed: arguments.seed.clone(),
+        planted: arguments.plant.map(Planted::from),
         ..Settings::default()
     };
     if let Some(wide_states) = arguments.wide_states {
@@ -249,10 +313,19 @@ pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
     if report.mismatches() > 0 {
         return Err(Failure::Mismatch);
     }
+    if report.failing_models() > 0 {
+        return Err(Failure::Findings);
+    }
     if report.compared() == 0 {
         return Err(Failure::Nothing("no number was compared".into()));
     }
-    if strict && report.undecided() > 0 {
+    let is_decided = |model: &ModelReport| {
+        model
+            .assembly
+            .as_ref()
+            .is_none_or(|assembly| assembly.positions.iter().all(|position| position.decided))
+    };
+    if strict && (report.undecided() > 0 || !report.models.iter().all(is_decided)) {
         return Err(Failure::Undecided);
     }
     Ok(())

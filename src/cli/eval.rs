@@ -295,6 +295,9 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
     for (run, (plan, branches, shown, numbers, assigned)) in runs.iter().zip(&walks) {
         let Run { scene, history, survey, model, .. } = run;
         let mut sequence = Sequence::resume(model, plan, branches.clone());
+        if arguments.save_branches.is_some() || arguments.jacobian.is_some() {
+            sequence.follow_everything();
+        }
         let is_shown = |index: &u64| shown.iter().any(|range| range.contains(index));
         let last_shown = numbers.iter().copied().rfind(is_shown);
         if !survey.moves {

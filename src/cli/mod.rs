@@ -49,9 +49,13 @@ pub(crate) enum Command {
     Convert(Convert),
     /// Export a connection type as a program: SymPy, JAX, C, Rust, LaTeX, or its expression graph
     Export(export::Export),
-    /// Print the JSON Schema of scenes in TOML and JSON
+    /// Print the JSON Schema of scenes in TOML and JSON, or of the JSON report of an audit
     #[command(after_long_help = SCHEMA_HELP)]
-    Schema,
+    Schema {
+        /// Of what
+        #[arg(value_enum, default_value_t)]
+        of: Described,
+    },
     /// Audit the catalogue, or scenes: is every number right, and would an error have been noticed?
     Audit(Box<audit::Audit>),
     /// Judge the state of a counter-example again
@@ -65,6 +69,16 @@ pub(crate) enum Command {
     #[cfg(debug_assertions)]
     #[command(hide = true)]
     Panic,
+}
+
+/// What has a JSON Schema.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Described {
+    /// Scenes in TOML and JSON
+    #[default]
+    Scene,
+    /// The JSON report of `pintle audit`
+    Audit,
 }
 
 /// How pages are written.
@@ -84,6 +98,29 @@ pub(crate) struct List {
     format: PageFormat,
 }
 
+/// How an explanation is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ExplainFormat {
+    /// Text for reading
+    #[default]
+    Human,
+    /// One JSON document
+    Json,
+    /// The formulas of a connection type, in LaTeX
+    Latex,
+}
+
+impl ExplainFormat {
+    /// The format of a page that has no formulas.
+    fn page(self) -> Result<PageFormat, Failure> {
+        match self {
+            Self::Human => Ok(PageFormat::Human),
+            Self::Json => Ok(PageFormat::Json),
+            Self::Latex => Err(Failure::Usage("only connection types have formulas in LaTeX".to_string())),
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Explain {
     /// A connection type such as REVOLUTE, in any case; MPC or MPC REVOLUTE; or the code of a diagnostic such as deck::unknown-node
@@ -94,7 +131,7 @@ pub(crate) struct Explain {
     second: Option<String>,
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
-    format: PageFormat,
+    format: ExplainFormat,
 }
 
 /// The forms of a scene.
@@ -432,7 +469,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let mut out = BufWriter::new(anstream::stdout().lock());
     let width = page_width(&io::stdout());
     if let Some(code) = Code::ALL.iter().find(|code| code.as_str().eq_ignore_ascii_case(&arguments.name)) {
-        match arguments.format {
+        match arguments.format.page()? {
             PageFormat::Human => explain::code(&mut out, *code, width)?,
             PageFormat::Json => explain::code_json(&mut out, *code)?,
         }
@@ -441,7 +478,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let second = arguments.second.as_deref().unwrap_or_default();
     let words = format!("{} {second}", arguments.name).to_ascii_uppercase();
     match words.split_whitespace().collect::<Vec<_>>()[..] {
-        ["MPC"] => return explain_mpc(&mut out, None, arguments.format, width),
+        ["MPC"] => return explain_mpc(&mut out, None, arguments.format.page()?, width),
         ["MPC", name] => {
             let Some(kind) = mpc::Kind::named(name) else {
                 let names = mpc::TABLE.map(|entry| entry.name).join(", ");
@@ -449,22 +486,23 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
                     "the MPCs that are evaluated, and explained, are {names}"
                 )));
             };
-            return explain_mpc(&mut out, Some(kind), arguments.format, width);
+            return explain_mpc(&mut out, Some(kind), arguments.format.page()?, width);
         }
         ["MPC", ..] => return Err(Failure::Usage("an MPC has one type: MPC REVOLUTE".to_string())),
         // A name that no connection type has.
         [name] if !TABLE.iter().any(|entry| entry.name == name) => {
             if let Some(kind) = mpc::Kind::named(name) {
-                return explain_mpc(&mut out, Some(kind), arguments.format, width);
+                return explain_mpc(&mut out, Some(kind), arguments.format.page()?, width);
             }
         }
         _ => {}
     }
     let connection = connection(&arguments.name, arguments.second.as_deref())?;
-    let explanation = explain::Explanation::of(&connection);
+    let explanation = || explain::Explanation::of(&connection);
     match arguments.format {
-        PageFormat::Human => explanation.human(&mut out, width)?,
-        PageFormat::Json => explanation.json(&mut out)?,
+        ExplainFormat::Human => explanation().human(&mut out, width)?,
+        ExplainFormat::Json => explanation().json(&mut out)?,
+        ExplainFormat::Latex => report::formulas::latex(&connection, &mut out)?,
     }
     Ok(out.flush()?)
 }

@@ -32,7 +32,6 @@ pub(super) fn supplement<'a>(
             .collect(),
         illustrations,
         command: command_line(),
-        ..Supplement::default()
     }
 }
 

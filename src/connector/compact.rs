@@ -97,6 +97,19 @@ impl<R: Differentiable> Connector<R> {
         rows
     }
 
+    /// Whether the row of component k (0-based) depends on what the history decides: the sheet of a rotation vector or of Euler angles,
+    /// or the turns of torsion.
+    pub fn row_has_history(&self, k: usize) -> bool {
+        self.rows[k].is_some_and(|row| {
+            let measure = row.differentiated;
+            measure.counts_torsion()
+                || matches!(
+                    measure,
+                    Measure::RotationVector(_) | Measure::RotationVectorAtB(_) | Measure::Euler(_)
+                )
+        })
+    }
+
     /// The degrees of freedom by which the row of component k (0-based) can be other than zero: those that the connector has and that
     /// the measure depends on. `None` where there is no such component.
     pub fn row_pattern(&self, k: usize) -> Option<[bool; DOFS]> {

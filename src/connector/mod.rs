@@ -285,7 +285,7 @@ impl<R: Differentiable> Connector<R> {
     }
 
     /// What measures refer to.
-    pub(crate) const fn section(&self) -> &Section<R> {
+    pub const fn section(&self) -> &Section<R> {
         &self.section
     }
 
@@ -321,6 +321,17 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
     ) -> Evaluation<R> {
         let next = self.advance(state, increment, branch);
+        self.evaluate_on(state, next, request, tally)
+    }
+
+    /// The same with the branch of the state itself, as [`Connector::follow`] gives it for the components of the request.
+    pub fn evaluate_on(
+        &self,
+        state: &State<R>,
+        next: Branch<R>,
+        request: &Request,
+        tally: &mut Tally,
+    ) -> Evaluation<R> {
         // Values and derivatives are taken on the sheets just chosen, so that rounding cannot set them apart at a half turn.
         let history = next.history();
         let mut evaluation = Evaluation::empty(next);

@@ -346,14 +346,26 @@ pub struct Tally {
     pub hessians: u64,
     /// Measures evaluated along time.
     pub rates: u64,
+    /// Histories followed: angles unwound, rotation vectors continued, one-forms accumulated.
+    pub histories: u64,
+    /// Components whose distance to singular sets was looked at.
+    pub margins: u64,
+    /// Rotations of nodes worked out.
+    pub rotations: u64,
+    /// Behaviours of connectors evaluated: springs, friction, stops, motions …
+    pub behaviors: u64,
 }
 
 impl std::ops::AddAssign for Tally {
     fn add_assign(&mut self, more: Self) {
-        let Self { values, gradients, hessians, rates } = more;
+        let Self { values, gradients, hessians, rates, histories, margins, rotations, behaviors } = more;
         self.values += values;
         self.gradients += gradients;
         self.hessians += hessians;
         self.rates += rates;
+        self.histories += histories;
+        self.margins += margins;
+        self.rotations += rotations;
+        self.behaviors += behaviors;
     }
 }

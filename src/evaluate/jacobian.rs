@@ -67,12 +67,21 @@ impl Equation {
     }
 }
 
-/// A pattern that was made for another plan.
+/// A pattern that a sequence cannot fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "the pattern of the Jacobian was made for another plan: make it from the model and plan of the sequence"
-)]
-pub struct ForeignPattern;
+pub enum ForeignPattern {
+    /// It was made for another plan.
+    #[error(
+        "the pattern of the Jacobian was made for another plan: make it from the model and plan of the sequence"
+    )]
+    Plan,
+    /// It has a row that depends on the history of a component, and the states so far have been passed without following that.
+    #[error(
+        "the pattern of the Jacobian has rows that depend on the history of components that the plan does not name: \
+         name them in its request, or call `Sequence::follow_everything` before the first state"
+    )]
+    History,
+}
 
 /// Degrees of freedom that are no unknowns, and the axes of nodes in which that is said.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -468,7 +477,7 @@ impl Jacobian {
 
     pub(super) fn check(&self, plan: &Plan) -> Result<(), ForeignPattern> {
         let is_same = self.plan[0] == plan.connectors && self.plan[1] == plan.mpcs;
-        if is_same { Ok(()) } else { Err(ForeignPattern) }
+        if is_same { Ok(()) } else { Err(ForeignPattern::Plan) }
     }
 
     pub(super) const fn connector_entries(&self) -> usize {

@@ -12,8 +12,8 @@ use crate::behavior::state::{Event, History, Kinematics, Outcome, Velocities};
 use crate::behavior::{Beyond, Conditions, Tangent, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{
-    Branch, CompactRow, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally,
-    Turns,
+    Branch, CompactRow, Components, Evaluation, Flag, Increment, Mask, Output, Request, State, StopStatus,
+    Tally, Turns,
 };
 use crate::measure::Margin;
 use crate::node::{DOFS, Node, Pair};
@@ -81,6 +81,24 @@ pub struct Branches {
     nodes: BTreeMap<Label, Orientation>,
 }
 
+/// Every component.
+const fn all() -> Mask {
+    [true; 6]
+}
+
+fn is_all(mask: &Mask) -> bool {
+    *mask == all()
+}
+
+/// The components of a connector whose history a plan needs: those that it names, and those that behaviour follows from.
+fn followed(element: &ConnectorElement, plan: &Plan) -> Mask {
+    let request = &plan.request;
+    let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request, request));
+    behavior.map_or(request.components(), |behavior| {
+        behavior.request(request, behavior.slides(request)).components()
+    })
+}
+
 /// The branch of a connector, with what it belongs to: turn counts of another type or geometry would be taken for its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Saved {
@@ -89,6 +107,9 @@ struct Saved {
     reference: Vector<f64>,
     triads: [Matrix<f64>; 2],
     branch: Branch<f64>,
+    /// The components whose history the branch holds.
+    #[serde(default = "all", skip_serializing_if = "is_all")]
+    followed: Mask,
     /// What the behaviour has decided, and the number that tells it from others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     behavior: Option<(u64, History)>,
@@ -103,6 +124,7 @@ impl Saved {
             reference: element.reference,
             triads: element.triads,
             branch,
+            followed: all(),
             behavior: behavior.map(|history| (identity, history)),
         }
     }
@@ -153,6 +175,13 @@ impl Branches {
             };
             if let Some(difference) = saved.difference(element) {
                 return Err(difference);
+            }
+            let missing = |k: &usize| followed(element, plan)[*k] && !saved.followed[*k];
+            if let Some(k) = (0..6).find(missing) {
+                return Err(format!(
+                    "the turns of {} of connector {label} were not followed when its branch was saved",
+                    COMPONENT[k]
+                ));
             }
             let behavior = &element.behavior;
             let needs = behavior.has_history() && behavior.is_asked(&plan.request);
@@ -253,6 +282,8 @@ pub struct Sequence<'a> {
     ends: Vec<[Place; 2]>,
     mpc_nodes: Vec<Vec<Place>>,
     connectors: Vec<Memory>,
+    /// The components of each connector whose history is followed.
+    followed: Vec<Mask>,
     mpcs: Vec<[Turns<f64>; 2]>,
     tally: Tally,
     velocities: Velocities,
@@ -302,6 +333,7 @@ impl<'a> Sequence<'a> {
             mpcs: plan.mpcs.iter().map(angles).collect(),
             nodes: labels.iter().map(turned).collect(),
             connectors: plan.connectors.iter().map(memory).collect(),
+            followed: plan.connectors.iter().map(|index| followed(&model.connectors[*index], plan)).collect(),
             moved: vec![STILL; labels.len()],
             labels,
             tally: Tally::default(),
@@ -310,6 +342,12 @@ impl<'a> Sequence<'a> {
             model,
             plan,
         }
+    }
+
+    /// Follows the histories of all components, whether or not the plan names them, so that saved branches can be continued by any plan
+    /// of the same connectors. To be said before the first state.
+    pub fn follow_everything(&mut self) {
+        self.followed.fill([true; 6]);
     }
 
     /// The number of states committed, those before [`Sequence::resume`] among them.
@@ -322,10 +360,11 @@ impl<'a> Sequence<'a> {
         if self.states == 0 {
             return Branches::default();
         }
-        let connectors = self.plan.connectors.iter().zip(&self.connectors).map(|(index, memory)| {
+        let memories = self.connectors.iter().zip(&self.followed);
+        let connectors = self.plan.connectors.iter().zip(memories).map(|(index, (memory, followed))| {
             let element = &self.model.connectors[*index];
             let history = memory.behavior.as_deref().cloned();
-            (element.label, Saved::new(element, memory.branch, history))
+            (element.label, Saved { followed: *followed, ..Saved::new(element, memory.branch, history) })
         });
         let mpcs = self.plan.mpcs.iter().zip(&self.mpcs);
         Branches {
@@ -394,7 +433,7 @@ impl<'a> Sequence<'a> {
     /// [`Jacobian::entries`] and, in its order, the entries. Gives what needs care.
     ///
     /// # Errors
-    /// A pattern that was made for another plan; then nothing is committed.
+    /// A pattern that was made for another plan; one with rows whose history has not been followed. Then nothing is committed.
     pub fn assemble(
         &mut self,
         state: &SceneState,
@@ -402,6 +441,17 @@ impl<'a> Sequence<'a> {
         values: &mut Vec<f64>,
     ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
         jacobian.check(self.plan)?;
+        for (at, (index, followed)) in self.plan.connectors.iter().zip(&mut self.followed).enumerate() {
+            let connector = &self.model.connectors[*index].connector;
+            let (wanted, known) = (jacobian.wanted(at), *followed);
+            for k in (0..6).filter(|k| wanted[*k] && !known[*k] && connector.row_has_history(*k)) {
+                if self.states > 0 {
+                    return Err(ForeignPattern::History);
+                }
+                followed[k] = true;
+            }
+        }
+        let followed = &self.followed.clone();
         values.clear();
         values.resize(jacobian.entries(), 0.0);
         self.follow_nodes(state);
@@ -427,7 +477,7 @@ impl<'a> Sequence<'a> {
                 let mut request = Request::nothing(0);
                 request.add_rows(jacobian.wanted(at));
                 let index = plan.connectors[at];
-                let result = context.connector(index, nodes, memory, &request, &mut tally);
+                let result = context.connector(index, nodes, memory, &request, followed[at], &mut tally);
                 let element = &model.connectors[index];
                 let branch = &result.evaluation.branch;
                 let rows =
@@ -475,17 +525,22 @@ impl<'a> Sequence<'a> {
 
     /// Where the nodes of the plan are at the next state.
     fn follow_nodes(&mut self, state: &SceneState) {
-        let labels = &self.labels;
+        let (labels, rotations) = (&self.labels, &mut self.tally.rotations);
         let mut nodes: Vec<_> = self.nodes.iter_mut().zip(&mut self.moved).collect();
         let Ok(()) = parallel::in_order(
             &mut nodes,
             |at, (orientation, moved)| {
                 let given = state.nodes.get(&labels[at]);
                 let motion = given.copied().unwrap_or_default();
+                let is_turned = motion.rotation != Rotation::default() || !is_unturned(orientation);
                 let (node, after) = follow(&motion, orientation, given.is_some());
                 (**moved, **orientation) = (node, after);
+                u64::from(is_turned)
             },
-            |_, ()| -> Result<(), Infallible> { Ok(()) },
+            |_, turned| -> Result<(), Infallible> {
+                *rotations += turned;
+                Ok(())
+            },
         );
     }
 
@@ -539,7 +594,7 @@ impl<'a> Sequence<'a> {
     ) -> Result<(), E> {
         self.follow_nodes(state);
         let beyond = self.beyond(state);
-        let Self { model, plan, moved, ends, connectors, tally, velocities, conditions, .. } = self;
+        let Self { model, plan, moved, ends, connectors, followed, tally, velocities, conditions, .. } = self;
         let context = Context {
             model,
             planned: &plan.request,
@@ -553,7 +608,8 @@ impl<'a> Sequence<'a> {
             |at, memory| {
                 let mut tally = Tally::default();
                 let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
-                let result = context.connector(plan.connectors[at], nodes, memory, request, &mut tally);
+                let result =
+                    context.connector(plan.connectors[at], nodes, memory, request, followed[at], &mut tally);
                 (digest(Item::Connector(Box::new(result))), tally)
             },
             |_, (digested, work)| {
@@ -614,6 +670,7 @@ impl Context<'_> {
         let (state, increment) = place(element, ends);
         let before = memory.map_or_else(|| connector.initial_branch(), |memory| memory.branch);
         let needed = behavior.request(&Request::nothing(0), false);
+        tally.behaviors += 1;
         let evaluation = connector.evaluate(&state, &increment, &before, &needed, tally);
         let now = Kinematics {
             position: &evaluation.position,
@@ -640,6 +697,7 @@ impl Context<'_> {
         ends: [&Moved; 2],
         memory: &mut Memory,
         request: &Request,
+        followed: Mask,
         tally: &mut Tally,
     ) -> ConnectorResult {
         let Self { model, planned, velocities, conditions, scene_state, beyond } = *self;
@@ -650,15 +708,17 @@ impl Context<'_> {
         let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request, planned));
         let slides = behavior.is_some_and(|behavior| behavior.slides(planned));
         let needed = behavior.map(|behavior| behavior.request(request, slides));
-        let mut evaluation =
-            connector.evaluate(&state, &increment, &before, needed.as_ref().unwrap_or(request), tally);
+        tally.behaviors += u64::from(behavior.is_some());
+        let next = connector.follow(&state, &increment, &before, followed, tally);
+        let mut evaluation = connector.evaluate_on(&state, next, needed.as_ref().unwrap_or(request), tally);
         let mut stops = connector.stop_status(&evaluation.position);
         for (k, status) in stops.iter_mut().enumerate() {
             *status = status.filter(|_| request.wants(Output::CSLST, k));
         }
         let margins = connector.margins(&state, &evaluation.branch, request.components());
-        let mut flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
+        tally.margins += margins.iter().flatten().count() as u64;
         let after = evaluation.branch;
+        let mut flags = connector.flags_of(followed, &margins, &increment, &state, [&before, &after]);
         let given = given_forces(connector, scene_state, element.label);
         let none = History::default();
         let history = memory.behavior.as_deref().unwrap_or(&none);
@@ -760,6 +820,16 @@ fn place(element: &ConnectorElement, ends: [&Moved; 2]) -> (State<f64>, Incremen
     (state, increment)
 }
 
+/// Translational, rotational and flow rates of a node, in one.
+const fn rates([x1, x2, x3]: Vector<f64>, [r1, r2, r3]: Vector<f64>, flow: f64) -> [f64; 7] {
+    [x1, x2, x3, r1, r2, r3, flow]
+}
+
+/// Whether a node is turned by nothing, and no turns are to be remembered.
+fn is_unturned(orientation: &Orientation) -> bool {
+    orientation.quaternion == UNTURNED.quaternion && orientation.vector == UNTURNED.vector
+}
+
 /// A node at its next state: rotation matrix, and increments since the last one.
 ///
 /// The increment is the rotation vector of C(new) C(old)ᵀ. It is principal, unless one of the two states gave a rotation
@@ -767,6 +837,18 @@ fn place(element: &ConnectorElement, ends: [&Moved; 2]) -> (State<f64>, Incremen
 /// wrapped at half a turn stay principal where π was rounded up: both within 0.001 rad of half a turn or less, and more than
 /// 3π/2 apart.
 fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Orientation) {
+    if motion.rotation == Rotation::default() && is_unturned(before) {
+        let node = Moved {
+            displacement: motion.displacement,
+            flow: motion.flow,
+            rates: rates(motion.velocity, motion.angular_velocity, motion.flow_velocity),
+            accelerations: rates(motion.acceleration, motion.angular_acceleration, motion.flow_acceleration),
+            flow_change: motion.flow - before.flow,
+            sixth: given.then_some(0.0),
+            ..STILL
+        };
+        return (node, Orientation { flow: motion.flow, ..UNTURNED });
+    }
     let quaternion = match motion.rotation {
         Rotation::Vector(phi) => so3::exp(phi),
         Rotation::Quaternion(q) => so3::normalize(q),
@@ -784,14 +866,12 @@ fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Ori
         Rotation::Vector([0.0, 0.0, 0.0]) => identity(),
         _ => so3::matrix(quaternion),
     };
-    let [v, w] = [motion.velocity, motion.angular_velocity];
-    let [a, alpha] = [motion.acceleration, motion.angular_acceleration];
     let node = Moved {
         displacement: motion.displacement,
         rotation,
         flow: motion.flow,
-        rates: [v[0], v[1], v[2], w[0], w[1], w[2], motion.flow_velocity],
-        accelerations: [a[0], a[1], a[2], alpha[0], alpha[1], alpha[2], motion.flow_acceleration],
+        rates: rates(motion.velocity, motion.angular_velocity, motion.flow_velocity),
+        accelerations: rates(motion.acceleration, motion.angular_acceleration, motion.flow_acceleration),
         change,
         whole_turns: sub(change, principal),
         flow_change: motion.flow - before.flow,

@@ -25,24 +25,31 @@ pub enum Target {
     Latex,
 }
 
-/// A result of a routine.
+/// A result of a [`Routine`].
 #[derive(Clone, Debug)]
-struct Output {
-    name: &'static str,
-    shape: Vec<usize>,
-    unit: &'static str,
-    meaning: String,
+pub struct Output {
+    /// The name.
+    pub name: &'static str,
+    /// The extents, outermost first.
+    pub shape: Vec<usize>,
+    /// The unit, in words.
+    pub unit: &'static str,
+    /// What it is.
+    pub meaning: String,
     ids: Vec<Id>,
 }
 
 /// A function of the exported program.
 #[derive(Clone, Debug)]
-struct Routine<'a> {
-    name: String,
+pub struct Routine<'a> {
+    /// The name.
+    pub name: String,
+    /// Its parameters, in order.
+    pub takes: Vec<&'a Input>,
+    /// Its results, in order.
+    pub gives: Vec<Output>,
     graph: &'a Graph,
     inputs: &'a Inputs,
-    takes: Vec<&'a Input>,
-    gives: Vec<Output>,
 }
 
 /// A connection type, traced and differentiated, ready to be written in any language.
@@ -75,7 +82,8 @@ impl Export {
         Ok(Self { name: connection.name.to_string(), model, frictions, facts })
     }
 
-    fn routines(&self) -> Vec<Routine<'_>> {
+    /// The functions of the program, in order.
+    pub fn routines(&self) -> Vec<Routine<'_>> {
         let Model { graph, inputs, functions, values, jacobian, hessian, frame, .. } = &self.model;
         let all: Vec<Id> =
             values.iter().chain(jacobian.iter().flatten()).chain(hessian.iter().flatten()).copied().collect();
@@ -139,7 +147,7 @@ impl Export {
                         name: "point",
                         shape: vec![4],
                         unit: "force, or moment",
-                        meaning: "P, F_C, F_N, Phi = P - mu F_N".into(),
+                        meaning: "P, F_C, F_N, Phi".into(),
                         ids: point.to_vec(),
                     },
                     Output {
@@ -217,7 +225,7 @@ impl Export {
                 let frame = self.model.frame.name();
                 format!(
                     "\"\"\"{header}\"\"\"\n\nfrom sympy import (\n    Abs, Dummy, Integer, Piecewise, Rational, acos, atan2, cos, diff, exp, \
-                     factorial, floor, hyper, pi, rf, sign, sin, sqrt,\n    sympify,\n)\n\nVERSION = \"{}\"\nTYPE = \"{}\"\nFRAME = \"{frame}\"\nFUNCTIONS = {}\nVALUES = {}\nCOLUMNS = {}\n\n\n{}{}",
+                     factorial, floor, hyper, pi, rf, sign, sin, sqrt,\n    sympify,\n)\nfrom mpmath.libmp import prec_to_dps\n\nVERSION = \"{}\"\nTYPE = \"{}\"\nFRAME = \"{frame}\"\nFUNCTIONS = {}\nVALUES = {}\nCOLUMNS = {}\n\n\n{}{}",
                     crate::VERSION,
                     self.name,
                     python_list(self.model.functions.iter().map(Function::name)),
@@ -326,8 +334,12 @@ fn facts(connection: &ConnectionType, model: &Model, frictions: &[FrictionModel]
     }
     if let Some(friction) = &connection.friction {
         for (i, criterion) in friction.criteria.iter().enumerate().take(frictions.len()) {
+            let law = criterion.limit_formula().map_or_else(
+                || "F_N = |F_C + F_C^int|, Φ = P − μ F_N".to_string(),
+                |limit| format!("F_N = F_C, Φ = P − {limit}"),
+            );
             facts.push(format!(
-                "friction_{}: P = {}, F_C = {}, F_N = |F_C + F_C^int|, Phi = P - mu F_N",
+                "friction_{}: P = {}, F_C = {}, {law}",
                 i + 1,
                 criterion.tangential_formula(friction, SPATIAL),
                 criterion.contact_formula(friction, SPATIAL),

@@ -495,9 +495,10 @@ impl Format for Human<'_> {
 
     fn end_scene(&mut self, work: Tally) -> io::Result<()> {
         if self.style.verbose {
-            let Tally { values, gradients, hessians, rates } = work;
+            let Tally { values, gradients, hessians, rates, histories, margins, rotations, behaviors } = work;
             let text = format!(
-                "\n  computed: {values} values, {gradients} gradients, {hessians} Hessians, {rates} pairs of rates"
+                "\n  computed: {values} values, {gradients} gradients, {hessians} Hessians, {rates} pairs of rates, \
+                 {histories} histories, {margins} margins, {behaviors} behaviours, {rotations} rotations of nodes"
             );
             writeln!(self.out, "{}", styled(DIM, text))?;
         }

@@ -9,6 +9,7 @@ pub mod csv;
 mod evaluation;
 pub mod explain;
 pub mod export;
+pub mod formulas;
 pub mod human;
 pub mod json;
 mod layout;

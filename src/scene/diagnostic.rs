@@ -171,6 +171,8 @@ codes! {
     NegativeRadius = "rule::negative-radius": "A node of a CONN2D2 element in an axisymmetric model has a negative coordinate 1, which is the radius.";
     RepeatedConstraint = "rule::repeated-constraint": "Two connectors between the same nodes, with the same orientations, constrain the same components. A warning.";
     CrowdedSliprings = "rule::crowded-sliprings": "More than two SLIPRINGs share a node.";
+    FrictionParameterUnused = "rule::friction-parameter-unused": "A number of predefined friction is given that no criterion holds in our reading. A warning.";
+    LockVelocity = "rule::lock-velocity": "A lock in an Explicit analysis has items after its limits, which are read as temperature and field variables. A warning.";
     OpposedSliprings = "rule::opposed-sliprings": "Two SLIPRINGs with friction both end, or both begin, at the node that they share. A warning.";
     NoRotation = "rule::no-rotation": "A rotation is prescribed at a node of a connector that has no rotational degrees of freedom. A warning.";
 
@@ -197,6 +199,30 @@ codes! {
     ForcesMissingComponent = "forces::missing-component": "The force of a component is not given, and those of others of the element are.";
     ForcesNotATotal = "forces::not-a-total": "Of an available component only the reaction CRF or CRM is given, which is a part of its total force.";
     ForcesContradiction = "forces::contradiction": "The total force and the reaction of a constrained component are given and differ.";
+
+    DiagnosisRotationAsLocal = "diagnosis::rotation-as-local": "The rotation columns of a node are the expected ones in its own triad, Aᵀ g instead of g: the derivatives are by rotations about the axes of the node, where spatial ones, about the global axes, are expected. A warning.";
+    DiagnosisRotationTurnedTwice = "diagnosis::rotation-turned-twice": "The rotation columns of a node are the expected ones multiplied by its triad, A g instead of g: what is spatial already was taken for local and turned once more. A warning.";
+    DiagnosisBlockTransposed = "diagnosis::block-transposed": "A 3 × 3 block of the matrix, or a matrix of second derivatives, is transposed: rows were written where columns belong. A warning.";
+    DiagnosisNodesSwapped = "diagnosis::nodes-swapped": "The columns of nodes a and b are exchanged. A warning.";
+    DiagnosisComponentsSwapped = "diagnosis::components-swapped": "Two components have each other's numbers. A warning.";
+    DiagnosisColumnsSwapped = "diagnosis::columns-swapped": "Two neighbouring columns have each other's numbers. A warning.";
+    DiagnosisDegrees = "diagnosis::degrees": "Angles are in degrees where radians are expected, or the other way round. A warning.";
+    DiagnosisRotationHalved = "diagnosis::rotation-halved": "The rotation columns of a node, or all second derivatives by rotations, are half of what is expected, as from a half angle or half a skew-symmetric part. A warning.";
+    DiagnosisRotationDoubled = "diagnosis::rotation-doubled": "The rotation columns of a node are twice what is expected, as from a quaternion taken for a rotation vector. A warning.";
+    DiagnosisSign = "diagnosis::sign": "A component has the opposite sign throughout: another convention, a minus b for b minus a. A warning.";
+    DiagnosisSignOfA = "diagnosis::sign-of-a": "The columns of node a have the sign of those of node b. A warning.";
+    DiagnosisGeometricTerm = "diagnosis::geometric-term-missing": "The lever is missing: g × d in the rotation columns of node a, which turns the directions in which the separation is measured; of second derivatives, the second variation of the map from the nodes. A warning.";
+    DiagnosisLeverReversed = "diagnosis::geometric-term-reversed": "The lever g × d in the rotation columns of node a has the wrong sign: d × g. A warning.";
+    DiagnosisNotSymmetrised = "diagnosis::not-symmetrised": "The second derivatives by rotations of one node are derivatives of the row, not symmetric, without the half bracket that makes them those of the function. A warning.";
+    DiagnosisHalfTurn = "diagnosis::half-turn": "An angle is half a turn off: nπ of the wrong parity. A warning.";
+    DiagnosisTurnsForgotten = "diagnosis::turns-forgotten": "The whole turns that an angle had made before are forgotten. A warning.";
+    DiagnosisRatesOfA = "diagnosis::rates-of-a-ignored": "The velocities or accelerations of node a do not count. A warning.";
+    DiagnosisQuadraticPart = "diagnosis::quadratic-part-missing": "An acceleration lacks the part that is quadratic in the rates, J̇ q̇. A warning.";
+    DiagnosisDropped = "diagnosis::dropped": "Entries that are not zero are missing. A warning.";
+    DiagnosisSignOfEntry = "diagnosis::sign-of-entry": "Single entries have the wrong sign. A warning.";
+    DiagnosisSpurious = "diagnosis::spurious": "An entry that must be zero is not. A warning.";
+    DiagnosisScaled = "diagnosis::scaled": "A single entry is wrong by a factor, and all others are right. A warning.";
+    DiagnosisUnknown = "diagnosis::unknown": "No known mistake explains what is wrong, or not with the certainty that is asked for: chance would do it more than once in a thousand times. A warning.";
 
     ModelOrientationDefault = "model::orientation-default": "A connector whose type measures along directions of its nodes is given none: those of a are the global ones, those of b are those of a. A note.";
     ModelOrientationNotOrthogonal = "model::orientation-not-orthogonal": "The two directions by which an orientation is given are not at right angles. The first is kept, the plane of both is kept, and the second is turned within it. A note where they are far from right angles, for any point of the plane may be given; a warning where they are within 10 degrees of them, which looks like an error.";
@@ -245,7 +271,7 @@ impl Code {
     /// Whether it is what an audit finds in a model that can be read and evaluated.
     #[must_use]
     pub fn is_finding(self) -> bool {
-        ["model", "assembly", "coverage"].contains(&self.group())
+        ["model", "assembly", "coverage", "diagnosis"].contains(&self.group())
     }
 
     /// What stands before `::`.

@@ -37,7 +37,7 @@ impl Derivation {
     fn rule(&self, graph: &mut Graph, id: Id) -> Id {
         let node = graph.node(id).clone();
         match node {
-            Node::Constant(_) | Node::Pi | Node::NearestInteger(_) => graph.integer(0),
+            Node::Constant(_) | Node::Pi | Node::NearestInteger(_) | Node::Sign(_) => graph.integer(0),
             Node::Input(number) => match self.inputs.get(&number) {
                 Some(change) => *change,
                 None => graph.integer(0),
@@ -57,6 +57,7 @@ impl Derivation {
                 let rest = graph.subtract(dx, change);
                 graph.divide(rest, y)
             }
+            Node::Unsigned(x) => self.known(graph, x),
             Node::Negate(x) => {
                 let dx = self.known(graph, x);
                 graph.negate(dx)
@@ -108,8 +109,7 @@ impl Derivation {
                 self.chain(graph, x, slope)
             }
             Node::Magnitude(x) => {
-                let inverse = graph.reciprocal(id);
-                let sign = graph.multiply(x, inverse);
+                let sign = graph.function(Node::Sign(x));
                 self.chain(graph, x, sign)
             }
             Node::Sine(x) => {

@@ -35,9 +35,20 @@ impl Graph {
             Node::Multiply(x, y) => of(*x) * of(*y),
             Node::Divide(x, y) => of(*x) / of(*y),
             Node::Negate(x) => -of(*x),
+            Node::Unsigned(x) => R::integer(0) + of(*x),
             Node::Reciprocal(x) => of(*x).reciprocal_or_zero(),
             Node::SquareRoot(x) => of(*x).square_root(),
             Node::Magnitude(x) => of(*x).magnitude(),
+            Node::Sign(x) => {
+                let (x, zero, one) = (of(*x), R::integer(0), R::integer(1));
+                if zero.less(x) {
+                    one
+                } else if x.less(zero) {
+                    -one
+                } else {
+                    zero
+                }
+            }
             Node::Sine(x) => of(*x).sine_cosine().0,
             Node::Cosine(x) => of(*x).sine_cosine().1,
             Node::Exponential(x) => of(*x).exponential(),

@@ -80,12 +80,16 @@ pub enum Node {
     Divide(Id, Id),
     /// −x.
     Negate(Id),
+    /// 0 + x, which is never −0: half a turn is then +π. Kept where an angle is taken of it, else x.
+    Unsigned(Id),
     /// 1 / x, and 0 at x = 0.
     Reciprocal(Id),
     /// √x.
     SquareRoot(Id),
     /// |x|.
     Magnitude(Id),
+    /// −1, 0 or 1: the derivative of |x|, of least norm at x = 0.
+    Sign(Id),
     /// sin x.
     Sine(Id),
     /// cos x.
@@ -129,9 +133,11 @@ impl Node {
         match self {
             Self::Constant(_) | Self::Pi | Self::Input(_) => Vec::new(),
             Self::Negate(x)
+            | Self::Unsigned(x)
             | Self::Reciprocal(x)
             | Self::SquareRoot(x)
             | Self::Magnitude(x)
+            | Self::Sign(x)
             | Self::Sine(x)
             | Self::Cosine(x)
             | Self::Exponential(x)
@@ -218,8 +224,19 @@ impl Graph {
         self.number(id).is_some_and(|number| number.is(n))
     }
 
+    /// 0 + x, which is never −0.
+    pub fn unsigned(&mut self, x: Id) -> Id {
+        if self.is_not_negative(x) || self.number(x).is_some() { x } else { self.intern(Node::Unsigned(x)) }
+    }
+
+    /// Without a zero in front, where the sign of zero does not matter.
+    fn plain(&self, id: Id) -> Id {
+        if let Node::Unsigned(x) = self.node(id) { *x } else { id }
+    }
+
     /// x + y.
     pub fn add(&mut self, x: Id, y: Id) -> Id {
+        let (x, y) = (self.plain(x), self.plain(y));
         if self.is(x, 0) {
             return y;
         }
@@ -255,6 +272,7 @@ impl Graph {
 
     /// −x.
     pub fn negate(&mut self, x: Id) -> Id {
+        let x = self.plain(x);
         match *self.node(x) {
             Node::Negate(u) => u,
             Node::Constant(Number::Ratio(p, q)) if p != i64::MIN => self.constant(Number::Ratio(-p, q)),
@@ -267,6 +285,7 @@ impl Graph {
 
     /// x y.
     pub fn multiply(&mut self, x: Id, y: Id) -> Id {
+        let (x, y) = (self.plain(x), self.plain(y));
         if self.is(x, 0) || self.is(y, 0) {
             return self.integer(0);
         }
@@ -319,6 +338,7 @@ impl Graph {
 
     /// x / y.
     pub fn divide(&mut self, x: Id, y: Id) -> Id {
+        let (x, y) = (self.plain(x), self.plain(y));
         if self.is(y, 1) || (self.is(x, 0) && self.number(y).is_none()) {
             return x;
         }
@@ -347,6 +367,7 @@ impl Graph {
 
     /// 1 / x, and 0 at x = 0.
     pub fn reciprocal(&mut self, x: Id) -> Id {
+        let x = self.plain(x);
         match *self.node(x) {
             Node::Constant(Number::Ratio(0, _)) => x,
             Node::Constant(Number::Ratio(p, q)) => {
@@ -368,6 +389,7 @@ impl Graph {
     pub fn norm(&mut self, v: &[Id]) -> Id {
         let mut kept: Vec<Id> = Vec::new();
         for component in v {
+            let component = &self.plain(*component);
             let magnitude = match *self.node(*component) {
                 Node::Negate(u) => u,
                 Node::Constant(Number::Ratio(p, q)) if p != i64::MIN => {
@@ -388,6 +410,7 @@ impl Graph {
 
     /// |x|.
     pub fn magnitude(&mut self, x: Id) -> Id {
+        let x = self.plain(x);
         match *self.node(x) {
             Node::Negate(u) => self.magnitude(u),
             _ if self.is_not_negative(x) => x,

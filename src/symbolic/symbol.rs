@@ -191,7 +191,30 @@ macro_rules! operators {
     )* };
 }
 
-operators!(Add add add, Sub sub subtract, Mul mul multiply, Div div divide);
+operators!(Mul mul multiply, Div div divide);
+
+impl Add for Symbol {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self::build(
+            |graph| {
+                if graph.is(self.0, 0) { graph.unsigned(other.0) } else { graph.add(self.0, other.0) }
+            },
+        )
+    }
+}
+
+impl Sub for Symbol {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self::build(|graph| {
+            let minus = graph.negate(other.0);
+            if graph.is(self.0, 0) { graph.unsigned(minus) } else { graph.add(self.0, minus) }
+        })
+    }
+}
 
 impl Neg for Symbol {
     type Output = Self;

@@ -245,3 +245,29 @@ fn a_coupled_friction_has_one_slip() {
     assert!(is_near(slip.force[1], 3.0, 5.0) && is_near(slip.force[2], 4.0, 5.0));
     assert!(is_near(slip.slip_increment, 0.5 - 5e-4, 1.0));
 }
+
+/// Where friction is not asked for it is not followed, and the total force given is not compared with a sum that lacks it.
+#[test]
+fn friction_that_is_not_followed_is_not_missed() {
+    let model = slider_crank();
+    let given = |state: &mut State| {
+        let total = [Some(5.0), Some(3.0), Some(4.0), Some(0.5), Some(0.3), Some(0.4)];
+        state.forces.insert(SLIDE, ElementForces { total, ..ElementForces::default() });
+    };
+    let mut states = path();
+    states.iter_mut().for_each(given);
+    for result in walk(&model, SLIDE, &["CEF", "CCF"], &states) {
+        assert!(
+            !result.flags.iter().any(|flag| matches!(flag, Flag::OutOfBalance { .. })),
+            "{:?}",
+            result.flags
+        );
+        assert!(result.behavior.as_ref().unwrap().slips.is_empty());
+    }
+    let followed = walk(&model, SLIDE, &["CSF"], &states);
+    assert!(
+        followed
+            .iter()
+            .any(|result| result.flags.iter().any(|flag| matches!(flag, Flag::OutOfBalance { .. })))
+    );
+}

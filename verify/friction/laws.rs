@@ -466,3 +466,26 @@ fn doubles_follow_the_wide_history() {
         (narrow, wide) = (a.state(), b.state());
     }
 }
+
+/// A tension that is no number is not taken for a slack belt: what rests on it is named.
+#[test]
+fn a_belt_without_a_number_is_named() {
+    let conditions = Conditions::default();
+    let belt = Belt {
+        coefficient: Coefficient::Constant(0.2),
+        maximum: None,
+        stick_stiffness: StickStiffness::Given(1e6),
+    };
+    let input = |tension: [f64; 2]| BeltInput {
+        flow: 0.1,
+        tension,
+        angle: 1.0,
+        duration: None,
+        conditions: &conditions,
+    };
+    let outcome = belt.update(&State::default(), &input([f64::NAN, 1.0]), Branch::Decided);
+    assert!(outcome.flags.contains(&Flag::NotFinite { quantity: "limit" }), "{outcome:?}");
+    assert!(!outcome.flags.contains(&Flag::Slack));
+    let outcome = belt.update(&State::default(), &input([0.0, 1.0]), Branch::Decided);
+    assert!(outcome.flags.contains(&Flag::Slack), "{outcome:?}");
+}

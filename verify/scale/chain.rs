@@ -57,7 +57,7 @@ pub(crate) fn deck(connectors: usize, types: &[(String, &[Orientation])], rest: 
     text
 }
 
-/// State `number` of a motion of nodes 1 to `nodes`: each swings by itself, and turns on and on.
+/// State `number` of a motion of nodes 1 to `nodes`: each swings by itself, and two of three turn on and on.
 pub(crate) fn state(number: u64, nodes: usize) -> State {
     let time = number as f64 * 0.125;
     let moved = (1..=nodes).map(|node| {
@@ -65,7 +65,11 @@ pub(crate) fn state(number: u64, nodes: usize) -> State {
         let swing = |rate: f64| (rate * time + phase).sin();
         let motion = NodeMotion {
             displacement: [0.05 * swing(1.0), 0.04 * swing(1.3), 0.03 * swing(0.7)],
-            rotation: Rotation::Vector([0.2 * swing(0.9), 0.3 * swing(1.1), 0.5 * time + 0.1 * swing(0.8)]),
+            rotation: Rotation::Vector([
+                0.2 * swing(0.9),
+                0.3 * swing(1.1),
+                0.5 * time * (node % 3) as f64 + 0.1 * swing(0.8),
+            ]),
             velocity: [0.05, 0.04 * swing(0.3), -0.02],
             angular_velocity: [0.1 * swing(0.2), 0.2, 0.5],
             acceleration: [0.01, 0.0, 0.02 * swing(0.6)],

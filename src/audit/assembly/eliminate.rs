@@ -8,7 +8,8 @@
 //! dependent rows are found where they arise and fronts stay small.
 //!
 //! *What is zero?* An entry carries, besides its value s, its derivatives ṡ along four random directions of the entries of the
-//! matrix, in each row by as much as the largest entry there: the small-sample estimate of its condition (Kenney and Laub, 1994).
+//! matrix, in each row by as much as the largest entry there, and of every product that is taken from it, for the roundings on the
+//! way: the small-sample estimate of its condition (Kenney and Laub, 1994).
 //! Their root mean square n says by how much s changes when all entries change by relative amounts: |s|/n is the
 //! relative change of the matrix that makes it zero. Entries rounded by u make a zero entry of size u·n times a random number
 //! of Student's distribution with four degrees of freedom, which exceeds x with probability 6/x⁴ for large x: [`ROUNDINGS`] = 1e4
@@ -330,7 +331,7 @@ impl Elimination<'_> {
             (from..width).filter(|j| pivot[*j] != 0.0 || pivot_probes[*j] != [0.0; PROBES]).collect();
         let is_dense = used.len() * 2 > width - from;
         let rows = below.chunks_exact_mut(width).zip(probes_below.chunks_exact_mut(width));
-        for ((row, probes), rest) in rows.zip(&mut front.right[by + 1..]) {
+        for (at, ((row, probes), rest)) in rows.zip(&mut front.right[by + 1..]).enumerate() {
             if row[column] == 0.0 && probes[column] == [0.0; PROBES] {
                 continue;
             }
@@ -338,11 +339,15 @@ impl Elimination<'_> {
             let slope: Probes =
                 std::array::from_fn(|i| (probes[column][i] - factor as f32 * entry_probes[i]) / entry as f32);
             let narrow = factor as f32;
+            // The rounding of this step: what is taken away may be larger than the rows were.
+            let seed = u64::from(front.rows[by + 1 + at]) << 32 | u64::from(front.rows[by]);
+            let rounding = random(mix(seed) ^ column as u64);
             let update = |value: &mut f64, probes: &mut Probes, j: usize| {
                 *value -= factor * pivot[j];
                 let by = pivot[j] as f32;
+                let taken = (narrow * by).abs();
                 for i in 0..PROBES {
-                    probes[i] -= slope[i] * by + narrow * pivot_probes[j][i];
+                    probes[i] -= slope[i] * by + narrow * pivot_probes[j][i] + rounding[i] * taken;
                 }
             };
             if is_dense {

@@ -36,6 +36,8 @@ pub(super) mod findings;
 mod moving;
 mod order;
 mod system;
+#[cfg(test)]
+mod tests;
 
 pub use system::Role;
 

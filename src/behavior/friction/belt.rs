@@ -244,7 +244,7 @@ impl Belt {
         let stored = stiffness.map_or_else(S::zero, |stiffness| {
             (force * (force * recip(stiffness))).scale(S::Real::ratio(1, 2))
         });
-        for (x, quantity) in [(force, "friction force"), (increment, "slip increment")] {
+        for (x, quantity) in [(force, "friction force"), (limit, "limit"), (increment, "slip increment")] {
             if !is_finite(x.real()) {
                 flags.add(Flag::NotFinite { quantity });
             }
@@ -319,7 +319,9 @@ where
     S: Scalar,
     S::Real: Ordered,
 {
-    if S::Real::integer(0).less(tension.real()) {
+    // What is no number stays one, and is told.
+    let is_slack = tension.real().less(S::Real::integer(0)) || is_zero(tension.real());
+    if !is_slack {
         return tension;
     }
     flags.add(Flag::Slack);

@@ -47,6 +47,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     }
     atlas(out, report)?;
     self_test(out, report)?;
+    super::model::human(out, &report.models, width)?;
     verdict(out, report)
 }
 
@@ -130,6 +131,11 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     if let Some([below, above]) = worst.one_sided {
         writeln!(out, "    from below {below:.10e}, from above {above:.10e}")?;
     }
+    for (sentence, code) in check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines()) {
+        for line in wrap(&format!("{sentence} [{code}]"), width.saturating_sub(4)) {
+            writeln!(out, "    {}", styled(BOLD, line))?;
+        }
+    }
     for (mistake, entry) in &check.score.survivors {
         writeln!(out, "    {} {mistake} ({entry})", styled(CARE, "survived:"))?;
     }
@@ -198,7 +204,7 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 }
 
 fn verdict(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let failed = report.survivors() > 0 || report.mismatches() > 0;
+    let failed = report.survivors() > 0 || report.mismatches() > 0 || report.failing_models() > 0;
     let text = if failed { styled(CARE, headline(report)) } else { headline(report) };
     writeln!(out, "\n{}", styled(BOLD, text))
 }

@@ -55,8 +55,10 @@ fn status(check: &Check) -> TestCaseStatus {
     let mut status = plain(check.verdict);
     if let (TestCaseStatus::NonSuccess { .. }, Some(worst)) = (&status, &check.worst) {
         let state = check.worst_state.as_deref().unwrap_or("");
+        let why = check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines());
+        let why: String = why.map(|(sentence, code)| format!("; {sentence} [{code}]")).collect();
         status.set_message(format!(
-            "{}: {:e}, not {:e}: {:.3e} of the tolerance {:e}, at {state}",
+            "{}: {:e}, not {:e}: {:.3e} of the tolerance {:e}, at {state}{why}",
             worst.entry, worst.got, worst.want, worst.units, worst.tolerance
         ));
     }

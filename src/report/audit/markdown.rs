@@ -12,7 +12,11 @@ const AT_ONCE: usize = 12;
 /// # Errors
 /// Where the stream cannot be written to.
 pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let mark = if report.mismatches() > 0 || report.survivors() > 0 { "❌" } else { "✅" };
+    let mark = if report.mismatches() > 0 || report.survivors() > 0 || report.failing_models() > 0 {
+        "❌"
+    } else {
+        "✅"
+    };
     writeln!(out, "## {mark} pintle audit: {}\n", escaped(&headline(report)))?;
     writeln!(out, "| audited | numbers compared | mismatches | undecided | mutants noticed | survived |")?;
     writeln!(out, "|---:|---:|---:|---:|---:|---:|")?;
@@ -30,6 +34,7 @@ pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     )?;
     wrong(out, report)?;
     table(out, report)?;
+    models(out, report)?;
     let names: Vec<&str> = report.settings.oracles.iter().map(|oracle| oracle.name()).collect();
     writeln!(
         out,
@@ -82,6 +87,9 @@ fn item(subject: &Subject, check: &Check) -> String {
             worst.units,
             escaped(state)
         );
+    }
+    for (sentence, code) in check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines()) {
+        line += &format!("; **{}** `{code}`", escaped(&sentence));
     }
     for (mistake, entry) in &check.score.survivors {
         line += &format!("; survived: {} ({})", escaped(mistake), escaped(entry));
@@ -147,6 +155,24 @@ fn escaped(text: &str) -> String {
         }
     }
     result
+}
+
+/// What is found in models: a line each.
+fn models(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+    for model in &report.models {
+        writeln!(out, "\n### {}: {}\n", escaped(&model.scene), super::model::headline(model))?;
+        for finding in &model.findings {
+            writeln!(
+                out,
+                "- **{}** `{}` {}: {}",
+                super::model::word(finding.severity()),
+                finding.code(),
+                escaped(&super::model::place(finding)),
+                escaped(finding.message())
+            )?;
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -78,6 +78,15 @@ pub(super) fn self_test(report: &Report) -> SelfTest {
 
 /// The outcome in a few words.
 pub(super) fn headline(report: &Report) -> String {
+    let numbers = of_numbers(report);
+    match report.failing_models() {
+        0 => numbers,
+        models => format!("{numbers}; {} with errors", count(models, "model")),
+    }
+}
+
+/// The outcome of the comparisons.
+fn of_numbers(report: &Report) -> String {
     match (report.survivors(), report.mismatches(), report.undecided()) {
         (survivors @ 1.., ..) => format!("self-test failed: {survivors} mutants survived"),
         (0, 1, _) => "1 mismatch".into(),

@@ -490,6 +490,7 @@ fn friction(friction: &Friction) -> form::Friction {
         let mut form = form::Coefficient {
             maximum: maybe(coefficient.maximum),
             slip_tolerance: maybe(coefficient.slip_tolerance),
+            elastic_slip: maybe(coefficient.elastic_slip),
             ..form::Coefficient::default()
         };
         match &coefficient.law {

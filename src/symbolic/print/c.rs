@@ -30,6 +30,13 @@ pub(super) fn number(number: Number) -> Text {
     }
 }
 
+/// 0 + x, which compilers may not fold.
+pub(super) fn unsigned(x: &Text) -> Text {
+    let text = x.text.strip_prefix('-').map_or_else(|| format!("0.0 + {}", x.text), |y| format!("0.0 - {y}"));
+    let is_whole = x.text.starts_with('-') && x.text.contains([' ', '(']);
+    Text::new(if is_whole { format!("0.0 + ({})", x.text) } else { text }, Level::Sum)
+}
+
 /// x / y.
 pub(super) fn quotient(of: &[Text]) -> Text {
     let [x, y] = of else { return Text::atom("0") };
@@ -83,6 +90,7 @@ impl Language for C {
             Node::Reciprocal(_) => "pintle_reciprocal",
             Node::SquareRoot(_) => "sqrt",
             Node::Magnitude(_) => "fabs",
+            Node::Sign(_) => "pintle_sign",
             Node::Sine(_) => "sin",
             Node::Cosine(_) => "cos",
             Node::Exponential(_) => "exp",
@@ -92,6 +100,10 @@ impl Language for C {
             _ => "round",
         };
         call(name, of)
+    }
+
+    fn unsigned(&self, x: &Text) -> Text {
+        unsigned(x)
     }
 
     fn quaternion(&self, name: &str, of: &[Text]) -> String {

@@ -56,6 +56,7 @@ fn operation(node: &Node) -> String {
         Node::Select { .. } => "1 < 2 ? 3 : 4".into(),
         Node::Arctangent(..) => "atan2".into(),
         Node::Power(..) => "power".into(),
+        Node::Unsigned(_) => "0 +".into(),
         other => {
             let text = Unicode.function(other, &[Text::atom("x")]).text;
             text.strip_suffix("(x)").map_or(text.clone(), String::from)

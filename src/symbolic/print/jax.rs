@@ -46,6 +46,7 @@ impl Language for Jax {
             Node::Reciprocal(_) => "_reciprocal",
             Node::SquareRoot(_) => "jnp.sqrt",
             Node::Magnitude(_) => "jnp.abs",
+            Node::Sign(_) => "jnp.sign",
             Node::Sine(_) => "jnp.sin",
             Node::Cosine(_) => "jnp.cos",
             Node::Exponential(_) => "jnp.exp",
@@ -55,6 +56,10 @@ impl Language for Jax {
             _ => "_nearest_integer",
         };
         call(name, of)
+    }
+
+    fn unsigned(&self, x: &Text) -> Text {
+        call("_unsigned", std::slice::from_ref(x))
     }
 
     fn quaternion(&self, name: &str, of: &[Text]) -> String {

@@ -112,6 +112,7 @@ impl Language for Latex {
             }
             Node::Norm(_) => Text::atom(format!("\\left|\\left({}\\right)\\right|", all())),
             Node::Magnitude(_) => Text::atom(format!("\\left|{first}\\right|")),
+            Node::Sign(_) => applied("\\operatorname{sgn}"),
             Node::SquareRoot(_) => Text::atom(format!("\\sqrt{{{first}}}")),
             Node::Sine(_) => applied("\\sin"),
             Node::Cosine(_) => applied("\\cos"),
@@ -134,7 +135,7 @@ impl Language for Latex {
         let is_q =
             entries.first().is_some_and(|entry| entry.starts_with("(\\mathbf{e}_1^{a}\\cdot\\mathbf{e}_1"));
         let of = if is_q { "\\mathbf{Q}".to_string() } else { entries.join(", ") };
-        format!("{name} &= \\operatorname{{quaternion}}\\left({of}\\right),\\quad {name}_{{w}} \\ge 0")
+        format!("{name} &= \\operatorname{{quaternion}}\\left({of}\\right),\\quad {{{name}}}_{{,w}} \\ge 0")
     }
 
     fn part(&self, name: &str, part: u8) -> Text {

@@ -14,6 +14,7 @@ pub(crate) use jax::Jax;
 pub(crate) use latex::Latex;
 pub(crate) use rust::Rust;
 pub(crate) use sympy::Sympy;
+pub(crate) use text::Unicode;
 
 use super::graph::{Graph, Id, Node, Number};
 use super::input::{Input, Inputs};
@@ -77,6 +78,11 @@ pub(crate) trait Language {
     /// The statement that gives an expression a name.
     fn assign(&self, name: &str, value: &str) -> String;
 
+    /// 0 + x, where the language has a −0: by default it has none.
+    fn unsigned(&self, x: &Text) -> Text {
+        x.clone()
+    }
+
     /// What stands between factors.
     fn times(&self) -> &'static str {
         " * "
@@ -120,7 +126,9 @@ const fn called(node: &Node) -> Option<&'static str> {
         Node::Quaternion(..) => "quaternion",
         Node::Logarithm(..) => "log_coefficient",
         Node::CosineOfRoot(..) | Node::SineOfRoot(..) => "root_coefficient",
+        Node::Unsigned(_) => "unsigned",
         Node::NearestInteger(_) => "nearest_integer",
+        Node::Sign(_) => "sign",
         Node::Select { .. } => "select",
         _ => return None,
     })
@@ -128,6 +136,17 @@ const fn called(node: &Node) -> Option<&'static str> {
 
 /// Prints `results` as a straight-line program: every expression that occurs twice is formed once.
 pub(crate) fn listing(graph: &Graph, inputs: &Inputs, results: &[Id], language: &dyn Language) -> Listing {
+    named_listing(graph, inputs, results, &HashMap::new(), language)
+}
+
+/// As [`listing`]; what occurs more than once and has a name already keeps it.
+pub(crate) fn named_listing(
+    graph: &Graph,
+    inputs: &Inputs,
+    results: &[Id],
+    known_names: &HashMap<Id, String>,
+    language: &dyn Language,
+) -> Listing {
     let needed = graph.reachable(results);
     let mut uses: HashMap<Id, usize> = HashMap::new();
     for id in &needed {
@@ -163,10 +182,10 @@ pub(crate) fn listing(graph: &Graph, inputs: &Inputs, results: &[Id], language: 
         }
         let text = print(graph, inputs, node, language, &of);
         let is_plain = node.operands().is_empty();
-        let is_sign = matches!(node, Node::Negate(_));
-        let is_shared = uses.get(id).is_some_and(|count| *count > 1) && !is_sign;
-        let text = if !is_plain && (is_shared || text.text.chars().count() > language.longest()) {
-            let name = name();
+        let is_sign = matches!(node, Node::Negate(_) | Node::Unsigned(_));
+        let is_shared = uses.get(id).is_some_and(|count| *count > 1);
+        let text = if !is_plain && !is_sign && (is_shared || text.text.chars().count() > language.longest()) {
+            let name = known_names.get(id).cloned().unwrap_or_else(&mut name);
             found.statements.push(language.assign(&name, &text.text));
             Text::atom(name)
         } else {
@@ -195,6 +214,7 @@ fn print(
             None => Text::atom(format!("x{number}")),
         },
         Node::Negate(x) => Text::new(format!("{minus}{}", of(*x).at(Level::Product)), Level::Sum),
+        Node::Unsigned(x) => language.unsigned(&of(*x)),
         Node::Add(x, y) => {
             let (front, back) = match (graph.node(*x), graph.node(*y)) {
                 (_, Node::Negate(v)) => (*x, Err(*v)),

@@ -13,6 +13,7 @@ pub(crate) fn text(runtime: Runtime, called: &BTreeSet<&'static str>) -> String 
 
 pub(crate) const C: Runtime = &[
     ("reciprocal", include_str!("runtime/reciprocal.c")),
+    ("sign", include_str!("runtime/sign.c")),
     ("norm", include_str!("runtime/norm.c")),
     ("quaternion", include_str!("runtime/quaternion.c")),
     ("log_coefficient", include_str!("runtime/log_coefficient.c")),
@@ -21,6 +22,8 @@ pub(crate) const C: Runtime = &[
 
 pub(crate) const RUST: Runtime = &[
     ("reciprocal", include_str!("runtime/reciprocal.rs")),
+    ("sign", include_str!("runtime/sign.rs")),
+    ("select", include_str!("runtime/select.rs")),
     ("norm", include_str!("runtime/norm.rs")),
     ("quaternion", include_str!("runtime/quaternion.rs")),
     ("log_coefficient", include_str!("runtime/log_coefficient.rs")),
@@ -34,6 +37,7 @@ pub(crate) const JAX: Runtime = &[
     ("log_coefficient", include_str!("runtime/log_coefficient_jax.py")),
     ("root_coefficient", include_str!("runtime/root_coefficient_jax.py")),
     ("nearest_integer", include_str!("runtime/nearest_integer_jax.py")),
+    ("unsigned", include_str!("runtime/unsigned_jax.py")),
 ];
 
 pub(crate) const SYMPY: Runtime = &[

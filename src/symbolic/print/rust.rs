@@ -1,6 +1,6 @@
 //! Rust.
 
-use super::c::{coefficient, double, number, quotient};
+use super::c::{coefficient, double, number, quotient, unsigned};
 use super::{Language, Text, call};
 use crate::symbolic::graph::{Node, Number};
 use crate::symbolic::input::{Input, Shape};
@@ -31,7 +31,7 @@ impl Language for Rust {
             Node::Select { .. } => {
                 let [less, than, yes, no] = of else { return Text::atom("0") };
                 let [less, than, yes, no] = [less, than, yes, no].map(|text| &text.text);
-                return Text::atom(format!("(if {less} < {than} {{ {yes} }} else {{ {no} }})"));
+                return Text::atom(format!("select({less} < {than}, {yes}, {no})"));
             }
             Node::Norm(_) => {
                 let of: Vec<&str> = of.iter().map(|text| text.text.as_str()).collect();
@@ -43,6 +43,7 @@ impl Language for Rust {
             Node::Reciprocal(_) => "reciprocal",
             Node::SquareRoot(_) => "f64::sqrt",
             Node::Magnitude(_) => "f64::abs",
+            Node::Sign(_) => "sign",
             Node::Sine(_) => "f64::sin",
             Node::Cosine(_) => "f64::cos",
             Node::Exponential(_) => "f64::exp",
@@ -52,6 +53,10 @@ impl Language for Rust {
             _ => "f64::round",
         };
         call(name, of)
+    }
+
+    fn unsigned(&self, x: &Text) -> Text {
+        unsigned(x)
     }
 
     fn quaternion(&self, name: &str, of: &[Text]) -> String {

@@ -47,6 +47,7 @@ impl Language for Sympy {
             Node::Reciprocal(_) => "reciprocal",
             Node::SquareRoot(_) => "sqrt",
             Node::Magnitude(_) => "Abs",
+            Node::Sign(_) => "sign",
             Node::Sine(_) => "sin",
             Node::Cosine(_) => "cos",
             Node::Exponential(_) => "exp",

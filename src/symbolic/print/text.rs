@@ -63,6 +63,7 @@ impl Language for Unicode {
             }
             Node::Norm(_) => Text::atom(format!("|({})|", all())),
             Node::Magnitude(_) => Text::atom(format!("|{first}|")),
+            Node::Sign(_) => Text::atom(format!("sgn({first})")),
             Node::SquareRoot(_) => Text::atom(format!("√({first})")),
             Node::Sine(_) => Text::atom(format!("sin({first})")),
             Node::Cosine(_) => Text::atom(format!("cos({first})")),

@@ -5,7 +5,6 @@ mod drawing;
 mod figure;
 mod page;
 
-use crate::audit::model::ModelReport;
 use crate::audit::{Illustration, Report, Verdict};
 use crate::evaluate::Model;
 use crate::scene::Scene;
@@ -29,8 +28,6 @@ pub struct Audited<'a> {
 pub struct Supplement<'a> {
     /// The scenes.
     pub scenes: Vec<Audited<'a>>,
-    /// What was found in the models.
-    pub models: &'a [ModelReport],
     /// One state of each connector, as far as it is to be shown.
     pub illustrations: Vec<Illustration>,
     /// What was run, as it was typed.

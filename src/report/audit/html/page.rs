@@ -3,6 +3,8 @@
 use super::drawing::name_of;
 use super::figure::{self, Curve, LogPlot, Place, STYLE};
 use super::{Supplement, drawing};
+use crate::audit::assembly::Assembly;
+use crate::audit::coverage::Histogram;
 use crate::audit::model::ModelReport;
 use crate::audit::oracle::Shares;
 use crate::audit::{Against, Approach, Check, Quantity, Report, Subject, U, Verdict};
@@ -25,8 +27,10 @@ struct Problem {
     subject: String,
     is_mild: bool,
     said: String,
-    /// The sentence and its code.
-    diagnosis: Option<(String, String)>,
+    /// Sentences with codes.
+    diagnosis: Vec<(String, &'static str)>,
+    /// The matrix, where it is one of first derivatives.
+    heat: String,
     numbers: String,
     more: Vec<String>,
 }
@@ -41,9 +45,31 @@ struct FindingRow {
     remedy: String,
 }
 
+/// A bin of a histogram.
+struct Bin {
+    /// 0 for none, then by decades of the share.
+    depth: usize,
+    from: String,
+    count: String,
+}
+
+struct Map {
+    name: String,
+    bins: Vec<Bin>,
+    largest: String,
+}
+
+struct CoverageSection {
+    scene: String,
+    summary: String,
+    maps: Vec<Map>,
+}
+
 struct ModelSection {
     scene: String,
     summary: String,
+    /// The assembly as a whole, figure by figure.
+    assembly: Vec<(&'static str, String)>,
     findings: Vec<FindingRow>,
 }
 
@@ -118,6 +144,7 @@ struct PageTemplate {
     sections: Vec<(&'static str, &'static str)>,
     problems: Vec<Problem>,
     models: Vec<ModelSection>,
+    coverage: Vec<CoverageSection>,
     drawings: Vec<Figure>,
     verdict_key: Vec<Said>,
     symbols: Vec<&'static str>,
@@ -170,7 +197,8 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         ],
         sections: Vec::new(),
         problems: problems(report),
-        models: supplement.models.iter().map(model).collect(),
+        models: report.models.iter().map(model).collect(),
+        coverage: report.models.iter().filter_map(coverage).collect(),
         drawings,
         verdict_key: Verdict::ALL.into_iter().filter(|v| v.headline() == *v).map(Said::of).collect(),
         symbols: Quantity::ALL.map(Quantity::symbol).into(),
@@ -197,6 +225,7 @@ fn sections(page: &PageTemplate) -> Vec<(&'static str, &'static str)> {
         ("model", "Model", !page.models.is_empty()),
         ("scene", "Scene", !page.drawings.is_empty()),
         ("verdicts", "Verdicts", true),
+        ("coverage", "Coverage", !page.coverage.is_empty()),
         ("jacobians", "Jacobians", !page.cards.is_empty()),
         ("steps", "Steps", !page.steps.is_empty()),
         ("singular", "Singular points", !page.approaches.is_empty()),
@@ -245,7 +274,8 @@ fn problems(report: &Report) -> Vec<Problem> {
             subject: format!("{} {}", approach.connection, approach.component),
             is_mild: false,
             said: format!("At {}: declared {:?}, seen {seen}.", approach.at, approach.declared),
-            diagnosis: None,
+            diagnosis: Vec::new(),
+            heat: String::new(),
             numbers: String::new(),
             more: Vec::new(),
         });
@@ -277,7 +307,15 @@ fn problem(subject: &Subject, check: &Check) -> Problem {
         subject: full_name(subject),
         is_mild: !check.verdict.is_mismatch() && check.score.survived == 0,
         said: capital(&format!("{of}{}: {}.", check.against.name(), check.verdict.headline().name())),
-        diagnosis: None,
+        diagnosis: check
+            .diagnosis
+            .iter()
+            .flat_map(|diagnosis| diagnosis.lines())
+            .map(|(sentence, code)| (capital(&sentence), code.as_str()))
+            .collect(),
+        heat: check.comparison.as_ref().filter(|_| is_sharp(check)).map_or_else(String::new, |comparison| {
+            figure::heat(&full_name(subject), comparison, Place::Page)
+        }),
         numbers,
         more,
     }
@@ -294,6 +332,7 @@ fn model(found: &ModelReport) -> ModelSection {
             0 => format!("Nothing was found {states}."),
             n => format!("{}, {states}.", count(n, "finding")),
         },
+        assembly: found.assembly.as_ref().map_or_else(Vec::new, assembly),
         findings: found
             .findings
             .iter()
@@ -311,6 +350,78 @@ fn model(found: &ModelReport) -> ModelSection {
                 }
             })
             .collect(),
+    }
+}
+
+fn assembly(found: &Assembly) -> Vec<(&'static str, String)> {
+    let mut figures = vec![
+        ("degrees of freedom", grouped(found.degrees_of_freedom as u64)),
+        ("held by boundary conditions", grouped(found.held as u64)),
+        ("constraints", grouped(found.constraints as u64)),
+    ];
+    if let Some(initial) = found.positions.first() {
+        figures.extend([
+            ("rank of the constraints", grouped(initial.rank as u64)),
+            ("redundant", grouped(initial.redundant as u64)),
+            ("mobility", grouped(initial.mobility as u64)),
+            ("not driven", grouped(initial.undriven as u64)),
+        ]);
+    }
+    figures
+}
+
+/// Which region of configuration space the states of a scene exercised; nothing where there were no samples.
+fn coverage(found: &ModelReport) -> Option<CoverageSection> {
+    let coverage = &found.coverage;
+    if coverage.samples == 0 {
+        return None;
+    }
+    let all = [
+        &coverage.rotation_a,
+        &coverage.rotation_b,
+        &coverage.relative_rotation,
+        &coverage.stretch,
+        &coverage.margin,
+    ];
+    let of = |n: u64, all: u64| format!("{} of {}", grouped(n), grouped(all));
+    Some(CoverageSection {
+        scene: found.scene.clone(),
+        summary: format!(
+            "{} samples, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
+             away from the initial state in {}.",
+            grouped(coverage.samples),
+            of(coverage.both_turned, coverage.could_turn_both),
+            of(coverage.deformed, coverage.could_deform),
+            of(coverage.away, coverage.samples)
+        ),
+        maps: all.into_iter().filter(|histogram| histogram.samples() > 0).map(map).collect(),
+    })
+}
+
+fn map(histogram: &Histogram) -> Map {
+    let samples = histogram.samples();
+    let bins = histogram.edges.iter().zip(&histogram.counts).map(|(edge, count)| {
+        let share = *count as f64 / samples.max(1) as f64;
+        let depth = match share {
+            0.0 => 0,
+            x if x < 0.01 => 1,
+            x if x < 0.1 => 2,
+            x if x < 0.5 => 3,
+            _ => 4,
+        };
+        let from = if *edge == 0.0 || (1e-3..1e3).contains(edge) {
+            let text = format!("{edge:.6}");
+            text.trim_end_matches('0').trim_end_matches('.').to_string()
+        } else {
+            format!("{edge:e}")
+        };
+        Bin { depth, from, count: if *count == 0 { "–".into() } else { grouped(*count) } }
+    });
+    let unit = if histogram.unit.is_empty() { String::new() } else { format!(", {}", histogram.unit) };
+    Map {
+        name: format!("{}{unit}", histogram.quantity),
+        bins: bins.collect(),
+        largest: format!("{:.3}", histogram.largest),
     }
 }
 

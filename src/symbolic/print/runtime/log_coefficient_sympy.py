@@ -7,7 +7,8 @@ def log_coefficient(n, c):
     c = sympify(c)
     if c.is_number:
         factor = 2 * Rational(-1, 2) ** n * factorial(n) / rf(Rational(3, 2), n)
-        return factor * hyper((n + 1, n + 1), (n + Rational(3, 2),), (1 - c) / 2)
+        value = factor * hyper((n + 1, n + 1), (n + Rational(3, 2),), (1 - c) / 2)
+        return value.evalf(prec_to_dps(c._prec)) if c.is_Float else value
     x = Dummy("c")
     return (diff(2 * acos(x) / sqrt(1 - x**2), x, n) / factorial(n)).subs(x, c)
 

@@ -3,7 +3,8 @@ def root_coefficient(n, b, s):
     s, half = sympify(s), Rational(b, 2)
     if s.is_number:
         factor = Rational(-1, 16) ** n / (factorial(n) * rf(half, n))
-        return factor * hyper((), (half + n,), -s / 16)
+        value = factor * hyper((), (half + n,), -s / 16)
+        return value.evalf(prec_to_dps(s._prec)) if s.is_Float else value
     x = Dummy("s")
     function = cos(sqrt(x) / 2) if b == 1 else 2 * sin(sqrt(x) / 2) / sqrt(x)
     return (diff(function, x, n) / factorial(n)).subs(x, s)
