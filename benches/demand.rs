@@ -144,7 +144,8 @@ fn main() {
     let each = |of: u64| of as f64 / (count * STATES) as f64;
     for Line { what, least, tally, jacobian, .. } in &lines {
         print!("{what:38} {:8.0}", 1e9 * least / count as f64);
-        for number in [tally.values, tally.gradients, tally.hessians, tally.rates, tally.histories, tally.behaviors]
+        for number in
+            [tally.values, tally.gradients, tally.hessians, tally.rates, tally.histories, tally.behaviors]
         {
             print!(" {:7.2}", each(number));
         }
