@@ -396,8 +396,9 @@ impl Connector<f64> {
                     let triad = state.pair.moved(&seeds).a.triad;
                     let form = row.differentiated.one_form(&triad, &self.section);
                     *first = self.active_only(form.map(Scalar::real));
-                    for (i, entry) in form.iter().enumerate() {
-                        second[i][j] = entry.eps.real();
+                    let change = self.active_only(form.map(|entry| entry.eps.real()));
+                    for (line, entry) in second.iter_mut().zip(change) {
+                        line[j] = entry;
                     }
                 } else {
                     *first = self.active_only(value.re.gradient());
