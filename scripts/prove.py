@@ -221,19 +221,22 @@ class Comparison:
 
 
     def second(self, name, form):
-        """The second derivatives, on the first branch."""
+        """The second derivatives: proved on the first branch, or sampled."""
         judgement = Judgement()
-        region = regions_for(self.type_name, name, Draw(f"second {self.type_name} {name}"), 1)[0]
-        region.is_exact = not (self.is_quick and self.type_name in LONG)
-        evaluation = region.evaluation()
-        judgement.at_state(True)
-        wanted = second_variations(along_variations(form.value(state_of(name, region))))
+        is_sampled = self.is_quick and self.type_name in LONG
         exported = self.export.second(name)
-        for i in range(8):
-            for j in range(i, 8):
-                judgement.compare(evaluation.of(exported[i][j]), evaluation.of(wanted[i][j]))
-                if exported[i][j] != exported[j][i]:
-                    raise AssertionError(f"{self.type_name} {name}: the second derivatives are not symmetric")
+        for region in regions_for(self.type_name, name, Draw(f"second {self.type_name} {name}"), 3 if is_sampled else 1):
+            region.is_exact = not is_sampled
+            evaluation = region.evaluation()
+            judgement.at_state(not is_sampled)
+            wanted = second_variations(along_variations(form.value(state_of(name, region))))
+            for i in range(8):
+                for j in range(i, 8):
+                    judgement.compare(evaluation.of(exported[i][j]), evaluation.of(wanted[i][j]))
+                    if exported[i][j] != exported[j][i]:
+                        raise AssertionError(f"{self.type_name} {name}: the second derivatives are not symmetric")
+        if is_sampled:
+            judgement.reason = "proved without --check"
         return judgement.line(f"{self.type_name} {name} second derivatives", form.source), judgement
 
 

@@ -48,6 +48,7 @@
 //! | [`measure`] | what is measured? The mathematics |
 //! | [`catalog`] | which connection types are there? The data |
 //! | [`connector`] | what does one connector give at one state, after its history? |
+//! | [`batch`] | what do many connectors of one type give, four at a time? |
 //! | [`force`] | what do the forces of its components do to its nodes? |
 //! | [`mpc`] | what does one multi-point constraint give at one state? |
 //! | [`behavior`] | which forces follow from a motion: springs, dampers, stops, locks, drives? |
@@ -79,6 +80,7 @@
 //! ```
 
 pub mod audit;
+pub mod batch;
 pub mod behavior;
 pub mod catalog;
 pub mod connector;

@@ -43,7 +43,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Eval(arguments) => cli::eval::run(arguments),
         Command::Convert(arguments) => cli::convert::run(arguments),
         Command::Export(arguments) => cli::export::run(arguments),
-        Command::Schema => cli::convert::schema(),
+        Command::Schema { of } => cli::convert::schema(*of),
         Command::Audit(arguments) => cli::audit::run(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments),
         Command::Completions(arguments) => cli::manual::completions(arguments),

@@ -7,11 +7,13 @@ use pintle::audit::sample::{Draw, Extent, Region, cases, draw_case};
 use pintle::audit::shrink::shrink;
 use pintle::audit::{
     Against, Bound, Candidate, Case, CounterExample, Entries, Hex, Numbers, Oracle, Quantity, Report,
-    Settings, Target, Verdict, atlas, audit_catalogue, audit_scenes, friction_cases, invariant, product,
+    Settings, Target, Verdict, atlas, audit_case, audit_cases, audit_catalogue, audit_scenes, friction_cases,
+    invariant, product,
 };
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Connector, Definition, Increment, NodalRow, Request, State, Tally};
 use pintle::evaluate::{Model, Plan, Selection};
+use pintle::measure::Measure;
 use pintle::node::{DOFS, Node, Pair};
 use pintle::scene::{self, GALLERY};
 use pintle::vector::identity;
@@ -414,4 +416,51 @@ fn friction_passes_and_its_mistakes_are_noticed() {
         let (compared, killed) = found[&quantity];
         assert!(compared > 100 && killed > 1000, "{quantity:?}: {compared} {killed}");
     }
+}
+
+/// Where nodes of an AXIAL coincide the length has a kink: no two-sided derivative exists, and both one-sided ones are shown.
+#[test]
+fn a_kink_is_told_with_both_derivatives() {
+    let mut case = atlas::near(named("AXIAL"), Measure::Distance, 0.5, 0.0, &mut Draw::new("kink")).unwrap();
+    let step = case.path.last_mut().unwrap();
+    let (reference, pair) = (case.definition.initial.reference, &mut step.state.pair);
+    pair.b.displacement = [0, 1, 2].map(|i| pair.a.displacement[i] - reference[i]);
+    assert_eq!(pair.separation(), [0.0; 3]);
+    let checks = audit_case(&case, &Settings::default(), true, 0);
+    let sharp = Against::Oracle(Oracle::WideDifferences);
+    let check = checks
+        .iter()
+        .find(|check| check.quantity == Some(Quantity::FirstDerivatives) && check.against == sharp)
+        .unwrap();
+    assert_eq!(check.verdict, Verdict::Kink, "{check:?}");
+    let [below, above] = check.worst.as_ref().unwrap().one_sided.unwrap();
+    assert!((above - 1.0).abs() < 1e-15 && (below + 1.0).abs() < 1e-15, "{below} {above}");
+    let report = audit_cases(&Settings::default(), &[("kink".into(), vec![case])], &silent);
+    let mut text = Vec::new();
+    pintle::report::audit::human(&mut text, &report, 120, false).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("from below -1.0000000000e0, from above 1.0000000000e0"), "{text}");
+}
+
+/// The slopes of springs and dampers of a scene are judged, and mistakes in them noticed.
+#[test]
+fn behaviour_of_a_scene_is_judged() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0.5, 0.25\n\
+        *ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+        *CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nCARTESIAN, CARDAN\nO,\n\
+        *CONNECTOR BEHAVIOR, NAME=B\n\
+        *CONNECTOR ELASTICITY, COMPONENT=1\n150.,\n\
+        *CONNECTOR ELASTICITY, COMPONENT=2, NONLINEAR\n-30., -2.\n0., 0.\n10., 2.\n\
+        *CONNECTOR DAMPING, COMPONENT=4\n3.,\n";
+    let scene = scene::Scene::parse("spring.inp", deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+    let target = Target { name: "spring", model: &model, plan: &plan, states: &[] };
+    let report = audit_scenes(&brief(), &[target], &silent);
+    report.assert_ok();
+    let checks = &report.subjects[0].checks;
+    let check = checks.iter().find(|check| check.quantity == Some(Quantity::BehaviorTangent)).unwrap();
+    assert_eq!(check.verdict, Verdict::Pass);
+    assert!(check.compared >= 72 && check.score.killed > 20, "{check:?}");
 }

@@ -168,6 +168,9 @@ pub(crate) const GOLDEN_MPC: f64 = 2e-13;
 /// roundings of each state, which stick carries on to the next.
 pub(crate) const FRICTION_HISTORY: f64 = 1e-13;
 
+/// Four lanes against one element at a time, in roundings of the conditioned scale: value, first, second derivatives.
+pub(crate) const BATCH: [f64; 3] = [2.0, 2.5, 1.5];
+
 /// Consistent tangents of component forces against wide differences, relative to the largest slope.
 pub(crate) const TANGENT: f64 = 1e-13;
 

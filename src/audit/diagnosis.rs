@@ -117,21 +117,23 @@ impl Cause {
 }
 
 /// One mistake that explains wrong entries.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Explained {
     /// The mistake.
     #[serde(skip)]
     pub cause: Cause,
     /// Its code.
+    #[schemars(with = "String")]
     pub code: Code,
     /// What equals what, and what that means.
     pub sentence: String,
     /// Others that make the same numbers at this state.
+    #[schemars(with = "Vec<String>")]
     pub also: Vec<Code>,
 }
 
 /// Why numbers are wrong.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Diagnosis {
     /// The mistakes that explain wrong entries, the one that explains most first.
     pub causes: Vec<Explained>,

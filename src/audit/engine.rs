@@ -9,7 +9,7 @@ use super::force::product_with_forces as product;
 use super::friction::friction_cases;
 use super::invariant::{self, Context, Invariant};
 use super::mutant::{self, Mistake, Mutant, mutants};
-use super::oracle::{Narrow, Oracle, WideAnswers, remainders};
+use super::oracle::{Answer, Narrow, Oracle, WideAnswers, remainders};
 use super::outcome::{Against, Check, Report, Subject};
 use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
@@ -23,7 +23,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What an audit is to do.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Settings {
     /// States per type for the oracles on doubles.
     pub states: usize,
@@ -41,6 +41,41 @@ pub struct Settings {
     pub seed: String,
     /// Whether the singular points of the catalogue are approached.
     pub atlas: bool,
+    /// A fault planted on purpose, which the audit must tell of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub planted: Option<Planted>,
+}
+
+/// A fault planted on purpose: whoever doubts that the audit can fail sees it fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Planted {
+    /// The largest first derivative of the first component is multiplied by 1 + 1e-6.
+    WrongEntry,
+    /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
+    LostAnswer,
+}
+
+impl Planted {
+    /// The numbers with the fault in them.
+    fn spoil(self, numbers: &mut Numbers<f64>) {
+        if self != Self::WrongEntry {
+            return;
+        }
+        let mut rows = numbers.entries(Quantity::FirstDerivatives).clone();
+        let row = rows.0.iter_mut().flatten().next();
+        if let Some(entry) = row.and_then(|row| row.iter_mut().max_by(|x, y| x.abs().total_cmp(&y.abs()))) {
+            *entry *= 1.0 + 1e-6;
+        }
+        numbers.set(Quantity::FirstDerivatives, rows);
+    }
+
+    /// The answer with the fault in it.
+    fn blind(self, answer: &mut Answer) {
+        if self == Self::LostAnswer {
+            answer.numbers.0.iter_mut().flatten().filter(|row| row.len() > 1).for_each(|row| _ = row.pop());
+        }
+    }
 }
 
 impl Default for Settings {
@@ -54,6 +89,7 @@ impl Default for Settings {
             oracles: Oracle::ALL.into(),
             seed: "pintle".into(),
             atlas: true,
+            planted: None,
         }
     }
 }
@@ -203,7 +239,10 @@ pub(super) const SOMETIMES: usize = 20;
 
 /// All checks of one case.
 pub fn audit_case(case: &Case, settings: &Settings, wide: bool, index: usize) -> Vec<Check> {
-    let (Some(numbers), Some(narrow)) = (product(case), Narrow::of(case)) else { return Vec::new() };
+    let (Some(mut numbers), Some(narrow)) = (product(case), Narrow::of(case)) else { return Vec::new() };
+    if let Some(planted) = settings.planted {
+        planted.spoil(&mut numbers);
+    }
     judge_numbers(case, &numbers, &narrow, settings, wide, index)
 }
 
@@ -244,6 +283,9 @@ fn judge_numbers(
         Some(truth) if nearness == 0.0 => Some([truth.one_sided(-1), truth.one_sided(1)]),
         _ => None,
     };
+    // 196 second derivatives take about as long as all that is done on doubles besides.
+    let often = wide || index.is_multiple_of(SOMETIMES);
+    let nested = (often && asked(Oracle::NestedDual)).then(|| narrow.nested_dual());
     for quantity in Quantity::ALL {
         let mut made: Option<Vec<Mutant>> = None;
         let exact = answers.as_ref().map(|answers| answers.dual.entries(quantity));
@@ -260,13 +302,20 @@ fn judge_numbers(
                     answers.answer(oracle, quantity)
                 }
                 Oracle::NodalDual => Some(narrow.nodal_dual(&bound)),
+                Oracle::NestedDual => {
+                    let Some(nested) = &nested else { continue };
+                    Some(Answer::rounded(oracle, quantity, nested.entries(quantity), &bound))
+                }
                 Oracle::Symbolic => Some(narrow.symbolic(quantity, &bound)),
                 _ => Some(narrow.differences(&bound)),
             };
-            let Some(answer) = answer.filter(|answer| !answer.numbers.is_empty()) else { continue };
+            let Some(mut answer) = answer.filter(|answer| !answer.numbers.is_empty()) else { continue };
+            if let Some(planted) = settings.planted.filter(|_| oracle.is_wide()) {
+                planted.blind(&mut answer);
+            }
             let got = numbers.entries(quantity);
             let judgement = judge(quantity, got, &answer, &around);
-            let proves = nearness > 0.0 && (wide || index.is_multiple_of(SOMETIMES));
+            let proves = nearness > 0.0 && often;
             let score = if proves {
                 let made = made.get_or_insert_with(|| make(quantity));
                 try_mutants(quantity, got, &answer, &bound, &|i| quantity.entry_size(i, case.length), made)
@@ -286,7 +335,7 @@ fn judge_numbers(
     if asked(Oracle::HyperDual) && nearness > 0.0 {
         checks.extend(hyper_dual(case, numbers, narrow, &bound, draw));
     }
-    if nearness > 0.0 && (wide || index.is_multiple_of(SOMETIMES)) {
+    if nearness > 0.0 && often {
         checks.extend(laws(case, numbers, &bound, wide, &make));
     }
     checks

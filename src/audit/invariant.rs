@@ -19,7 +19,7 @@ use crate::vector::{self, Vector, apply_transposed, column, cross, scale};
 use serde::Serialize;
 
 /// A law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Invariant {
     /// The six rigid modes are in the kernel of every row.

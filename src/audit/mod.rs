@@ -15,6 +15,7 @@
 
 pub mod assembly;
 pub mod atlas;
+mod behavior;
 pub mod bound;
 mod candidate;
 pub mod case;
@@ -51,7 +52,7 @@ pub use case::{Case, Step};
 pub use counterexample::CounterExample;
 pub use coverage::Coverage;
 pub use diagnosis::{Cause, Diagnosis, Explained};
-pub use engine::{Settings, audit_case, audit_cases, audit_catalogue};
+pub use engine::{Planted, Settings, audit_case, audit_cases, audit_catalogue};
 pub use force::product_with_forces as product;
 pub use friction::{FrictionCase, friction_cases};
 pub use handover::ExportError;

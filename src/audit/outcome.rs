@@ -19,7 +19,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What numbers were compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
     /// An oracle's.
@@ -42,7 +42,7 @@ impl Against {
 }
 
 /// One check over all cases of a connector.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Check {
     /// The numbers judged; a law may span several.
     pub quantity: Option<Quantity>,
@@ -55,6 +55,7 @@ pub struct Check {
     /// Entries compared.
     pub compared: u64,
     /// The largest error in units of its tolerance, at any state.
+    #[schemars(with = "Option<f64>")]
     pub largest: f64,
     /// The entry that decided the verdict: nearest to, or farthest beyond, its tolerance.
     pub worst: Option<Finding>,
@@ -166,7 +167,7 @@ impl Check {
 }
 
 /// Everything that was found about one connector or type.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Subject {
     /// The type, or the type with the element.
     pub name: String,
@@ -242,7 +243,7 @@ impl Subject {
 }
 
 /// An audit.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
     /// The version of this program.
     pub version: &'static str,
@@ -256,6 +257,7 @@ pub struct Report {
     pub atlas: Vec<Approach>,
     /// What is found in the models of scenes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(with = "Vec<serde_json::Value>")]
     pub models: Vec<ModelReport>,
 }
 

@@ -7,7 +7,9 @@ use crate::node::{DOF, DOFS};
 use serde::{Deserialize, Serialize};
 
 /// A kind of number that a connector gives for each component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// The residual of a constrained component, the displacement of any other.

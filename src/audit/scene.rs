@@ -1,5 +1,6 @@
 //! A scene: every connector and every multi-point constraint at its states.
 
+use super::behavior::audit_behavior;
 use super::case::{Case, Step};
 use super::certificate::{certificate, certificate_of_mpc};
 use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread};
@@ -7,13 +8,14 @@ use super::mpc::MpcCase;
 use super::outcome::{Check, Report, Subject};
 use super::sample::{Draw, about_initial};
 use crate::connector::Request;
-use crate::evaluate::{ConnectorResult, Item, Model, MpcResult, Plan, Sequence};
+use crate::evaluate::{ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence};
 use crate::scalar::elementary::norm;
 use crate::scene::State;
 use crate::vector::{add, sub};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
+use std::sync::Arc;
 
 /// A scene to be audited.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +42,7 @@ struct Gathered {
 
 /// A case of one connector or constraint.
 enum Work {
-    Connector(Box<Case>),
+    Connector(Box<Case>, Arc<ElementBehavior>),
     Mpc(Box<MpcCase>),
 }
 
@@ -79,7 +81,10 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
         let number = state.number.unwrap_or(index as u64);
         let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
             let work = match placed {
-                Item::Connector(placed) => Work::Connector(Box::new(case(model, &placed, number))),
+                Item::Connector(placed) => {
+                    let behavior = Arc::clone(&model.connectors[placed.index].behavior);
+                    Work::Connector(Box::new(case(model, &placed, number)), behavior)
+                }
                 Item::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, &placed, number))),
             };
             waiting.push(Piece { place, index, is_wide: wide.contains(&index), work });
@@ -100,7 +105,13 @@ fn judge(settings: &Settings, pieces: Vec<Piece>, gathered: &mut [Gathered]) {
     let found: Vec<(usize, Vec<Check>)> = pieces
         .into_par_iter()
         .map(|Piece { place, index, is_wide, work }| match work {
-            Work::Connector(case) => (place, audit_case(&case, settings, is_wide, index)),
+            Work::Connector(case, element) => {
+                let mut checks = audit_case(&case, settings, is_wide, index);
+                if is_wide {
+                    checks.extend(audit_behavior(&case, &element.behavior, settings, true));
+                }
+                (place, checks)
+            }
             Work::Mpc(case) if is_wide => (place, case.audit(settings, true)),
             Work::Mpc(case) => (place, case.audit(settings, index.is_multiple_of(SOMETIMES))),
         })
@@ -130,7 +141,7 @@ fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gat
             };
             let case = about_initial(&element.definition, index, length, name, draw);
             let is_wide = wide.contains(&index);
-            let work = case.map(|case| Work::Connector(Box::new(case)));
+            let work = case.map(|case| Work::Connector(Box::new(case), Arc::clone(&element.behavior)));
             pieces.extend(work.map(|work| Piece { place, index, is_wide, work }));
         }
         if pieces.len() >= AT_ONCE {

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// What is said of a quantity at a state, the mildest first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Every entry is right to rounding.
@@ -65,7 +67,7 @@ impl Verdict {
 }
 
 /// One entry, what it is and what it must be.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Finding {
     /// The entry by name: `∂ur1/∂θb3`.
     pub entry: String,
@@ -73,20 +75,25 @@ pub struct Finding {
     #[serde(skip)]
     pub at: Option<(usize, usize)>,
     /// What was given.
+    #[schemars(with = "Option<f64>")]
     pub got: f64,
     /// What it must be.
+    #[schemars(with = "Option<f64>")]
     pub want: f64,
     /// How far apart they may be.
+    #[schemars(with = "Option<f64>")]
     pub tolerance: f64,
     /// |got − want| in units of the tolerance.
+    #[schemars(with = "Option<f64>")]
     pub units: f64,
     /// On a kink: the derivatives from below and from above.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<[Option<f64>; 2]>")]
     pub one_sided: Option<[f64; 2]>,
 }
 
 /// The outcome of one comparison.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Judgement {
     /// The verdict.
     pub verdict: Verdict,
@@ -167,6 +174,9 @@ pub fn judge(
     if compared == 0 {
         return Judgement { verdict: Verdict::Undecided, worst: None, compared };
     }
+    if let Some(kink) = kink(quantity, got, answer, around) {
+        return Judgement { verdict: Verdict::Kink, worst: Some(kink), compared };
+    }
     let beyond = worst.as_ref().is_some_and(|w| w.units > 1.0);
     let verdict = match (beyond, &mut worst) {
         (false, _) if coarse && answer.oracle.is_wide() => Verdict::IllConditioned,
@@ -176,13 +186,46 @@ pub fn judge(
     Judgement { verdict, worst, compared }
 }
 
+/// On a singular set: the first derivative whose sides differ most, if they differ by more than rounding. The two-sided difference
+/// is their mean there, which is no derivative, whoever agrees with it.
+fn kink(
+    quantity: Quantity,
+    got: &Entries<f64>,
+    answer: &Answer,
+    around: &Surroundings<'_>,
+) -> Option<Finding> {
+    let [below, above] = around.one_sided?;
+    if quantity != Quantity::FirstDerivatives || around.nearness > 0.0 {
+        return None;
+    }
+    let mut most: Option<(f64, Finding)> = None;
+    for (k, i, x) in got.iter() {
+        let (Some(b), Some(a)) = (below.get(k, i), above.get(k, i)) else { continue };
+        let tolerance = around.bound.tolerance(quantity, k, i);
+        let gap = units(b.to_f64(), a, 2.0 * tolerance);
+        if gap > 1.0 && most.as_ref().is_none_or(|(widest, _)| gap > *widest) {
+            let want = answer.numbers.get(k, i).unwrap_or(a);
+            let finding = Finding {
+                entry: quantity.entry_name(k, i),
+                at: Some((k, i)),
+                got: x,
+                want: want.to_f64(),
+                tolerance,
+                units: units(x, want, tolerance),
+                one_sided: Some([b.to_f64(), a.to_f64()]),
+            };
+            most = Some((gap, finding));
+        }
+    }
+    most.map(|(_, finding)| finding)
+}
+
 /// Why an entry is beyond its tolerance.
 fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Verdict {
     let Some((k, i)) = worst.at else { return Verdict::Wrong };
-    if around.nearness == 0.0 {
-        if let Some([below, above]) = around.one_sided {
-            worst.one_sided = below.get(k, i).zip(above.get(k, i)).map(|(b, a)| [b.to_f64(), a.to_f64()]);
-        }
+    // Values exist on a kink, and first derivatives whose sides agree; what is formed from other derivatives may not.
+    let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
+    if around.nearness == 0.0 && !exists {
         return Verdict::Kink;
     }
     let scale = around.bound.scale(quantity, k, i);
@@ -195,7 +238,7 @@ fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Ve
 }
 
 /// How mutants of the same numbers fared.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Score {
     /// By mistake: noticed.
     pub killed: u64,
@@ -208,8 +251,10 @@ pub struct Score {
     /// The mistakes that survived, with an entry each.
     pub survivors: BTreeMap<String, String>,
     /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states.
+    #[schemars(with = "Option<f64>")]
     pub detectable: f64,
     /// The same at the median state.
+    #[schemars(with = "Option<f64>")]
     pub detectable_median: f64,
     /// The smallest δ at each state.
     #[serde(skip)]

@@ -5,7 +5,7 @@ use super::{Failure, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
-use pintle::audit::{Oracle, Report, Settings, Target, audit_catalogue, audit_scenes};
+use pintle::audit::{Oracle, Planted, Report, Settings, Target, audit_catalogue, audit_scenes};
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
 use pintle::evaluate::{Plan, Selection};
@@ -59,6 +59,24 @@ pub(crate) enum AuditFormat {
     Html,
 }
 
+/// A fault planted on purpose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Plant {
+    /// A derivative is wrong
+    WrongEntry,
+    /// Answers of the oracles are lost
+    LostAnswer,
+}
+
+impl From<Plant> for Planted {
+    fn from(plant: Plant) -> Self {
+        match plant {
+            Plant::WrongEntry => Self::WrongEntry,
+            Plant::LostAnswer => Self::LostAnswer,
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
 pub(crate) struct Audit {
@@ -88,7 +106,7 @@ pub(crate) struct Audit {
     #[arg(long, value_name = "WORD", default_value_t = Settings::default().seed)]
     seed: String,
     /// Only these oracles, separated by commas: wide-differences, wide-symbolic,
-    /// wide-dual, taylor, nodal-dual, hyper-dual, symbolic, differences
+    /// wide-dual, taylor, nodal-dual, hyper-dual, nested-dual, symbolic, differences
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = oracle)]
     oracles: Vec<Oracle>,
     /// Write a counter-example for every mismatch into this folder, for `pintle replay`
@@ -100,6 +118,9 @@ pub(crate) struct Audit {
     /// Write the figures of the page into this folder, as SVG files
     #[arg(long, value_name = "FOLDER")]
     pub(super) plots: Option<PathBuf>,
+    /// Plant a fault, to see the audit fail
+    #[arg(long, value_enum, hide = true)]
+    plant: Option<Plant>,
     /// Findings of this code, of this group (model, assembly, coverage, rule …), all notes or all warnings, are errors: exit 1
     #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
     deny: Vec<String>,
@@ -228,6 +249,7 @@ fn settings(arguments: &Audit) -> Settings {
         near_singular_states: arguments.near_singular_states,
         drawn_states: arguments.drawn_states,
         seed: arguments.seed.clone(),
+        planted: arguments.plant.map(Planted::from),
         ..Settings::default()
     };
     if let Some(wide_states) = arguments.wide_states {

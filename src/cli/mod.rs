@@ -49,9 +49,13 @@ pub(crate) enum Command {
     Convert(Convert),
     /// Export a connection type as a program: SymPy, JAX, C, Rust, LaTeX, or its expression graph
     Export(export::Export),
-    /// Print the JSON Schema of scenes in TOML and JSON
+    /// Print the JSON Schema of scenes in TOML and JSON, or of the JSON report of an audit
     #[command(after_long_help = SCHEMA_HELP)]
-    Schema,
+    Schema {
+        /// Of what
+        #[arg(value_enum, default_value_t)]
+        of: Described,
+    },
     /// Audit the catalogue, or scenes: is every number right, and would an error have been noticed?
     Audit(Box<audit::Audit>),
     /// Judge the state of a counter-example again
@@ -65,6 +69,16 @@ pub(crate) enum Command {
     #[cfg(debug_assertions)]
     #[command(hide = true)]
     Panic,
+}
+
+/// What has a JSON Schema.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Described {
+    /// Scenes in TOML and JSON
+    #[default]
+    Scene,
+    /// The JSON report of `pintle audit`
+    Audit,
 }
 
 /// How pages are written.

@@ -7,14 +7,14 @@ use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
 use crate::scalar::{Differentiable, Scalar, Seeded};
 use crate::vector::{self, Vector, column};
-use num_dual::HyperDual;
+use num_dual::{Dual, HyperDual};
 
 impl<R: Differentiable> Connector<R> {
     pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
         let Pass { state, history, rows, request } = *pass;
-        let of_position = |k: usize| request.wants_any(&[Output::CV, Output::CA], k);
+        let of_position = |k: usize| request.wants_any([Output::CV, Output::CA], k);
         let of_residual = |k: usize, row: &Row<R>| {
-            request.wants_any(&[Output::RESV, Output::RESA], k) && row.slot.is_constrained()
+            request.wants_any([Output::RESV, Output::RESA], k) && row.slot.is_constrained()
         };
         let bias = |k: usize, row: &Row<R>| request.wants(Output::RESB, k) && row.slot.is_constrained();
         let mut measures = Vec::new();
@@ -111,21 +111,17 @@ impl<R: Differentiable> Connector<R> {
         take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
     ) {
         let Differentiation { state, history, second, .. } = *input;
-        let of = |seeds: Seeds| {
-            let chosen = measures.iter().filter(move |(_, measure)| Seeds::of(*measure) == seeds);
-            chosen.copied().collect::<Vec<_>>()
-        };
         let from = (self, state, history);
         if second {
-            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Translation), take);
-            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Rotation), take);
-            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(from, &of(Seeds::Motion), take);
-            Seeds::All.pass::<R, R::Hessian<8>, 8>(from, &of(Seeds::All), take);
+            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(from, measures, take);
+            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(from, measures, take);
+            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(from, measures, take);
+            Seeds::All.pass::<R, R::Hessian<8>, 8>(from, measures, take);
         } else {
-            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Translation), take);
-            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Rotation), take);
-            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(from, &of(Seeds::Motion), take);
-            Seeds::All.pass::<R, R::Gradient<8>, 8>(from, &of(Seeds::All), take);
+            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(from, measures, take);
+            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(from, measures, take);
+            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(from, measures, take);
+            Seeds::All.pass::<R, R::Gradient<8>, 8>(from, measures, take);
         }
         let functions = measures.iter().filter(|(_, measure)| !measure.is_one_form()).count() as u64;
         if second {
@@ -215,14 +211,16 @@ impl Seeds {
         }
     }
 
-    /// Evaluates measures on numbers with derivatives along these variations and hands on their relative derivatives.
+    /// Evaluates those measures that depend on just these variations, on numbers with derivatives along them, and hands on their
+    /// relative derivatives.
     fn pass<R: Differentiable, S: Seeded<N, Real = R>, const N: usize>(
         self,
         (connector, state, history): (&Connector<R>, &State<R>, &History<R>),
         measures: &[(usize, Measure)],
         take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
     ) {
-        if measures.is_empty() {
+        let mut own = measures.iter().filter(|(_, measure)| Self::of(*measure) == self).peekable();
+        if own.peek().is_none() {
             return;
         }
         let (first, needed) = match self {
@@ -232,17 +230,9 @@ impl Seeds {
             Self::All | Self::None => (0, Dependence { translation: true, rotation: true, flow: true }),
         };
         let zero = R::integer(0);
-        let seed = |i: usize| {
-            if i >= first && i < first + N { S::seed(zero, i - first) } else { S::zero() }
-        };
-        let relative = state.pair.varied(
-            needed,
-            [seed(0), seed(1), seed(2)],
-            [seed(3), seed(4), seed(5)],
-            [seed(6), seed(7)],
-        );
+        let relative = state.pair.seeded::<S, N>(needed, first);
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &connector.section, history);
-        for (k, measure) in measures {
+        for (k, measure) in own {
             let value = measure.evaluate(&mut shared);
             let mut gradient = [zero; 8];
             gradient[first..first + N].copy_from_slice(&value.gradient());
@@ -381,6 +371,42 @@ impl Connector<f64> {
                 .filter(|_| !self.rows[k].is_some_and(|r| r.differentiated.is_one_form()))
                 .map(|x| x.eps1eps2)
         })
+    }
+
+    /// First and second derivatives by nesting first-order dual numbers in the fourteen nodal degrees of freedom: no dual number of
+    /// second order, no nodal map. Of a one-form its row, and how it changes.
+    pub(crate) fn nested(
+        &self,
+        state: &State<f64>,
+        branch: &Branch<f64>,
+    ) -> Components<(NodalRow<f64>, NodalMatrix<f64>)> {
+        type Inner = <f64 as Differentiable>::Gradient<DOFS>;
+        let mut found = self.rows.map(|row| row.map(|_| ([0.0; DOFS], Box::new([[0.0; DOFS]; DOFS]))));
+        for j in (0..DOFS).filter(|j| self.active[*j]) {
+            let seeds: [Dual<Inner>; DOFS] = std::array::from_fn(|i| {
+                let outer = if i == j { Inner::one() } else { Inner::zero() };
+                Dual::new(<Inner as Seeded<DOFS>>::seed(0.0, i), outer)
+            });
+            let values = self.on_moved_nodes(state, branch, &seeds);
+            for (k, found) in found.iter_mut().enumerate() {
+                let (Some((first, second)), Some(row), Some(value)) = (found, self.rows[k], values[k]) else {
+                    continue;
+                };
+                if row.differentiated.is_one_form() {
+                    let triad = state.pair.moved(&seeds).a.triad;
+                    let form = row.differentiated.one_form(&triad, &self.section);
+                    *first = self.active_only(form.map(Scalar::real));
+                    let change = self.active_only(form.map(|entry| entry.eps.real()));
+                    for (line, entry) in second.iter_mut().zip(change) {
+                        line[j] = entry;
+                    }
+                } else {
+                    *first = self.active_only(value.re.gradient());
+                    second[j] = self.active_only(value.eps.gradient());
+                }
+            }
+        }
+        found
     }
 
     fn on_moved_nodes<S: Scalar<Real = f64>>(

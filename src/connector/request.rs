@@ -111,6 +111,13 @@ impl Output {
         Self::KR,
     ];
 
+    /// Its bit in a set of outputs.
+    #[inline(always)]
+    const fn bit(self) -> u64 {
+        const { assert!(Self::ALL.len() <= 64, "more outputs than bits") }
+        1 << self as u64
+    }
+
     /// The name.
     pub const fn name(self) -> &'static str {
         match self {
@@ -247,8 +254,8 @@ pub type Mask = [bool; 6];
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// The components wanted of each output, in the order of [`Output::ALL`].
-    wanted: [Mask; Output::ALL.len()],
+    /// The outputs wanted of each component: a bit for each, in the order of [`Output::ALL`].
+    wanted: [u64; 6],
     /// The components that are wanted at all: those of any output, and those whose rows of derivatives are wanted.
     components: Mask,
     /// The components whose rows of derivatives are wanted, from order 1 on.
@@ -260,7 +267,7 @@ pub struct Request {
 impl Request {
     /// No output of any component.
     pub const fn nothing(order: u8) -> Self {
-        Self { wanted: [[false; 6]; Output::ALL.len()], components: [false; 6], rows: [false; 6], order }
+        Self { wanted: [0; 6], components: [false; 6], rows: [false; 6], order }
     }
 
     /// The same components of every output listed, with derivatives up to `order`. Without outputs, derivatives only.
@@ -281,7 +288,7 @@ impl Request {
     /// Adds components of an output, and their rows of derivatives.
     pub fn add(&mut self, output: Output, components: Mask) {
         for (k, wanted) in components.into_iter().enumerate() {
-            self.wanted[output as usize][k] |= wanted;
+            self.wanted[k] |= u64::from(wanted) * output.bit();
         }
         self.add_rows(components);
     }
@@ -289,7 +296,7 @@ impl Request {
     /// Adds components of an output, without their rows of derivatives.
     pub fn add_values(&mut self, output: Output, components: Mask) {
         for (k, wanted) in components.into_iter().enumerate() {
-            self.wanted[output as usize][k] |= wanted;
+            self.wanted[k] |= u64::from(wanted) * output.bit();
             self.components[k] |= wanted;
         }
     }
@@ -314,16 +321,17 @@ impl Request {
 
     /// The outputs wanted of at least one component, in the order of [`Output::ALL`].
     pub fn outputs(&self) -> impl Iterator<Item = Output> + '_ {
-        Output::ALL.into_iter().filter(|output| self.wanted[*output as usize].contains(&true))
+        Output::ALL.into_iter().filter(|output| (0..6).any(|k| self.wants(*output, k)))
     }
 
     /// Whether an output of component k (0-based) is wanted.
     pub const fn wants(&self, output: Output, k: usize) -> bool {
-        self.wanted[output as usize][k]
+        self.wanted[k] & output.bit() != 0
     }
 
-    pub(super) fn wants_any(&self, outputs: &[Output], k: usize) -> bool {
-        outputs.iter().any(|output| self.wants(*output, k))
+    #[inline(always)]
+    pub(super) fn wants_any<const N: usize>(&self, outputs: [Output; N], k: usize) -> bool {
+        self.wanted[k] & outputs.iter().fold(0, |bits, output| bits | output.bit()) != 0
     }
 }
 

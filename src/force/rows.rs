@@ -168,7 +168,7 @@ impl<R: Differentiable> Connector<R> {
                 PrintedMoment::CardanAxes => axes?,
                 PrintedMoment::Midway => {
                     let q = crate::vector::transposed_product(&triad_a, &state.pair.b.triad);
-                    let middle = so3::mid_frame(&q, branch.torsion.turns);
+                    let middle = so3::mid_frame(&q, None, branch.torsion.turns);
                     [0, 1, 2].map(|i| apply(&triad_a, column(&middle, i)))
                 }
             };

@@ -48,6 +48,7 @@ impl Real for f64 {
         std::f64::consts::PI
     }
 
+    #[inline(always)]
     fn with_turns(principal: Self, n: Self) -> Self {
         // 2πn as a sum of two doubles, then the sum with its rounding error (Knuth).
         let whole = n * TAU;
@@ -71,6 +72,11 @@ impl Real for f64 {
     #[inline(always)]
     fn magnitude(self) -> Self {
         self.abs()
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        self.copysign(sign)
     }
 
     #[inline(always)]

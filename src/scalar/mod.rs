@@ -26,6 +26,7 @@ mod coefficients;
 mod double;
 mod dual;
 pub mod elementary;
+pub mod lanes;
 mod wide;
 
 use std::fmt::Debug;
@@ -71,6 +72,18 @@ pub trait Scalar:
 
     /// The product with a real constant; cheaper than a product with [`Scalar::from_real`].
     fn scale(self, factor: Self::Real) -> Self;
+
+    /// value + e: the number with another real part.
+    #[inline(always)]
+    fn with_real(self, value: Self::Real) -> Self {
+        Self::from_real(value) + self.nilpotent()
+    }
+
+    /// The product of two numbers whose real parts are zero.
+    #[inline(always)]
+    fn nilpotent_product(self, other: Self) -> Self {
+        self * other
+    }
 
     /// `yes` where the mask holds, else `no`.
     #[inline(always)]
@@ -188,6 +201,13 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// |x|.
     fn magnitude(self) -> Self;
 
+    /// |x| with the sign of another number, that of −0 included where the type has one.
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        let magnitude = self.magnitude();
+        Self::choose(sign.less(Self::integer(0)), || -magnitude, || magnitude)
+    }
+
     /// 1 / x, or 0 where x = 0 or, in a type of narrow range, 1 / x would overflow (`f64`: |x| < 2⁻¹⁰²⁴).
     ///
     /// The second case is the minimal-norm choice of a derivative at a point that has none; whoever can meet such a
@@ -216,6 +236,18 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     #[inline(always)]
     fn choose<T: Select<Self>>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
         if Self::holds(mask) { yes() } else { no() }
+    }
+
+    /// `yes` where the mask holds, else `no`, both known.
+    #[inline(always)]
+    fn either<T: Select<Self>>(mask: Self::Mask, yes: T, no: T) -> T {
+        T::pick(mask, yes, no)
+    }
+
+    /// Whether a test holds that leads to the same number sooner; a number that records formulas takes no shortcuts.
+    #[inline(always)]
+    fn shortcut(test: impl FnOnce() -> Self::Mask) -> bool {
+        Self::holds(test())
     }
 
     /// As [`Real::choose`] between two formulas of the same quantity that differ in rounding only; a number that records formulas

@@ -181,7 +181,7 @@ impl Scene {
             Frame::Relative => {
                 let [d, q, psi_a, psi_b, ..] = groups.state;
                 let flow = [inputs.scalar(psi_a), inputs.scalar(psi_b)];
-                (Relative { d: inputs.vector(d), q: inputs.matrix(q), flow }, vector::identity())
+                (Relative { d: inputs.vector(d), q: inputs.matrix(q), flow, spin: None }, vector::identity())
             }
             Frame::Nodal => {
                 let [x, ua, a, psi_a, ub, b, psi_b] = groups.state;

@@ -301,6 +301,10 @@ impl Real for Symbol {
         mask
     }
 
+    fn shortcut(_test: impl FnOnce() -> bool) -> bool {
+        false
+    }
+
     fn more_exact<T: Select<Self>>(_mask: bool, _yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
         no()
     }

@@ -27,7 +27,11 @@ fn dense(matrix: &Sparse, rows: &[usize]) -> DMatrix<f64> {
 /// The singular values, the largest first.
 pub(super) fn singular_values(matrix: &Sparse) -> Vec<f64> {
     let rows: Vec<usize> = (0..matrix.rows()).collect();
-    let mut values: Vec<f64> = dense(matrix, &rows).singular_values().iter().copied().collect();
+    let full = dense(matrix, &rows);
+    if full.is_empty() {
+        return Vec::new();
+    }
+    let mut values: Vec<f64> = full.singular_values().iter().copied().collect();
     values.sort_by(|x, y| y.total_cmp(x));
     values
 }
@@ -41,6 +45,9 @@ pub(super) fn made_of(matrix: &Sparse, dependent: &[u32], row: u32) -> Vec<u32> 
     }
     let basis = dense(matrix, &independent).transpose();
     let wanted: DVector<f64> = dense(matrix, &[row as usize]).row(0).transpose();
+    if basis.is_empty() {
+        return Vec::new();
+    }
     let svd = basis.try_svd(true, true, f64::EPSILON, 10_000);
     let Some(weights) = svd.and_then(|svd| svd.solve(&wanted, 1e-12).ok()) else { return Vec::new() };
     let largest = weights.amax();
@@ -58,7 +65,12 @@ pub(super) fn least(matrix: &Sparse, right: &[f64]) -> Option<Vec<f64>> {
     /// Singular values below this part of the largest are zero: far below those at the distances that parts are moved.
     const ZERO: f64 = 1e-9;
     let rows: Vec<usize> = (0..matrix.rows()).collect();
-    let svd = dense(matrix, &rows).try_svd(true, true, f64::EPSILON, 10_000)?;
+    let full = dense(matrix, &rows);
+    if full.is_empty() {
+        // Without equations nothing has to move, and without columns nothing can.
+        return Some(vec![0.0; full.ncols()]);
+    }
+    let svd = full.try_svd(true, true, f64::EPSILON, 10_000)?;
     let largest = svd.singular_values.iter().fold(0.0_f64, |most, x| most.max(*x));
     let solution = svd.solve(&DVector::from_column_slice(right), ZERO * largest).ok()?;
     Some(solution.iter().copied().collect())

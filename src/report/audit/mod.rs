@@ -18,7 +18,7 @@ use std::io::{self, Write};
 /// The schema of the JSON report.
 pub const SCHEMA: &str = "pintle-audit/1";
 
-#[derive(serde::Serialize)]
+#[derive(serde::Serialize, schemars::JsonSchema)]
 struct Document<'a> {
     schema: &'static str,
     signs: &'static str,
@@ -32,12 +32,20 @@ struct Document<'a> {
     report: &'a Report,
 }
 
-#[derive(serde::Serialize)]
+#[derive(serde::Serialize, schemars::JsonSchema)]
 struct Described {
     name: &'static str,
     meaning: &'static str,
     shares: crate::audit::oracle::Shares,
     independent: bool,
+}
+
+/// The JSON Schema of the JSON report.
+pub fn schema() -> serde_json::Value {
+    let settings = schemars::generate::SchemaSettings::default().for_serialize();
+    let mut schema = settings.into_generator().into_root_schema_for::<Document<'_>>();
+    schema.insert("title".to_owned(), SCHEMA.into());
+    schema.to_value()
 }
 
 /// One JSON document, schema [`SCHEMA`].
