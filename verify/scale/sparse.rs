@@ -226,11 +226,9 @@ fn entries_that_are_no_numbers_are_told() {
     let state = pintle::scene::State { nodes, ..Default::default() };
     let mut values = Vec::new();
     let care = Sequence::new(&model, &plan).assemble(&state, &jacobian, &mut values).unwrap();
-    for (row, title) in ["LINK 7", "MPC LINK 1-2"].into_iter().enumerate() {
-        let broken = values[jacobian.range(row).unwrap()].iter().any(|x| !x.is_finite());
-        let told = care
-            .iter()
-            .any(|(of, flag)| of == title && matches!(flag, Flag::NotFinite { quantity: "derivative", .. }));
-        assert_eq!((broken, told), (true, true), "{title}: {values:?} {care:?}");
+    assert!(values.iter().any(|x| !x.is_finite()));
+    for title in ["LINK 7", "MPC LINK 1-2"] {
+        let is_it = |flag: &Flag| matches!(flag, Flag::NotFinite { quantity: "derivative", .. });
+        assert!(care.iter().any(|(of, flag)| of == title && is_it(flag)), "{title}: {values:?} {care:?}");
     }
 }
