@@ -9,10 +9,10 @@
 use pintle::audit::case::{dof_size, moved};
 use pintle::audit::mutant::{Mistake, Scene, mutants};
 use pintle::audit::oracle::{Narrow, Oracle, WideAnswers};
-use pintle::audit::quantity::product;
+
 use pintle::audit::sample::{Draw, Region, draw_case};
 use pintle::audit::truth::Truth;
-use pintle::audit::{Bound, Case, Entries, Quantity, atlas};
+use pintle::audit::{Bound, Case, Entries, Quantity, atlas, product};
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Branch, Components, Connector, Increment, Output, Request, State, Tally};
 use pintle::node::DOFS;

@@ -48,9 +48,11 @@
 //! | [`measure`] | what is measured? The mathematics |
 //! | [`catalog`] | which connection types are there? The data |
 //! | [`connector`] | what does one connector give at one state, after its history? |
+//! | [`batch`] | what do many connectors of one type give, four at a time? |
 //! | [`force`] | what do the forces of its components do to its nodes? |
 //! | [`mpc`] | what does one multi-point constraint give at one state? |
 //! | [`behavior`] | which forces follow from a motion: springs, dampers, stops, locks, drives? |
+//! | [`symbolic`] | which formulas are computed, and what are their derivatives? |
 //! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
 //! | [`audit`] | is it right, and how do we know? |
@@ -78,6 +80,7 @@
 //! ```
 
 pub mod audit;
+pub mod batch;
 pub mod behavior;
 pub mod catalog;
 pub mod connector;
@@ -90,6 +93,7 @@ pub mod report;
 pub mod scalar;
 pub mod scene;
 pub mod so3;
+pub mod symbolic;
 pub mod vector;
 
 /// The version of this crate, as every report states it.

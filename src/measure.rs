@@ -66,7 +66,7 @@ pub enum Unit {
 }
 
 /// What happens to a measure at the points where it, or a derivative, does not exist.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SingularClass {
     /// The value continues, the first derivatives jump with the direction of approach.
@@ -123,6 +123,7 @@ pub(crate) struct Shared<'a, S: Scalar> {
     rotation_vector: Option<Vector<S>>,
     misalignment: Option<Vector<S>>,
     mid_frame: Option<Matrix<S>>,
+    component_flexions: Option<[S; 2]>,
 }
 
 /// What the past decides about the present value of a measure.
@@ -137,6 +138,7 @@ pub struct History<R> {
 }
 
 impl<'a, S: Scalar> Shared<'a, S> {
+    #[inline(always)]
     pub(crate) fn new(
         relative: &'a Relative<S>,
         triad_a: &'a Matrix<S::Real>,
@@ -151,32 +153,159 @@ impl<'a, S: Scalar> Shared<'a, S> {
             rotation_vector: None,
             misalignment: None,
             mid_frame: None,
+            component_flexions: None,
         }
     }
 
+    #[inline(always)]
     fn rotation_vector(&mut self) -> Vector<S> {
-        *self
-            .rotation_vector
-            .get_or_insert_with(|| so3::continuous_log(&self.relative.q, self.history.rotation_vector).phi)
+        if let Some(known) = self.rotation_vector {
+            return known;
+        }
+        let Relative { q, spin, .. } = self.relative;
+        let phi = so3::continuous_log_along(q, *spin, self.history.rotation_vector).phi;
+        self.rotation_vector = Some(phi);
+        phi
     }
 
+    #[inline(always)]
     fn misalignment(&mut self) -> Vector<S> {
-        *self.misalignment.get_or_insert_with(|| {
-            let mut frozen = [[S::zero(); 3]; 3];
-            for i in 0..3 {
-                for j in 0..3 {
-                    let row = self.section.initial_orientation[j];
-                    frozen[i][j] = vector::dot_real(row, self.relative.q[i]);
-                }
+        if let Some(known) = self.misalignment {
+            return known;
+        }
+        let mut frozen = [[S::zero(); 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                let row = self.section.initial_orientation[j];
+                frozen[i][j] = vector::dot_real(row, self.relative.q[i]);
             }
-            so3::log(&frozen)
-        })
+        }
+        let phi = so3::log_along(&frozen, self.relative.spin);
+        self.misalignment = Some(phi);
+        phi
+    }
+
+    #[inline(always)]
+    fn mid_frame(&mut self) -> Matrix<S> {
+        if let Some(known) = self.mid_frame {
+            return known;
+        }
+        let Relative { q, spin, .. } = self.relative;
+        let frame = so3::mid_frame(q, *spin, self.history.torsion_turns);
+        self.mid_frame = Some(frame);
+        frame
     }
 }
 
+/// The formulas: principal values on any scalar.
 impl<S: Scalar> Shared<'_, S> {
-    fn mid_frame(&mut self) -> Matrix<S> {
-        *self.mid_frame.get_or_insert_with(|| so3::mid_frame(&self.relative.q, self.history.torsion_turns))
+    /// [`Measure::Position`].
+    #[inline(always)]
+    pub(crate) fn coordinate(&mut self, i: usize) -> S {
+        self.relative.d[i - 1]
+    }
+
+    /// [`Measure::ProjectedPosition`].
+    #[inline(always)]
+    pub(crate) fn projected(&mut self, i: usize) -> S {
+        dot(column(&self.mid_frame(), i - 1), self.relative.d)
+    }
+
+    /// [`Measure::RadialDistance`].
+    #[inline(always)]
+    pub(crate) fn radius(&mut self) -> S {
+        norm([self.relative.d[0], self.relative.d[1]])
+    }
+
+    /// [`Measure::Flexion`].
+    #[inline(always)]
+    pub(crate) fn flexion(&mut self) -> S {
+        so3::flexion(&self.relative.q)
+    }
+
+    /// [`Measure::Torsion`].
+    #[inline(always)]
+    pub(crate) fn torsion(&mut self) -> S {
+        so3::torsion_along(&self.relative.q, self.relative.spin)
+    }
+
+    /// [`Measure::Sweep`].
+    #[inline(always)]
+    pub(crate) fn sweep(&mut self) -> S {
+        so3::sweep(&self.relative.q)
+    }
+
+    /// [`Measure::ComponentFlexion`].
+    #[inline(always)]
+    pub(crate) fn component_flexion(&mut self, i: usize) -> S {
+        let Relative { q, spin, .. } = self.relative;
+        let both = match self.component_flexions {
+            Some(known) => known,
+            None => so3::component_flexions(q, *spin, self.history.torsion_turns),
+        };
+        self.component_flexions = Some(both);
+        both[i - 1]
+    }
+
+    /// [`Measure::Distance`].
+    #[inline(always)]
+    pub(crate) fn distance(&mut self) -> S {
+        let d = self.relative.d;
+        let length = norm(d);
+        let fixed = vector::apply_transposed(self.triad_a, self.section.fixed_direction);
+        let has_length = || S::Real::integer(0).less(length.real());
+        let [distance] =
+            S::joined(|| [S::Real::choose(has_length(), || length, || vector::dot_real(fixed, d))]);
+        distance
+    }
+
+    /// [`Measure::Strain`].
+    #[inline(always)]
+    pub(crate) fn strain(&mut self) -> S {
+        let Relative { d, flow, .. } = *self.relative;
+        let material = S::from_real(self.section.initial_length) + flow[0] - flow[1];
+        norm(d) * recip(material) - S::one()
+    }
+
+    /// [`Measure::Flow`].
+    #[inline(always)]
+    pub(crate) fn flow(&mut self, i: usize) -> S {
+        self.relative.flow[i - 1]
+    }
+
+    /// [`Measure::Cosine`].
+    #[inline(always)]
+    pub(crate) fn cosine(&mut self, i: usize, j: usize) -> S {
+        self.relative.q[i - 1][j - 1]
+    }
+
+    /// [`Measure::Cardan`].
+    #[inline(always)]
+    pub(crate) fn cardan(&mut self, i: usize) -> S {
+        let q = &self.relative.q;
+        match i {
+            1 => so3::cardan_first(q),
+            2 => so3::cardan_second(q),
+            _ => so3::cardan_third(q),
+        }
+    }
+
+    /// [`Measure::Euler`].
+    #[inline(always)]
+    pub(crate) fn euler(&mut self, i: usize) -> S {
+        so3::euler_angle(&self.relative.q, self.history.euler_sign, i)
+    }
+
+    /// [`Measure::RotationVector`].
+    #[inline(always)]
+    pub(crate) fn rotation(&mut self, i: usize) -> S {
+        self.rotation_vector()[i - 1]
+    }
+
+    /// [`Measure::Misalignment`].
+    #[inline(always)]
+    pub(crate) fn misaligned(&mut self, i: usize) -> S {
+        self.misalignment()[i - 1]
     }
 }
 
@@ -280,6 +409,15 @@ impl Measure {
             _ => (false, true, false),
         };
         Dependence { translation, rotation, flow }
+    }
+
+    /// The measure with the same value whose name says nothing of its rates.
+    pub(crate) const fn as_function(self) -> Self {
+        match self {
+            Self::PositionAtB(i) => Self::Position(i),
+            Self::RotationVectorAtB(i) => Self::RotationVector(i),
+            other => other,
+        }
     }
 
     /// Whether a turn of a alone changes the value: not that of a length, nor of a position along the direction fixed in space of
@@ -413,36 +551,22 @@ impl Measure {
 
     /// The principal value on any scalar. Angles that wind are in (−π, π]; a one-form, which has no function, gives 0.
     pub(crate) fn evaluate<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
-        let Relative { d, q, flow } = *shared.relative;
         match self {
-            Self::Position(i) | Self::PositionAtB(i) => d[i - 1],
-            Self::ProjectedPosition(i) => dot(column(&shared.mid_frame(), i - 1), d),
-            Self::RadialDistance => norm([d[0], d[1]]),
-            Self::Flexion => so3::flexion(&q),
-            Self::Torsion => so3::torsion(&q),
-            Self::Sweep => so3::sweep(&q),
-            Self::ComponentFlexion(i) => so3::component_flexions(&q, shared.history.torsion_turns)[i - 1],
-            Self::Distance => {
-                let length = norm(d);
-                let fixed = vector::apply_transposed(shared.triad_a, shared.section.fixed_direction);
-                S::Real::choose(
-                    S::Real::integer(0).less(length.real()),
-                    || length,
-                    || vector::dot_real(fixed, d),
-                )
-            }
-            Self::Strain => {
-                let material = S::from_real(shared.section.initial_length) + flow[0] - flow[1];
-                norm(d) * recip(material) - S::one()
-            }
-            Self::Flow(i) => flow[i - 1],
-            Self::Cosine(i, j) => q[i - 1][j - 1],
-            Self::Cardan(1) => so3::cardan_first(&q),
-            Self::Cardan(2) => so3::cardan_second(&q),
-            Self::Cardan(_) => so3::cardan_third(&q),
-            Self::Euler(i) => so3::euler_angle(&q, shared.history.euler_sign, i),
-            Self::RotationVector(i) | Self::RotationVectorAtB(i) => shared.rotation_vector()[i - 1],
-            Self::Misalignment(i) => shared.misalignment()[i - 1],
+            Self::Position(i) | Self::PositionAtB(i) => shared.coordinate(i),
+            Self::ProjectedPosition(i) => shared.projected(i),
+            Self::RadialDistance => shared.radius(),
+            Self::Flexion => shared.flexion(),
+            Self::Torsion => shared.torsion(),
+            Self::Sweep => shared.sweep(),
+            Self::ComponentFlexion(i) => shared.component_flexion(i),
+            Self::Distance => shared.distance(),
+            Self::Strain => shared.strain(),
+            Self::Flow(i) => shared.flow(i),
+            Self::Cosine(i, j) => shared.cosine(i, j),
+            Self::Cardan(i) => shared.cardan(i),
+            Self::Euler(i) => shared.euler(i),
+            Self::RotationVector(i) | Self::RotationVectorAtB(i) => shared.rotation(i),
+            Self::Misalignment(i) => shared.misaligned(i),
             Self::FlowConversion => S::zero(),
         }
     }

@@ -78,6 +78,8 @@ pub struct Relative<S: Scalar> {
     pub q: Matrix<S>,
     /// Ψ_a and Ψ_b (length).
     pub flow: [S; 2],
+    /// Aᵀρ, of which Q = exp((Aᵀρ)^) Q₀: the variation of Q as a rotation, components along e_i^a; `None` where it is not known.
+    pub spin: Option<Vector<S>>,
 }
 
 /// What a measure depends on: the declared sparsity.
@@ -92,6 +94,21 @@ pub struct Dependence {
 }
 
 impl Dependence {
+    /// Whether it is d alone.
+    pub(crate) const fn of_position(self) -> bool {
+        self.translation && !self.rotation && !self.flow
+    }
+
+    /// Whether it is Q alone.
+    pub(crate) const fn of_rotation(self) -> bool {
+        !self.translation && self.rotation && !self.flow
+    }
+
+    /// Whether it is d and Q.
+    pub(crate) const fn of_both(self) -> bool {
+        self.translation && self.rotation && !self.flow
+    }
+
     /// What either depends on.
     pub const fn or(self, other: Self) -> Self {
         Self {
@@ -142,6 +159,7 @@ impl<S: Scalar> Pair<S> {
             d: vector::apply_transposed(&self.a.triad, self.separation()),
             q: vector::transposed_product(&self.a.triad, &self.b.triad),
             flow: [self.a.flow, self.b.flow],
+            spin: None,
         }
     }
 }
@@ -182,7 +200,66 @@ impl<R: Real> Pair<R> {
                 d[i] = S::from_real(dot(column(a, i), separation)) + dot_real(column(a, i), delta);
             }
         }
-        Relative { d, q, flow: [S::from_real(self.a.flow) + flow[0], S::from_real(self.b.flow) + flow[1]] }
+        let flow = [S::from_real(self.a.flow) + flow[0], S::from_real(self.b.flow) + flow[1]];
+        Relative { d, q, flow, spin: Some(vector::apply_real_transposed(a, rho)) }
+    }
+
+    /// As [`Pair::varied`], with the variations numbered from `first` to `first` + N in the order δ, ρ, Ψ_a, Ψ_b as the N
+    /// directions of the scalar, their derivatives written down rather than computed.
+    ///
+    /// ∂d_i/∂δ = e_i^a; ∂Q_ij/∂ρ = e_j^b × e_i^a; ∂²Q_ij/∂ρ_k∂ρ_l = ½(a_k b_l + a_l b_k) − δ_kl Q_ij with a = e_i^a, b = e_j^b.
+    #[inline(always)]
+    pub fn seeded<S: crate::scalar::Seeded<N, Real = R>, const N: usize>(
+        &self,
+        needed: Dependence,
+        first: usize,
+    ) -> Relative<S> {
+        let (a, b) = (&self.a.triad, &self.b.triad);
+        let (zero, half) = (R::integer(0), R::ratio(1, 2));
+        let none = [[zero; N]; N];
+        let mut d = [S::zero(); 3];
+        if needed.translation {
+            let separation = self.separation();
+            for i in 0..3 {
+                let direction = column(a, i);
+                d[i] = S::assemble(dot(direction, separation), placed(first, 0, direction), none);
+            }
+        }
+        let mut q = [[S::zero(); 3]; 3];
+        let mut spin = [S::zero(); 3];
+        if needed.rotation {
+            for i in 0..3 {
+                let of_a = column(a, i);
+                spin[i] = S::assemble(zero, placed(first, 3, of_a), none);
+                for j in 0..3 {
+                    let of_b = column(b, j);
+                    let value = dot(of_a, of_b);
+                    let mut second = none;
+                    if S::ORDER > 1 {
+                        for k in 0..3 {
+                            for l in 0..=k {
+                                let product = of_a[k] * of_b[l];
+                                let entry = if k == l {
+                                    product - value
+                                } else {
+                                    of_a[l].multiply_add(of_b[k], product) * half
+                                };
+                                if first + N >= 6 && first <= 3 {
+                                    second[3 - first + k][3 - first + l] = entry;
+                                }
+                            }
+                        }
+                    }
+                    q[i][j] = S::assemble(value, placed(first, 3, cross(of_b, of_a)), second);
+                }
+            }
+        }
+        let one = R::integer(1);
+        let flow = [
+            S::assemble(self.a.flow, placed(first, 6, [one, zero, zero]), none),
+            S::assemble(self.b.flow, placed(first, 6, [zero, one, zero]), none),
+        ];
+        Relative { d, q, flow, spin: Some(spin) }
     }
 
     /// The pair with its nodal degrees of freedom moved by nilpotent amounts: U + δx, exp(δθ^) C, Ψ + δΨ.
@@ -216,7 +293,7 @@ impl<R: Real> Pair<R> {
     #[inline(always)]
     pub fn nodal_row(&self, gradient: &RelativeGradient<R>) -> [R; DOFS] {
         let (g, h) = (gradient.translation, gradient.rotation);
-        let arm = sub(cross(g, self.separation()), h);
+        let arm = self.arm(gradient);
         let mut row = [R::integer(0); DOFS];
         for i in 0..3 {
             row[XA + i] = -g[i];
@@ -227,6 +304,12 @@ impl<R: Real> Pair<R> {
         row[PSI_A] = gradient.flow[0];
         row[PSI_B] = gradient.flow[1];
         row
+    }
+
+    /// g × D − h: the part of [`Pair::nodal_row`] by the rotation of a.
+    #[inline(always)]
+    pub(crate) fn arm(&self, gradient: &RelativeGradient<R>) -> Vector<R> {
+        sub(cross(gradient.translation, self.separation()), gradient.rotation)
     }
 
     /// The nodal second derivatives ∂²f/∂q_j∂q_k of a measure from its relative gradient and relative second derivatives
@@ -351,6 +434,19 @@ impl<R: Real> Pair<R> {
             flow: [[velocity[PSI_A], velocity[PSI_B]], [acceleration[PSI_A], acceleration[PSI_B]]],
         }
     }
+}
+
+/// Derivatives by N variations from number `first` on, of which three from number `at` on are given and the others zero.
+#[inline(always)]
+fn placed<R: Real, const N: usize>(first: usize, at: usize, three: Vector<R>) -> [R; N] {
+    let mut all = [R::integer(0); N];
+    for i in 0..N {
+        let variation = first + i;
+        if variation >= at && variation < at + 3 {
+            all[i] = three[variation - at];
+        }
+    }
+    all
 }
 
 /// a − b.

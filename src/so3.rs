@@ -41,16 +41,18 @@ pub fn matrix<S: Scalar>([w, x, y, z]: Quaternion<S>) -> Matrix<S> {
     let (ww, xx, yy, zz) = (w * w2, x * x2, y * y2, z * z2);
     let (xy, xz, yz) = (x * y2, x * z2, y * z2);
     let (wx, wy, wz) = (w * x2, w * y2, w * z2);
-    let one = S::Real::integer(1);
-    let diagonal = |along: S, across: [S; 2]| {
-        let small = (ww.real() + along.real()).less(one);
-        S::Real::choose(small, || ww + along - S::one(), || S::one() - (across[0] + across[1]))
-    };
     [
-        [diagonal(xx, [yy, zz]), xy - wz, xz + wy],
-        [xy + wz, diagonal(yy, [xx, zz]), yz - wx],
-        [xz - wy, yz + wx, diagonal(zz, [xx, yy])],
+        [diagonal(ww, xx, [yy, zz]), xy - wz, xz + wy],
+        [xy + wz, diagonal(ww, yy, [xx, zz]), yz - wx],
+        [xz - wy, yz + wx, diagonal(ww, zz, [xx, yy])],
     ]
+}
+
+/// 1 − 2(y² + z²) = 2(w² + x²) − 1 of [`matrix`], from 2w², 2x² (`along`), 2y², 2z² (`across`).
+#[inline(always)]
+fn diagonal<S: Scalar>(ww: S, along: S, across: [S; 2]) -> S {
+    let small = (ww.real() + along.real()).less(S::Real::integer(1));
+    S::Real::more_exact(small, || ww + along - S::one(), || S::one() - (across[0] + across[1]))
 }
 
 /// The quaternion product p q: the rotation q followed by the rotation p.
@@ -84,7 +86,58 @@ pub fn normalize<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
 /// (q·q₀)² = q₀·M q₀. Taken through the real formulas derivatives would be sums of large terms that cancel.
 #[inline(always)]
 pub fn quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
-    derived(r, upper_half(unit_quaternion(&real_matrix(r))))
+    quaternion_along(r, None)
+}
+
+/// As [`quaternion`], of R = exp(σ^) R₀ where the nilpotent spin σ is known: derivatives then come from exp(σ^) instead of R.
+#[inline(always)]
+pub fn quaternion_along<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> Quaternion<S> {
+    let q0 = real_unit_quaternion(r);
+    varied(r, q0, spin)
+}
+
+/// The quaternion of R from that of its real part, by the spin where it is known.
+#[inline(always)]
+fn varied<S: Scalar>(r: &Matrix<S>, q0: Quaternion<S::Real>, spin: Option<Vector<S>>) -> Quaternion<S> {
+    match spin {
+        Some(spin) => turned(q0, spin),
+        None => derived(r, q0),
+    }
+}
+
+/// exp(σ^) q₀ for a nilpotent σ: (1 − σ·σ/8 + …, ½σ (1 − σ·σ/24 + …)) q₀.
+#[inline(always)]
+fn turned<S: Scalar>(q0: Quaternion<S::Real>, spin: Vector<S>) -> Quaternion<S> {
+    if S::ORDER == 0 {
+        return constant(q0);
+    }
+    let half = S::Real::ratio(1, 2);
+    let [w, x, y, z] = [q0[0] * half, q0[1] * half, q0[2] * half, q0[3] * half];
+    let mut q = [
+        dot_real([-x, -y, -z], spin),
+        dot_real([w, z, -y], spin),
+        dot_real([-z, w, x], spin),
+        dot_real([y, -x, w], spin),
+    ];
+    if S::ORDER == 1 {
+        for i in 0..4 {
+            q[i] = q[i].with_real(q0[i]);
+        }
+        return q;
+    }
+    let square = spin[0].nilpotent_product(spin[0])
+        + spin[1].nilpotent_product(spin[1])
+        + spin[2].nilpotent_product(spin[2]);
+    let mut cosine = square.scale(S::Real::ratio(-1, 8)); // cos(|σ|/2) − 1
+    let sine = square.scale(S::Real::ratio(-1, 24)); // sin(|σ|/2)/(|σ|/2) − 1, to the third order of the whole
+    if S::ORDER > 3 {
+        cosine = cosine + (square * square).scale(S::Real::ratio(1, 384));
+    }
+    for i in 0..4 {
+        let whole = if S::ORDER > 2 { q[i] + q[i] * sine } else { q[i] };
+        q[i] = cosine.scale_add(q0[i], whole).with_real(q0[i]);
+    }
+    q
 }
 
 /// The quaternion of R, from that of its real part.
@@ -93,7 +146,11 @@ fn derived<S: Scalar>(r: &Matrix<S>, q0: Quaternion<S::Real>) -> Quaternion<S> {
     if S::ORDER == 0 {
         return constant(q0);
     }
-    let e = eigen_matrix(S::zero(), &r.map(|row| row.map(Scalar::nilpotent)));
+    let mut change_of_r = *r;
+    for entry in change_of_r.as_flattened_mut() {
+        *entry = entry.nilpotent();
+    }
+    let e = eigen_matrix(S::zero(), &change_of_r);
     let quarter = q0.map(|c| c * S::Real::ratio(1, 4));
     let mut change = [S::zero(); 4];
     let mut rest = S::zero(); // (q·q₀)² − 1
@@ -115,11 +172,12 @@ fn derived<S: Scalar>(r: &Matrix<S>, q0: Quaternion<S::Real>) -> Quaternion<S> {
 /// (q₀ + e)(1 + c) where c begins with the second order but for rounding.
 #[inline(always)]
 fn stretched<S: Scalar>(q0: Quaternion<S::Real>, e: Quaternion<S>, c: S) -> Quaternion<S> {
-    let component = |i: usize| {
+    let mut q = e;
+    for i in 0..4 {
         let sum = S::from_real(q0[i]) + e[i] + c.scale(q0[i]);
-        if S::ORDER > 2 { sum + e[i] * c } else { sum }
-    };
-    [component(0), component(1), component(2), component(3)]
+        q[i] = if S::ORDER > 2 { sum + e[i] * c } else { sum };
+    }
+    q
 }
 
 /// 4 M by rows, (1 + tr R, a), (a, R + Rᵀ + (1 − tr R) I) with a = (R₃₂ − R₂₃, …), for a rotation (`one` = 1) or a change of
@@ -148,6 +206,14 @@ fn real_matrix<S: Scalar>(r: &Matrix<S>) -> Matrix<S::Real> {
     [vector::real(r[0]), vector::real(r[1]), vector::real(r[2])]
 }
 
+/// The unit quaternion, w ≥ 0, of the real part of R.
+#[inline(always)]
+fn real_unit_quaternion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S::Real> {
+    let q = S::Real::quaternion_of(&real_matrix(r));
+    // On lanes it has w ≥ 0 already.
+    if S::Real::HAS_LANES { q } else { upper_half(q) }
+}
+
 /// The real part of q.
 #[inline(always)]
 fn real_quaternion<S: Scalar>(q: Quaternion<S>) -> Quaternion<S::Real> {
@@ -160,32 +226,64 @@ fn twice_axial<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
     [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
 }
 
-/// The dominant eigenvector of M ([`eigen_matrix`]), either sign.
+/// The dominant eigenvector of M ([`eigen_matrix`]), w ≥ 0.
 #[inline(always)]
-fn unit_quaternion<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
+pub(crate) fn dominant_eigenvector<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
     let m = eigen_matrix(R::integer(1), r);
-    let larger = |a: (R, Quaternion<R>), b: (R, Quaternion<R>)| R::choose(a.0.less(b.0), || b, || a);
-    let candidate = |i: usize| (m[i][i], m[i]);
-    let (_, start) = larger(larger(candidate(0), candidate(1)), larger(candidate(2), candidate(3)));
+    let start = if R::HAS_LANES {
+        weighted_column(&m)
+    } else {
+        let first = larger((m[0][0], m[0]), (m[1][1], m[1]));
+        let second = larger((m[2][2], m[2]), (m[3][3], m[3]));
+        larger(first, second).1
+    };
     let mut q = start;
     for i in 0..4 {
-        q[i] = m[i][0] * start[0] + m[i][1] * start[1] + m[i][2] * start[2] + m[i][3] * start[3];
+        let first = m[i][1].multiply_add(start[1], m[i][0] * start[0]);
+        q[i] = m[i][3].multiply_add(start[3], m[i][2].multiply_add(start[2], first));
     }
-    unit(q)
+    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    // Adding zero makes +0 of −0, whose sign is none.
+    let inverse = (R::integer(1) / square.square_root()).with_sign_of(q[0] + R::integer(0));
+    [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
 }
 
-/// q / |q|.
+/// The column with the largest diagonal entry, as a sum with the weights 0 and 1: products vectorise where choices between columns
+/// do not.
 #[inline(always)]
-fn unit<R: Real>(q: Quaternion<R>) -> Quaternion<R> {
-    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    let inverse = square.square_root().reciprocal_or_zero();
-    [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
+fn weighted_column<R: Real>(m: &[Quaternion<R>; 4]) -> Quaternion<R> {
+    let one = R::integer(1);
+    let (second, fourth) = (step(m[1][1] - m[0][0]), step(m[3][3] - m[2][2]));
+    let of_first = second.multiply_add(m[1][1] - m[0][0], m[0][0]);
+    let of_last = fourth.multiply_add(m[3][3] - m[2][2], m[2][2]);
+    let last = step(of_last - of_first);
+    let first = one - last;
+    let weight = [first - first * second, first * second, last - last * fourth, last * fourth];
+    let mut column = m[0];
+    for i in 0..4 {
+        let of_last = m[i][3].multiply_add(weight[3], m[i][2] * weight[2]);
+        column[i] = m[i][1].multiply_add(weight[1], m[i][0].multiply_add(weight[0], of_last));
+    }
+    column
+}
+
+/// 1 for x > 0, 0 for x < 0.
+#[inline(always)]
+fn step<R: Real>(x: R) -> R {
+    let half = R::ratio(1, 2);
+    half + half.with_sign_of(x)
+}
+
+/// What stands with the larger key.
+#[inline(always)]
+fn larger<R: Real>(a: (R, Quaternion<R>), b: (R, Quaternion<R>)) -> (R, Quaternion<R>) {
+    R::either(a.0.less(b.0), b, a)
 }
 
 /// ±q with w ≥ 0.
 #[inline(always)]
 fn upper_half<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
-    S::Real::choose(q[0].real().less(S::Real::integer(0)), || [-q[0], -q[1], -q[2], -q[3]], || q)
+    S::Real::either(q[0].real().less(S::Real::integer(0)), [-q[0], -q[1], -q[2], -q[3]], q)
 }
 
 /// ±q/|q|, w ≥ 0, of a quaternion that is a unit but for rounding: what a product of several left of its norm does not enter the
@@ -224,9 +322,18 @@ fn principal<S: Scalar>([w, x, y, z]: Quaternion<S>) -> Vector<S> {
 /// Below a right angle φ = ¼ K((tr R − 1)/2) (R₃₂ − R₂₃, …); beyond, by way of the quaternion.
 #[inline(always)]
 pub fn log<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
+    log_along(r, None)
+}
+
+/// As [`log`], of R = exp(σ^) R₀ where the nilpotent spin σ is known, or on lanes: by way of the quaternion everywhere.
+#[inline(always)]
+pub fn log_along<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> Vector<S> {
+    if spin.is_some() || S::Real::HAS_LANES {
+        return principal(quaternion_along(r, spin));
+    }
     let trace = r[0][0] + r[1][1] + r[2][2];
     let one = S::Real::integer(1);
-    S::Real::choose(
+    S::Real::more_exact(
         one.less(trace.real()),
         || {
             let cosine = (trace - S::one()).scale(S::Real::ratio(1, 2));
@@ -266,8 +373,19 @@ pub struct ContinuousLog<S: Scalar> {
 /// At R = I exactly with k ≠ 0 the axis is the reference's, and derivatives are taken along it only (those across do not
 /// exist; `lateral` is 0).
 pub fn continuous_log<S: Scalar>(r: &Matrix<S>, reference: Vector<S::Real>) -> ContinuousLog<S> {
-    let q0 = upper_half(unit_quaternion(&real_matrix(r)));
-    continued(q0, reference, || log(r), || derived(r, q0))
+    continuous_log_along(r, None, reference)
+}
+
+/// As [`continuous_log`], of R = exp(σ^) R₀ where the nilpotent spin σ is known.
+#[inline(always)]
+pub fn continuous_log_along<S: Scalar>(
+    r: &Matrix<S>,
+    spin: Option<Vector<S>>,
+    reference: Vector<S::Real>,
+) -> ContinuousLog<S> {
+    let q0 = real_unit_quaternion(r);
+    let q = varied(r, q0, spin);
+    continued(q, reference)
 }
 
 /// As [`continuous_log`], from a unit quaternion.
@@ -275,91 +393,84 @@ pub fn continuous_log_quaternion<S: Scalar>(
     q: Quaternion<S>,
     reference: Vector<S::Real>,
 ) -> ContinuousLog<S> {
-    let on_sphere = on_sphere(q);
-    continued(upper_half(real_quaternion(q)), reference, || principal(on_sphere), || on_sphere)
+    continued(on_sphere(q), reference)
 }
 
-/// The log on its sheet: of the real quaternion q₀ (w ≥ 0, not quite a unit), or what `principal` and `quaternion` give, whichever
-/// the sheet needs.
+/// The log of a unit quaternion with w ≥ 0 on its sheet.
 #[inline(always)]
-fn continued<S: Scalar>(
-    q0: Quaternion<S::Real>,
-    reference: Vector<S::Real>,
-    principal: impl Fn() -> Vector<S>,
-    quaternion: impl Fn() -> Quaternion<S>,
-) -> ContinuousLog<S> {
+fn continued<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -> ContinuousLog<S> {
     let zero = S::Real::integer(0);
     let half_turn = S::Real::pi();
     let turn = half_turn + half_turn;
-    let (unit, lateral) = S::Real::direction_and_norm([q0[1], q0[2], q0[3]]);
+    let q0 = real_quaternion(q);
+    // Mostly the reference is within half a turn of zero and not on the other side, which is enough for the principal log: with
+    // v·reference ≥ −w |v|², (unit·reference) ≥ −w > −(π − θ_p).
+    let v = [q0[1], q0[2], q0[3]];
+    let (square, forward) = (dot(v, v), dot(v, reference));
+    let clear = || {
+        let far = (half_turn * half_turn).less(dot(reference, reference));
+        let against = forward.less(-(q0[0] * square));
+        zero.less(S::Real::either(far, zero, S::Real::either(against, zero, turn)))
+    };
+    if S::Real::shortcut(clear) {
+        return ContinuousLog { phi: principal(q), lateral: square.square_root() };
+    }
+    let (unit, lateral) = S::Real::direction_and_norm(v);
     let (reference_direction, length) = S::Real::direction_and_norm(reference);
     let along = dot(unit, reference);
-    let angle = || {
-        let half = lateral.arctangent(q0[0]);
-        half + half
-    };
-    // θ_p lies between 2 sin and π sin of its half: mostly enough to see that the principal log is nearest.
-    let nearest = || {
-        let above = along.less(half_turn + lateral + lateral);
-        let below = (half_turn * lateral - half_turn).less(along);
+    let half = lateral.arctangent(q0[0]);
+    let angle = half + half;
+    let [k] = S::Real::joined(|| {
         // Halves go towards zero: a half turn from a reference at zero is principal.
-        let counted = || {
-            let turns = (along - angle()) / turn;
+        let nearest = || {
+            let turns = (along - angle) / turn;
             let little = S::Real::ratio(1, i32::MAX);
             S::Real::choose(zero.less(turns), || turns - little, || turns + little).nearest_integer()
         };
-        S::Real::choose(above, || S::Real::choose(below, || zero, counted), counted)
+        [S::Real::choose(
+            S::Real::ratio(SHEET.0, SHEET.1).less(length),
+            || {
+                let own = (length / turn).nearest_integer();
+                S::Real::choose(
+                    lateral.less(S::Real::ratio(ZONE.0, ZONE.1)),
+                    || S::Real::choose(along.less(zero), || -own, || own),
+                    nearest,
+                )
+            },
+            nearest,
+        )]
+    });
+    let on_principal_sheet = principal(q);
+    if S::Real::shortcut(|| k.magnitude().less(S::Real::ratio(1, 2))) {
+        return ContinuousLog { phi: on_principal_sheet, lateral };
+    }
+    let whole = S::Real::with_turns(zero, k);
+    let off_identity = || {
+        let [w, x, y, z] = q;
+        let phi = S::Real::more_exact(
+            q0[0].less(S::Real::ratio(1, 2)),
+            || times([x, y, z], w.lift(&turned_series(w.real(), k, S::ORDER))),
+            || vector::add(on_principal_sheet, scale(direction([x, y, z]), whole)),
+        );
+        // The value on its own, (θ_p + 2πk) v/|v|, takes the fewest roundings.
+        let factor = S::Real::with_turns(angle, k) / lateral;
+        [phi[0].with_real(v[0] * factor), phi[1].with_real(v[1] * factor), phi[2].with_real(v[2] * factor)]
     };
-    let k = S::Real::choose(
-        S::Real::ratio(SHEET.0, SHEET.1).less(length),
-        || {
-            let own = (length / turn).nearest_integer();
-            S::Real::choose(
-                lateral.less(S::Real::ratio(ZONE.0, ZONE.1)),
-                || S::Real::choose(along.less(zero), || -own, || own),
-                nearest,
-            )
-        },
-        nearest,
-    );
-    let phi = S::Real::choose(
-        zero.less(k.magnitude()),
-        || {
-            S::Real::choose(
-                zero.less(lateral),
-                || {
-                    let [w, x, y, z] = quaternion();
-                    let phi = S::Real::choose(
-                        q0[0].less(S::Real::ratio(1, 2)),
-                        || times([x, y, z], w.lift(&turned_series(w.real(), k, S::ORDER))),
-                        || {
-                            vector::add(
-                                principal(),
-                                scale(direction([x, y, z]), S::Real::with_turns(zero, k)),
-                            )
-                        },
-                    );
-                    // The value on its own, (θ_p + 2πk) v/|v|, takes the fewest roundings.
-                    let factor = S::Real::with_turns(angle(), k) / lateral;
-                    let value = |i: usize| S::from_real(q0[1 + i] * factor) + phi[i].nilpotent();
-                    [value(0), value(1), value(2)]
-                },
-                || {
-                    let axial = dot_real(reference_direction, principal());
-                    let angle = S::from_real(S::Real::with_turns(zero, k)) + axial;
-                    let axis: Vector<S> = vector::constant(reference_direction);
-                    times(axis, angle)
-                },
-            )
-        },
-        &principal,
-    );
+    let at_identity = || {
+        let angle = S::from_real(whole) + dot_real(reference_direction, on_principal_sheet);
+        times(vector::constant(reference_direction), angle)
+    };
+    let phi = S::joined(|| {
+        let turned = || S::Real::choose(zero.less(lateral), off_identity, at_identity);
+        S::Real::choose(zero.less(k.magnitude()), turned, || on_principal_sheet)
+    });
     ContinuousLog { phi, lateral }
 }
 
 /// The Taylor coefficients of K_k(c) = (2 acos c + 2πk)/√(1 − c²) at 0 ≤ c < 1: on the sheet k, φ = K_k(w) v.
 ///
 /// (1 − c²) K′ = c K − 2 holds on every sheet. Beyond 120° from a whole turn this is better than the sum of two vectors.
+#[inline(always)]
 fn turned_series<R: Real>(c: R, k: R, order: usize) -> Series<R> {
     let one = R::integer(1);
     let rest = (one - c) * (one + c);
@@ -383,13 +494,8 @@ impl<S: Scalar> ContinuousLog<S> {
     /// turn of zero, where the log is regular.
     pub fn is_reference(&self) -> <S::Real as Real>::Mask {
         let (_, length) = S::Real::direction_and_norm(vector::real(self.phi));
-        // Inside the zone and beyond half a turn the mask is false.
-        let zone = S::Real::ratio(ZONE.0, ZONE.1);
-        S::Real::choose(
-            length.less(S::Real::pi()),
-            || zone.less(S::Real::integer(1)),
-            || zone.less(self.lateral),
-        )
+        let distance = S::Real::choose(length.less(S::Real::pi()), || S::Real::integer(1), || self.lateral);
+        S::Real::ratio(ZONE.0, ZONE.1).less(distance)
     }
 }
 
@@ -434,12 +540,17 @@ pub fn euler<S: Scalar>(r: &Matrix<S>, s: S::Real) -> [S; 3] {
 /// The angle α (1), β (2) or γ (3) of [`euler`].
 #[inline(always)]
 pub fn euler_angle<S: Scalar>(r: &Matrix<S>, s: S::Real, which: usize) -> S {
-    let signed = |x: S| S::zero() + x.scale(s);
     match which {
-        1 => atan2(signed(r[0][2]), signed(-r[1][2])),
+        1 => atan2(signed(s, r[0][2]), signed(s, -r[1][2])),
         2 => atan2(norm([r[0][2], r[1][2]]), r[2][2]).scale(s),
-        _ => atan2(signed(r[2][0]), signed(r[2][1])),
+        _ => atan2(signed(s, r[2][0]), signed(s, r[2][1])),
     }
+}
+
+/// s x, with +0 for −0.
+#[inline(always)]
+fn signed<S: Scalar>(s: S::Real, x: S) -> S {
+    S::zero() + x.scale(s)
 }
 
 /// α in [0, π], the angle between the third directions: the flexion of FLEXION-TORSION. A kink at 0 and π.
@@ -461,21 +572,27 @@ pub fn sweep<S: Scalar>(r: &Matrix<S>) -> S {
 /// to α = π.
 #[inline(always)]
 pub fn torsion<S: Scalar>(r: &Matrix<S>) -> S {
-    let [w, _, _, z] = half_torsion(r);
+    torsion_along(r, None)
+}
+
+/// As [`torsion`], of R = exp(σ^) R₀ where the nilpotent spin σ is known.
+#[inline(always)]
+pub fn torsion_along<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> S {
+    let [w, _, _, z] = half_torsion(r, spin);
     atan2(z, w).scale(S::Real::integer(2))
 }
 
 /// The quaternion (cos α/2 cos β/2, −sin α/2 sin χ, sin α/2 cos χ, cos α/2 sin β/2), χ = (φ − ψ)/2, of R = Rz(φ) Ry(α) Rz(ψ) of the
 /// sign that has β/2 in (−π/2, π/2].
 #[inline(always)]
-fn half_torsion<S: Scalar>(r: &Matrix<S>) -> Quaternion<S> {
-    let q = quaternion(r);
+fn half_torsion<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> Quaternion<S> {
+    let q = quaternion_along(r, spin);
     let zero = S::Real::integer(0);
-    S::Real::choose(
-        zero.less(q[0].real()),
-        || q,
-        || S::Real::choose(q[3].real().less(zero), || q.map(|part| S::zero() - part), || q),
-    )
+    S::joined(|| {
+        let opposite = [S::zero() - q[0], S::zero() - q[1], S::zero() - q[2], S::zero() - q[3]];
+        let known = S::Real::choose(zero.less(q[0].real()), || S::Real::integer(1), || q[3].real());
+        S::Real::either(known.less(zero), opposite, q)
+    })
 }
 
 /// The sign that e1, e2 midway between a and b take after whole `turns` of β, whose half they follow: −1 after an odd number.
@@ -491,8 +608,8 @@ fn sign_after<R: Real>(turns: R) -> R {
 /// With the quaternion (w, x, y, z) and K(c) = 2 acos(c)/√(1 − c²) at c = cos α/2 = |(w, z)|: (α_1, α_2) = K (x, y), regular without
 /// flexion, singular at α = π.
 #[inline(always)]
-pub fn component_flexions<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> [S; 2] {
-    let [w, x, y, z] = half_torsion(r);
+pub fn component_flexions<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>, turns: S::Real) -> [S; 2] {
+    let [w, x, y, z] = half_torsion(r, spin);
     let cosine = norm([w, z]);
     let k = cosine.lift(&S::Real::log_series(cosine.real(), S::ORDER)).scale(sign_after(turns));
     [x * k, y * k]
@@ -503,18 +620,22 @@ pub fn component_flexions<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> [S; 2] {
 /// e3 = (e3a + e3b)/|e3a + e3b|; e1, e2 lie at half the torsion β, of which `turns` are whole. Symmetric in a and b; singular at
 /// α = π (connection type PROJECTION FLEXION-TORSION; decision D-17).
 #[inline(always)]
-pub fn mid_frame<S: Scalar>(r: &Matrix<S>, turns: S::Real) -> Matrix<S> {
-    let [w, x, y, z] = half_torsion(r);
+pub fn mid_frame<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>, turns: S::Real) -> Matrix<S> {
+    let [w, x, y, z] = half_torsion(r, spin);
     let half = S::Real::ratio(1, 2);
     let (sine, cosine) = sin_cos(atan2(z, w).scale(half)); // of β/4
     let cos_quarter_flexion = sqrt((S::one() + norm([w, z])).scale(half));
     let shrink = recip(cos_quarter_flexion).scale(half); // sin(α/4)/sin(α/2)
     let sign = sign_after(turns);
-    matrix([
+    let [r1, r2, r3] = matrix([
         cos_quarter_flexion * cosine,
         (x * cosine - y * sine) * shrink,
         (y * cosine + x * sine) * shrink,
         cos_quarter_flexion * sine,
-    ])
-    .map(|[e1, e2, e3]| [e1.scale(sign), e2.scale(sign), e3])
+    ]);
+    [
+        [r1[0].scale(sign), r1[1].scale(sign), r1[2]],
+        [r2[0].scale(sign), r2[1].scale(sign), r2[2]],
+        [r3[0].scale(sign), r3[1].scale(sign), r3[2]],
+    ]
 }

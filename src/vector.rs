@@ -13,13 +13,17 @@ pub type Matrix<S> = [[S; 3]; 3];
 /// u · v.
 #[inline(always)]
 pub fn dot<S: Scalar>(u: Vector<S>, v: Vector<S>) -> S {
-    u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+    u[2].multiply_add(v[2], u[1].multiply_add(v[1], u[0] * v[0]))
 }
 
 /// u × v.
 #[inline(always)]
 pub fn cross<S: Scalar>(u: Vector<S>, v: Vector<S>) -> Vector<S> {
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    [
+        u[1].multiply_add(v[2], -(u[2] * v[1])),
+        u[2].multiply_add(v[0], -(u[0] * v[2])),
+        u[0].multiply_add(v[1], -(u[1] * v[0])),
+    ]
 }
 
 /// u + v.
@@ -49,7 +53,7 @@ pub fn times<S: Scalar>(v: Vector<S>, factor: S) -> Vector<S> {
 /// u · v for a constant u.
 #[inline(always)]
 pub fn dot_real<S: Scalar>(u: Vector<S::Real>, v: Vector<S>) -> S {
-    v[0].scale(u[0]) + v[1].scale(u[1]) + v[2].scale(u[2])
+    v[2].scale_add(u[2], v[1].scale_add(u[1], v[0].scale(u[0])))
 }
 
 /// u × v for a constant v.
@@ -102,6 +106,12 @@ pub fn apply<S: Scalar>(m: &Matrix<S>, v: Vector<S>) -> Vector<S> {
 #[inline(always)]
 pub fn apply_transposed<S: Scalar>(m: &Matrix<S>, v: Vector<S>) -> Vector<S> {
     [dot(column(m, 0), v), dot(column(m, 1), v), dot(column(m, 2), v)]
+}
+
+/// mᵀ v for a constant m.
+#[inline(always)]
+pub fn apply_real_transposed<S: Scalar>(m: &Matrix<S::Real>, v: Vector<S>) -> Vector<S> {
+    [dot_real(column(m, 0), v), dot_real(column(m, 1), v), dot_real(column(m, 2), v)]
 }
 
 /// a b.

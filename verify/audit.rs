@@ -1,18 +1,21 @@
 //! The audit: it finds nothing wrong with the catalogue, and everything wrong with what is made wrong on purpose.
 
-use crate::{golden, manual};
+use crate::{golden, golden_mpc, manual};
 use pintle::audit::certificate::{Certificate, certificates};
 use pintle::audit::mutant::{Mistake, Scene, mutants};
-use pintle::audit::quantity::{Entries, product};
 use pintle::audit::sample::{Draw, Extent, Region, cases, draw_case};
 use pintle::audit::shrink::shrink;
 use pintle::audit::{
-    Against, Bound, Candidate, Case, CounterExample, Hex, Numbers, Oracle, Quantity, Report, Settings,
-    Verdict, atlas, audit_catalogue, invariant,
+    Against, Bound, Candidate, Case, CounterExample, Entries, Hex, Numbers, Oracle, Quantity, Report,
+    Settings, Target, Verdict, atlas, audit_case, audit_cases, audit_catalogue, audit_scenes, friction_cases,
+    invariant, product,
 };
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Connector, Definition, Increment, NodalRow, Request, State, Tally};
+use pintle::evaluate::{Model, Plan, Selection};
+use pintle::measure::Measure;
 use pintle::node::{DOFS, Node, Pair};
+use pintle::scene::{self, GALLERY};
 use pintle::vector::identity;
 use std::collections::BTreeMap;
 
@@ -23,7 +26,7 @@ fn brief() -> Settings {
 
 fn silent(_: &str) {}
 
-fn named(name: &str) -> &'static ConnectionType {
+pub(crate) fn named(name: &str) -> &'static ConnectionType {
     TABLE.iter().find(|entry| entry.name == name).unwrap()
 }
 
@@ -41,11 +44,59 @@ fn the_catalogue_passes() {
     for subject in &report.subjects {
         assert_eq!(subject.derivative.headline(), Verdict::Pass, "{text}");
         assert_eq!(subject.formula, Verdict::Pass, "{text}");
+        let connector = cases(named(&subject.name), Extent::Brief)[0].connector();
+        let has_forces = (0..6).any(|k| connector.has_force(k));
         for quantity in Quantity::ALL {
+            if !has_forces && matches!(quantity, Quantity::NodalForces | Quantity::GeometricStiffness) {
+                continue;
+            }
             let sharp = Against::Oracle(Oracle::WideDifferences);
             let check = subject.checks.iter().find(|c| c.quantity == Some(quantity) && c.against == sharp);
             let check = check.unwrap_or_else(|| panic!("{}: {} unchecked", subject.name, quantity.name()));
             assert!(check.compared > 0 && check.score.killed > 0, "{}: {check:?}", subject.name);
+        }
+    }
+}
+
+/// Every connector and MPC of the gallery, at its states, and of a deck without states, at drawn ones.
+#[test]
+fn scenes_pass() {
+    let loaded: Vec<(String, Model, Vec<scene::State>)> = GALLERY
+        .iter()
+        .map(|example| {
+            let scene = example.scene().unwrap();
+            let states = example.states(&scene).unwrap().states;
+            (example.name.to_string(), Model::compile(&scene).unwrap(), states)
+        })
+        .collect();
+    let mut loaded = loaded;
+    let bare = loaded[1].1.clone();
+    loaded.push(("no states".into(), bare, Vec::new()));
+    let plan = |model: &Model| Plan::compile(model, &Selection::All, Request::nothing(0)).unwrap();
+    let plans: Vec<Plan> = loaded.iter().map(|(_, model, _)| plan(model)).collect();
+    let targets: Vec<Target<'_>> = loaded
+        .iter()
+        .zip(&plans)
+        .map(|((name, model, states), plan)| Target { name, model, plan, states })
+        .collect();
+    let report = audit_scenes(&brief(), &targets, &silent);
+    let mut text = Vec::new();
+    pintle::report::audit::human(&mut text, &report, 120, false).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{text}");
+    let planned: usize = plans.iter().map(|plan| plan.connectors.len() + plan.mpcs.len()).sum();
+    assert_eq!(report.subjects.len(), planned);
+    for subject in &report.subjects {
+        assert_eq!(subject.derivative.headline(), Verdict::Pass, "{text}");
+        assert_eq!(subject.formula, Verdict::Pass, "{}", subject.name);
+        let scene = subject.scene.as_deref().unwrap();
+        let states = loaded.iter().find(|(name, ..)| name == scene).unwrap().2.len();
+        let want = if states == 0 { brief().drawn_states } else { states };
+        assert_eq!(subject.cases, want as u64, "{} of {scene}", subject.name);
+        let sharp = Against::Oracle(Oracle::WideDifferences);
+        for quantity in [Quantity::Value, Quantity::FirstDerivatives, Quantity::Acceleration] {
+            let check = subject.checks.iter().find(|c| c.quantity == Some(quantity) && c.against == sharp);
+            assert!(check.is_some_and(|check| check.score.killed > 0), "{}", subject.name);
         }
     }
 }
@@ -68,11 +119,14 @@ fn threads_do_not_matter() {
 /// The certificates in the source are what the golden values and the transcribed tables say.
 #[test]
 fn certificates_follow_from_the_tests() {
-    let states = golden::states_by_type();
+    let mut states = golden::states_by_type();
+    states.extend(golden_mpc::states_by_kind());
     let want: BTreeMap<String, Certificate> = manual::pages()
+        .map(|(name, page)| (name.to_string(), page))
+        .chain(manual::mpc_pages())
         .map(|(name, page)| {
-            let jax_states = states.get(name).copied().unwrap_or(0);
-            (name.to_string(), Certificate { jax_states, manual_page: page.to_string() })
+            let jax_states = states.get(&name).copied().unwrap_or(0);
+            (name, Certificate { jax_states, manual_page: page.to_string() })
         })
         .collect();
     let text = serde_json::to_string_pretty(&want).unwrap() + "\n";
@@ -93,7 +147,7 @@ fn at_rest(name: &str) -> Definition {
 }
 
 /// The product as somebody's routine, with a mistake in one row.
-fn spoiled(name: &str, spoil: impl Fn(&State<f64>, &mut [Option<NodalRow<f64>>; 6])) -> Report {
+pub(crate) fn spoiled(name: &str, spoil: impl Fn(&State<f64>, &mut [Option<NodalRow<f64>>; 6])) -> Report {
     let definition = at_rest(name);
     let connector = Connector::<f64>::new(&definition);
     Candidate::new("candidate", &definition).check(|state| {
@@ -150,7 +204,7 @@ fn assert_ok_names_the_entry() {
 }
 
 /// Bound, numbers and truth of a case.
-fn judged(case: &Case) -> (Numbers<f64>, Bound, f64) {
+pub(crate) fn judged(case: &Case) -> (Numbers<f64>, Bound, f64) {
     let numbers = product(case).unwrap();
     let step = case.last().unwrap();
     let narrow = pintle::audit::oracle::Narrow::of(case).unwrap();
@@ -333,4 +387,80 @@ fn the_atlas_tells_classes_apart() {
         }
     }
     assert_eq!(DOFS, 14);
+}
+
+/// Friction is judged with every quantity, in stick and in slip, and a factor that is wrong is noticed.
+#[test]
+fn friction_passes_and_its_mistakes_are_noticed() {
+    let settings = Settings::default();
+    let mut found = BTreeMap::<Quantity, (u64, u64)>::new();
+    for connection in TABLE {
+        let cases = friction_cases(connection, &settings, 12);
+        for case in &cases {
+            for check in case.audit(&settings) {
+                assert_eq!(check.verdict.headline(), Verdict::Pass, "{}: {check:?}", connection.name);
+                assert_eq!(check.score.survived, 0, "{}: {check:?}", connection.name);
+                let counted = found.entry(check.quantity.unwrap()).or_default();
+                counted.0 += check.compared;
+                counted.1 += check.score.killed;
+            }
+        }
+    }
+    println!("{found:?}");
+    for quantity in [
+        Quantity::FrictionCriterion,
+        Quantity::FrictionGradient,
+        Quantity::FrictionHessian,
+        Quantity::FrictionTangent,
+    ] {
+        let (compared, killed) = found[&quantity];
+        assert!(compared > 100 && killed > 1000, "{quantity:?}: {compared} {killed}");
+    }
+}
+
+/// Where nodes of an AXIAL coincide the length has a kink: no two-sided derivative exists, and both one-sided ones are shown.
+#[test]
+fn a_kink_is_told_with_both_derivatives() {
+    let mut case = atlas::near(named("AXIAL"), Measure::Distance, 0.5, 0.0, &mut Draw::new("kink")).unwrap();
+    let step = case.path.last_mut().unwrap();
+    let (reference, pair) = (case.definition.initial.reference, &mut step.state.pair);
+    pair.b.displacement = [0, 1, 2].map(|i| pair.a.displacement[i] - reference[i]);
+    assert_eq!(pair.separation(), [0.0; 3]);
+    let checks = audit_case(&case, &Settings::default(), true, 0);
+    let sharp = Against::Oracle(Oracle::WideDifferences);
+    let check = checks
+        .iter()
+        .find(|check| check.quantity == Some(Quantity::FirstDerivatives) && check.against == sharp)
+        .unwrap();
+    assert_eq!(check.verdict, Verdict::Kink, "{check:?}");
+    let [below, above] = check.worst.as_ref().unwrap().one_sided.unwrap();
+    assert!((above - 1.0).abs() < 1e-15 && (below + 1.0).abs() < 1e-15, "{below} {above}");
+    let report = audit_cases(&Settings::default(), &[("kink".into(), vec![case])], &silent);
+    let mut text = Vec::new();
+    pintle::report::audit::human(&mut text, &report, 120, false).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("from below -1.0000000000e0, from above 1.0000000000e0"), "{text}");
+}
+
+/// The slopes of springs and dampers of a scene are judged, and mistakes in them noticed.
+#[test]
+fn behaviour_of_a_scene_is_judged() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0.5, 0.25\n\
+        *ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+        *CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nCARTESIAN, CARDAN\nO,\n\
+        *CONNECTOR BEHAVIOR, NAME=B\n\
+        *CONNECTOR ELASTICITY, COMPONENT=1\n150.,\n\
+        *CONNECTOR ELASTICITY, COMPONENT=2, NONLINEAR\n-30., -2.\n0., 0.\n10., 2.\n\
+        *CONNECTOR DAMPING, COMPONENT=4\n3.,\n";
+    let scene = scene::Scene::parse("spring.inp", deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+    let target = Target { name: "spring", model: &model, plan: &plan, states: &[] };
+    let report = audit_scenes(&brief(), &[target], &silent);
+    report.assert_ok();
+    let checks = &report.subjects[0].checks;
+    let check = checks.iter().find(|check| check.quantity == Some(Quantity::BehaviorTangent)).unwrap();
+    assert_eq!(check.verdict, Verdict::Pass);
+    assert!(check.compared >= 72 && check.score.killed > 20, "{check:?}");
 }

@@ -1,6 +1,9 @@
 //! Forces that follow from motions: against JAX, against the wide scalar, and by what must hold of springs, dampers, stops, locks,
 //! failures and drives.
 
+mod belts; // friction over a ring
+mod tangents; // consistent tangents
+
 use crate::tolerance::{BEHAVIOR_JAX, BEHAVIOR_SLOPE, BELT_BALANCE, WIDE};
 use num_dual::DualSVec64;
 use pintle::behavior::state::{Behavior, Velocities};
@@ -609,7 +612,7 @@ fn a_restored_history_continues() {
     let mut begun = Sequence::new(&model, &plan);
     begun.set_velocities(Velocities::Increments);
     let mut got = text(&mut begun, &states[..17]);
-    let saved = serde_json::to_string(begun.branches()).unwrap();
+    let saved = serde_json::to_string(&begun.branches()).unwrap();
     let branches: Branches = serde_json::from_str(&saved).unwrap();
     assert_eq!(branches.check(&model, &plan), Ok(()));
     let mut rest = Sequence::resume(&model, &plan, branches.clone());

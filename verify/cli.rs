@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::process::Stdio;
 
 /// The command with some arguments, and nothing in its environment that changes output.
-fn pintle(arguments: &[&str]) -> Command {
+pub(crate) fn pintle(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pintle"));
     for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "RUST_BACKTRACE"] {
         command.env_remove(name);
@@ -55,7 +55,7 @@ fn json_with_care(arguments: &[&str]) -> Value {
 }
 
 /// A file for one test.
-fn file(name: &str, text: &str) -> String {
+pub(crate) fn file(name: &str, text: &str) -> String {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::write(&path, text).unwrap();
     path.to_str().unwrap().to_string()
@@ -433,11 +433,11 @@ fn requests_are_masks() {
         .collect();
     assert_eq!(format!("{shown:?}"), r#"[("u1", ["CU"]), ("ur3", ["CP"])]"#);
     let work = &document["scenes"][0]["work"];
-    // One position of 101 at three states; and u1 of 106 at all 25, for its friction follows the history; ur3 winds and costs
-    // nothing more.
+    // One position of 101 and u1 of 106 at three states: its friction is not followed, for nothing that depends on it is asked
+    // for; ur3 winds and costs nothing more.
     assert_eq!(
         (&work["values"], &work["gradients"], &work["rates"]),
-        (&28.into(), &0.into(), &0.into()),
+        (&6.into(), &0.into(), &0.into()),
         "{work}"
     );
 }
@@ -523,6 +523,62 @@ fn friction_along_a_history() {
     let document: Value = serde_json::from_str(&stdout(&lacking)).unwrap();
     let said = document.to_string();
     assert!(said.contains("not-known") && said.contains("what presses is the force"), "{said}");
+}
+
+/// The forces of one connector, by CSV, JSON, and in a scene itself in TOML and JSON, give one document; the page and the table of it.
+#[test]
+fn forces_from_files_and_scenes() {
+    let deck = "*HEADING\n a guide pressed and pushed\n*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nTRANSLATOR\nO,\n\
+        *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=1\n20.\n\
+        *CONNECTOR FRICTION, PREDEFINED, STICK STIFFNESS=1000.\n0.5, 2., 0.\n*FRICTION\n0.25\n";
+    let scene = file("guide.inp", deck);
+    let states = file("guide.states.csv", "state,time,node,u1\n0,0.5,2,0.25\n");
+    let csv = file("guide.csv", "element,state,f1,f2,f3,m1,m2,m3\n7,0,7.,3.,4.,0.5,0.,6.\n");
+    let json = file(
+        "guide.json",
+        "{\"schema\": \"pintle-forces/1\", \"states\": [{\"state\": 0, \"forces\": {\"7\": \
+         {\"CTF1\": 7, \"CRF2\": 3, \"f3\": 4, \"CTM1\": 0.5, \"m2\": 0, \"CRM3\": 6}}}]}",
+    );
+    let outputs = "CSF,CNF,SLIP,CTF,NF,TANGENT,KT,KR";
+    let run = |scene: &str, more: &[&str], format: &str| {
+        let rest = ["--outputs", outputs, "--order", "0", "--show", "0", "--format", format];
+        stdout(&pintle(&[&["eval", scene][..], more, &rest].concat()).assert().success())
+    };
+    let of_csv = ["--states", states.as_str(), "--forces", csv.as_str()];
+    insta::assert_snapshot!(
+        "forces",
+        without_rounding(&run(&scene, &of_csv, "human").replace(&scene, "guide.inp"))
+    );
+    insta::assert_snapshot!("forces-csv", run(&scene, &of_csv, "csv").replace(&scene, "guide.inp"));
+    let document = run(&scene, &of_csv, "json");
+    let parsed: Value = serde_json::from_str(&document).unwrap();
+    let block = &parsed["scenes"][0]["states"][0]["connectors"][0];
+    insta::assert_snapshot!("forces-json", serde_json::to_string_pretty(block).unwrap());
+    // F_N = 0.5/0.5 + 5 + 2·6/2 = 12; the spring takes 5 of the 7, friction 3, and the sum is told to be another one.
+    assert_eq!(
+        (&block["components"]["u1"]["CNF"], &block["components"]["u1"]["SLIP"]),
+        (&12.0.into(), &"slip".into())
+    );
+    let of_json = ["--states", states.as_str(), "--forces", json.as_str()];
+    assert_eq!(run(&scene, &of_json, "json"), document);
+    // The same with states and forces in the scene.
+    let written = |to: &str| stdout(&pintle(&["convert", &scene, "--to", to]).assert().success());
+    let toml = format!(
+        "{}\n[[states]]\nnumber = 0\ntime = 0.5\n\
+         [states.nodes.2]\ndisplacement = [0.25, 0.0, 0.0]\n[states.forces.7]\nf1 = 7.0\nf2 = 3.0\nf3 = 4.0\nm1 = 0.5\nm2 = 0.0\nm3 = 6.0\n",
+        written("toml")
+    );
+    let mut whole: Value = serde_json::from_str(&written("json")).unwrap();
+    whole["states"] = serde_json::json!([
+        {"number": 0, "time": 0.5, "nodes": {"2": {"displacement": [0.25, 0.0, 0.0]}},
+         "forces": {"7": {"f1": 7.0, "f2": 3.0, "f3": 4.0, "m1": 0.5, "m2": 0.0, "m3": 6.0}}}
+    ]);
+    for (name, text) in [("guide.toml", toml), ("guide.scene.json", whole.to_string())] {
+        let of_scene = file(name, &text);
+        let found: Value = serde_json::from_str(&run(&of_scene, &[], "json")).unwrap();
+        assert_eq!(&found["scenes"][0]["states"][0]["connectors"][0], block, "{name}");
+    }
 }
 
 #[test]
@@ -675,7 +731,7 @@ fn what_needs_care_is_said() {
         assert!(words.contains(part), "{part:?} in {page}");
     }
     let message =
-        stderr(&pintle(&["eval", &deck, "--states", &states, "--show", "0", "--outputs", "CU1"]).assert());
+        stderr(&pintle(&["eval", &deck, "--states", &states, "--show", "1", "--outputs", "CUR1"]).assert());
     assert!(message.contains("state 2, CARDAN 101: ur1 moved by 3.1"), "a state not shown: {message}");
     let table = stdout(&pintle(&[&arguments[..], &["csv"]].concat()).assert().success());
     assert!(table.contains("not-finite") && table.contains("large-increment"), "{table}");
@@ -738,4 +794,24 @@ fn a_defect_says_so() {
 fn the_readme_shows_real_output() {
     let page = output(&["eval", "gallery:slider_crank", "--show", "6", "--connector", "SLIDE"]);
     assert!(include_str!("../README.md").contains(page.trim_end()), "the README differs from:\n{page}");
+}
+
+/// Completions and manual pages come from the definition: unit tests beside it compare every command and option.
+#[test]
+fn completions_and_manual_pages() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let text = output(&["completions", shell]);
+        for command in
+            ["audit", "completions", "convert", "eval", "explain", "list", "man", "replay", "schema"]
+        {
+            assert!(text.contains(command), "{shell} {command}");
+        }
+    }
+    assert!(output(&["man"]).contains("pintle\\-eval(1)"));
+    assert!(output(&["man", "eval"]).contains("pintle eval"));
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("man");
+    assert_eq!(output(&["man", "--folder", folder.to_str().unwrap()]), "");
+    assert_eq!(fs::read_to_string(folder.join("pintle-audit.1")).unwrap(), output(&["man", "audit"]));
+    let unknown = pintle(&["man", "evil"]).assert().code(2);
+    assert!(stderr(&unknown).contains("there is no command evil"), "{}", stderr(&unknown));
 }

@@ -6,6 +6,7 @@
 //! - δ(e_i^a·e_j^b) = w·(e_j^b × e_i^a), since (δθ_a × e_i^a)·e_j^b = −δθ_a·(e_j^b × e_i^a);
 //! - an angle with the gradient g, δ(angle) = g·w, has the row [0, −g, 0 | 0, g, 0].
 
+mod decks; // known answers of decks that need forces
 mod forces; // forces and moments as the manual prints them
 
 use crate::laws::{Check, Scales, functions};

@@ -203,7 +203,7 @@ fn evaluate(scene: &Scene, states: &[State]) {
     write(&mut |format| format.begin());
     write(&mut |format| format.scene(&subject));
     for state in states {
-        write(&mut |format| format.state(sequence.branches().states, state.time));
+        write(&mut |format| format.state(sequence.states(), state.time));
         let Ok(()) = sequence.visit(state, |item| -> Result<(), std::convert::Infallible> {
             let block = match &item {
                 Item::Connector(result) => Block::of_connector(&model, &request, result),

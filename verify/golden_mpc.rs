@@ -6,6 +6,7 @@ use pintle::mpc::{Body, Constraint, DOFS, Dofs, Kind, State, Turning};
 use pintle::so3;
 use pintle::vector::Vector;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 #[derive(Deserialize)]
 struct File {
@@ -51,6 +52,16 @@ impl Case {
             acceleration: self.accelerations,
         }
     }
+}
+
+/// How many states of each kind the file has, under the names `MPC BEAM`.
+pub(crate) fn states_by_kind() -> BTreeMap<String, u64> {
+    let file: File = serde_json::from_str(include_str!("golden/mpc.json")).unwrap();
+    let mut found = BTreeMap::new();
+    for case in file.cases {
+        *found.entry(format!("MPC {}", case.kind)).or_default() += 1;
+    }
+    found
 }
 
 /// Residuals, rates, rows, second derivatives and angles of every kind.

@@ -6,6 +6,7 @@
 
 mod derivatives; // derivatives are those of the functions, on 237-bit numbers
 mod forces; // nodal forces are transposed rows times component forces
+mod hinges; // what acts on the angles of hinges
 mod histories; // turns are counted and saved branches continue
 mod motion; // rigid motions, frames, units, rates, the initial state, exchanged nodes
 mod mpc; // the laws of multi-point constraints

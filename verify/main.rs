@@ -1,12 +1,18 @@
 //! The tests, in one binary: each module asks one question of the whole.
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod assembly; // what assemblies of known mobility can do
 mod audit; // whether the audit notices what is wrong, and nothing else
+mod audit_command; // the audit and replay through the command line: exit codes, formats, counter-examples
+mod batch; // whether four lanes give what one element at a time gives
 mod behavior; // forces that follow from motions
 mod cli; // the command line
 mod closed; // rows derived by hand
 mod convert; // scenes in other forms
+mod diagnosis; // whether what is wrong is told why
+mod export; // exported programs, compiled and run
 mod faults; // what is said about every faulty input
+mod findings; // what an audit finds in models
 mod freedom; // which degrees of freedom nodes have
 mod friction; // what sticks and slips
 mod fuzzing; // what holds of any bytes whatever
@@ -16,7 +22,9 @@ mod laws; // what holds for every connection type
 mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are
 mod plane; // the two-dimensional forms
+mod reports; // whether reports of an audit show what was found
 mod rules; // what a connector section may do
+mod scale; // large models: sparse matrices, threads, memory
 mod scene; // what decks and state files mean
 mod states; // where laws are tried
 mod tolerance; // every tolerance, with the cause of the odd ones

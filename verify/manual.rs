@@ -313,7 +313,7 @@ const MANUAL: &[Row] = &[
         kinetic_forces: "f1, f2",
         orientation: ["ignored?", "ignored?"],
         references: "ε1ref",
-        friction: &[["|T2 − T1|", "min(T1, T2) (exp(μ α) − 1)/μ", "CSF2"]],
+        friction: &[["|T2 − T1|", "min(T1, T2)", "CSF2"]],
         planar: "Standard only",
         page: "connectiontypedesc-slipring, guide; stops and the summary unread",
         ..BASIC
@@ -453,6 +453,35 @@ const fn available(availability: Availability, always: &'static str) -> &'static
 /// The page of each type.
 pub(crate) fn pages() -> impl Iterator<Item = (&'static str, &'static str)> {
     MANUAL.iter().map(|row| (row.name, row.page))
+}
+
+/// Multi-point constraints, as their pages have them: the type, its number of nodes, its equations without material flow, the
+/// angles that are degrees of freedom of further nodes, whether it is for Standard only, and the page.
+const MPCS: [(&str, usize, usize, usize, bool, &str); 6] = [
+    ("BEAM", 2, 6, 0, false, "keyword page mpc; General multi-point constraints"),
+    ("LINK", 2, 1, 0, false, "keyword page mpc; General multi-point constraints"),
+    ("PIN", 2, 3, 0, false, "keyword page mpc; General multi-point constraints"),
+    ("REVOLUTE", 3, 3, 1, true, "keyword page mpc; Theory Guide, revolute MPC"),
+    ("TIE", 2, 6, 0, false, "keyword page mpc; General multi-point constraints"),
+    ("UNIVERSAL", 4, 3, 2, true, "keyword page mpc; Theory Guide, universal MPC; order of its axes unread"),
+];
+
+/// The pages of the multi-point constraints, under the names `MPC BEAM`.
+pub(crate) fn mpc_pages() -> impl Iterator<Item = (String, &'static str)> {
+    MPCS.iter().map(|row| (format!("MPC {}", row.0), row.5))
+}
+
+#[test]
+fn the_constraints_are_those_of_the_manual() {
+    let here: Vec<_> = pintle::mpc::TABLE
+        .iter()
+        .map(|entry| {
+            let equations = entry.kind.rows(false).iter().filter(|row| **row).count();
+            (entry.name, entry.nodes.len(), equations, entry.angles.len(), entry.standard_only)
+        })
+        .collect();
+    let there: Vec<_> = MPCS.iter().map(|row| (row.0, row.1, row.2, row.3, row.4)).collect();
+    assert_eq!(here, there);
 }
 
 /// The catalogue says what the pages say, field by field.

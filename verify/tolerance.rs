@@ -47,6 +47,9 @@ pub(crate) const NUMERICS: &[Gate] = &[
     gate("jerk, matrices", 60.0, 150.0, 16.0),
 ];
 
+/// Exported programs against `eval`, in units of the audit's bound on either.
+pub(crate) const EXPORT: f64 = 2.0;
+
 /// What a law allows.
 pub(crate) struct Law {
     /// Its name.
@@ -161,3 +164,25 @@ pub(crate) const GOLDEN_MPC: f64 = 2e-13;
 /// Friction along a history of 12 states against the same formulas worked out apart, relative to trial force and limit: a few
 /// roundings of each state, which stick carries on to the next.
 pub(crate) const FRICTION_HISTORY: f64 = 1e-13;
+
+/// Four lanes against one element at a time, in roundings of the conditioned scale: value, first, second derivatives.
+pub(crate) const BATCH: [f64; 3] = [2.0, 2.5, 1.5];
+
+/// Consistent tangents of component forces against wide differences, relative to the largest slope.
+pub(crate) const TANGENT: f64 = 1e-13;
+
+/// Tangents of nodal forces against wide differences, relative to the largest entry: lengths and angles are about 1 there.
+pub(crate) const NODAL_TANGENT: f64 = 1e-13;
+
+/// CSF2 of a belt that slips against T2 − T1 of the known solution, over T2: the deck gives the angle of wrap to eight digits and both
+/// sides use them; what is left is 1e5 times the rounding of strains.
+pub(crate) const BELT_FRICTION: f64 = 1e-12;
+
+/// Slopes of a belt's friction, over the stiffness of its segments: a slope is that of a table times e^(μα) − 1.
+pub(crate) const BELT_SLOPE: f64 = 1e-14;
+
+/// Moments on hinges and what constraints transmit, over 1 + the number: sums of a few products of unit vectors.
+pub(crate) const HINGE: f64 = 1e-14;
+
+/// What is left at free degrees of freedom of the decks, over the forces there: sums of some ten products.
+pub(crate) const DECK_BALANCE: f64 = 2e-14;

@@ -11,6 +11,7 @@
 //! | a first derivative | C u (F/s_j + Σ_k abs(∂²f/∂q_j∂q_k) s_k) |
 //! | a second derivative | C u F₂/(s_j s_k) · max(1, 1/δ) |
 //! | a rate | Σ_j tol_j abs(q̇_j) |
+//! | nodal forces of a unit force, their derivatives | as a first and a second derivative, without the value in F |
 //! | an acceleration | Σ_j tol_j abs(q̈_j) + C u F₂ max(1, 1/δ) max_j (q̇_j/s_j)² |
 //!
 //! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set,
@@ -27,6 +28,31 @@ pub const U: f64 = 1.0 / 9_007_199_254_740_992.0;
 /// C, stated in every report: how many roundings of the conditioned scale are allowed. The worst ever measured over the
 /// catalogue is in `verify/audit.rs`.
 pub const C: f64 = 4.0;
+
+/// The conditioned scales of a function of n degrees of freedom: of its value, first and second derivatives (row by row), rate and
+/// acceleration. `size` holds s_j; `input` the magnitudes of the numbers that are rounded, s_j but where a number is larger than
+/// that, as an angle of many turns is; `rates` the velocities and accelerations; `nearness` is δ, 0 on a singular set.
+pub fn scales(
+    value: f64,
+    first: &[f64],
+    second: &[f64],
+    (size, input): (&[f64], &[f64]),
+    (velocity, acceleration): (&[f64], &[f64]),
+    nearness: f64,
+) -> [Vec<f64>; 5] {
+    let n = size.len();
+    let times = |row: &[f64], by: &[f64]| row.iter().zip(by).map(|(x, s)| x.abs() * s.abs()).sum::<f64>();
+    let f = value.abs() + times(first, input);
+    let bent: Vec<f64> = second.chunks(n.max(1)).map(|row| times(row, input)).collect();
+    let f2 = f + times(&bent, input);
+    let near = if nearness > 0.0 { (1.0 / nearness).max(1.0) } else { 1.0 };
+    let row: Vec<f64> = size.iter().zip(&bent).map(|(s, bent)| f / s + bent).collect();
+    let matrix: Vec<f64> = size.iter().flat_map(|s| size.iter().map(move |t| near * f2 / (s * t))).collect();
+    let fastest = velocity.iter().zip(size).fold(0.0_f64, |most, (v, s)| most.max(v.abs() / s));
+    let rate = times(&row, velocity);
+    let faster = times(&row, acceleration) + near * f2 * fastest * fastest;
+    [vec![f], row, matrix, vec![rate], vec![faster]]
+}
 
 /// Tolerances and scales of everything that is judged at one state.
 #[derive(Clone, Debug, Default)]
@@ -46,28 +72,28 @@ impl Bound {
     ) -> Self {
         let size: [f64; DOFS] = std::array::from_fn(|j| dof_size(j, length));
         let mut of = Self::default();
-        let mut scales: [Entries<f64>; 5] = Default::default();
+        let mut scales: [Entries<f64>; Quantity::ALL.len()] = Default::default();
         for k in 0..6 {
             let Some(value) = truth.entries(Quantity::Value).get(k, 0) else { continue };
-            let first = |j: usize| truth.entries(Quantity::FirstDerivatives).get(k, j).unwrap_or(0.0);
-            let second = |j: usize, l: usize| {
-                truth.entries(Quantity::SecondDerivatives).get(k, j * DOFS + l).unwrap_or(0.0)
+            let of = |quantity: Quantity| -> Vec<f64> {
+                (0..quantity.entries()).map(|i| truth.entries(quantity).get(k, i).unwrap_or(0.0)).collect()
             };
-            let f = (0..DOFS).fold(value.abs(), |sum, j| sum + first(j).abs() * size[j]);
-            let bent: [f64; DOFS] =
-                std::array::from_fn(|j| (0..DOFS).map(|l| second(j, l).abs() * size[l]).sum());
-            let f2 = (0..DOFS).fold(f, |sum, j| sum + bent[j] * size[j]);
-            let near = if nearness > 0.0 { (1.0 / nearness).max(1.0) } else { 1.0 };
-            let row: Vec<f64> = (0..DOFS).map(|j| f / size[j] + bent[j]).collect();
-            let matrix: Vec<f64> =
-                (0..DOFS * DOFS).map(|i| near * f2 / (size[i / DOFS] * size[i % DOFS])).collect();
-            let rate: f64 = (0..DOFS).map(|j| row[j] * velocity[j].abs()).sum();
-            let fastest = (0..DOFS).fold(0.0_f64, |most, j| most.max(velocity[j].abs() / size[j]));
-            let pushed: f64 = (0..DOFS).map(|j| row[j] * acceleration[j].abs()).sum();
-            let faster = pushed + near * f2 * fastest * fastest;
-            for (scale, entries) in scales.iter_mut().zip([vec![f], row, matrix, vec![rate], vec![faster]]) {
+            let (first, second) = (of(Quantity::FirstDerivatives), of(Quantity::SecondDerivatives));
+            let found =
+                self::scales(value, &first, &second, (&size, &size), (velocity, acceleration), nearness);
+            for (scale, entries) in scales.iter_mut().zip(found) {
                 scale.0[k] = Some(entries);
             }
+        }
+        for k in 0..6 {
+            let of = |quantity: Quantity| truth.entries(quantity).0[k].as_deref();
+            let Some(rows) = of(Quantity::NodalForces) else { continue };
+            let changes = of(Quantity::GeometricStiffness).unwrap_or_default();
+            let still = ([0.0; DOFS], [0.0; DOFS]);
+            let [_, row, matrix, ..] =
+                self::scales(0.0, rows, changes, (&size, &size), (&still.0, &still.1), nearness);
+            scales[Quantity::NodalForces as usize].0[k] = Some(row);
+            scales[Quantity::GeometricStiffness as usize].0[k] = Some(matrix);
         }
         for (quantity, scale) in Quantity::ALL.into_iter().zip(scales) {
             of.tolerance.set(quantity, scale.map(|_, _, x| C * U * x));

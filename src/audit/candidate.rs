@@ -27,16 +27,19 @@
 
 use super::bound::Bound;
 use super::case::{Case, dof_size, moved};
-use super::engine::{Against, Check, Report, Settings, Subject, checks_of};
+use super::certificate::certificate;
+use super::coverage::Coverage;
+use super::diagnosis::Symptoms;
+use super::engine::{Settings, checks_of};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
+use super::outcome::{Against, Check, Report, Subject};
 use super::quantity::{Entries, Numbers, Quantity};
-use super::sample::{Draw, Motion};
+use super::sample::{Draw, about_initial};
 use super::truth::Truth;
 use super::verdict::{Score, Surroundings, Verdict, judge};
 use crate::connector::{Components, Definition, NodalRow, State};
 use crate::node::DOFS;
 use crate::scalar::elementary::norm;
-use crate::vector::scale;
 
 /// What a candidate gives at a state: the residual of each constrained component and the displacement of any other, and their
 /// rows of derivatives by the nodal degrees of freedom.
@@ -72,23 +75,41 @@ impl<'a> Candidate<'a> {
         self
     }
 
+    /// Which region of configuration space the states exercise at which a routine of this name is checked.
+    pub fn coverage(&self) -> Coverage {
+        let mut coverage = Coverage::default();
+        for (_, case) in self.cases() {
+            if let Some(step) = case.last() {
+                coverage.add(self.definition, &step.state);
+            }
+        }
+        coverage
+    }
+
+    /// The states, with their places.
+    fn cases(&self) -> impl Iterator<Item = (usize, Case)> {
+        let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.name));
+        let length = norm(self.definition.initial.reference).max(self.reference_length);
+        let length = if length > 0.0 { length } else { 1.0 };
+        (0..self.settings.states).filter_map(move |i| {
+            let name = format!("{} state {i}", self.name);
+            Some((i, about_initial(self.definition, i, length, name, &mut draw)?))
+        })
+    }
+
     /// Draws states about the initial one and checks what the routine gives there: its values against the connector's, its
     /// Jacobian against differences on 237 bits *and* against differences of its own values, so that a wrong derivative is told
     /// from another formula.
     pub fn check(&self, routine: impl Fn(&State<f64>) -> Given) -> Report {
-        let draw = &mut Draw::new(&format!("{} {}", self.settings.seed, self.name));
-        let length = norm(self.definition.initial.reference).max(self.reference_length);
-        let length = if length > 0.0 { length } else { 1.0 };
         let mut found: Vec<Check> = Vec::new();
         let mut cases = 0;
-        for i in 0..self.settings.states {
-            let Some(case) = self.case(i, length, draw) else { continue };
+        for (i, case) in self.cases() {
             cases += 1;
             let wide = i < self.settings.wide_states;
             checks_of(&mut found, self.judge(&case, &routine, wide));
         }
         let connection = &self.definition.connection;
-        let mut subject = Subject::new(self.name.to_string(), connection, cases, found);
+        let mut subject = Subject::new(self.name.to_string(), certificate(connection), cases, found);
         // A candidate's formula is judged state by state.
         let values = subject.checks.iter().filter(|check| check.quantity == Some(Quantity::Value));
         subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
@@ -98,37 +119,8 @@ impl<'a> Candidate<'a> {
             constant: super::C,
             subjects: vec![subject],
             atlas: Vec::new(),
+            models: Vec::new(),
         }
-    }
-
-    /// State `i`: the initial one, then random motions of both nodes, clear of singular sets.
-    fn case(&self, i: usize, length: f64, draw: &mut Draw) -> Option<Case> {
-        const ATTEMPTS: usize = 100;
-        let turn = |draw: &mut Draw, most: f64| {
-            let size = draw.between(0.0, most);
-            scale(draw.direction(), size)
-        };
-        for _ in 0..ATTEMPTS {
-            let [common, spin] = if i == 0 { [[0.0; 3]; 2] } else { [turn(draw, 3.0), turn(draw, 1.2)] };
-            let mut motion = Motion { common, ..Motion::random(draw, length, spin) };
-            if i == 0 {
-                (motion.displacement, motion.flow) = ([[0.0; 3]; 2], [0.0; 2]);
-            }
-            let mut path = motion.path(&self.definition.initial);
-            if let Some(end) = path.last_mut() {
-                end.state.velocity = draw.rates(length);
-                end.state.acceleration = draw.rates(length);
-            }
-            let name = format!("{} state {i}", self.name);
-            let case = Case { name, definition: self.definition.clone(), start: None, path, length };
-            if case.is_clear(0.0, 0.01) {
-                return Some(case);
-            }
-            if i == 0 {
-                return None;
-            }
-        }
-        None
     }
 
     fn judge(&self, case: &Case, routine: &impl Fn(&State<f64>) -> Given, wide: bool) -> Vec<Check> {
@@ -138,9 +130,9 @@ impl<'a> Candidate<'a> {
         let mut given = Numbers::<f64>::default();
         given.set(Quantity::Value, Entries(values.map(|x| x.map(|x| vec![x]))));
         given.set(Quantity::FirstDerivatives, Entries(rows.map(|row| row.map(|row| row.to_vec()))));
-        let Some(product) = super::quantity::product(case) else { return checks };
+        let Some(product) = super::force::product_with_forces(case) else { return checks };
         let truth = if wide { Truth::of(case) } else { None };
-        let answers = truth.as_ref().map(WideAnswers::of);
+        let answers = truth.as_ref().map(WideAnswers::of_kinematics);
         let trusted = answers
             .as_ref()
             .map_or_else(|| product.clone(), |answers| super::atlas::truth_to_f64(&answers.differences));
@@ -154,6 +146,7 @@ impl<'a> Candidate<'a> {
             let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
             check.add(judgement, Score::default(), case);
+            check.explain(&Symptoms { quantity, got, want: &trusted, case, bound: &bound }, &answer.numbers);
             if let Some((k, i, _)) = missing {
                 check.missing(quantity.entry_name(k, i), case);
             }

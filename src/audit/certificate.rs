@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 /// What is known of one type.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
     /// States at which JAX, with formulas of its own, gives the same values, rates, rows and second derivatives.
@@ -44,4 +44,9 @@ pub fn certificate(connection: &ConnectionType) -> Option<Certificate> {
         jax_states: t.jax_states.min(r.jax_states),
         manual_page: format!("{} + {}", t.manual_page, r.manual_page),
     })
+}
+
+/// The certificate of a multi-point constraint, under the name `MPC BEAM`.
+pub fn certificate_of_mpc(kind: crate::mpc::Kind) -> Option<Certificate> {
+    CERTIFICATES.get(&format!("MPC {}", kind.name())).cloned()
 }

@@ -2,8 +2,8 @@
 //! machine sees the same state.
 
 use super::case::{Case, Step};
-use super::engine::{Against, Check};
 use super::hex::Hex;
+use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use crate::catalog::{ConnectionType, NameError};
 use crate::connector::{Branch, Definition, Increment, State, Stop, Turns};

@@ -1,16 +1,18 @@
 //! The audit: cases × quantities × oracles and laws, in parallel, gathered per connector.
 
 use super::atlas::{self, Approach, truth_to_f64};
-use super::bound::{Bound, C};
+use super::bound::Bound;
 use super::case::Case;
-use super::certificate::{Certificate, certificate};
-use super::counterexample::CounterExample;
+use super::certificate::certificate;
+use super::diagnosis::Symptoms;
+use super::force::product_with_forces as product;
+use super::friction::friction_cases;
 use super::invariant::{self, Context, Invariant};
 use super::mutant::{self, Mistake, Mutant, mutants};
-use super::oracle::{Narrow, Oracle, WideAnswers, remainders};
-use super::quantity::{Numbers, Quantity, product};
+use super::oracle::{Answer, Narrow, Oracle, WideAnswers, remainders};
+use super::outcome::{Against, Check, Report, Subject};
+use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
-use super::shrink::shrink;
 use super::truth::Truth;
 use super::verdict::{Finding, Judgement, Score, Surroundings, Verdict, judge, try_mutants};
 use crate::catalog::{ConnectionType, Slot, TABLE};
@@ -21,7 +23,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What an audit is to do.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Settings {
     /// States per type for the oracles on doubles.
     pub states: usize,
@@ -29,12 +31,51 @@ pub struct Settings {
     pub near_singular_states: usize,
     /// States per type for the oracles on 237 bits, chosen to cover the regions.
     pub wide_states: usize,
+    /// States on 237 bits of a scene in all: at least one of each connector, at most `wide_states`.
+    pub wide_states_of_a_scene: usize,
+    /// States drawn about the initial one of a connector whose scene gives no states.
+    pub drawn_states: usize,
     /// The oracles asked.
     pub oracles: BTreeSet<Oracle>,
     /// What the random states are drawn from.
     pub seed: String,
     /// Whether the singular points of the catalogue are approached.
     pub atlas: bool,
+    /// A fault planted on purpose, which the audit must tell of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub planted: Option<Planted>,
+}
+
+/// A fault planted on purpose: whoever doubts that the audit can fail sees it fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Planted {
+    /// The largest first derivative of the first component is multiplied by 1 + 1e-6.
+    WrongEntry,
+    /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
+    LostAnswer,
+}
+
+impl Planted {
+    /// The numbers with the fault in them.
+    fn spoil(self, numbers: &mut Numbers<f64>) {
+        if self != Self::WrongEntry {
+            return;
+        }
+        let mut rows = numbers.entries(Quantity::FirstDerivatives).clone();
+        let row = rows.0.iter_mut().flatten().next();
+        if let Some(entry) = row.and_then(|row| row.iter_mut().max_by(|x, y| x.abs().total_cmp(&y.abs()))) {
+            *entry *= 1.0 + 1e-6;
+        }
+        numbers.set(Quantity::FirstDerivatives, rows);
+    }
+
+    /// The answer with the fault in it.
+    fn blind(self, answer: &mut Answer) {
+        if self == Self::LostAnswer {
+            answer.numbers.0.iter_mut().flatten().filter(|row| row.len() > 1).for_each(|row| _ = row.pop());
+        }
+    }
 }
 
 impl Default for Settings {
@@ -43,254 +84,13 @@ impl Default for Settings {
             states: 800,
             near_singular_states: 200,
             wide_states: 30,
+            wide_states_of_a_scene: 3000,
+            drawn_states: 20,
             oracles: Oracle::ALL.into(),
             seed: "pintle".into(),
             atlas: true,
+            planted: None,
         }
-    }
-}
-
-/// What numbers were compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Against {
-    /// An oracle's.
-    Oracle(Oracle),
-    /// Differences of the candidate's own values.
-    Own,
-    /// Each other, by a law.
-    Law(Invariant),
-}
-
-impl Against {
-    /// In words.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Oracle(oracle) => oracle.name(),
-            Self::Own => "differences of its own values",
-            Self::Law(law) => law.name(),
-        }
-    }
-}
-
-/// One check over all cases of a connector.
-#[derive(Clone, Debug, Serialize)]
-pub struct Check {
-    /// The numbers judged; a law may span several.
-    pub quantity: Option<Quantity>,
-    /// What they were compared with.
-    pub against: Against,
-    /// The severest verdict.
-    pub verdict: Verdict,
-    /// States by verdict.
-    pub states: BTreeMap<Verdict, u64>,
-    /// Entries compared.
-    pub compared: u64,
-    /// The largest error in units of its tolerance, at any state.
-    pub largest: f64,
-    /// The entry that decided the verdict: nearest to, or farthest beyond, its tolerance.
-    pub worst: Option<Finding>,
-    /// The state at which it was found.
-    pub worst_state: Option<String>,
-    /// How mutants of the same numbers fared.
-    pub score: Score,
-    /// The case of the worst mismatch, for a counter-example.
-    #[serde(skip)]
-    pub failing: Option<Box<Case>>,
-}
-
-impl Check {
-    pub(super) fn new(quantity: Option<Quantity>, against: Against) -> Self {
-        Self {
-            quantity,
-            against,
-            verdict: Verdict::Pass,
-            states: BTreeMap::new(),
-            compared: 0,
-            largest: 0.0,
-            worst: None,
-            worst_state: None,
-            score: Score::default(),
-            failing: None,
-        }
-    }
-
-    /// An entry that must be there and is not.
-    pub(super) fn missing(&mut self, entry: String, case: &Case) {
-        let worst = Finding {
-            entry: format!("{entry} is missing"),
-            at: (0, 0),
-            got: f64::NAN,
-            want: f64::NAN,
-            tolerance: 0.0,
-            units: f64::INFINITY,
-            one_sided: None,
-        };
-        self.add(
-            Judgement { verdict: Verdict::Wrong, worst: Some(worst), compared: 1 },
-            Score::default(),
-            case,
-        );
-    }
-
-    pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
-        *self.states.entry(judgement.verdict).or_default() += 1;
-        self.compared += judgement.compared as u64;
-        let severer = judgement.verdict > self.verdict;
-        let units = |finding: &Option<Finding>| finding.as_ref().map_or(-1.0, |f| f.units);
-        self.largest = self.largest.max(units(&judgement.worst));
-        if severer || (judgement.verdict == self.verdict && units(&judgement.worst) > units(&self.worst)) {
-            self.worst = judgement.worst;
-            self.worst_state = Some(case.name.clone());
-            if judgement.verdict.is_mismatch() {
-                self.failing = Some(Box::new(case.clone()));
-            }
-        }
-        self.verdict = self.verdict.max(judgement.verdict);
-        self.score.merge(score);
-    }
-
-    fn merge(&mut self, other: Self) {
-        for (verdict, count) in other.states {
-            *self.states.entry(verdict).or_default() += count;
-        }
-        self.compared += other.compared;
-        let units = |finding: &Option<Finding>| finding.as_ref().map_or(-1.0, |f| f.units);
-        self.largest = self.largest.max(other.largest);
-        let severer = other.verdict > self.verdict;
-        if severer || (other.verdict == self.verdict && units(&other.worst) > units(&self.worst)) {
-            self.worst = other.worst;
-            self.worst_state = other.worst_state;
-            self.failing = other.failing.or(self.failing.take());
-        }
-        self.verdict = self.verdict.max(other.verdict);
-        self.score.merge(other.score);
-    }
-}
-
-/// Everything that was found about one connector or type.
-#[derive(Clone, Debug, Serialize)]
-pub struct Subject {
-    /// The type, or the type with the element.
-    pub name: String,
-    /// States tried.
-    pub cases: u64,
-    /// Every check.
-    pub checks: Vec<Check>,
-    /// What was proven of its formulas and its declaration.
-    pub certificate: Option<Certificate>,
-    /// The verdict on its derivatives: the severest of the checks, undecided without an independent oracle.
-    pub derivative: Verdict,
-    /// The verdict on its formulas.
-    pub formula: Verdict,
-    /// The verdict on its declaration.
-    pub declaration: Verdict,
-}
-
-impl Subject {
-    pub(super) fn new(name: String, connection: &ConnectionType, cases: u64, mut checks: Vec<Check>) -> Self {
-        for check in &mut checks {
-            check.score.finish();
-        }
-        let certificate = certificate(connection);
-        let judged: BTreeSet<Quantity> = checks.iter().filter_map(|check| check.quantity).collect();
-        let witnessed = !judged.is_empty()
-            && judged.iter().all(|quantity| {
-                checks.iter().any(|check| {
-                    check.quantity == Some(*quantity)
-                        && check.compared > 0
-                        && matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
-                })
-            });
-        let of = |wanted: fn(Against) -> bool| {
-            let chosen = checks.iter().filter(|check| wanted(check.against));
-            chosen.map(|check| check.verdict).max().unwrap_or(Verdict::Pass)
-        };
-        let is_declared = |against| matches!(against, Against::Law(Invariant::Sparsity));
-        let derivative = of(|against| !matches!(against, Against::Law(Invariant::Sparsity)));
-        let declaration = of(is_declared);
-        let proven = |is: bool| if is { Verdict::Pass } else { Verdict::Undecided };
-        let has = |is: fn(&Certificate) -> bool| certificate.as_ref().is_some_and(is);
-        Self {
-            name,
-            cases,
-            derivative: if witnessed { derivative } else { derivative.max(Verdict::Undecided) },
-            formula: proven(has(|c| c.jax_states > 0)),
-            declaration: declaration.max(proven(has(Certificate::is_declaration_read))),
-            checks,
-            certificate,
-        }
-    }
-
-    /// The severest of the three claims.
-    pub fn verdict(&self) -> Verdict {
-        self.derivative.max(self.formula).max(self.declaration)
-    }
-}
-
-/// An audit.
-#[derive(Clone, Debug, Serialize)]
-pub struct Report {
-    /// The version of this program.
-    pub version: &'static str,
-    /// What was asked.
-    pub settings: Settings,
-    /// C of the bound.
-    pub constant: f64,
-    /// What was audited.
-    pub subjects: Vec<Subject>,
-    /// Singular points.
-    pub atlas: Vec<Approach>,
-}
-
-impl Report {
-    /// Subjects with a verified mismatch, and singular sets that are not what they are declared to be.
-    pub fn mismatches(&self) -> usize {
-        let wrong = self.subjects.iter().filter(|subject| subject.verdict().is_mismatch()).count();
-        wrong + self.atlas.iter().filter(|approach| !approach.is_confirmed()).count()
-    }
-
-    /// Subjects of which something is undecided.
-    pub fn undecided(&self) -> usize {
-        self.subjects.iter().filter(|subject| subject.verdict() == Verdict::Undecided).count()
-    }
-
-    /// Mutants that survived a check by an oracle, and laws that noticed none of theirs.
-    pub fn survivors(&self) -> u64 {
-        let checks = self.subjects.iter().flat_map(|subject| &subject.checks);
-        checks.map(|check| check.score.survived).sum()
-    }
-
-    /// A counter-example for every failed check of an oracle, by file name, shrunk to the simplest values that still fail.
-    pub fn counter_examples(&self) -> Vec<(String, CounterExample)> {
-        let mut found = Vec::new();
-        for subject in &self.subjects {
-            let failed = subject.checks.iter().filter(|check| check.verdict.is_mismatch());
-            for (i, check) in failed.enumerate() {
-                let Some(case) = &check.failing else { continue };
-                let same = |case: &Case| {
-                    let checks = audit_case(case, &self.settings, true, 0);
-                    checks.into_iter().find(|other| {
-                        (other.quantity, other.against) == (check.quantity, check.against)
-                            && other.verdict == check.verdict
-                    })
-                };
-                let small = shrink(case, &|case| same(case).is_some());
-                let example = CounterExample::of(same(&small).as_ref().unwrap_or(check), &subject.name);
-                let words: String = subject
-                    .name
-                    .chars()
-                    .map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
-                    .collect();
-                found.extend(example.map(|example| (format!("{words}-{i}.json"), example)));
-            }
-        }
-        found
-    }
-
-    /// Entries compared in all.
-    pub fn compared(&self) -> u64 {
-        self.subjects.iter().flat_map(|subject| &subject.checks).map(|check| check.compared).sum()
     }
 }
 
@@ -306,7 +106,7 @@ pub fn audit_catalogue(settings: &Settings, progress: &(dyn Fn(&str) + Sync)) ->
         })
         .collect();
     let (subjects, atlas): (Vec<Subject>, Vec<Vec<Approach>>) = found.into_iter().unzip();
-    report(settings, subjects, atlas.concat())
+    Report::new(settings, subjects, atlas.concat())
 }
 
 /// Audits connectors of a scene, each with the cases that its states make.
@@ -327,18 +127,14 @@ pub fn audit_cases(
                     .map(|(i, case)| audit_case(case, settings, wide.contains(&i), i)),
             );
             progress(name);
-            Some(Subject::new(name.clone(), connection, cases.len() as u64, checks))
+            Some(Subject::new(name.clone(), certificate(connection), cases.len() as u64, checks))
         })
         .collect();
-    report(settings, subjects, Vec::new())
-}
-
-fn report(settings: &Settings, subjects: Vec<Subject>, atlas: Vec<Approach>) -> Report {
-    Report { version: crate::VERSION, settings: settings.clone(), constant: C, subjects, atlas }
+    Report::new(settings, subjects, Vec::new())
 }
 
 /// `wanted` places among `count`, evenly spread.
-fn spread(count: usize, wanted: usize) -> BTreeSet<usize> {
+pub(super) fn spread(count: usize, wanted: usize) -> BTreeSet<usize> {
     let wanted = wanted.min(count).max(usize::from(count > 0));
     (0..wanted).map(|i| i * count / wanted).collect()
 }
@@ -362,13 +158,16 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         };
         drawn.map_or_else(Vec::new, |case| audit_case(&case, settings, wide.contains(&i), i))
     }));
-    for law in [Invariant::Start, Invariant::Turns] {
+    let frictions = friction_cases(connection, settings, settings.wide_states);
+    let found: Vec<Vec<Check>> = frictions.par_iter().map(|case| case.audit(settings)).collect();
+    found.into_iter().for_each(|found| checks_of(&mut checks, found));
+    for law in [Invariant::Start, Invariant::Turns, Invariant::FreeAxis] {
         let demands = invariant::of_type(connection, law);
         if !demands.is_empty() {
             checks.push(law_of_type(law, &demands, connection));
         }
     }
-    Subject::new(connection.name.to_string(), connection, count as u64, checks)
+    Subject::new(connection.name.to_string(), certificate(connection), count as u64, checks)
 }
 
 /// A law whose demands carry the numbers that they judge.
@@ -403,7 +202,7 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
 fn finding(demand: &invariant::Demand, units: f64, got: f64) -> Finding {
     Finding {
         entry: demand.what.clone(),
-        at: (0, 0),
+        at: None,
         got,
         want: demand.want,
         tolerance: demand.allowed,
@@ -436,11 +235,14 @@ pub(super) fn checks_of(found: &mut Vec<Check>, checks: Vec<Check>) {
 }
 
 /// How often, among the states on doubles only, mutants and laws are tried.
-const SOMETIMES: usize = 20;
+pub(super) const SOMETIMES: usize = 20;
 
 /// All checks of one case.
 pub fn audit_case(case: &Case, settings: &Settings, wide: bool, index: usize) -> Vec<Check> {
-    let (Some(numbers), Some(narrow)) = (product(case), Narrow::of(case)) else { return Vec::new() };
+    let (Some(mut numbers), Some(narrow)) = (product(case), Narrow::of(case)) else { return Vec::new() };
+    if let Some(planted) = settings.planted {
+        planted.spoil(&mut numbers);
+    }
     judge_numbers(case, &numbers, &narrow, settings, wide, index)
 }
 
@@ -492,14 +294,18 @@ fn judge_numbers(
         };
         for oracle in Oracle::ALL.into_iter().filter(|oracle| oracle.answers(quantity) && asked(*oracle)) {
             let answer = match oracle {
-                Oracle::WideDifferences | Oracle::WideDual => {
+                Oracle::WideDifferences | Oracle::WideDual | Oracle::WideSymbolic => {
                     let Some(answers) = &answers else { continue };
                     answers.answer(oracle, quantity)
                 }
                 Oracle::NodalDual => Some(narrow.nodal_dual(&bound)),
+                Oracle::Symbolic => Some(narrow.symbolic(quantity, &bound)),
                 _ => Some(narrow.differences(&bound)),
             };
-            let Some(answer) = answer.filter(|answer| !answer.numbers.is_empty()) else { continue };
+            let Some(mut answer) = answer.filter(|answer| !answer.numbers.is_empty()) else { continue };
+            if let Some(planted) = settings.planted.filter(|_| oracle.is_wide()) {
+                planted.blind(&mut answer);
+            }
             let got = numbers.entries(quantity);
             let judgement = judge(quantity, got, &answer, &around);
             let proves = nearness > 0.0 && (wide || index.is_multiple_of(SOMETIMES));
@@ -511,6 +317,7 @@ fn judge_numbers(
             };
             let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
             check.add(judgement, score, case);
+            check.explain(&Symptoms { quantity, got, want: &trusted, case, bound: &bound }, &answer.numbers);
             checks.push(check);
         }
     }
@@ -561,7 +368,7 @@ fn taylor(
             let order = remainder.order.map_or("linear to rounding".into(), |p| format!("order {p:.2}"));
             worst = Some(Finding {
                 entry: format!("∂{}·v, {order}", crate::catalog::COMPONENT[remainder.component]),
-                at: (remainder.component, 0),
+                at: None,
                 got: remainder.error,
                 want: 0.0,
                 tolerance: remainder.allowed,
@@ -606,7 +413,7 @@ fn hyper_dual(
         if worst.as_ref().is_none_or(|found| units > found.units) {
             worst = Some(Finding {
                 entry: format!("vᵀ ∂²{} w", crate::catalog::COMPONENT[k]),
-                at: (k, 0),
+                at: None,
                 got,
                 want,
                 tolerance: allowed,

@@ -6,6 +6,7 @@
 
 use super::bound::{Bound, U};
 use super::case::{Case, carried, turn};
+use super::force::add_forces;
 use super::mutant::Mutant;
 use super::quantity::{Numbers, Quantity, request};
 use super::sample::{Draw, Motion, Turning, aligned, definition, pair, spin_axis, turning};
@@ -18,13 +19,15 @@ use crate::vector::{self, Vector, apply_transposed, column, cross, scale};
 use serde::Serialize;
 
 /// A law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Invariant {
     /// The six rigid modes are in the kernel of every row.
     RigidModes,
     /// Axes turned with everything change no value, and turn the rows.
     Frame,
+    /// The nodal forces of each component are in equilibrium, moments about any point included.
+    Equilibrium,
     /// Rates are J q̇, accelerations J q̈ + q̇ᵀ H q̇: the power of nodal forces is that of the component forces.
     Power,
     /// Second derivatives are symmetric.
@@ -43,13 +46,16 @@ pub enum Invariant {
     Start,
     /// Turns are counted through ±π and 2πk, either way.
     Turns,
+    /// e1a·e2b = 0 and its family: a turn about the free axis, however far, leaves the printed constraints met.
+    FreeAxis,
 }
 
 impl Invariant {
     /// Every law.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::RigidModes,
         Self::Frame,
+        Self::Equilibrium,
         Self::Power,
         Self::Symmetry,
         Self::Sparsity,
@@ -59,6 +65,7 @@ impl Invariant {
         Self::Restricted,
         Self::Start,
         Self::Turns,
+        Self::FreeAxis,
     ];
 
     /// In words.
@@ -66,6 +73,7 @@ impl Invariant {
         match self {
             Self::RigidModes => "rigid modes in the kernel",
             Self::Frame => "frame equivariance",
+            Self::Equilibrium => "equilibrium of nodal forces",
             Self::Power => "power identity",
             Self::Symmetry => "symmetry of second derivatives",
             Self::Sparsity => "declared sparsity",
@@ -75,6 +83,7 @@ impl Invariant {
             Self::Restricted => "restricted request",
             Self::Start => "zero at the start",
             Self::Turns => "turns through ±π and 2πk",
+            Self::FreeAxis => "turns about the free axis",
         }
     }
 }
@@ -172,6 +181,7 @@ impl<'a> Context<'a> {
         match invariant {
             Invariant::RigidModes => self.rigid_modes(),
             Invariant::Frame => self.frame(),
+            Invariant::Equilibrium => self.equilibrium(),
             Invariant::Power => self.power(),
             Invariant::Symmetry => self.symmetry(),
             Invariant::Sparsity => self.sparsity(),
@@ -179,7 +189,7 @@ impl<'a> Context<'a> {
             Invariant::Halves => self.halves(),
             Invariant::Restored => self.restored(),
             Invariant::Restricted => self.restricted(),
-            Invariant::Start | Invariant::Turns => Vec::new(),
+            Invariant::Start | Invariant::Turns | Invariant::FreeAxis => Vec::new(),
         }
     }
 
@@ -188,12 +198,16 @@ impl<'a> Context<'a> {
         matches!(measure, Measure::Distance) && self.state.pair.separation() == [0.0; 3]
     }
 
-    /// Both ends of the connector move: rows of a grounded one are not those of a free pair.
+    /// The degrees of freedom that the connector would have if its nodes had all of theirs.
+    fn of_free_nodes(&self) -> [bool; DOFS] {
+        let mut definition = self.case.definition.clone();
+        (definition.moves, definition.rotates) = ([true; 2], [true; 2]);
+        *Connector::<f64>::new(&definition).active()
+    }
+
+    /// Nothing of its rows is left out: those of a grounded node, of one without rotations, out of the plane.
     fn is_free(&self) -> bool {
-        let active = self.connector.active();
-        self.case.definition.moves == [true; 2]
-            && (0..3).all(|i| active[i] == active[i + DOFS / 2])
-            && !self.case.definition.planar
+        !self.case.definition.planar && self.of_free_nodes() == *self.connector.active()
     }
 
     fn rigid_modes(&self) -> Vec<Demand> {
@@ -229,10 +243,38 @@ impl<'a> Context<'a> {
         found
     }
 
+    /// Forces sum to zero, and so do moments about a: M_a + M_b + d × F_b.
+    fn equilibrium(&self) -> Vec<Demand> {
+        let mut found = Vec::new();
+        let reach = self.connector.reach();
+        if self.case.definition.planar || (0..DOFS).any(|j| j % 7 != 6 && !reach[j]) {
+            return found;
+        }
+        let separation = self.state.pair.separation();
+        let quantity = Quantity::NodalForces;
+        for k in (0..6).filter(|k| self.numbers.entries(quantity).0[*k].is_some()) {
+            if self.connector.position_measure(k).is_some_and(|measure| self.is_fixed_in_space(measure)) {
+                continue;
+            }
+            let name = crate::catalog::FORCE[k];
+            for i in 0..3 {
+                let terms = vec![(quantity, k, node::XA + i, 1.0), (quantity, k, node::XB + i, 1.0)];
+                found.push(self.sum(terms, 0.0, format!("nodal forces of {name}")));
+                let mut axis = [0.0; 3];
+                axis[i] = 1.0;
+                let arm = cross(axis, separation);
+                let mut terms =
+                    vec![(quantity, k, node::THETA_A + i, 1.0), (quantity, k, node::THETA_B + i, 1.0)];
+                terms.extend((0..3).map(|j| (quantity, k, node::XB + j, arm[j])));
+                found.push(self.sum(terms, 0.0, format!("nodal moments of {name}")));
+            }
+        }
+        found
+    }
+
     /// The numbers of another connector or state, asked the same.
     fn evaluate(&self, connector: &Connector<f64>, state: &State<f64>, branch: &Branch<f64>) -> Numbers<f64> {
-        let mut tally = Tally::default();
-        Numbers::of(&connector.evaluate(state, &Increment::none(), branch, &request(), &mut tally))
+        asked(connector, state, &Increment::none(), branch)
     }
 
     fn frame(&self) -> Vec<Demand> {
@@ -256,15 +298,19 @@ impl<'a> Context<'a> {
                 let terms = vec![(Quantity::Value, k, 0, 1.0)];
                 found.push(wider(self.sum(terms, want, format!("{name} in turned axes"))));
             }
-            let Some(row) = &twin.entries(Quantity::FirstDerivatives).0[k] else { continue };
-            for at in [node::XA, node::THETA_A, node::XB, node::THETA_B] {
+            let vectors = [Quantity::FirstDerivatives, Quantity::NodalForces]
+                .into_iter()
+                .flat_map(|q| [node::XA, node::THETA_A, node::XB, node::THETA_B].map(|at| (q, at)));
+            for (quantity, at) in vectors {
+                let Some(row) = &twin.entries(quantity).0[k] else { continue };
                 let back = apply_transposed(&rotation, [row[at], row[at + 1], row[at + 2]]);
                 for (i, want) in back.into_iter().enumerate() {
-                    let terms = vec![(Quantity::FirstDerivatives, k, at + i, 1.0)];
-                    let mut demand = wider(self.sum(terms, want, format!("∂{name} in turned axes")));
+                    let terms = vec![(quantity, k, at + i, 1.0)];
+                    let what = format!("{} in turned axes", quantity.entry_name(k, at + i));
+                    let mut demand = wider(self.sum(terms, want, what));
                     // A component of a vector is as uncertain as the vector.
                     demand.allowed = (0..3)
-                        .map(|j| 4.0 * self.tolerance(Quantity::FirstDerivatives, k, at + j))
+                        .map(|j| 4.0 * self.tolerance(quantity, k, at + j))
                         .sum::<f64>()
                         .max(demand.allowed);
                     found.push(demand);
@@ -277,9 +323,9 @@ impl<'a> Context<'a> {
     fn power(&self) -> Vec<Demand> {
         let mut found = Vec::new();
         let (v, a) = (&self.state.velocity, &self.state.acceleration);
-        // A node that does not move has no rates either.
-        let moving = |j: usize| self.connector.active()[j];
-        if (0..DOFS).any(|j| !moving(j) && j % 7 != 6 && (v[j] != 0.0 || a[j] != 0.0)) {
+        // A node that is given rates and has no columns for them is not told of by rows.
+        let (active, free) = (self.connector.active(), self.of_free_nodes());
+        if (0..DOFS).any(|j| free[j] && !active[j] && (v[j] != 0.0 || a[j] != 0.0)) {
             return found;
         }
         for (k, measure) in self.components() {
@@ -334,6 +380,7 @@ impl<'a> Context<'a> {
         let active = self.connector.active();
         for (k, measure) in self.components() {
             let on = measure.dependence();
+            let reach = self.connector.reach();
             for (j, active) in active.iter().enumerate() {
                 let may = match j % 7 {
                     0..=2 => on.translation,
@@ -347,6 +394,15 @@ impl<'a> Context<'a> {
                         want: 0.0,
                         allowed: 0.0,
                         what: format!("{} is declared zero", Quantity::FirstDerivatives.entry_name(k, j)),
+                    });
+                }
+                if !reach[j] && self.numbers.entries(Quantity::NodalForces).get(k, j).is_some() {
+                    found.push(Demand {
+                        terms: vec![(Quantity::NodalForces, k, j, 1.0)],
+                        offset: 0.0,
+                        want: 0.0,
+                        allowed: 0.0,
+                        what: format!("{} is declared zero", Quantity::NodalForces.entry_name(k, j)),
                     });
                 }
             }
@@ -424,10 +480,8 @@ impl<'a> Context<'a> {
             let mut definition = self.case.definition.clone();
             definition.connection = connection.into();
             let connector = Connector::<f64>::new(&definition);
-            let mut tally = Tally::default();
             let start = Case { definition, ..self.case.clone() }.branch_before(&connector);
-            let evaluation = connector.evaluate(&self.state, &self.increment, &start, &request(), &mut tally);
-            self.same(&Numbers::of(&evaluation), range, "of its half")
+            self.same(&asked(&connector, &self.state, &self.increment, &start), range, "of its half")
         };
         let mut found = half(translational, 0..3);
         found.extend(half(rotational, 3..6));
@@ -438,9 +492,8 @@ impl<'a> Context<'a> {
         let saved = serde_json::to_string(&self.before).ok();
         let restored: Option<Branch<f64>> = saved.and_then(|text| serde_json::from_str(&text).ok());
         let branch = restored.unwrap_or_else(|| self.connector.initial_branch());
-        let mut tally = Tally::default();
-        let again = self.connector.evaluate(&self.state, &self.increment, &branch, &request(), &mut tally);
-        self.same(&Numbers::of(&again), 0..6, "after a restored history")
+        let again = asked(&self.connector, &self.state, &self.increment, &branch);
+        self.same(&again, 0..6, "after a restored history")
     }
 
     fn restricted(&self) -> Vec<Demand> {
@@ -458,12 +511,26 @@ impl<'a> Context<'a> {
     }
 }
 
+/// The numbers of a connector at a state, with forces.
+fn asked(
+    connector: &Connector<f64>,
+    state: &State<f64>,
+    increment: &Increment<f64>,
+    branch: &Branch<f64>,
+) -> Numbers<f64> {
+    let evaluation = connector.evaluate(state, increment, branch, &request(), &mut Tally::default());
+    let mut numbers = Numbers::of(&evaluation);
+    add_forces(&mut numbers, connector, state, &evaluation.branch);
+    numbers
+}
+
 /// What a type must give at its initial state, and after turns about the axis about which it may turn without end. The numbers
 /// judged are in the demands themselves.
 pub fn of_type(connection: &ConnectionType, invariant: Invariant) -> Vec<Demand> {
     match invariant {
         Invariant::Start => start(connection),
-        Invariant::Turns => turns(connection),
+        Invariant::Turns => turns(connection, false),
+        Invariant::FreeAxis => turns(connection, true),
         _ => Vec::new(),
     }
 }
@@ -496,7 +563,8 @@ fn start(connection: &ConnectionType) -> Vec<Demand> {
     found
 }
 
-fn turns(connection: &ConnectionType) -> Vec<Demand> {
+/// After turns about the free axis: what the angles must be, or that the printed constraints of axes are met.
+fn turns(connection: &ConnectionType, constraints: bool) -> Vec<Demand> {
     const SIZES: [f64; 6] = [3.0, 3.3, 6.2, 6.4, 20.0, 100.0];
     let draw = &mut Draw::new(&connection.name);
     let mut found = Vec::new();
@@ -512,8 +580,19 @@ fn turns(connection: &ConnectionType) -> Vec<Demand> {
         let motion = Motion { steps, ..Motion::random(draw, 1.0, scale(axis, size)) };
         let path = motion.path(&definition.initial);
         let case = Case { name: String::new(), definition, start: None, path, length: 1.0 };
-        let asked = Request::new(&[Output::CU], [true; 6], 0);
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
         let Some((evaluation, _)) = case.evaluation(&asked) else { continue };
+        if constraints {
+            let is_met = matches!(turning(connection), Turning::Universal | Turning::Revolute);
+            for k in (3..6).filter(|_| is_met) {
+                let Some(offset) = evaluation.residual[k] else { continue };
+                let what = format!("residual {} after {size} rad", crate::catalog::COMPONENT[k]);
+                // Each step turns the triads once more, and each time they are rounded.
+                let allowed = 8.0 * U * (1.0 + steps as f64);
+                found.push(Demand { terms: Vec::new(), offset, want: 0.0, allowed, what });
+            }
+            continue;
+        }
         let along: Vector<f64> = [0, 1, 2].map(|i| {
             let direction = column(&a0, i);
             (0..3).map(|j| direction[j] * axis[j]).sum()

@@ -13,19 +13,31 @@
 //! | the formula is the manual's | JAX, certified per type ([`certificate`]) |
 //! | the declaration is the manual's | its summary table, transcribed a second time, certified per type |
 
+pub mod assembly;
 pub mod atlas;
+mod behavior;
 pub mod bound;
 mod candidate;
 pub mod case;
 pub mod certificate;
 pub mod counterexample;
+pub mod coverage;
+pub mod diagnosis;
 mod engine;
+mod force;
+pub mod friction;
 mod hex;
+pub mod illustration;
 pub mod invariant;
+pub mod model;
+pub mod mpc;
 pub mod mutant;
 pub mod oracle;
+mod outcome;
 pub mod quantity;
 pub mod sample;
+mod scene;
+pub mod sheet;
 pub mod shrink;
 #[cfg(feature = "proptest")]
 pub mod strategies;
@@ -37,9 +49,17 @@ pub use bound::{Bound, C, U};
 pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
 pub use counterexample::CounterExample;
-pub use engine::{Against, Check, Report, Settings, Subject, audit_case, audit_cases, audit_catalogue};
+pub use coverage::Coverage;
+pub use diagnosis::{Cause, Diagnosis, Explained};
+pub use engine::{Planted, Settings, audit_case, audit_cases, audit_catalogue};
+pub use force::product_with_forces as product;
+pub use friction::{FrictionCase, friction_cases};
 pub use hex::Hex;
+pub use illustration::{Compared, Comparison, Illustration, Steps, illustrate_catalogue, illustrate_scene};
 pub use invariant::Invariant;
+pub use mpc::MpcCase;
 pub use oracle::Oracle;
+pub use outcome::{Against, Check, Report, Subject};
 pub use quantity::{Entries, Numbers, Quantity};
+pub use scene::{Target, audit_scenes};
 pub use verdict::{Finding, Judgement, Score, Verdict};

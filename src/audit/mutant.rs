@@ -12,6 +12,9 @@ use std::f64::consts::PI;
 pub const LADDER: [f64; 14] =
     [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14];
 
+/// What is below this part of its conditioned scale is taken to be zero but for rounding: that it is not must be noticed too.
+pub(super) const NOTHING: f64 = 1e-9;
+
 /// A mistake.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -52,6 +55,14 @@ pub enum Mistake {
     RatesOfAIgnored,
     /// The part quadratic in the rates is missing.
     QuadraticPartMissing,
+    /// A factor's number is left out: β = 1/L for 2/L.
+    NumberLeftOut,
+    /// A parameter multiplies that must divide: m · R_r for m/R_r.
+    MultipliedInsteadOfDivided,
+    /// The tangent of stick in slip, or the reverse.
+    StickForSlip,
+    /// What presses is held while a tangent is taken.
+    CouplingMissing,
 }
 
 impl Mistake {
@@ -76,6 +87,10 @@ impl Mistake {
             Self::TurnForgotten => "previous turns forgotten".into(),
             Self::RatesOfAIgnored => "rates of node a ignored".into(),
             Self::QuadraticPartMissing => "quadratic part missing".into(),
+            Self::NumberLeftOut => "β = 2/L without the 2".into(),
+            Self::MultipliedInsteadOfDivided => "R_r multiplied instead of divided".into(),
+            Self::StickForSlip => "stick for slip".into(),
+            Self::CouplingMissing => "contact force held".into(),
         }
     }
 }
@@ -124,9 +139,20 @@ pub fn mutants(quantity: Quantity, scene: &Scene<'_>) -> Vec<Mutant> {
     let mut found = entry_mistakes(entries, scene);
     match quantity {
         Quantity::Value => found.extend(value_mistakes(entries, scene)),
-        Quantity::FirstDerivatives => found.extend(row_mistakes(entries, scene)),
-        Quantity::SecondDerivatives => found.extend(matrix_mistakes(entries, scene)),
+        Quantity::FirstDerivatives | Quantity::NodalForces => found.extend(row_mistakes(entries, scene)),
+        Quantity::SecondDerivatives => {
+            found.extend(matrix_mistakes(entries, scene.numbers.entries(Quantity::FirstDerivatives), scene));
+        }
+        Quantity::GeometricStiffness => {
+            found.extend(matrix_mistakes(entries, scene.numbers.entries(Quantity::NodalForces), scene));
+        }
         Quantity::Rate | Quantity::Acceleration => found.extend(rate_mistakes(quantity, entries, scene)),
+        // These are no numbers of a connector's components.
+        Quantity::FrictionCriterion
+        | Quantity::FrictionGradient
+        | Quantity::FrictionHessian
+        | Quantity::FrictionTangent
+        | Quantity::BehaviorTangent => {}
     }
     found
 }
@@ -135,8 +161,11 @@ fn entry_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     let mut found = Vec::new();
     for (k, i, x) in entries.iter() {
         let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
+        let scale = (scene.scale)(k, i);
+        if x.abs() <= NOTHING * scale {
+            one(Mistake::Spurious, x + 1e-3 * scale);
+        }
         if x == 0.0 {
-            one(Mistake::Spurious, 1e-3 * (scene.scale)(k, i));
             continue;
         }
         one(Mistake::Dropped, 0.0);
@@ -266,10 +295,9 @@ fn second_variation(row: &[f64], pair: &Pair<f64>) -> Vec<(usize, usize, f64)> {
     terms
 }
 
-fn matrix_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
+fn matrix_mistakes(entries: &Entries<f64>, first: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     let mut found = swapped_components(entries, DOFS * DOFS);
     let pair = scene.case.last().map(|step| step.state.pair);
-    let first = scene.numbers.entries(Quantity::FirstDerivatives);
     for (k, matrix) in entries.0.iter().enumerate() {
         let Some(matrix) = matrix else { continue };
         let at = |i: usize, j: usize| matrix[i * DOFS + j];

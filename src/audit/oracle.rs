@@ -4,15 +4,16 @@ use super::bound::{Bound, U};
 use super::case::{Case, dof_size, moved};
 use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::Truth;
-use crate::connector::{Components, Connector, Increment, Output, Request, State, Tally};
+use crate::connector::{Branch, Components, Connector, Increment, Output, Request, State, Tally};
 use crate::measure::Unit;
-use crate::node::DOFS;
-use crate::scalar::Wide;
+use crate::node::{DOFS, Pair};
+use crate::scalar::{Differentiable, Wide};
+use crate::symbolic::{Model, nodal_inputs};
 use crate::vector::sub;
 use serde::{Deserialize, Serialize};
 
 /// What an oracle shares with the product: an error in a shared part is invisible to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Shares {
     /// The source text of the kinematics: a wrong formula.
     pub kinematics: bool,
@@ -23,7 +24,9 @@ pub struct Shares {
 }
 
 /// A source of reference numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Oracle {
     /// Central differences on 237-bit numbers.
@@ -38,16 +41,22 @@ pub enum Oracle {
     HyperDual,
     /// Central differences on doubles with an estimate of their own error.
     Differences,
+    /// Derivatives of the traced formulas, evaluated on 237-bit numbers: no dual numbers, no steps.
+    WideSymbolic,
+    /// The same on doubles.
+    Symbolic,
 }
 
 impl Oracle {
     /// Every oracle, the sharpest first.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::WideDifferences,
+        Self::WideSymbolic,
         Self::WideDual,
         Self::Taylor,
         Self::NodalDual,
         Self::HyperDual,
+        Self::Symbolic,
         Self::Differences,
     ];
 
@@ -60,6 +69,8 @@ impl Oracle {
             Self::NodalDual => "nodal-dual",
             Self::HyperDual => "hyper-dual",
             Self::Differences => "differences",
+            Self::WideSymbolic => "wide-symbolic",
+            Self::Symbolic => "symbolic",
         }
     }
 
@@ -76,23 +87,25 @@ impl Oracle {
             Self::NodalDual => "dual numbers in the nodal degrees of freedom, without the relative pair",
             Self::HyperDual => "hyper-dual numbers along random directions of the nodes",
             Self::Differences => "central differences on doubles, with an estimate of their error",
+            Self::WideSymbolic => "derivatives of the traced formulas, on 237-bit numbers",
+            Self::Symbolic => "derivatives of the traced formulas, on doubles",
         }
     }
 
     /// What it has in common with the product.
     pub const fn shares(self) -> Shares {
         let (elementary, mechanism) = match self {
-            Self::WideDifferences | Self::Taylor => (false, false),
+            Self::WideDifferences | Self::Taylor | Self::WideSymbolic => (false, false),
             Self::WideDual => (false, true),
             Self::NodalDual | Self::HyperDual => (true, true),
-            Self::Differences => (true, false),
+            Self::Differences | Self::Symbolic => (true, false),
         };
         Shares { kinematics: true, elementary, mechanism }
     }
 
     /// Whether it works on 237-bit numbers, which takes a thousand times as long.
     pub const fn is_wide(self) -> bool {
-        matches!(self, Self::WideDifferences | Self::WideDual | Self::Taylor)
+        matches!(self, Self::WideDifferences | Self::WideSymbolic | Self::WideDual | Self::Taylor)
     }
 
     /// Whether its word alone decides on a derivative: another mechanism, and other elementary functions.
@@ -106,6 +119,9 @@ impl Oracle {
         match self {
             Self::WideDifferences | Self::WideDual => true,
             Self::NodalDual | Self::Differences => matches!(quantity, Quantity::FirstDerivatives),
+            Self::WideSymbolic | Self::Symbolic => {
+                matches!(quantity, Quantity::FirstDerivatives | Quantity::SecondDerivatives)
+            }
             Self::Taylor | Self::HyperDual => false,
         }
     }
@@ -141,11 +157,21 @@ pub struct WideAnswers {
     pub dual: Numbers<Wide>,
     /// By differences.
     pub differences: Numbers<Wide>,
+    /// By derivatives of the traced formulas.
+    pub symbolic: Numbers<Wide>,
 }
 
 impl WideAnswers {
     /// At the end of a case.
     pub fn of(truth: &Truth) -> Self {
+        let mut answers = Self::of_kinematics(truth);
+        answers.differences.set(Quantity::NodalForces, truth.force_rows());
+        answers.differences.set(Quantity::GeometricStiffness, truth.force_row_changes());
+        answers
+    }
+
+    /// At the end of a case, without forces by differences.
+    pub fn of_kinematics(truth: &Truth) -> Self {
         let mut differences = Numbers::default();
         differences.set(Quantity::Value, truth.value());
         differences.set(Quantity::FirstDerivatives, truth.first());
@@ -153,14 +179,15 @@ impl WideAnswers {
         let [rate, acceleration] = truth.rates();
         differences.set(Quantity::Rate, rate);
         differences.set(Quantity::Acceleration, acceleration);
-        Self { dual: truth.dual(), differences }
+        Self { dual: truth.dual(), differences, symbolic: truth.symbolic() }
     }
 
-    /// What one of the two says of a quantity.
+    /// What one of them says of a quantity.
     pub fn answer(&self, oracle: Oracle, quantity: Quantity) -> Option<Answer> {
         let numbers = match oracle {
             Oracle::WideDifferences => &self.differences,
             Oracle::WideDual => &self.dual,
+            Oracle::WideSymbolic => &self.symbolic,
             _ => return None,
         };
         Some(Answer::sharp(oracle, numbers.entries(quantity).clone()))
@@ -171,7 +198,7 @@ impl WideAnswers {
 pub struct Narrow {
     connector: Connector<f64>,
     state: State<f64>,
-    branch: crate::connector::Branch<f64>,
+    branch: Branch<f64>,
     length: f64,
 }
 
@@ -188,7 +215,8 @@ impl Narrow {
         Some(Self { state, branch, length: case.length, connector })
     }
 
-    fn values(&self, by: &[f64; DOFS]) -> Components<f64> {
+    /// The values after the nodes moved by finite amounts from the end of the case.
+    pub(super) fn values(&self, by: &[f64; DOFS]) -> Components<f64> {
         let mut state = self.state;
         state.pair = moved(&self.state.pair, by);
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
@@ -211,6 +239,15 @@ impl Narrow {
             });
         }
         Answer { oracle: Oracle::NodalDual, numbers, error }
+    }
+
+    /// First and second derivatives of the traced formulas. Their own error is that of a straight-line program: a few roundings
+    /// of the same scale.
+    pub fn symbolic(&self, quantity: Quantity, bound: &Bound) -> Answer {
+        let traced = derivatives(&self.connector, &self.state.pair, &self.branch);
+        let numbers = traced.entries(quantity).map(|_, _, x| Wide::from_f64(x));
+        let error = numbers.map(|k, i, _| bound.tolerance(quantity, k, i));
+        Answer { oracle: Oracle::Symbolic, numbers, error }
     }
 
     /// First derivatives by central differences on doubles: the best of a ladder of steps, none of which leads over a singular
@@ -241,6 +278,33 @@ impl Narrow {
     pub const fn active(&self) -> &[bool; DOFS] {
         self.connector.active()
     }
+}
+
+/// The derivatives of a connector's traced formulas at a state; none where a formula cannot be traced.
+pub(super) fn derivatives<R: Differentiable<Mask = bool>>(
+    connector: &Connector<R>,
+    pair: &Pair<R>,
+    branch: &Branch<R>,
+) -> Numbers<R> {
+    let mut found = Numbers::default();
+    let Some(model) = Model::shared(connector.connection()) else { return found };
+    let inputs = nodal_inputs(pair, connector.section(), &branch.history());
+    let (mut first, mut second) = (Entries::default(), Entries::default());
+    for (function, derivatives) in model.functions.iter().zip(model.evaluate(&inputs)) {
+        let k = function.component;
+        if connector.differentiated(k) != Some(function.measure) {
+            continue;
+        }
+        let active = |i: usize| connector.active()[i % DOFS] && connector.active()[i / DOFS % DOFS];
+        let masked = |i: usize, x: R| if active(i) { x } else { R::integer(0) };
+        let row = derivatives.first.into_iter().enumerate();
+        first.0[k] = Some(row.map(|(i, x)| masked(i * DOFS + i, x)).collect());
+        let matrix = derivatives.second.into_iter().enumerate();
+        second.0[k] = Some(matrix.map(|(i, x)| masked(i, x)).collect());
+    }
+    found.set(Quantity::FirstDerivatives, first);
+    found.set(Quantity::SecondDerivatives, second);
+    found
 }
 
 /// Central differences of a function of the nodal degrees of freedom on doubles: the best of a ladder of steps h·`size`(j), the

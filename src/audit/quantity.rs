@@ -1,13 +1,15 @@
 //! What is judged: the numbers of one evaluation, each with a name.
 
-use super::case::{Case, dof_size};
-use crate::catalog::COMPONENT;
+use super::case::dof_size;
+use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{Components, Evaluation, Output, Request};
 use crate::node::{DOF, DOFS};
 use serde::{Deserialize, Serialize};
 
 /// A kind of number that a connector gives for each component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// The residual of a constrained component, the displacement of any other.
@@ -20,12 +22,36 @@ pub enum Quantity {
     Rate,
     /// Its acceleration.
     Acceleration,
+    /// The nodal forces of a unit force of the component, residual-side.
+    NodalForces,
+    /// Their derivatives: geometric stiffness per unit force.
+    GeometricStiffness,
+    /// P, F_C, F_N and Φ of a friction.
+    FrictionCriterion,
+    /// Their derivatives by the forces.
+    FrictionGradient,
+    /// Their second derivatives.
+    FrictionHessian,
+    /// The consistent tangent of an increment with friction.
+    FrictionTangent,
+    /// The slopes of elastic and viscous forces.
+    BehaviorTangent,
 }
 
+/// How many quantities there are.
+const COUNT: usize = Quantity::BehaviorTangent as usize + 1;
+
 impl Quantity {
-    /// Every quantity, in the order of reports.
-    pub const ALL: [Self; 5] =
-        [Self::Value, Self::FirstDerivatives, Self::SecondDerivatives, Self::Rate, Self::Acceleration];
+    /// Every quantity of a connector's components, in the order of reports.
+    pub const ALL: [Self; 7] = [
+        Self::Value,
+        Self::FirstDerivatives,
+        Self::SecondDerivatives,
+        Self::Rate,
+        Self::Acceleration,
+        Self::NodalForces,
+        Self::GeometricStiffness,
+    ];
 
     /// In words.
     pub const fn name(self) -> &'static str {
@@ -35,24 +61,52 @@ impl Quantity {
             Self::SecondDerivatives => "second derivatives",
             Self::Rate => "rates",
             Self::Acceleration => "accelerations",
+            Self::NodalForces => "nodal forces",
+            Self::GeometricStiffness => "geometric stiffness",
+            Self::FrictionCriterion => "friction criteria",
+            Self::FrictionGradient => "friction gradients",
+            Self::FrictionHessian => "friction Hessians",
+            Self::FrictionTangent => "friction tangents",
+            Self::BehaviorTangent => "tangents of elastic and viscous forces",
         }
     }
 
-    /// The number of entries per component.
+    /// The symbol, as headings of tables have it.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Value => "f",
+            Self::FirstDerivatives => "∂f",
+            Self::SecondDerivatives => "∂²f",
+            Self::Rate => "ḟ",
+            Self::Acceleration => "f̈",
+            Self::NodalForces => "G",
+            Self::GeometricStiffness => "∂G",
+            Self::FrictionCriterion => "Φ",
+            Self::FrictionGradient => "∂Φ",
+            Self::FrictionHessian => "∂²Φ",
+            Self::FrictionTangent => "∂F_f",
+            Self::BehaviorTangent => "∂F",
+        }
+    }
+
+    /// The number of entries per component; 0 for what is not by components.
     pub const fn entries(self) -> usize {
         match self {
             Self::Value | Self::Rate | Self::Acceleration => 1,
-            Self::FirstDerivatives => DOFS,
-            Self::SecondDerivatives => DOFS * DOFS,
+            Self::FirstDerivatives | Self::NodalForces => DOFS,
+            Self::SecondDerivatives | Self::GeometricStiffness => DOFS * DOFS,
+            _ => 0,
         }
     }
 
     /// The size of the degrees of freedom of entry `i`: s_j, or s_j s_k.
     pub fn entry_size(self, i: usize, length: f64) -> f64 {
         match self {
-            Self::FirstDerivatives => dof_size(i, length),
-            Self::SecondDerivatives => dof_size(i / DOFS, length) * dof_size(i % DOFS, length),
-            Self::Value | Self::Rate | Self::Acceleration => 1.0,
+            Self::FirstDerivatives | Self::NodalForces => dof_size(i, length),
+            Self::SecondDerivatives | Self::GeometricStiffness => {
+                dof_size(i / DOFS, length) * dof_size(i % DOFS, length)
+            }
+            _ => 1.0,
         }
     }
 
@@ -67,6 +121,11 @@ impl Quantity {
             }
             Self::Rate => format!("d{component}/dt"),
             Self::Acceleration => format!("d²{component}/dt²"),
+            Self::NodalForces => format!("{} on {}", FORCE[k], DOF[i % DOFS]),
+            Self::GeometricStiffness => {
+                format!("∂({} on {})/∂{}", FORCE[k], DOF[i / DOFS % DOFS], DOF[i % DOFS])
+            }
+            _ => format!("{} {component} {i}", self.symbol()),
         }
     }
 }
@@ -116,25 +175,35 @@ impl<T: Copy> Entries<T> {
 }
 
 /// Everything that an audit judges of one evaluation.
-#[derive(Clone, Debug, Default)]
-pub struct Numbers<T>([Entries<T>; Quantity::ALL.len()]);
+#[derive(Clone, Debug)]
+pub struct Numbers<T>([Entries<T>; COUNT]);
+
+impl<T> Default for Numbers<T> {
+    fn default() -> Self {
+        Self(std::array::from_fn(|_| Entries::default()))
+    }
+}
 
 impl<T: Copy> Numbers<T> {
-    /// Of one evaluation. Rates are those of the residual where there is one.
+    /// Of one evaluation, without forces. Rates are those of the residual where there is one.
     pub fn of(evaluation: &Evaluation<T>) -> Self {
         let one = |x: Option<T>| x.map(|x| vec![x]);
         let both = |first: &Components<T>, second: &Components<T>| {
             Entries(std::array::from_fn(|k| one(first[k].or(second[k]))))
         };
-        Self([
-            both(&evaluation.residual, &evaluation.displacement),
-            Entries(std::array::from_fn(|k| evaluation.jacobian[k].map(|row| row.to_vec()))),
-            Entries(std::array::from_fn(|k| {
-                evaluation.hessian[k].as_ref().map(|h| h.as_flattened().to_vec())
-            })),
-            both(&evaluation.residual_rate, &evaluation.velocity),
-            both(&evaluation.residual_acceleration, &evaluation.acceleration),
-        ])
+        let mut numbers = Self(std::array::from_fn(|_| Entries::default()));
+        let row = |k: usize| evaluation.jacobian[k].map(|row| row.to_vec());
+        let matrix = |k: usize| evaluation.hessian[k].as_ref().map(|h| h.as_flattened().to_vec());
+        for (quantity, entries) in [
+            (Quantity::Value, both(&evaluation.residual, &evaluation.displacement)),
+            (Quantity::FirstDerivatives, Entries(std::array::from_fn(row))),
+            (Quantity::SecondDerivatives, Entries(std::array::from_fn(matrix))),
+            (Quantity::Rate, both(&evaluation.residual_rate, &evaluation.velocity)),
+            (Quantity::Acceleration, both(&evaluation.residual_acceleration, &evaluation.acceleration)),
+        ] {
+            numbers.set(quantity, entries);
+        }
+        numbers
     }
 
     /// The entries of one quantity.
@@ -151,9 +220,4 @@ impl<T: Copy> Numbers<T> {
 /// What is asked of a connector for [`Numbers`].
 pub fn request() -> Request {
     Request::new(&[Output::CU, Output::CV, Output::CA, Output::RES, Output::RESV, Output::RESA], [true; 6], 2)
-}
-
-/// What the product gives at the end of a case; `None` for an empty path.
-pub fn product(case: &Case) -> Option<Numbers<f64>> {
-    case.evaluation(&request()).map(|(evaluation, _)| Numbers::of(&evaluation))
 }

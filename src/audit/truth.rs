@@ -55,14 +55,43 @@ impl Truth {
         Wide::from_f64(size * nearness) * Wide::from_f64(dof_size(j, self.length))
     }
 
-    fn evaluate(&self, by: &NodalRow<Wide>, request: &Request) -> Evaluation<Wide> {
+    pub(super) const fn connector(&self) -> &Connector<Wide> {
+        &self.connector
+    }
+
+    pub(super) const fn state(&self) -> &State<Wide> {
+        &self.state
+    }
+
+    pub(super) const fn branch(&self) -> &Branch<Wide> {
+        &self.branch
+    }
+
+    pub(super) fn state_at(&self, by: &NodalRow<Wide>) -> State<Wide> {
         let mut state = self.state;
         state.pair = moved(&self.state.pair, by);
+        state
+    }
+
+    /// The places at ±h along a degree of freedom, and 2h.
+    pub(super) fn around(&self, j: usize) -> ([NodalRow<Wide>; 2], Wide) {
+        let h = self.step(j, FIRST_STEP);
+        ([Self::along(j, h), Self::along(j, -h)], h + h)
+    }
+
+    /// The degrees of freedom that the connector loads, those of the ground among them.
+    pub(super) fn reach(&self) -> impl Iterator<Item = usize> + use<> {
+        let reach = *self.connector.reach();
+        (0..DOFS).filter(move |j| reach[*j])
+    }
+
+    pub(super) fn evaluate(&self, by: &NodalRow<Wide>, request: &Request) -> Evaluation<Wide> {
+        let state = self.state_at(by);
         self.connector.evaluate(&state, &Increment::none(), &self.branch, request, &mut Tally::default())
     }
 
     /// The value of a one-form from the end of the case on, along an increment.
-    fn accumulated(&self, by: &NodalRow<Wide>) -> Wide {
+    pub(super) fn accumulated(&self, by: &NodalRow<Wide>) -> Wide {
         let mut state = self.state;
         state.pair = moved(&self.state.pair, by);
         let part = |at: usize| [by[at], by[at + 1], by[at + 2]];
@@ -99,7 +128,14 @@ impl Truth {
 
     /// Everything by dual numbers over 237 bits: the product's own source, without its rounding.
     pub fn dual(&self) -> Numbers<Wide> {
-        Numbers::of(&self.evaluate(&[Wide::zero(); DOFS], &request()))
+        let mut numbers = Numbers::of(&self.evaluate(&[Wide::zero(); DOFS], &request()));
+        super::force::add_forces(&mut numbers, &self.connector, &self.state, &self.branch);
+        numbers
+    }
+
+    /// First and second derivatives of the traced formulas.
+    pub fn symbolic(&self) -> Numbers<Wide> {
+        super::oracle::derivatives(&self.connector, &self.state.pair, &self.branch)
     }
 
     /// The values.
@@ -152,18 +188,8 @@ impl Truth {
                 let one_form = self.connector.differentiated(c).is_some_and(|m| m.is_one_form());
                 for j in self.active() {
                     let mut want = (plus[j] - minus[j]) / (h + h);
-                    if let (Some(first), Some(second), Some(row), false) =
-                        (rotation(j), rotation(k), at_rest[c], one_form)
-                        && j / 7 == k / 7
-                    {
-                        let axis = |i: usize| {
-                            let mut axis = [Wide::zero(); 3];
-                            axis[i] = Wide::integer(1);
-                            axis
-                        };
-                        let at = 7 * (j / 7) + node::THETA_A;
-                        let gradient: Vector<Wide> = [row[at], row[at + 1], row[at + 2]];
-                        want -= dot(cross(axis(first), axis(second)), gradient) / Wide::integer(2);
+                    if let (Some(row), false) = (at_rest[c], one_form) {
+                        want -= bracket(&row, j, k);
                     }
                     entries[j * DOFS + k] = want;
                 }
@@ -235,6 +261,23 @@ impl Truth {
     fn empty(&self, entries: usize) -> Components<Vec<Wide>> {
         std::array::from_fn(|k| self.connector.differentiated(k).map(|_| vec![Wide::zero(); entries]))
     }
+}
+
+/// ½ (e_j × e_k)·∂f/∂θ for two rotations j and k of one node: what the derivative of a row has more than the second derivative of
+/// f(exp(δθ^) C); 0 for any other two degrees of freedom.
+pub(super) fn bracket(row: &NodalRow<Wide>, j: usize, k: usize) -> Wide {
+    let (Some(first), Some(second)) = (rotation(j), rotation(k)) else { return Wide::zero() };
+    if j / 7 != k / 7 {
+        return Wide::zero();
+    }
+    let axis = |i: usize| {
+        let mut axis = [Wide::zero(); 3];
+        axis[i] = Wide::integer(1);
+        axis
+    };
+    let at = 7 * (j / 7) + node::THETA_A;
+    let gradient: Vector<Wide> = [row[at], row[at + 1], row[at + 2]];
+    dot(cross(axis(first), axis(second)), gradient) / Wide::integer(2)
 }
 
 /// Which rotation (0, 1, 2) of its node a degree of freedom is.

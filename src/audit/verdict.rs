@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// What is said of a quantity at a state, the mildest first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Every entry is right to rounding.
@@ -65,28 +67,33 @@ impl Verdict {
 }
 
 /// One entry, what it is and what it must be.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Finding {
     /// The entry by name: `∂ur1/∂θb3`.
     pub entry: String,
-    /// The component (0-based) and the place within it.
+    /// The component (0-based) and the place within it, where it is one entry of a connector's.
     #[serde(skip)]
-    pub at: (usize, usize),
+    pub at: Option<(usize, usize)>,
     /// What was given.
+    #[schemars(with = "Option<f64>")]
     pub got: f64,
     /// What it must be.
+    #[schemars(with = "Option<f64>")]
     pub want: f64,
     /// How far apart they may be.
+    #[schemars(with = "Option<f64>")]
     pub tolerance: f64,
     /// |got − want| in units of the tolerance.
+    #[schemars(with = "Option<f64>")]
     pub units: f64,
     /// On a kink: the derivatives from below and from above.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<[Option<f64>; 2]>")]
     pub one_sided: Option<[f64; 2]>,
 }
 
 /// The outcome of one comparison.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Judgement {
     /// The verdict.
     pub verdict: Verdict,
@@ -98,7 +105,7 @@ pub struct Judgement {
 
 /// Beyond this fraction of a row's largest entry, a tolerance lets errors through that matter: the point is called
 /// ill-conditioned.
-const COARSE: f64 = 1e-6;
+pub(super) const COARSE: f64 = 1e-6;
 
 /// How far the product's dual numbers over 237 bits may be from the truth, relative to the tolerance on doubles, and still
 /// prove the formula right.
@@ -120,7 +127,7 @@ pub struct Surroundings<'a> {
 }
 
 /// |got − want| in units of what is allowed; infinite where it is not a number.
-fn units(got: f64, want: Wide, allowed: f64) -> f64 {
+pub(super) fn units(got: f64, want: Wide, allowed: f64) -> f64 {
     let error = (Wide::from_f64(got) - want).abs().to_f64();
     if error == 0.0 {
         return 0.0;
@@ -152,7 +159,7 @@ pub fn judge(
         if worst.as_ref().is_none_or(|w| units > w.units || !x.is_finite()) {
             worst = Some(Finding {
                 entry: quantity.entry_name(k, i),
-                at: (k, i),
+                at: Some((k, i)),
                 got: x,
                 want: want.to_f64(),
                 tolerance: allowed,
@@ -167,6 +174,9 @@ pub fn judge(
     if compared == 0 {
         return Judgement { verdict: Verdict::Undecided, worst: None, compared };
     }
+    if let Some(kink) = kink(quantity, got, answer, around) {
+        return Judgement { verdict: Verdict::Kink, worst: Some(kink), compared };
+    }
     let beyond = worst.as_ref().is_some_and(|w| w.units > 1.0);
     let verdict = match (beyond, &mut worst) {
         (false, _) if coarse && answer.oracle.is_wide() => Verdict::IllConditioned,
@@ -176,13 +186,46 @@ pub fn judge(
     Judgement { verdict, worst, compared }
 }
 
+/// On a singular set: the first derivative whose sides differ most, if they differ by more than rounding. The two-sided difference
+/// is their mean there, which is no derivative, whoever agrees with it.
+fn kink(
+    quantity: Quantity,
+    got: &Entries<f64>,
+    answer: &Answer,
+    around: &Surroundings<'_>,
+) -> Option<Finding> {
+    let [below, above] = around.one_sided?;
+    if quantity != Quantity::FirstDerivatives || around.nearness > 0.0 {
+        return None;
+    }
+    let mut most: Option<(f64, Finding)> = None;
+    for (k, i, x) in got.iter() {
+        let (Some(b), Some(a)) = (below.get(k, i), above.get(k, i)) else { continue };
+        let tolerance = around.bound.tolerance(quantity, k, i);
+        let gap = units(b.to_f64(), a, 2.0 * tolerance);
+        if gap > 1.0 && most.as_ref().is_none_or(|(widest, _)| gap > *widest) {
+            let want = answer.numbers.get(k, i).unwrap_or(a);
+            let finding = Finding {
+                entry: quantity.entry_name(k, i),
+                at: Some((k, i)),
+                got: x,
+                want: want.to_f64(),
+                tolerance,
+                units: units(x, want, tolerance),
+                one_sided: Some([b.to_f64(), a.to_f64()]),
+            };
+            most = Some((gap, finding));
+        }
+    }
+    most.map(|(_, finding)| finding)
+}
+
 /// Why an entry is beyond its tolerance.
 fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Verdict {
-    let (k, i) = worst.at;
-    if around.nearness == 0.0 {
-        if let Some([below, above]) = around.one_sided {
-            worst.one_sided = below.get(k, i).zip(above.get(k, i)).map(|(b, a)| [b.to_f64(), a.to_f64()]);
-        }
+    let Some((k, i)) = worst.at else { return Verdict::Wrong };
+    // Values exist on a kink, and first derivatives whose sides agree; what is formed from other derivatives may not.
+    let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
+    if around.nearness == 0.0 && !exists {
         return Verdict::Kink;
     }
     let scale = around.bound.scale(quantity, k, i);
@@ -195,7 +238,7 @@ fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Ve
 }
 
 /// How mutants of the same numbers fared.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Score {
     /// By mistake: noticed.
     pub killed: u64,
@@ -208,8 +251,10 @@ pub struct Score {
     /// The mistakes that survived, with an entry each.
     pub survivors: BTreeMap<String, String>,
     /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states.
+    #[schemars(with = "Option<f64>")]
     pub detectable: f64,
     /// The same at the median state.
+    #[schemars(with = "Option<f64>")]
     pub detectable_median: f64,
     /// The smallest δ at each state.
     #[serde(skip)]
@@ -217,6 +262,26 @@ pub struct Score {
 }
 
 impl Score {
+    /// Counts a mutant that changes a number by `change` tolerances, in an entry of that name.
+    pub(super) fn count(
+        &mut self,
+        mistake: Mistake,
+        noticed: bool,
+        change: f64,
+        entry: impl FnOnce() -> String,
+    ) {
+        if noticed {
+            self.killed += 1;
+        } else if change == 0.0 {
+            self.equivalent += 1;
+        } else if change < 2.0 {
+            self.below_resolution += 1;
+        } else {
+            self.survived += 1;
+            self.survivors.insert(mistake.name(), entry());
+        }
+    }
+
     /// Adds another score.
     pub fn merge(&mut self, other: Self) {
         self.killed += other.killed;
@@ -244,7 +309,7 @@ impl Score {
 
 /// Entries smaller than this part of the largest of their row, in units of the degrees of freedom, do not count for the smallest
 /// error that is noticed: what is left of a cancellation has no relative error of its own.
-const SIGNIFICANT: f64 = 1e-3;
+pub(super) const SIGNIFICANT: f64 = 1e-3;
 
 /// Tries every mutant on the same comparison; `size` is the unit of an entry's degrees of freedom.
 pub fn try_mutants(
@@ -287,17 +352,8 @@ pub fn try_mutants(
                 missed = missed.max(delta);
             }
         }
-        if noticed {
-            score.killed += 1;
-        } else if change == 0.0 {
-            score.equivalent += 1;
-        } else if change < 2.0 {
-            score.below_resolution += 1;
-        } else {
-            score.survived += 1;
-            let entry = mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
-            score.survivors.insert(mutant.mistake.name(), entry.unwrap_or_default());
-        }
+        let entry = mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
+        score.count(mutant.mistake, noticed, change, || entry.unwrap_or_default());
     }
     if smallest.is_finite() {
         score.detectable_at.push(if missed > 0.0 { missed * 10.0 } else { smallest });

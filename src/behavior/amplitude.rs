@@ -313,7 +313,7 @@ fn smooth_step<S: Scalar>(points: &[[f64; 2]], t: S) -> S {
 }
 
 fn less<R: Real>(a: R, b: R) -> bool {
-    R::choose(a.less(b), || true, || false)
+    R::holds(a.less(b))
 }
 
 #[cfg(test)]

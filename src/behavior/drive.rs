@@ -123,7 +123,7 @@ impl Schedule {
 
     /// The number of the step to which a time belongs.
     fn step<R: Real>(&self, time: R) -> Result<Option<usize>, Unknown> {
-        let is_within = |end: f64| R::choose(R::from_f64(end).less(time), || false, || true);
+        let is_within = |end: f64| !R::holds(R::from_f64(end).less(time));
         let found = self.steps.iter().position(|step| is_within(step.end));
         match found {
             Some(step) => Ok(Some(step)),
@@ -173,33 +173,27 @@ pub fn drives<L: Ord + Copy>(
     schedule: &Schedule,
     labels: impl Fn(&Target) -> Vec<L>,
 ) -> Result<BTreeMap<L, Drives>, Diagnostic> {
-    let mut amplitudes = BTreeMap::new();
-    for (name, amplitude) in &scene.amplitudes {
-        amplitudes.insert(name.as_str(), Arc::new(Amplitude::new(name, amplitude)?));
-    }
+    let amplitudes = amplitudes(scene)?;
     let mut all: BTreeMap<L, Drives> = BTreeMap::new();
     for motion in &scene.connector_motions {
         for label in labels(&motion.target.value) {
             let Some(k) = index(motion.component) else { continue };
-            let held =
-                Phase { kind: MotionType::Displacement, courses: vec![Course::Held(Level::Known(0.0))] };
-            let drive = Drive { phases: Vec::new(), initially: Some(held) };
-            all.entry(label).or_default().motions[k] = Some(drive);
+            all.entry(label).or_default().motions[k] = Some(Drive::held());
         }
     }
     let steps = scene.steps.iter().filter(|step| takes_time(step)).take(schedule.steps.len());
     for (number, step) in steps.enumerate() {
-        let mut motions: BTreeMap<(L, usize), Given<'_>> = BTreeMap::new();
+        let mut given = InStep::default();
         for motion in step.connector_motions.iter().filter(|motion| !motion.applied.imaginary) {
             let Some(k) = index(motion.component) else { continue };
             for label in labels(&motion.target.value) {
-                let given = Given {
+                let one = Given {
                     kind: motion.kind,
                     magnitude: motion.magnitude,
                     applied: &motion.applied,
                     span: motion.target.span,
                 };
-                if let Some(first) = motions.insert((label, k), given) {
+                if let Some(first) = given.motions.insert((label, k), one) {
                     let message = format!(
                         "component {} has two motions in one step, the first at line {}",
                         k + 1,
@@ -215,39 +209,114 @@ pub fn drives<L: Ord + Copy>(
                 }
             }
         }
-        let mut loads: BTreeMap<(L, usize), Vec<Given<'_>>> = BTreeMap::new();
         for load in step.connector_loads.iter().filter(|load| !load.applied.imaginary) {
             let Some(k) = index(load.component) else { continue };
             for label in labels(&load.target.value) {
-                loads.entry((label, k)).or_default().push(Given {
-                    kind: MotionType::Displacement,
-                    magnitude: Some(load.magnitude),
-                    applied: &load.applied,
-                    span: load.target.span,
-                });
+                given.load((label, k), load.magnitude, &load.applied, load.target.span);
             }
         }
-        let renews_motions =
+        given.renews_motions =
             step.connector_motions.iter().any(|given| given.applied.operation == Operation::New);
-        let renews_loads = step.connector_loads.iter().any(|given| given.applied.operation == Operation::New);
-        for (label, _) in motions.keys() {
-            all.entry(*label).or_default();
-        }
-        for (label, _) in loads.keys() {
-            all.entry(*label).or_default();
-        }
-        for (label, drives) in &mut all {
-            for k in 0..6 {
-                let given = motions.remove(&(*label, k));
-                let context = Context { schedule, number, amplitudes: &amplitudes };
-                context.motion(&mut drives.motions[k], given.as_ref(), renews_motions);
-                let given = loads.remove(&(*label, k));
-                context.load(&mut drives.loads[k], given.as_deref(), renews_loads);
-            }
-        }
+        given.renews_loads =
+            step.connector_loads.iter().any(|given| given.applied.operation == Operation::New);
+        given.add_to(&mut all, &Context { schedule, number, amplitudes: &amplitudes });
     }
     all.retain(|_, drives| !drives.is_empty());
     Ok(all)
+}
+
+/// The place of degree of freedom 6 among the motions and loads of [`on_angles`].
+pub const ANGLE: usize = 5;
+
+/// What is prescribed for the rotations about 3, degree of freedom 6, of the nodes that `labels` gives: boundary conditions and
+/// concentrated moments, in [`Drives::motions`] and [`Drives::loads`] at [`ANGLE`]. They are the angles of hinges (`*MPC`), which are numbers
+/// and not components of a rotation vector. A later boundary condition of a step replaces an earlier one.
+///
+/// # Errors
+/// An amplitude that cannot be read.
+pub fn on_angles<L: Ord + Copy>(
+    scene: &Scene,
+    schedule: &Schedule,
+    labels: impl Fn(&Target) -> Vec<L>,
+) -> Result<BTreeMap<L, Drives>, Diagnostic> {
+    let dof = ANGLE as u8 + 1;
+    let amplitudes = amplitudes(scene)?;
+    let mut all: BTreeMap<L, Drives> = BTreeMap::new();
+    for boundary in scene.boundaries.iter().filter(|boundary| boundary.degrees_of_freedom.contains(&dof)) {
+        for label in labels(&boundary.target.value) {
+            all.entry(label).or_default().motions[ANGLE] = Some(Drive::held());
+        }
+    }
+    let steps = scene.steps.iter().filter(|step| takes_time(step)).take(schedule.steps.len());
+    for (number, step) in steps.enumerate() {
+        let mut given = InStep::default();
+        let of_angle = step.boundaries.iter().filter(|boundary| boundary.degrees_of_freedom.contains(&dof));
+        for boundary in of_angle.filter(|boundary| !boundary.applied.imaginary) {
+            for label in labels(&boundary.target.value) {
+                let one = Given {
+                    kind: boundary.kind,
+                    magnitude: Some(boundary.magnitude),
+                    applied: &boundary.applied,
+                    span: boundary.target.span,
+                };
+                given.motions.insert((label, ANGLE), one);
+            }
+        }
+        let of_angle = step.concentrated_loads.iter().filter(|load| load.degree_of_freedom == dof);
+        for load in of_angle.filter(|load| !load.applied.imaginary) {
+            for label in labels(&load.target.value) {
+                given.load((label, ANGLE), load.magnitude, &load.applied, load.target.span);
+            }
+        }
+        given.renews_motions = step.boundaries.iter().any(|given| given.applied.operation == Operation::New);
+        given.renews_loads =
+            step.concentrated_loads.iter().any(|given| given.applied.operation == Operation::New);
+        given.add_to(&mut all, &Context { schedule, number, amplitudes: &amplitudes });
+    }
+    all.retain(|_, drives| !drives.is_empty());
+    Ok(all)
+}
+
+/// The amplitudes of a scene by name.
+fn amplitudes(scene: &Scene) -> Result<BTreeMap<&str, Arc<Amplitude>>, Diagnostic> {
+    let named = scene.amplitudes.iter();
+    named.map(|(name, given)| Ok((name.as_str(), Arc::new(Amplitude::new(name, given)?)))).collect()
+}
+
+/// What one step gives.
+struct InStep<'a, L> {
+    motions: BTreeMap<(L, usize), Given<'a>>,
+    loads: BTreeMap<(L, usize), Vec<Given<'a>>>,
+    renews_motions: bool,
+    renews_loads: bool,
+}
+
+impl<L> Default for InStep<'_, L> {
+    fn default() -> Self {
+        Self { motions: BTreeMap::new(), loads: BTreeMap::new(), renews_motions: false, renews_loads: false }
+    }
+}
+
+impl<'a, L: Ord + Copy> InStep<'a, L> {
+    fn load(&mut self, at: (L, usize), magnitude: f64, applied: &'a Application, span: Span) {
+        let given = Given { kind: MotionType::Displacement, magnitude: Some(magnitude), applied, span };
+        self.loads.entry(at).or_default().push(given);
+    }
+
+    /// Goes on with every drive through this step.
+    fn add_to(mut self, all: &mut BTreeMap<L, Drives>, context: &Context<'_>) {
+        for (label, _) in self.motions.keys().chain(self.loads.keys()) {
+            all.entry(*label).or_default();
+        }
+        for (label, drives) in all {
+            for k in 0..6 {
+                let given = self.motions.remove(&(*label, k));
+                context.motion(&mut drives.motions[k], given.as_ref(), self.renews_motions);
+                let given = self.loads.remove(&(*label, k));
+                context.load(&mut drives.loads[k], given.as_deref(), self.renews_loads);
+            }
+        }
+    }
 }
 
 fn index(component: u8) -> Option<usize> {
@@ -420,7 +489,7 @@ impl Course {
                 let inverse = S::Real::integer(1) / length;
                 let [since, left] = [time.real() - number(*begin), number(*end) - time.real()];
                 // From the nearer end, so that both are met exactly.
-                let is_nearer = S::Real::choose(since.less(left), || true, || false);
+                let is_nearer = S::Real::holds(since.less(left));
                 let (base, part) = if is_nearer { (from, since / length) } else { (to, -(left / length)) };
                 Ok(base + (to - from) * time.lift(&[part, inverse, zero, zero, zero]))
             }
@@ -435,6 +504,12 @@ impl Course {
 }
 
 impl Drive {
+    /// Held where it is from the beginning.
+    fn held() -> Self {
+        let courses = vec![Course::Held(Level::Known(0.0))];
+        Self { phases: Vec::new(), initially: Some(Phase { kind: MotionType::Displacement, courses }) }
+    }
+
     /// What is prescribed at a time, with the time derivatives that it carries; `None` where nothing is. `beginning` knows the
     /// displacement of the component at the beginning of a step, by its number.
     pub fn at<S: Scalar>(

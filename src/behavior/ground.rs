@@ -107,6 +107,11 @@ impl Ground {
         self.springs.is_empty() && self.dashpots.is_empty()
     }
 
+    /// Whether there are dashpots.
+    pub const fn has_dashpots(&self) -> bool {
+        !self.dashpots.is_empty()
+    }
+
     fn sum<S: Scalar>(laws: &[Law], conditions: &Conditions, of: impl Fn(&Law) -> S) -> Result<S, Unknown> {
         match laws.iter().find_map(|law| law.unknown(conditions)) {
             Some(unknown) => Err(unknown),

@@ -13,6 +13,7 @@
 //! | [`amplitude`], [`drive`] | how does what is prescribed change in time? |
 //! | [`limits`] | when does a component lock or fail? |
 //! | [`state`] | what of all that holds at one state, after its history? |
+//! | [`Tangent`] | how do the forces change with the motion? |
 
 pub mod amplitude;
 pub mod damping;
@@ -22,10 +23,14 @@ pub mod friction;
 pub mod ground;
 mod law;
 pub mod limits;
+mod slide;
 pub mod state;
 pub mod table;
+mod tangent;
 
 pub use law::ForceKink;
+pub use slide::{Beyond, Slip};
+pub use tangent::Tangent;
 
 use crate::connector::Components;
 use crate::scalar::{Real, Scalar};
@@ -73,6 +78,9 @@ impl Conditions {
     }
 }
 
+/// How far a given force may differ from the sum of its parts, relative to them: files of forces have six digits or so.
+pub(crate) const PRINTED: f64 = 1e-5;
+
 /// Why a force is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -97,12 +105,14 @@ pub enum Unknown {
     Reaction,
     /// It rests on another part that is not known.
     Part,
-    /// The friction of a belt acts between two segments, and is not evaluated along a history.
-    Friction,
+    /// The two belts at a ring do not run on, one from the other.
+    OpposedBelts,
     /// What presses is the force of a component for which none is given.
     ContactForce,
     /// Friction was not known at an earlier state, so that what it left is not known.
     FrictionHistory,
+    /// It follows from a velocity that is neither given nor asked for (output CV).
+    Rate,
     /// Plasticity or damage acts on the component, and is not evaluated.
     Inelastic,
 }
@@ -121,13 +131,12 @@ impl Unknown {
             Self::External => "a subroutine, another program or the solution gives it",
             Self::Reaction => "motions do not tell a reaction, and no total force is given",
             Self::Part => "a part of it is not known",
-            Self::Friction => {
-                "the friction of a belt, between two segments, is not evaluated along a history"
-            }
+            Self::OpposedBelts => "the two belts at the ring both end there: neither runs on in the other",
             Self::ContactForce => "what presses is the force of a component for which none is given",
             Self::FrictionHistory => {
                 "friction was not known at an earlier state, so that what it left is not known"
             }
+            Self::Rate => "it follows from a velocity that is neither given nor asked for (CV)",
             Self::Inelastic => "plasticity or damage acts on the component, and is not evaluated",
         }
     }

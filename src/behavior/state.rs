@@ -14,10 +14,10 @@ use super::drive::{Drives, Prescribed, Schedule};
 use super::elasticity::Elasticity;
 use super::friction::{self, Frictions};
 use super::limits::{Criterion, Passed, Verdict};
-use super::{Conditions, ForceKink, Forces, Motion, Unknown};
+use super::slide::{Beyond, Slip};
+use super::{Conditions, ForceKink, Forces, Motion, PRINTED, Unknown};
 use crate::catalog::ConnectionType;
 use crate::connector::{Components, Mask, Stop, StopStatus};
-use crate::scalar::{Differentiable, Scalar, Seeded};
 use crate::scene::{self, Diagnostic, MotionType};
 use num_dual::Dual2_64;
 use serde::{Deserialize, Serialize};
@@ -36,10 +36,10 @@ pub struct Behavior {
     /// Friction.
     pub friction: Frictions,
     stops: Components<Stop>,
-    available: Mask,
-    constrained: Mask,
+    pub(super) available: Mask,
+    pub(super) constrained: Mask,
     /// The components that slide.
-    slips: Mask,
+    pub(super) slips: Mask,
     /// The components on which plasticity or damage acts.
     inelastic: Mask,
 }
@@ -89,39 +89,11 @@ pub struct Kinematics<'a> {
     pub time: Option<f64>,
     /// Which velocities are meant.
     pub velocities: Velocities,
+    /// Whether friction is followed. Where it is not, forces are those without it, and nothing of it is remembered.
+    pub slides: bool,
+    /// The belt on the other side of the ring at b, where there is one.
+    pub beyond: Option<Beyond>,
 }
-
-/// The slopes of Σ CEF + CVF: 6×6 blocks ∂F_i/∂x_j.
-///
-/// Serialised, the rows and columns are those of u1, u2, u3, ur1, ur2, ur3.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Tangent<R> {
-    /// ∂F_i/∂u_j at constant velocity.
-    pub displacement: [[R; 6]; 6],
-    /// ∂F_i/∂v_j.
-    pub velocity: [[R; 6]; 6],
-    /// The time step, where velocities are increments over it: then dF_i/du_j = ∂F_i/∂u_j + ∂F_i/∂v_j/Δt.
-    pub time_step: Option<R>,
-    /// ∂F_i/∂Δt at constant displacements: −Σ ∂F_i/∂v_j v_j/Δt; zero where velocities are rates.
-    pub time: [R; 6],
-}
-
-impl<R: Differentiable> Tangent<R> {
-    /// dF_i/du_j: with the velocity as a function of the displacement where it is an increment over a time step.
-    pub fn total(&self) -> [[R; 6]; 6] {
-        let inverse = self.time_step.map_or(R::integer(0), |step| R::integer(1) / step);
-        let mut total = self.displacement;
-        for (line, rates) in total.iter_mut().zip(&self.velocity) {
-            for (entry, rate) in line.iter_mut().zip(rates) {
-                *entry = *entry + *rate * inverse;
-            }
-        }
-        total
-    }
-}
-
-/// How far a given force may differ from the sum of its parts, relative to them: files of forces have six digits or so.
-const PRINTED: f64 = 1e-5;
 
 /// Something that happened at a state, or needs care.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,9 +146,6 @@ pub enum Event {
     },
 }
 
-/// A friction at a state: the components that slide, and what it does or why that is not known.
-pub type Slip = (Mask, Result<friction::Outcome<f64>, Unknown>);
-
 /// The behaviour at one state.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -186,10 +155,10 @@ pub struct Outcome {
     pub viscous: Forces<f64>,
     /// CSF.
     pub friction: Forces<f64>,
-    /// Each friction: the components that slide, and what it does or why that is not known.
+    /// Each friction, in the order of the behaviour, then that of a belt; empty where friction is not followed.
     pub slips: Vec<Slip>,
-    /// Whether the increments of friction have a duration: without one there is no slip rate.
-    pub has_duration: bool,
+    /// The time since the previous state, where it is known: without one there is no slip rate.
+    pub duration: Option<f64>,
     /// CCF.
     pub load: Forces<f64>,
     /// CRF.
@@ -252,7 +221,7 @@ impl Behavior {
             stops,
             available,
             constrained,
-            slips: sliding(&friction, available),
+            slips: super::slide::sliding(&friction, available),
             friction,
             inelastic: inelastic(given, available),
         })
@@ -275,6 +244,11 @@ impl Behavior {
         !acts && self.locks.is_empty() && self.failures.is_empty() && self.stops.iter().all(Option::is_none)
     }
 
+    /// Whether there is friction.
+    pub fn slips_at_all(&self) -> bool {
+        !self.friction.frictions.is_empty() || self.friction.belt.is_some()
+    }
+
     /// Whether there is friction that motions alone tell: what presses is no constraint force.
     pub fn tells_friction(&self) -> bool {
         let frictions = self.friction.frictions.iter();
@@ -282,15 +256,25 @@ impl Behavior {
         pressing.any(|presses| (0..6).all(|k| !(presses[k] && self.constrained[k])))
     }
 
+    /// Whether a lock or a failure depends on a force.
+    pub fn decides_by_force(&self) -> bool {
+        self.locks.iter().chain(&self.failures).any(Criterion::needs_force)
+    }
+
     /// Whether there are stops.
     pub fn has_stops(&self) -> bool {
         self.stops.iter().any(Option::is_some)
     }
 
-    /// Whether the history matters: locks, failures, and velocities from increments follow it.
+    /// Whether the history matters: locks, failures, friction, and velocities from increments follow it.
     pub fn has_history(&self) -> bool {
+        self.has_history_without_friction() || self.slips_at_all()
+    }
+
+    /// Whether the history matters to forces other than friction.
+    pub fn has_history_without_friction(&self) -> bool {
         let has_limits = !self.locks.is_empty() || !self.failures.is_empty();
-        has_limits || !self.friction.frictions.is_empty() || self.damping.components().contains(&true)
+        has_limits || self.damping.components().contains(&true)
     }
 
     /// The components whose motion the behaviour depends on.
@@ -308,49 +292,6 @@ impl Behavior {
             }
         }
         limited
-    }
-
-    /// CEF + CVF on any scalar: the function whose derivatives are the tangent. Unknown parts are left out.
-    pub fn forces<S: Scalar>(&self, motion: &Motion<S>, conditions: &Conditions) -> [S; 6] {
-        let elastic = self.elasticity.forces(motion, conditions).value;
-        let viscous = self.damping.forces(motion, conditions).value;
-        [0, 1, 2, 3, 4, 5].map(|k| elastic[k].unwrap_or(S::zero()) + viscous[k].unwrap_or(S::zero()))
-    }
-
-    /// The slopes of CEF + CVF of the components that have not failed, exact. `time_step` is that of velocities that are
-    /// increments.
-    pub fn tangent<R: Differentiable>(
-        &self,
-        motion: &Motion<R>,
-        conditions: &Conditions,
-        time_step: Option<R>,
-        failed: Mask,
-    ) -> Tangent<R> {
-        let seeded = |values: &[R; 6], first: usize| {
-            let seed = |k: usize| R::Gradient::<12>::seed(values[k], first + k);
-            [seed(0), seed(1), seed(2), seed(3), seed(4), seed(5)]
-        };
-        let constitutive = seeded(&motion.constitutive, 0);
-        let moving = Motion {
-            position: seeded(&motion.position, 0),
-            constitutive,
-            velocity: seeded(&motion.velocity, 6),
-        };
-        let zero = R::integer(0);
-        let mut tangent =
-            Tangent { displacement: [[zero; 6]; 6], velocity: [[zero; 6]; 6], time_step, time: [zero; 6] };
-        for (k, force) in
-            self.forces(&moving, conditions).into_iter().enumerate().filter(|(k, _)| !failed[*k])
-        {
-            let slopes = force.gradient();
-            tangent.displacement[k].copy_from_slice(&slopes[..6]);
-            tangent.velocity[k].copy_from_slice(&slopes[6..]);
-            if let Some(step) = time_step {
-                let pairs = tangent.velocity[k].iter().zip(&motion.velocity);
-                tangent.time[k] = -(pairs.fold(zero, |sum, (slope, v)| sum + *slope * *v) / step);
-            }
-        }
-        tangent
     }
 
     /// The behaviour at a state that follows `history`, with the total forces (CTF) that are given.
@@ -395,17 +336,21 @@ impl Behavior {
             locked[k] || rigid[k] || prescribed[k].is_some() || at_stop
         });
         let pressing = self.pressing(held, total, [&elastic, &viscous], &load, history);
-        let (friction, slips) = self.slide(now, &pressing, duration, &motion, conditions, history);
+        let friction = now.slides.then(|| self.slide(now, &pressing, duration, &motion, conditions, history));
+        // Where friction is not followed, the sums that it is a part of are not known.
+        let left_out =
+            || Forces { value: [None; 6], unknown: self.slips.map(|is| is.then_some(Unknown::Part)) };
+        let (friction, slips) = friction.unwrap_or_else(|| (left_out(), Vec::new()));
         let mut outcome = Outcome {
             elastic,
             viscous,
             friction,
             slips,
-            has_duration: duration.is_some(),
+            duration,
             load,
             reaction: Forces::none(),
             total: Forces::none(),
-            prescribed: prescribed.map(|prescribed| prescribed.map(real_part)),
+            prescribed: prescribed.map(|prescribed| prescribed.map(Prescribed::real)),
             residual: [None; 6],
             held: stopped,
             locked,
@@ -436,8 +381,12 @@ impl Behavior {
         let kinks = kinks.chain(self.damping.kinks(&motion, conditions));
         events.extend(kinks.filter(is_known).map(Event::Kink));
 
-        outcome.history.friction = (!self.friction.frictions.is_empty()).then(|| {
-            outcome.slips.iter().map(|(_, slip)| slip.as_ref().ok().map(friction::Outcome::state)).collect()
+        outcome.history.friction = self.slips_at_all().then(|| {
+            outcome
+                .slips
+                .iter()
+                .map(|slip| slip.outcome.as_ref().ok().map(friction::Outcome::state))
+                .collect()
         });
         outcome.history.time = now.time.or(history.time);
         outcome.history.displacement = *now.displacement;
@@ -448,100 +397,6 @@ impl Behavior {
         }
         outcome.events = events;
         outcome
-    }
-
-    /// The forces from which contact forces are formed, as far as they are known: the given ones of constrained components, and
-    /// those without friction, CTF + CCF − CSF, of available ones. What holds an available component is part of its force, and
-    /// known only from a total force that is given.
-    fn pressing(
-        &self,
-        held: Mask,
-        total: &Components<f64>,
-        laws: [&Forces<f64>; 2],
-        load: &Forces<f64>,
-        history: &History,
-    ) -> Components<f64> {
-        [0, 1, 2, 3, 4, 5].map(|k| {
-            if history.failed[k] {
-                return Some(0.0);
-            }
-            if self.constrained[k] {
-                return total[k];
-            }
-            let is_told = !held[k] && laws.iter().all(|law| law.unknown[k].is_none());
-            if is_told {
-                return Some(laws.iter().filter_map(|law| law.value[k]).sum());
-            }
-            let is_load_known = load.unknown[k].is_none();
-            total[k].filter(|_| !self.slips[k] && is_load_known).map(|sum| sum + load.value[k].unwrap_or(0.0))
-        })
-    }
-
-    /// CSF: every friction that is known, after its history.
-    fn slide(
-        &self,
-        now: &Kinematics<'_>,
-        pressing: &Components<f64>,
-        duration: Option<f64>,
-        motion: &Motion<f64>,
-        conditions: &Conditions,
-        history: &History,
-    ) -> (Forces<f64>, Vec<Slip>) {
-        let mut forces = Forces::none();
-        let mut slips = Vec::with_capacity(self.friction.frictions.len());
-        for (i, friction) in self.friction.frictions.iter().enumerate() {
-            let sliding = friction.criterion.tangential.components();
-            let mask = [0, 1, 2, 3, 4, 5].map(|k| sliding.contains(&k));
-            let presses = friction.criterion.pressing_components();
-            let mut state = match &history.friction {
-                None => Some(friction::State::default()),
-                Some(states) => states.get(i).copied().flatten(),
-            };
-            // A component that has failed carries nothing and slides no more.
-            if let Some(state) = &mut state {
-                (0..6).filter(|k| history.failed[*k]).for_each(|k| state.force[k] = 0.0);
-            }
-            let outcome = match state {
-                _ if (0..6).any(|k| presses[k] && pressing[k].is_none()) => Err(Unknown::ContactForce),
-                None => Err(Unknown::FrictionHistory),
-                Some(state) => {
-                    let change = |k: usize| {
-                        let is_sliding = mask[k] && !history.failed[k];
-                        let now = now.displacement[k].filter(|_| is_sliding)?;
-                        Some(now - history.displacement[k].unwrap_or(0.0))
-                    };
-                    let input = friction::Input {
-                        displacement: [0, 1, 2, 3, 4, 5].map(|k| change(k).unwrap_or(0.0)),
-                        forces: pressing.map(|force| force.unwrap_or(0.0)),
-                        duration,
-                        context: friction::Context {
-                            position: motion.position,
-                            motion: motion.constitutive,
-                            accumulated_slip: state.accumulated_slip,
-                            conditions,
-                        },
-                    };
-                    let outcome = friction.update(&state, &input, friction::Branch::Decided);
-                    let lacks = outcome.flags.iter().find_map(|flag| match flag {
-                        friction::Flag::NotGiven { what } => Some(*what),
-                        _ => None,
-                    });
-                    lacks.map_or(Ok(outcome), Err)
-                }
-            };
-            for k in (0..6).filter(|k| mask[*k] && !history.failed[*k]) {
-                match &outcome {
-                    Ok(outcome) => forces.value[k] = Some(outcome.force[k]),
-                    Err(why) => forces.unknown[k] = Some(*why),
-                }
-            }
-            slips.push((mask, outcome));
-        }
-        if self.friction.belt.is_some() {
-            // It acts between this segment and the next one, on the flow past b.
-            forces.unknown[1] = Some(Unknown::Friction);
-        }
-        (forces, slips)
     }
 
     fn velocity(&self, now: &Kinematics<'_>, time_step: Option<f64>, history: &History) -> Components<f64> {
@@ -779,16 +634,6 @@ impl Behavior {
     }
 }
 
-/// The components that slide.
-fn sliding(frictions: &Frictions, available: Mask) -> Mask {
-    let mut mask = [false; 6];
-    for friction in &frictions.frictions {
-        friction.criterion.tangential.components().into_iter().for_each(|k| mask[k] = true);
-    }
-    mask[1] |= frictions.belt.is_some() && available[1];
-    mask
-}
-
 /// The components on which plasticity or damage acts: a coupled one acts on all available ones.
 fn inelastic(given: &scene::Behavior, available: Mask) -> Mask {
     let mut mask = [false; 6];
@@ -818,13 +663,15 @@ fn add(mask: &mut Mask, component: u8) {
     }
 }
 
-/// Without the time derivatives.
-fn real_part(prescribed: Prescribed<Dual2_64>) -> Prescribed<f64> {
-    match prescribed {
-        Prescribed::Displacement(value) => Prescribed::Displacement(value.re),
-        Prescribed::Velocity(value) => Prescribed::Velocity(value.re),
-        Prescribed::Acceleration(value) => Prescribed::Acceleration(value.re),
-        Prescribed::Unknown(kind, unknown) => Prescribed::Unknown(kind, unknown),
+impl Prescribed<Dual2_64> {
+    /// Without the time derivatives.
+    pub(crate) const fn real(self) -> Prescribed<f64> {
+        match self {
+            Self::Displacement(value) => Prescribed::Displacement(value.re),
+            Self::Velocity(value) => Prescribed::Velocity(value.re),
+            Self::Acceleration(value) => Prescribed::Acceleration(value.re),
+            Self::Unknown(kind, unknown) => Prescribed::Unknown(kind, unknown),
+        }
     }
 }
 

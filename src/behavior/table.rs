@@ -387,7 +387,7 @@ fn abscissae(block: &Block, levels: usize, found: &mut Vec<f64>) {
 }
 
 fn less<R: Real>(a: R, b: R) -> bool {
-    R::choose(a.less(b), || true, || false)
+    R::holds(a.less(b))
 }
 
 /// The side of the slope of least magnitude; neither where the signs differ.

@@ -95,7 +95,7 @@ pub enum Contact {
         /// The terms.
         terms: &'static [ContactTerm],
     },
-    /// A belt around a ring: the limit μ F_C is min(T1, T2) (exp(μ α) − 1), where T1 and T2 are the tensions of the two
+    /// A belt around a ring: F_C is min(T1, T2), the limit F_C (exp(μ α) − 1), where T1 and T2 are the tensions of the two
     /// segments and α is the angle of wrap.
     Belt,
 }
@@ -267,7 +267,7 @@ impl FrictionCriterion {
     /// it is zero.
     pub fn contact_formula(&self, friction: &Friction, present: [bool; 6]) -> String {
         let Contact::Sum { arm, terms } = self.contact else {
-            return "min(T1, T2) (exp(μ α) − 1)/μ".to_string();
+            return "min(T1, T2)".to_string();
         };
         let mut sum = String::new();
         for term in terms {
@@ -277,6 +277,21 @@ impl FrictionCriterion {
         }
         let arm = friction.product(arm);
         if arm.is_empty() { sum } else { format!("{arm} ({sum})") }
+    }
+
+    /// The limit of P where it is a law of its own, in place of μ F_N: that of a belt.
+    ///
+    /// ```
+    /// use pintle::catalog::{ConnectionType, SPATIAL};
+    /// let belt = ConnectionType::named("SLIPRING", None).unwrap().friction.unwrap();
+    /// assert_eq!(belt.criteria[0].contact_formula(&belt, SPATIAL), "min(T1, T2)");
+    /// assert_eq!(belt.criteria[0].limit_formula(), Some("F_C (exp(μ α) − 1)"));
+    /// ```
+    pub const fn limit_formula(&self) -> Option<&'static str> {
+        match self.contact {
+            Contact::Belt => Some("F_C (exp(μ α) − 1)"),
+            Contact::Sum { .. } => None,
+        }
     }
 
     /// Whether the slip is an angle, so that P and F_N are moments.

@@ -55,6 +55,10 @@ pub struct Facts {
     pub locks: Vec<(usize, Option<usize>)>,
     /// Whether the section data give a contact angle.
     pub contact_angle: bool,
+    /// Which numbers of predefined friction are given and are not zero.
+    pub friction_numbers: Vec<bool>,
+    /// Whether a lock has an item after its four limits.
+    pub lock_temperature: bool,
 }
 
 /// A rule of a connection type.
@@ -105,6 +109,10 @@ pub enum Rule {
     LockNotAvailable,
     /// Friction of a belt whose contact angle is the default of Standard, zero.
     ContactAngleDefault,
+    /// A number of predefined friction on which nothing depends in our reading.
+    FrictionParameterUnused,
+    /// Items after the limits of a lock in an Explicit analysis, which may be meant as velocities.
+    LockVelocity,
 }
 
 /// What only one of the solvers has.
@@ -213,6 +221,16 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         what: "a contact angle from the positions of the nodes",
         remedy: "give the contact angle in radians as item 2 of the section data; the default of Standard is 0, and then there is no friction",
         source: "connection type SLIPRING, Friction (decision D-26)",
+        evidence: Evidence::P,
+        harmless: true,
+    },
+    ProcedureRule {
+        rule: Rule::LockVelocity,
+        only: Procedure::Standard,
+        asks: |_, facts| facts.lock_temperature,
+        what: "a lock whose fifth item is a temperature",
+        remedy: "limits of velocity are not evaluated, and the fifth item is read as a temperature: leave it out, or give the lock by position and force alone",
+        source: "connector lock behaviour",
         evidence: Evidence::P,
         harmless: true,
     },
@@ -390,6 +408,21 @@ impl ConnectionType {
                             format!("give {} in this order", symbols.join(", ")),
                             friction.evidence,
                             false,
+                        );
+                    }
+                    let symbols = friction.parameters.iter().map(|parameter| parameter.symbol);
+                    let given: Vec<&str> = symbols
+                        .zip(&facts.friction_numbers)
+                        .filter_map(|(symbol, given)| given.then_some(symbol))
+                        .collect();
+                    for symbol in friction.unused_parameters().filter(|symbol| given.contains(symbol)) {
+                        breach(
+                            Rule::FrictionParameterUnused,
+                            format!("{symbol} of the friction of {} is read, and nothing depends on it", self.name),
+                            "write 0: where the manual's formula has it could not be read, and ours does not hold it"
+                                .to_string(),
+                            friction.evidence,
+                            true,
                         );
                     }
                 }

@@ -1,13 +1,47 @@
 //! `pintle audit`.
 
-use super::{Failure, page_width};
+use super::eval::{Loaded, Source, load, source};
+use super::{Failure, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use pintle::audit::{Oracle, Report, Settings, audit_catalogue};
+use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
+use pintle::audit::{Oracle, Planted, Report, Settings, Target, audit_catalogue, audit_scenes};
+use pintle::catalog::TABLE;
+use pintle::connector::Request;
+use pintle::evaluate::{Plan, Selection};
 use pintle::report::audit as report;
+use pintle::scene::{GALLERY, Scene};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+
+const HELP: &str = "\
+Without a scene, every type of the catalogue is tried at states drawn from its
+regions, and every connector of the gallery at the states of its scene. With
+scenes, every connector and MPC at the states that the scene gives (--at FILE
+gives others); of a deck without states, at the initial state and states drawn
+about it.
+
+A type, connector or MPC passes where every number agrees with an independent
+oracle within a tolerance that follows from the conditioning of the state, and
+where mutants of the same numbers were noticed. Other verdicts: ill-conditioned
+point, kink, undecided (no independent oracle), unstable formula, wrong,
+invalid. docs/audit.md tells how it judges.
+
+Of each scene the model is looked at besides: rules, orientations, singular
+points along the states, stops, frictions, duplicates; mobility, redundant
+constraints and free motions of the whole assembly; which region of
+configuration space the states exercised. Each finding has a code, which
+pintle explain CODE explains, and is a note, a warning or an error; --deny,
+--warn, --note and --allow say which. What is said of a code outweighs what is
+said of its group, and that what is said of all notes or warnings.
+
+Examples:
+  pintle audit
+  pintle audit model.inp --deny warnings --allow assembly::redundant
+  pintle audit model.inp --at run.csv --counter-examples found
+  pintle audit model.inp --html audit.html --plots figures
+  pintle audit --states 10000 --format junit";
 
 /// How an audit is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -19,34 +53,92 @@ pub(crate) enum AuditFormat {
     Json,
     /// JUnit XML, for continuous integration
     Junit,
+    /// Markdown, for a comment on a change
+    Markdown,
+    /// One self-contained page of HTML
+    Html,
+}
+
+/// A fault planted on purpose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Plant {
+    /// A derivative is wrong
+    WrongEntry,
+    /// Answers of the oracles are lost
+    LostAnswer,
+}
+
+impl From<Plant> for Planted {
+    fn from(plant: Plant) -> Self {
+        match plant {
+            Plant::WrongEntry => Self::WrongEntry,
+            Plant::LostAnswer => Self::LostAnswer,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
+#[command(after_long_help = HELP)]
 pub(crate) struct Audit {
+    /// Decks (.inp), TOML or JSON scenes (.toml, .json) or gallery:NAME; without any, the catalogue and the gallery
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// States of the nodes of the scene (.csv or .json); without it, those of the scene, or states drawn about the initial one
+    #[arg(long, value_name = "FILE")]
+    at: Option<PathBuf>,
+    /// Only these connectors of the scenes, by element number or element set; MPCs are then left out
+    #[arg(long, value_name = "NUMBER|SET", value_delimiter = ',', requires = "scenes")]
+    connector: Vec<String>,
     /// States per type for the oracles on doubles
     #[arg(long, value_name = "COUNT", default_value_t = Settings::default().states)]
     states: usize,
     /// States per type near its singular sets, besides
     #[arg(long, value_name = "COUNT", default_value_t = Settings::default().near_singular_states)]
     near_singular_states: usize,
-    /// States per type for the oracles on 237 bits
-    #[arg(long, value_name = "COUNT", default_value_t = Settings::default().wide_states)]
-    wide_states: usize,
+    /// States per type, or per connector of a scene, for the oracles on 237 bits [default: 30; of a scene at most 3000 in all,
+    /// and at least one of each connector]
+    #[arg(long, value_name = "COUNT")]
+    wide_states: Option<usize>,
+    /// States per connector of a scene that gives none, drawn about its initial state
+    #[arg(long, value_name = "COUNT", default_value_t = Settings::default().drawn_states)]
+    drawn_states: usize,
     /// What random states are drawn from
     #[arg(long, value_name = "WORD", default_value_t = Settings::default().seed)]
     seed: String,
-    /// Only these oracles, separated by commas: wide-differences, wide-dual, taylor, nodal-dual, hyper-dual, differences
+    /// Only these oracles, separated by commas: wide-differences, wide-symbolic,
+    /// wide-dual, taylor, nodal-dual, hyper-dual, symbolic, differences
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = oracle)]
     oracles: Vec<Oracle>,
     /// Write a counter-example for every mismatch into this folder, for `pintle replay`
     #[arg(long, value_name = "FOLDER")]
     counter_examples: Option<PathBuf>,
+    /// Write the report as a self-contained page of HTML too
+    #[arg(long, value_name = "FILE")]
+    pub(super) html: Option<PathBuf>,
+    /// Write the figures of the page into this folder, as SVG files
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) plots: Option<PathBuf>,
+    /// Plant a fault, to see the audit fail
+    #[arg(long, value_enum, hide = true)]
+    plant: Option<Plant>,
+    /// Findings of this code, of this group (model, assembly, coverage, rule …), all notes or all warnings, are errors: exit 1
+    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    deny: Vec<String>,
+    /// … are warnings
+    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    warn: Vec<String>,
+    /// … are notes
+    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    note: Vec<String>,
+    /// … are not shown
+    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    allow: Vec<String>,
     /// Exit with 3 where something is undecided
     #[arg(long)]
     strict: bool,
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
-    format: AuditFormat,
+    pub(super) format: AuditFormat,
     /// Show every check
     #[arg(short, long)]
     verbose: bool,
@@ -60,30 +152,113 @@ fn oracle(name: &str) -> Result<Oracle, String> {
 
 /// Audits and writes the report.
 pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
-    let mut settings = Settings {
-        states: arguments.states,
-        near_singular_states: arguments.near_singular_states,
-        wide_states: arguments.wide_states,
-        seed: arguments.seed.clone(),
-        ..Settings::default()
-    };
-    if !arguments.oracles.is_empty() {
-        settings.oracles = arguments.oracles.iter().copied().collect();
+    if arguments.at.is_some() && arguments.scenes.len() != 1 {
+        return Err(Failure::Usage("--at gives the states of one scene: name one".into()));
     }
-    let bar = ProgressBar::new(pintle::catalog::TABLE.len() as u64);
+    let settings = settings(arguments);
+    let levels = levels(arguments)?;
+    let is_catalogue = arguments.scenes.is_empty();
+    let sources = match arguments.scenes.as_slice() {
+        [] => GALLERY.iter().map(Source::Gallery).collect(),
+        names => names.iter().map(|name| source(name)).collect::<Result<Vec<_>, Failure>>()?,
+    };
+    let loaded = sources
+        .iter()
+        .map(|source| load(*source, arguments.at.as_deref(), None))
+        .collect::<Result<Vec<Loaded>, Failure>>()?;
+    let selection = match arguments.connector.as_slice() {
+        [] => Selection::All,
+        names => Selection::Named(names.to_vec()),
+    };
+    let names: Vec<String> = sources
+        .iter()
+        .map(|source| match source {
+            Source::Gallery(example) => format!("gallery:{}", example.name),
+            Source::File(path) => (*path).to_string(),
+        })
+        .collect();
+    let mut plans = Vec::new();
+    for (name, Loaded { model, .. }) in names.iter().zip(&loaded) {
+        let plan = Plan::compile(model, &selection, Request::nothing(0))
+            .map_err(|error| Failure::Usage(error.to_string()))?;
+        if plan.connectors.is_empty() && plan.mpcs.is_empty() {
+            let message = format!("{name} has no connector element and no MPC that is evaluated");
+            return Err(Failure::Nothing(message));
+        }
+        plans.push(plan);
+    }
+    let targets: Vec<Target<'_>> = loaded
+        .iter()
+        .zip(&plans)
+        .zip(&names)
+        .map(|((Loaded { model, states, .. }, plan), name)| Target { name, model, plan, states })
+        .collect();
+    let states: usize = targets.iter().map(|target| target.states.len().max(1)).sum();
+    let types = if is_catalogue { TABLE.len() } else { 0 };
+    let bar = ProgressBar::new((states + types) as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}") {
         bar.set_style(style);
     }
-    let report = audit_catalogue(&settings, &|name: &str| {
+    let progress = |name: &str| {
         bar.inc(1);
         bar.set_message(name.to_string());
-    });
+    };
+    let of_catalogue = is_catalogue.then(|| audit_catalogue(&settings, &progress));
+    let of_scenes = audit_scenes(&settings, &targets, &progress);
     bar.finish_and_clear();
-    write(arguments.format, arguments.verbose, &report)?;
+    let mut report = match of_catalogue {
+        Some(of_catalogue) => of_catalogue.joined(of_scenes),
+        None => of_scenes,
+    };
+    if !is_catalogue {
+        let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
+        report.models = loaded.iter().map(of_model).collect();
+    }
+    let is_page = matches!(arguments.format, AuditFormat::Html);
+    if is_page || arguments.html.is_some() || arguments.plots.is_some() {
+        let scenes: Vec<&Scene> = loaded.iter().map(|loaded| &loaded.scene).collect();
+        let supplement = page::supplement(&report, is_catalogue, &targets, &scenes);
+        page::write(arguments, &report, &supplement)?;
+    }
+    if !is_page {
+        write(arguments.format, arguments.verbose, &report)?;
+    }
     if let Some(folder) = &arguments.counter_examples {
         save(folder, &report)?;
     }
     verdict(arguments.strict, &report)
+}
+
+/// How bad the findings of each code are taken to be.
+fn levels(arguments: &Audit) -> Result<Levels, Failure> {
+    let Audit { allow, note, warn, deny, .. } = arguments;
+    let mut levels = Levels::default();
+    for (names, level) in
+        [(allow, Level::Allow), (note, Level::Note), (warn, Level::Warn), (deny, Level::Deny)]
+    {
+        for name in names {
+            levels.set(name, level).map_err(Failure::Usage)?;
+        }
+    }
+    Ok(levels)
+}
+
+fn settings(arguments: &Audit) -> Settings {
+    let mut settings = Settings {
+        states: arguments.states,
+        near_singular_states: arguments.near_singular_states,
+        drawn_states: arguments.drawn_states,
+        seed: arguments.seed.clone(),
+        planted: arguments.plant.map(Planted::from),
+        ..Settings::default()
+    };
+    if let Some(wide_states) = arguments.wide_states {
+        (settings.wide_states, settings.wide_states_of_a_scene) = (wide_states, usize::MAX);
+    }
+    if !arguments.oracles.is_empty() {
+        settings.oracles = arguments.oracles.iter().copied().collect();
+    }
+    settings
 }
 
 /// Writes the counter-examples of a report, shrunk to the simplest values that still fail.
@@ -117,6 +292,16 @@ pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Resul
             report::junit(&mut out, found)?;
             Ok(out.flush()?)
         }
+        AuditFormat::Html => {
+            let mut out = BufWriter::new(io::stdout().lock());
+            report::html(&mut out, found, &report::Supplement::default())?;
+            Ok(out.flush()?)
+        }
+        AuditFormat::Markdown => {
+            let mut out = BufWriter::new(io::stdout().lock());
+            report::markdown(&mut out, found)?;
+            Ok(out.flush()?)
+        }
     }
 }
 
@@ -128,10 +313,19 @@ pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
     if report.mismatches() > 0 {
         return Err(Failure::Mismatch);
     }
+    if report.failing_models() > 0 {
+        return Err(Failure::Findings);
+    }
     if report.compared() == 0 {
         return Err(Failure::Nothing("no number was compared".into()));
     }
-    if strict && report.undecided() > 0 {
+    let is_decided = |model: &ModelReport| {
+        model
+            .assembly
+            .as_ref()
+            .is_none_or(|assembly| assembly.positions.iter().all(|position| position.decided))
+    };
+    if strict && (report.undecided() > 0 || !report.models.iter().all(is_decided)) {
         return Err(Failure::Undecided);
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! `pintle convert` and `pintle schema`.
 
 use super::eval::{self, complain};
-use super::{Convert, Failure, SceneFormat};
+use super::{Convert, Described, Failure, SceneFormat};
 use pintle::scene::{Format, Scene, StateFile};
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -90,15 +90,19 @@ fn save_states(file: &Path, scene: &Scene) -> Result<(), Failure> {
     write(file, &(text + "\n"))
 }
 
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
+pub(super) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     fs::write(path, text)
         .map_err(|error| Failure::Input(format!("{} cannot be written: {error}", path.display())))
 }
 
 /// `pintle schema`.
-pub(crate) fn schema() -> Result<(), Failure> {
+pub(crate) fn schema(of: Described) -> Result<(), Failure> {
     let mut out = BufWriter::new(io::stdout().lock());
-    serde_json::to_writer_pretty(&mut out, &pintle::scene::schema()).map_err(io::Error::from)?;
+    let schema = match of {
+        Described::Scene => pintle::scene::schema(),
+        Described::Audit => pintle::report::audit::schema(),
+    };
+    serde_json::to_writer_pretty(&mut out, &schema).map_err(io::Error::from)?;
     writeln!(out)?;
     Ok(out.flush()?)
 }

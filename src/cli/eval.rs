@@ -1,12 +1,18 @@
 //! `pintle eval`.
 
+use super::history::{History, Survey};
 use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
 use pintle::behavior::state::Velocities;
 use pintle::connector::{Flag, Output, Request};
-use pintle::evaluate::{Branches, ElementBehavior, Item, Model, Plan, Selection, Sequence, request};
-use pintle::report::{self, Block, Format, Subject};
-use pintle::scene::{Diagnostic, Example, ForceFile, ForceSign, GALLERY, Scene, State, StateFile};
+use pintle::evaluate::{
+    Branches, ElementBehavior, Fixed, ForceCheck, Item, Jacobian, Model, Plan, Selection, Sequence, request,
+};
+use pintle::report::{self, Block, Format, Kind, Subject};
+use pintle::scene::{
+    Diagnostic, Example, ForceFile, ForceSign, GALLERY, Scene, State, StateFile, StateForces,
+};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Cursor, IsTerminal, Write};
 use std::path::Path;
@@ -23,11 +29,30 @@ pub(crate) enum Source<'a> {
 }
 
 /// A scene, read and resolved, with its states.
-struct Loaded {
+pub(crate) struct Loaded {
+    pub(crate) scene: Scene,
+    /// Those of a file, of the gallery, or of the scene itself; the scene may have none.
+    pub(crate) states: Vec<State>,
+    forces: Option<ForceFile>,
+    pub(crate) model: Model,
+}
+
+/// A scene that is to be evaluated.
+struct Run {
     scene: Scene,
-    states: Vec<State>,
+    history: History,
+    survey: Survey,
     forces: Option<ForceFile>,
     model: Model,
+}
+
+/// A connector or MPC at one state, worked into what is written and told of it.
+struct Rendered {
+    kind: Kind,
+    has_numbers: bool,
+    text: Vec<u8>,
+    title: String,
+    flags: Vec<Flag>,
 }
 
 /// What was seen that needs care, for one line on stderr.
@@ -40,15 +65,17 @@ struct Care {
 /// Evaluates scenes and writes the results.
 pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
     let sources = sources(arguments)?;
-    let mut loaded =
-        sources.iter().map(|source| load(*source, arguments)).collect::<Result<Vec<Loaded>, Failure>>()?;
-    let request = wanted(arguments, &loaded)?;
+    let runs = sources
+        .iter()
+        .map(|source| of_arguments(*source, arguments))
+        .collect::<Result<Vec<Run>, Failure>>()?;
+    let request = wanted(arguments, &runs)?;
     if matches!(arguments.format, EvalFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());
         let width = page_width(&io::stdout());
         let style =
             report::human::Style { width, digits: usize::from(arguments.digits), verbose: arguments.verbose };
-        walk(arguments, &mut loaded, &request, &mut report::human::Human::new(&mut out, style))
+        walk(arguments, &runs, &request, &mut report::human::Human::new(&mut out, style))
     } else {
         let mut out = BufWriter::new(io::stdout().lock());
         match arguments.format {
@@ -57,12 +84,12 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
                 let has_slopes = request.outputs().any(|output| output == Output::TANGENT);
                 let order = request.order.max(u8::from(has_slopes));
                 let mut format = report::csv::Csv::new(&mut out, outputs, order);
-                walk(arguments, &mut loaded, &request, &mut format)?;
+                walk(arguments, &runs, &request, &mut format)?;
                 drop(format);
                 Ok(out.flush()?)
             }
             EvalFormat::Json | EvalFormat::Human => {
-                walk(arguments, &mut loaded, &request, &mut report::json::Json::new(&mut out))
+                walk(arguments, &runs, &request, &mut report::json::Json::new(&mut out))
             }
         }
     }
@@ -97,23 +124,43 @@ pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
     })
 }
 
-/// Reads and resolves a scene, and says what deserves a look.
-fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
-    let scene = match source {
-        Source::Gallery(example) => example.scene()?,
-        Source::File(path) => Scene::read(path)?,
-    };
-    let states = match (&arguments.states, source) {
-        (Some(file), _) => StateFile::read(file, &scene)?.states,
-        (None, Source::Gallery(example)) => example.states(&scene)?.states,
-        (None, Source::File(_)) if scene.states.is_empty() => vec![State::default()],
-        (None, Source::File(_)) => scene.states.clone(),
-    };
+/// A scene with its states, or the initial one, and its forces.
+fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
     let sign = match arguments.force_sign {
         Sign::Internal => ForceSign::Internal,
         Sign::ConstraintsOnB => ForceSign::ConstraintsOnB,
     };
-    let forces = arguments.forces.as_ref().map(|file| ForceFile::read(file, &scene, sign)).transpose()?;
+    let forces = arguments.forces.as_deref().map(|file| (file, sign));
+    let Loaded { scene, mut states, forces, model } = load(source, None, forces)?;
+    let history = match &arguments.states {
+        Some(file) => History::open(file, &scene)?,
+        None => {
+            if states.is_empty() {
+                states.push(State::default());
+            }
+            History::Held(states)
+        }
+    };
+    let survey = history.survey(&scene)?;
+    Ok(Run { scene, history, survey, forces, model })
+}
+
+/// Reads and resolves a scene, and says what deserves a look.
+pub(crate) fn load(
+    source: Source<'_>,
+    states: Option<&Path>,
+    forces: Option<(&Path, ForceSign)>,
+) -> Result<Loaded, Failure> {
+    let scene = match source {
+        Source::Gallery(example) => example.scene()?,
+        Source::File(path) => Scene::read(path)?,
+    };
+    let states = match (states, source) {
+        (Some(file), _) => StateFile::read(file, &scene)?.states,
+        (None, Source::Gallery(example)) => example.states(&scene)?.states,
+        (None, Source::File(_)) => scene.states.clone(),
+    };
+    let forces = forces.map(|(file, sign)| ForceFile::read(file, &scene, sign)).transpose()?;
     let with_source = |diagnostic: Diagnostic| match source {
         Source::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
         Source::File(_) => match File::open(diagnostic.file()) {
@@ -132,43 +179,44 @@ fn load(source: Source<'_>, arguments: &Eval) -> Result<Loaded, Failure> {
 }
 
 /// The request: the outputs named, or what the scenes suggest.
-fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
+fn wanted(arguments: &Eval, runs: &[Run]) -> Result<Request, Failure> {
     let order = arguments.order.unwrap_or(u8::from(arguments.outputs.is_empty()));
     if !arguments.outputs.is_empty() {
         let names = arguments.outputs.iter().map(String::as_str);
         return request(names, order).map_err(|error| Failure::Usage(error.to_string()));
     }
     let mut outputs = vec![Output::CP, Output::CU, Output::RES];
-    if loaded.iter().any(|loaded| loaded.states.iter().any(moves)) {
+    if runs.iter().any(|run| run.survey.moves) {
         outputs.extend([Output::CV, Output::CA]);
     }
-    let stops = |loaded: &Loaded| {
-        loaded.model.connectors.iter().any(|element| element.connector.stops().iter().any(Option::is_some))
+    let stops = |run: &Run| {
+        run.model.connectors.iter().any(|element| element.connector.stops().iter().any(Option::is_some))
     };
-    let elements = || loaded.iter().flat_map(|loaded| &loaded.model.connectors);
+    let elements = || runs.iter().flat_map(|run| &run.model.connectors);
     let acts = |what: fn(&ElementBehavior) -> bool| elements().any(|one| what(&one.behavior));
-    if loaded.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
+    let hinges = || runs.iter().flat_map(|run| &run.model.mpcs).flat_map(|mpc| &mpc.drives);
+    let is_loaded = hinges().any(|drives| drives.loads.iter().any(Option::is_some));
+    let is_driven = hinges().any(|drives| drives.motions.iter().any(Option::is_some));
+    if runs.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
         outputs.push(Output::CSLST);
     }
-    let has_forces = |loaded: &Loaded| {
-        loaded.forces.is_some() || loaded.states.iter().any(|state| !state.forces.is_empty())
-    };
+    let has_forces = |run: &Run| run.forces.is_some() || run.survey.has_forces();
     // What presses are mostly constraint forces.
     let slides = acts(|one| one.behavior.tells_friction())
-        || loaded.iter().any(has_forces) && acts(|one| !one.behavior.friction.frictions.is_empty());
+        || runs.iter().any(has_forces) && acts(|one| !one.behavior.friction.frictions.is_empty());
     for (output, is_there) in [
         (Output::CEF, acts(|one| one.behavior.elasticity.components().contains(&true))),
         (Output::CVF, acts(|one| one.behavior.damping.components().contains(&true))),
         (Output::CSF, slides),
         (Output::CNF, slides),
         (Output::CASU, slides),
-        (Output::CCF, acts(|one| one.drives.loads.iter().any(Option::is_some))),
+        (Output::CCF, is_loaded || acts(|one| one.drives.loads.iter().any(Option::is_some))),
         (Output::CFAILST, acts(|one| !one.behavior.failures.is_empty())),
-        (Output::DRIVEN, acts(|one| one.drives.motions.iter().any(Option::is_some))),
+        (Output::DRIVEN, is_driven || acts(|one| one.drives.motions.iter().any(Option::is_some))),
     ] {
         outputs.extend(is_there.then_some(output));
     }
-    if loaded.iter().any(has_forces) {
+    if runs.iter().any(has_forces) {
         outputs.push(Output::CTF);
         outputs.extend(
             elements().any(|element| element.connector.connection().printed.is_some()).then_some(Output::PM),
@@ -178,46 +226,42 @@ fn wanted(arguments: &Eval, loaded: &[Loaded]) -> Result<Request, Failure> {
     Ok(Request::new(&outputs, [true; 6], order))
 }
 
-/// Gives component forces to the states, the first of which has the number `first`, and checks them all.
-fn give(
-    states: &mut [State],
-    forces: Option<&ForceFile>,
-    model: &Model,
-    first: u64,
-    arguments: &Eval,
-) -> Result<(), Failure> {
+/// The forces of a file by the places of states.
+type Assigned<'a> = BTreeMap<usize, &'a StateForces>;
+
+/// Finds the states, the first of which has the number `first`, that the forces of a file belong to, and checks all forces.
+fn assign<'a>(run: &'a Run, first: u64, arguments: &Eval) -> Result<Assigned<'a>, Failure> {
     let show = |file: &Path, diagnostic: Diagnostic| match File::open(file) {
         Ok(text) => diagnostic.with_source(BufReader::new(text)),
         Err(_) => diagnostic,
     };
+    let Run { scene, history, survey, forces, model } = run;
     let file = arguments.forces.as_deref().or(arguments.states.as_deref());
     let file = file.or(arguments.scene.as_deref().map(Path::new)).unwrap_or(Path::new(""));
-    if let Some(forces) = forces {
-        forces.attach(states, first).map_err(|error| show(file, error))?;
+    let assigned = match forces {
+        Some(forces) => forces.assign(&survey.marks, first).map_err(|error| show(file, error))?,
+        None => Assigned::new(),
+    };
+    if assigned.is_empty() && !survey.has_forces() {
+        return Ok(assigned);
     }
-    let checked = model.check_forces(states, first, &file.display().to_string());
-    Ok(checked.map_err(|error| show(file, error))?)
-}
-
-/// Whether a state has rates.
-fn moves(state: &State) -> bool {
-    let still = [0.0; 3];
-    state.nodes.values().any(|node| {
-        [node.velocity, node.angular_velocity, node.acceleration, node.angular_acceleration]
-            .iter()
-            .any(|rate| *rate != still)
-            || node.flow_velocity != 0.0
-            || node.flow_acceleration != 0.0
-    })
+    let (check, name) = (ForceCheck::new(model), file.display().to_string());
+    let numbers = survey.numbers(first);
+    let mut place = 0;
+    history.each(scene, |state| {
+        let forces = match assigned.get(&place) {
+            Some(forces) => (&forces.elements, &forces.mpcs),
+            None => (&state.forces, &state.mpc_forces),
+        };
+        let number = numbers.get(place).copied().unwrap_or_default();
+        place += 1;
+        Ok(check.check(forces, number, &name).map_err(|error| show(file, error))?)
+    })?;
+    Ok(assigned)
 }
 
 /// Walks through the states of every scene, writing as it goes.
-fn walk(
-    arguments: &Eval,
-    loaded: &mut [Loaded],
-    request: &Request,
-    format: &mut dyn Format,
-) -> Result<(), Failure> {
+fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Format) -> Result<(), Failure> {
     let selection = match arguments.connector.as_slice() {
         [] => Selection::All,
         names => Selection::Named(names.to_vec()),
@@ -229,7 +273,8 @@ fn walk(
     let mut evaluated = 0;
     // What cannot be is said before anything is written.
     let mut walks = Vec::new();
-    for Loaded { scene, states, forces, model } in &mut *loaded {
+    for run in runs {
+        let Run { scene, survey, model, .. } = run;
         let plan = Plan::compile(model, &selection, request.clone())
             .map_err(|error| Failure::Usage(error.to_string()))?;
         if plan.connectors.is_empty() && plan.mpcs.is_empty() && arguments.scene.is_some() {
@@ -240,36 +285,63 @@ fn walk(
             Some(file) => resume(file, model, &plan)?,
             None => Branches::default(),
         };
-        give(states, forces.as_ref(), model, branches.states, arguments)?;
-        let numbers: Vec<u64> = (branches.states..)
-            .zip(&*states)
-            .map(|(counted, state)| state.number.unwrap_or(counted))
-            .collect();
+        let assigned = assign(run, branches.states, arguments)?;
+        let numbers = survey.numbers(branches.states);
         let shown = show.among(&numbers).map_err(Failure::Usage)?;
-        walks.push((plan, branches, shown, numbers));
+        walks.push((plan, branches, shown, numbers, assigned));
     }
     format.begin()?;
     let mut progress = Progress::new();
-    for (Loaded { scene, states, model, .. }, (plan, branches, shown, numbers)) in loaded.iter().zip(&walks) {
+    for (run, (plan, branches, shown, numbers, assigned)) in runs.iter().zip(&walks) {
+        let Run { scene, history, survey, model, .. } = run;
         let mut sequence = Sequence::resume(model, plan, branches.clone());
-        if !states.iter().any(moves) {
+        if arguments.save_branches.is_some() || arguments.jacobian.is_some() {
+            sequence.follow_everything();
+        }
+        let is_shown = |index: &u64| shown.iter().any(|range| range.contains(index));
+        let last_shown = numbers.iter().copied().rfind(is_shown);
+        if !survey.moves {
             sequence.set_velocities(Velocities::Increments);
         }
         let [first, last] =
             [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
-        format.scene(&Subject { scene, model, plan, states: states.len(), shown, first, last })?;
-        for (done, (state, index)) in states.iter().zip(numbers.iter().copied()).enumerate() {
-            progress.tick(&scene.name, done, states.len());
-            if shown.iter().any(|range| range.contains(&index)) {
+        format.scene(&Subject { scene, model, plan, states: numbers.len(), shown, first, last })?;
+        let mut done = 0;
+        history.each(scene, |given| {
+            let with_forces = assigned.get(&done).map(|forces| {
+                let (forces, mpc_forces) = (forces.elements.clone(), forces.mpcs.clone());
+                Box::new(State { forces, mpc_forces, ..given.clone() })
+            });
+            let state = with_forces.as_deref().unwrap_or(given);
+            let index = numbers.get(done).copied().unwrap_or_default();
+            progress.tick(&scene.name, done, numbers.len());
+            done += 1;
+            if is_shown(&index) {
+                if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
+                    let told = save_jacobian(file, (scene, model, plan), sequence.clone(), (index, state))?;
+                    // Whatever else needs care is told by the evaluation.
+                    for (title, flag) in &told {
+                        if matches!(flag, Flag::NotFinite { .. }) {
+                            care.see(index, title, std::slice::from_ref(flag));
+                        }
+                    }
+                }
                 format.state(index, state.time)?;
-                sequence.visit(state, |item| {
+                let render = format.renderer();
+                let digest = |item: Item| -> io::Result<Rendered> {
                     let block = match &item {
                         Item::Connector(result) => Block::of_connector(model, request, result),
                         Item::Mpc(result) => Block::of_mpc(model, request, result),
                     };
-                    evaluated += u64::from(block.has_numbers());
-                    care.see(index, &title(model, &item), &block.flags);
-                    format.block(&block)
+                    let title = if block.flags.is_empty() { String::new() } else { title(model, &item) };
+                    let (kind, has_numbers, text) = (block.kind, block.has_numbers(), render(&block)?);
+                    Ok(Rendered { kind, has_numbers, text, title, flags: block.flags })
+                };
+                sequence.visit_digested(state, digest, |rendered| {
+                    let Rendered { kind, has_numbers, text, title, flags } = rendered?;
+                    evaluated += u64::from(has_numbers);
+                    care.see(index, &title, &flags);
+                    format.rendered(kind, &text)
                 })?;
                 format.end_state()?;
             } else {
@@ -278,14 +350,17 @@ fn walk(
                         Item::Connector(result) => &result.flags,
                         Item::Mpc(result) => &result.flags,
                     };
-                    care.see(index, &title(model, &item), flags);
+                    if !flags.is_empty() {
+                        care.see(index, &title(model, &item), flags);
+                    }
                     Ok(())
                 })?;
             }
-        }
+            Ok(())
+        })?;
         format.end_scene(sequence.tally())?;
         if let Some(file) = &arguments.save_branches {
-            save(file, &scene.name, sequence.branches())?;
+            save(file, &scene.name, &sequence.branches())?;
         }
     }
     progress.clear();
@@ -342,6 +417,25 @@ fn save(path: &Path, scene: &str, branches: &Branches) -> Result<(), Failure> {
     let text = serde_json::to_string(&file).map_err(|error| Failure::Input(error.to_string()))?;
     fs::write(path, text + "\n")
         .map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))
+}
+
+/// Writes the constraint Jacobian at a state, which `sequence` has before it, and gives what of it needs care.
+fn save_jacobian(
+    path: &Path,
+    (scene, model, plan): (&Scene, &Model, &Plan),
+    mut sequence: Sequence<'_>,
+    (number, state): (u64, &State),
+) -> Result<Vec<(String, Flag)>, Failure> {
+    let jacobian = Jacobian::of_constraints(model, plan, &Fixed::of(scene)?);
+    let mut values = Vec::new();
+    let assembled = sequence.assemble(state, &jacobian, &mut values);
+    let care = assembled.map_err(|error| Failure::Usage(error.to_string()))?;
+    let of = format!("{} at state {number}", scene.name);
+    let written = File::create(path).and_then(|file| {
+        report::matrix_market::write(&mut BufWriter::new(file), &of, model, &jacobian, &values)
+    });
+    written.map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))?;
+    Ok(care)
 }
 
 fn resume(path: &Path, model: &Model, plan: &Plan) -> Result<Branches, Failure> {

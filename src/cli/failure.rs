@@ -13,6 +13,9 @@ pub(crate) enum Failure {
     /// At least one verified mismatch; the report names it.
     #[error("at least one number is verified to be wrong")]
     Mismatch,
+    /// A finding of a model is an error; the report names it.
+    #[error("a finding of a model is an error")]
+    Findings,
     /// Something is undecided, and that was asked to be an error.
     #[error("something is undecided")]
     Undecided,
@@ -53,7 +56,7 @@ impl Failure {
         }
         ExitCode::from(match self {
             Self::Lost(_) => 1,
-            Self::Mismatch => 1,
+            Self::Mismatch | Self::Findings => 1,
             Self::Usage(_) => 2,
             Self::Undecided => 3,
             Self::SelfTest => 5,

@@ -3,7 +3,11 @@
 pub(crate) mod audit;
 pub(crate) mod convert;
 pub(crate) mod eval;
+pub(crate) mod export;
 mod failure;
+mod history;
+pub(crate) mod manual;
+mod page;
 pub(crate) mod replay;
 mod show;
 
@@ -26,6 +30,9 @@ Exit codes: 0 all right, 1 a number is wrong, 2 usage, 3 undecided (--strict), 4
 5 the self-test failed, 6 bad input, 70 internal error.
 Results go to stdout, everything else to stderr. NO_COLOR is respected.")]
 pub(crate) struct Cli {
+    /// Threads; no result depends on their number [default: one per core, or RAYON_NUM_THREADS]
+    #[arg(long, value_name = "COUNT", global = true, value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -40,17 +47,38 @@ pub(crate) enum Command {
     Eval(Box<Eval>),
     /// Convert a scene between deck, TOML and JSON, and say what is lost
     Convert(Convert),
-    /// Print the JSON Schema of scenes in TOML and JSON
+    /// Export a connection type as a program: SymPy, JAX, C, Rust, LaTeX, or its expression graph
+    Export(export::Export),
+    /// Print the JSON Schema of scenes in TOML and JSON, or of the JSON report of an audit
     #[command(after_long_help = SCHEMA_HELP)]
-    Schema,
-    /// Audit the catalogue: is every number right, and would an error have been noticed?
-    Audit(audit::Audit),
+    Schema {
+        /// Of what
+        #[arg(value_enum, default_value_t)]
+        of: Described,
+    },
+    /// Audit the catalogue, or scenes: is every number right, and would an error have been noticed?
+    Audit(Box<audit::Audit>),
     /// Judge the state of a counter-example again
     Replay(replay::Replay),
+    /// Print the completions of a shell
+    #[command(after_long_help = manual::COMPLETIONS_HELP)]
+    Completions(manual::Completions),
+    /// Print a manual page
+    Man(manual::Man),
     /// Panic, to test the report of an internal error
     #[cfg(debug_assertions)]
     #[command(hide = true)]
     Panic,
+}
+
+/// What has a JSON Schema.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Described {
+    /// Scenes in TOML and JSON
+    #[default]
+    Scene,
+    /// The JSON report of `pintle audit`
+    Audit,
 }
 
 /// How pages are written.
@@ -70,6 +98,29 @@ pub(crate) struct List {
     format: PageFormat,
 }
 
+/// How an explanation is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ExplainFormat {
+    /// Text for reading
+    #[default]
+    Human,
+    /// One JSON document
+    Json,
+    /// The formulas of a connection type, in LaTeX
+    Latex,
+}
+
+impl ExplainFormat {
+    /// The format of a page that has no formulas.
+    fn page(self) -> Result<PageFormat, Failure> {
+        match self {
+            Self::Human => Ok(PageFormat::Human),
+            Self::Json => Ok(PageFormat::Json),
+            Self::Latex => Err(Failure::Usage("only connection types have formulas in LaTeX".to_string())),
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Explain {
     /// A connection type such as REVOLUTE, in any case; MPC or MPC REVOLUTE; or the code of a diagnostic such as deck::unknown-node
@@ -80,7 +131,7 @@ pub(crate) struct Explain {
     second: Option<String>,
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
-    format: PageFormat,
+    format: ExplainFormat,
 }
 
 /// The forms of a scene.
@@ -223,6 +274,9 @@ pub(crate) struct Eval {
     /// Continue from saved branches, bit for bit as if the states had followed in one run
     #[arg(long, value_name = "FILE", requires = "scene")]
     resume: Option<PathBuf>,
+    /// Write the constraint Jacobian of the last state shown, a sparse matrix (Matrix Market, .mtx; see below)
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    jacobian: Option<PathBuf>,
     /// Say more: what was read and not evaluated, what was computed
     #[arg(short, long)]
     verbose: bool,
@@ -267,7 +321,10 @@ Forces (--forces): a table (.csv) or a document (.json), or \"forces\" beside
   or time, and the forces. JSON: {\"schema\": \"pintle-forces/1\", \"states\":
   [{\"state\": 0, \"forces\": {\"101\": {\"f1\": 2.5, \"m2\": 0}}}]}. Signs are internal:
   positive resists growth of the component; --force-sign constraints-on-b takes
-  those of constrained components as applied at node b.
+  those of constrained components as applied at node b. The element may be the
+  nodes of an MPC, 10-20-30: its forces are then those that it puts on its first
+  node, residual-side, global components, and NF, LM, KG, DNF, KT, CT and KR
+  tell what it transmits.
 
 Outputs:
   CP, CU, CCU    position; displacement from the initial position; from the
@@ -279,11 +336,14 @@ Outputs:
   CEF, CVF, CCF  elastic force, viscous force, applied connector load
   CSF, CNF       friction force, contact force of friction
   CASU, CIVC     accumulated slip, slip rate
+  SLIP           whether friction sticks or slips, or is free where nothing
+                 presses: stick, slip, free
   CRF, CTF       reaction; total force CEF + CVF + CSF + CRF − CCF, or as given
   CFAILST        failure status, 1 when released
   DRIVEN         what a connector motion prescribes; RES is how far off it is
-  TANGENT        slopes of elastic and viscous forces by displacement, velocity
-                 and, where velocities are increments, time step
+  TANGENT        slopes of component forces: elastic, viscous, friction with its
+                 consistent tangent; by displacement, velocity, reaction (CRF) of
+                 what is constrained or held, and time step
   PM             moments by which the printed formula gives the same moment,
                  where that is another one
   LM             multipliers of the equations enforced (those of RES)
@@ -291,6 +351,8 @@ Outputs:
                  the ground are its reactions; NF4 is the part of m1
   KG, DNF        geometric stiffness Σ f ∂²c; derivative of the nodal forces at
                  constant component forces, rotations spatial
+  KT, CT, KR     tangent of the nodal forces: Jᵀ (∂F/∂u) J + KG; by velocities,
+                 Jᵀ (∂F/∂v) J; by reactions. ∂NF/∂q is KT − KG + DNF
   TURNS, MARGIN  whole turns counted; distance to the nearest singular point
   CU names all components, CUR the rotations, CU1 to CU3 and CUR1 to CUR3 one
   of them; likewise CP, CCU, CV, CA. CTF names all forces, CTM the moments, CTF1
@@ -317,6 +379,13 @@ JSON: {\"schema\": \"pintle-eval/1\", …, \"scenes\": [{\"scene\", \"states\":
   back to the same doubles; one that is not finite is null, with the flag
   not-finite.
 
+Jacobian (--jacobian): rows are the constrained components of connectors and the
+  equations of MPCs, columns the degrees of freedom of their nodes, numbered by
+  node; the ground, and what *BOUNDARY prescribes before or in the first step,
+  have none. Columns of a node under *TRANSFORM are along its axes. Comments of
+  the file name every row and column. scipy.io.mmread reads it, as do MATLAB,
+  Octave and Julia.
+
 A file of two states, as CSV and as JSON:
   state,time,node,u1,ur3,vr3
   0,0,2,0,0,15
@@ -335,6 +404,18 @@ Examples:
   pintle eval
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
+
+/// The stack of every thread, in bytes: derivatives of derivatives lie on it, whole, in a build without optimisation.
+pub(crate) const STACK: usize = 64 << 20;
+
+/// Gives the pool of rayon its stacks, and its number of threads if there is one to give.
+pub(crate) fn use_threads(count: Option<u16>) -> Result<(), Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count.map_or(0, usize::from));
+    pool.build_global().map_err(|error| {
+        let asked = count.map_or_else(String::new, |count| format!("{count} "));
+        Failure::Usage(format!("{asked}threads cannot be started: {error}"))
+    })
+}
 
 /// The width of a page: that of the terminal; elsewhere the environment's COLUMNS, or 100.
 fn page_width(stream: &impl IsTerminal) -> usize {
@@ -372,12 +453,23 @@ fn explain_mpc(
     Ok(out.flush()?)
 }
 
+/// The connection type of a name, or of a pair of names.
+fn connection(name: &str, second: Option<&str>) -> Result<ConnectionType, Failure> {
+    ConnectionType::named(name, second).map_err(|error| {
+        let remedy = match &error {
+            NameError::Unknown { nearest: None, .. } => "; `pintle list` shows the types there are",
+            NameError::Unknown { .. } | NameError::Pair { .. } => "",
+        };
+        Failure::Usage(format!("{error}{remedy}"))
+    })
+}
+
 /// `pintle explain`.
 pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let mut out = BufWriter::new(anstream::stdout().lock());
     let width = page_width(&io::stdout());
     if let Some(code) = Code::ALL.iter().find(|code| code.as_str().eq_ignore_ascii_case(&arguments.name)) {
-        match arguments.format {
+        match arguments.format.page()? {
             PageFormat::Human => explain::code(&mut out, *code, width)?,
             PageFormat::Json => explain::code_json(&mut out, *code)?,
         }
@@ -386,7 +478,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let second = arguments.second.as_deref().unwrap_or_default();
     let words = format!("{} {second}", arguments.name).to_ascii_uppercase();
     match words.split_whitespace().collect::<Vec<_>>()[..] {
-        ["MPC"] => return explain_mpc(&mut out, None, arguments.format, width),
+        ["MPC"] => return explain_mpc(&mut out, None, arguments.format.page()?, width),
         ["MPC", name] => {
             let Some(kind) = mpc::Kind::named(name) else {
                 let names = mpc::TABLE.map(|entry| entry.name).join(", ");
@@ -394,29 +486,23 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
                     "the MPCs that are evaluated, and explained, are {names}"
                 )));
             };
-            return explain_mpc(&mut out, Some(kind), arguments.format, width);
+            return explain_mpc(&mut out, Some(kind), arguments.format.page()?, width);
         }
         ["MPC", ..] => return Err(Failure::Usage("an MPC has one type: MPC REVOLUTE".to_string())),
         // A name that no connection type has.
         [name] if !TABLE.iter().any(|entry| entry.name == name) => {
             if let Some(kind) = mpc::Kind::named(name) {
-                return explain_mpc(&mut out, Some(kind), arguments.format, width);
+                return explain_mpc(&mut out, Some(kind), arguments.format.page()?, width);
             }
         }
         _ => {}
     }
-    let connection =
-        ConnectionType::named(&arguments.name, arguments.second.as_deref()).map_err(|error| {
-            let remedy = match &error {
-                NameError::Unknown { nearest: None, .. } => "; `pintle list` shows the types there are",
-                NameError::Unknown { .. } | NameError::Pair { .. } => "",
-            };
-            Failure::Usage(format!("{error}{remedy}"))
-        })?;
-    let explanation = explain::Explanation::of(&connection);
+    let connection = connection(&arguments.name, arguments.second.as_deref())?;
+    let explanation = || explain::Explanation::of(&connection);
     match arguments.format {
-        PageFormat::Human => explanation.human(&mut out, width)?,
-        PageFormat::Json => explanation.json(&mut out)?,
+        ExplainFormat::Human => explanation().human(&mut out, width)?,
+        ExplainFormat::Json => explanation().json(&mut out)?,
+        ExplainFormat::Latex => report::formulas::latex(&connection, &mut out)?,
     }
     Ok(out.flush()?)
 }

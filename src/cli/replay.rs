@@ -1,9 +1,9 @@
 //! `pintle replay`.
 
 use super::Failure;
-use super::audit::AuditFormat;
+use super::audit::{AuditFormat, Plant};
 use clap::Args;
-use pintle::audit::{Case, CounterExample, Settings, audit_cases};
+use pintle::audit::{Case, CounterExample, Planted, Settings, audit_cases};
 use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -13,6 +13,9 @@ pub(crate) struct Replay {
     /// A counter-example, as `pintle audit --counter-examples` writes it
     #[arg(value_name = "FILE")]
     file: PathBuf,
+    /// Plant a fault, to see the state fail
+    #[arg(long, value_enum, hide = true)]
+    plant: Option<Plant>,
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
     format: AuditFormat,
@@ -44,7 +47,8 @@ pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
         )?;
         out.flush()?;
     }
-    let settings = Settings { wide_states: 1, atlas: false, ..Settings::default() };
+    let planted = arguments.plant.map(Planted::from);
+    let settings = Settings { wide_states: 1, atlas: false, planted, ..Settings::default() };
     let title = format!("{} now", case.definition.connection.name);
     let report = audit_cases(&settings, &[(title, vec![case])], &|_| {});
     super::audit::write(arguments.format, true, &report)?;

@@ -1,9 +1,9 @@
 //! What the history of a connector decides: turn counts, sheets, accumulated one-forms.
 
-use super::{Connector, State};
+use super::{Connector, Mask, State, Tally};
 use crate::measure::{History, Measure, Shared};
 use crate::node::{self, DOFS, Dependence, Pair, Relative};
-use crate::scalar::{Differentiable, Real};
+use crate::scalar::{Differentiable, Real, Select};
 use crate::so3;
 use crate::vector::{self, Vector, add, dot, scale, sub};
 use serde::{Deserialize, Serialize};
@@ -15,6 +15,16 @@ pub struct Turns<R> {
     pub turns: R,
     /// The principal angle in (−π, π] (rad).
     pub principal: R,
+}
+
+impl<R: Real> Select<R> for Turns<R> {
+    #[inline(always)]
+    fn pick(mask: R::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            turns: R::select(mask, yes.turns, no.turns),
+            principal: R::select(mask, yes.principal, no.principal),
+        }
+    }
 }
 
 /// What the states up to now decide about the next: committed once per state.
@@ -65,8 +75,24 @@ impl<R: Differentiable> Connector<R> {
     /// Turns are counted to the nearest, from where the whole turns of the nodes' own increments would have taken the angle. An
     /// increment of exactly half a turn goes the way the nodes turned, or to the principal angle where that is not said.
     pub fn advance(&self, state: &State<R>, increment: &Increment<R>, branch: &Branch<R>) -> Branch<R> {
+        self.follow(state, increment, branch, [true; 6], &mut Tally::default())
+    }
+
+    /// The same for the components in `wanted` only; what belongs to others stays as it was. Angles of one set of Cardan or
+    /// Euler angles are followed together. `tally` counts the work.
+    pub fn follow(
+        &self,
+        state: &State<R>,
+        increment: &Increment<R>,
+        branch: &Branch<R>,
+        wanted: Mask,
+        tally: &mut Tally,
+    ) -> Branch<R> {
         let mut next = *branch;
-        let needs = |wanted: fn(Measure) -> bool| self.rows.iter().flatten().any(|row| wanted(row.position));
+        let is_followed = |k: usize| wanted[k] && self.rows[k].is_some();
+        let needs = |kind: fn(Measure) -> bool| {
+            (0..6).filter(|k| wanted[*k]).filter_map(|k| self.rows[k]).any(|row| kind(row.position))
+        };
         let pair = &state.pair;
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
         let told = sub(sub(increment.rotation[1], increment.rotation[0]), whole);
@@ -78,13 +104,25 @@ impl<R: Differentiable> Connector<R> {
         if needs(|m| matches!(m, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))) {
             let carried = add(branch.rotation_vector, vector::apply_transposed(&pair.a.triad, whole));
             let lean = scale(vector::apply_transposed(&pair.a.triad, told), R::ratio(LEAN.0, LEAN.1));
+            tally.histories += 1;
             let log = so3::continuous_log(&relative.q, add(carried, lean));
-            next.rotation_vector = R::choose(log.is_reference(), || log.phi, || carried);
+            // Near a whole turn the direction of φ says nothing: that of the history stands, with the angle of φ.
+            let held = || {
+                let (unit, length) = R::direction_and_norm(carried);
+                let (_, angle) = R::direction_and_norm(log.phi);
+                let backwards = dot(unit, log.phi).less(R::integer(0));
+                let signed = R::choose(backwards, || -angle, || angle);
+                R::choose(R::integer(0).less(length), || scale(unit, signed), || carried)
+            };
+            next.rotation_vector = R::choose(log.is_reference(), || log.phi, held);
         }
         if needs(|m| matches!(m, Measure::Euler(_))) {
-            let (same, distance) = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign);
+            // The sheet is that on which all of them move least.
+            let told = [whole, told];
+            let (same, distance) =
+                self.wind(&relative, pair, told, branch, (branch.euler_sign, [true; 6]), tally);
             let (other, other_distance) =
-                self.wind(&relative, pair, [whole, told], branch, -branch.euler_sign);
+                self.wind(&relative, pair, told, branch, (-branch.euler_sign, [true; 6]), tally);
             let chosen = R::choose(
                 other_distance.less(distance),
                 || (other, -branch.euler_sign),
@@ -92,15 +130,23 @@ impl<R: Differentiable> Connector<R> {
             );
             (next.turns, next.euler_sign) = chosen;
         } else if needs(Measure::winds) {
-            next.turns = self.wind(&relative, pair, [whole, told], branch, branch.euler_sign).0;
+            // At a lock the third Cardan angle depends on where the first was before.
+            let is_cardan =
+                |k: usize| self.rows[k].is_some_and(|row| matches!(row.position, Measure::Cardan(_)));
+            let together = (0..6).any(|k| is_followed(k) && is_cardan(k));
+            let mask = [0, 1, 2, 3, 4, 5].map(|k| is_followed(k) || (together && is_cardan(k)));
+            next.turns =
+                self.wind(&relative, pair, [whole, told], branch, (branch.euler_sign, mask), tally).0;
         }
         if needs(Measure::counts_torsion) {
+            tally.histories += 1;
             let principal = so3::torsion(&relative.q);
             let along =
                 |v: Vector<R>| Measure::Torsion.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
             next.torsion = nearest_turn(principal, &branch.torsion, along(whole), along(told)).0;
         }
         if needs(Measure::is_one_form) {
+            tally.histories += 1;
             // The sum and its rounding error, exactly (Knuth's two-sum).
             let change = self.accumulation(pair, increment);
             let sum = branch.accumulated + change;
@@ -119,14 +165,16 @@ impl<R: Differentiable> Connector<R> {
         pair: &Pair<R>,
         [whole, told]: [Vector<R>; 2],
         branch: &Branch<R>,
-        euler_sign: R,
+        (euler_sign, wanted): (R, Mask),
+        tally: &mut Tally,
     ) -> ([Turns<R>; 6], R) {
         let history = History { euler_sign, ..branch.history() };
         let mut shared = Shared::new(relative, &pair.a.triad, &self.section, &history);
         let mut turns = branch.turns;
         let mut moved = R::integer(0);
         for (k, row) in self.rows.iter().enumerate() {
-            let Some(row) = row.filter(|row| row.position.winds()) else { continue };
+            let Some(row) = row.filter(|row| wanted[k] && row.position.winds()) else { continue };
+            tally.histories += 1;
             let evaluated = row.position.evaluate(&mut shared);
             let principal = row.position.unlocked(&relative.q, evaluated, branch.turns[3].principal);
             let previous = branch.turns[k];

@@ -12,9 +12,9 @@ use num_dual::HyperDual;
 impl<R: Differentiable> Connector<R> {
     pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
         let Pass { state, history, rows, request } = *pass;
-        let of_position = |k: usize| request.wants_any(&[Output::CV, Output::CA], k);
+        let of_position = |k: usize| request.wants_any([Output::CV, Output::CA], k);
         let of_residual = |k: usize, row: &Row<R>| {
-            request.wants_any(&[Output::RESV, Output::RESA], k) && row.slot.is_constrained()
+            request.wants_any([Output::RESV, Output::RESA], k) && row.slot.is_constrained()
         };
         let bias = |k: usize, row: &Row<R>| request.wants(Output::RESB, k) && row.slot.is_constrained();
         let mut measures = Vec::new();
@@ -78,11 +78,7 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
         take: &mut impl FnMut(usize, NodalRow<R>, Option<NodalMatrix<R>>),
     ) {
-        let Differentiation { state, history, active, second } = *input;
-        let of = |seeds: Seeds| {
-            let chosen = measures.iter().filter(move |(_, measure)| Seeds::of(*measure) == seeds);
-            chosen.copied().collect::<Vec<_>>()
-        };
+        let Differentiation { state, active, second, .. } = *input;
         let mut nodal =
             |(k, measure): (usize, Measure), gradient: RelativeGradient<R>, relative: [[R; 8]; 8]| {
                 // A measure that no direction of a enters does not feel a turn.
@@ -99,27 +95,39 @@ impl<R: Differentiable> Connector<R> {
                 let hessian = || Box::new(state.pair.nodal_hessian(&gradient, &relative, &active));
                 take(k, row, second.then(hessian));
             };
+        self.relative_derivatives(input, measures, tally, &mut nodal);
+        for (k, measure) in measures.iter().filter(|(_, measure)| measure.is_one_form()) {
+            let (row, hessian) = self.one_form_row(input, *measure, tally);
+            take(*k, row, hessian);
+        }
+    }
+
+    /// The derivatives by the relative variations of measures, but for one-forms, handed on with their numbers.
+    pub(super) fn relative_derivatives(
+        &self,
+        input: &Differentiation<'_, R>,
+        measures: &[(usize, Measure)],
+        tally: &mut Tally,
+        take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
+    ) {
+        let Differentiation { state, history, second, .. } = *input;
         let from = (self, state, history);
         if second {
-            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Translation), &mut nodal);
-            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(from, &of(Seeds::Rotation), &mut nodal);
-            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(from, &of(Seeds::Motion), &mut nodal);
-            Seeds::All.pass::<R, R::Hessian<8>, 8>(from, &of(Seeds::All), &mut nodal);
+            Seeds::Translation.pass::<R, R::Hessian<3>, 3>(from, measures, take);
+            Seeds::Rotation.pass::<R, R::Hessian<3>, 3>(from, measures, take);
+            Seeds::Motion.pass::<R, R::Hessian<6>, 6>(from, measures, take);
+            Seeds::All.pass::<R, R::Hessian<8>, 8>(from, measures, take);
         } else {
-            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Translation), &mut nodal);
-            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(from, &of(Seeds::Rotation), &mut nodal);
-            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(from, &of(Seeds::Motion), &mut nodal);
-            Seeds::All.pass::<R, R::Gradient<8>, 8>(from, &of(Seeds::All), &mut nodal);
+            Seeds::Translation.pass::<R, R::Gradient<3>, 3>(from, measures, take);
+            Seeds::Rotation.pass::<R, R::Gradient<3>, 3>(from, measures, take);
+            Seeds::Motion.pass::<R, R::Gradient<6>, 6>(from, measures, take);
+            Seeds::All.pass::<R, R::Gradient<8>, 8>(from, measures, take);
         }
         let functions = measures.iter().filter(|(_, measure)| !measure.is_one_form()).count() as u64;
         if second {
             tally.hessians += functions;
         } else {
             tally.gradients += functions;
-        }
-        for (k, measure) in of(Seeds::None) {
-            let (row, hessian) = self.one_form_row(input, measure, tally);
-            take(k, row, hessian);
         }
     }
 
@@ -203,14 +211,16 @@ impl Seeds {
         }
     }
 
-    /// Evaluates measures on numbers with derivatives along these variations and hands on their relative derivatives.
+    /// Evaluates those measures that depend on just these variations, on numbers with derivatives along them, and hands on their
+    /// relative derivatives.
     fn pass<R: Differentiable, S: Seeded<N, Real = R>, const N: usize>(
         self,
         (connector, state, history): (&Connector<R>, &State<R>, &History<R>),
         measures: &[(usize, Measure)],
         take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
     ) {
-        if measures.is_empty() {
+        let mut own = measures.iter().filter(|(_, measure)| Self::of(*measure) == self).peekable();
+        if own.peek().is_none() {
             return;
         }
         let (first, needed) = match self {
@@ -220,17 +230,9 @@ impl Seeds {
             Self::All | Self::None => (0, Dependence { translation: true, rotation: true, flow: true }),
         };
         let zero = R::integer(0);
-        let seed = |i: usize| {
-            if i >= first && i < first + N { S::seed(zero, i - first) } else { S::zero() }
-        };
-        let relative = state.pair.varied(
-            needed,
-            [seed(0), seed(1), seed(2)],
-            [seed(3), seed(4), seed(5)],
-            [seed(6), seed(7)],
-        );
+        let relative = state.pair.seeded::<S, N>(needed, first);
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &connector.section, history);
-        for (k, measure) in measures {
+        for (k, measure) in own {
             let value = measure.evaluate(&mut shared);
             let mut gradient = [zero; 8];
             gradient[first..first + N].copy_from_slice(&value.gradient());

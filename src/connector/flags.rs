@@ -287,7 +287,20 @@ impl Connector<f64> {
         before: &Branch<f64>,
         after: &Branch<f64>,
     ) -> Vec<Flag> {
+        self.flags_of([true; 6], margins, increment, state, [before, after])
+    }
+
+    /// The same, of turns and paths of the components in `followed` only: those that [`Connector::follow`] was asked for.
+    pub fn flags_of(
+        &self,
+        followed: Mask,
+        margins: &Components<Margin>,
+        increment: &Increment<f64>,
+        state: &State<f64>,
+        [before, after]: [&Branch<f64>; 2],
+    ) -> Vec<Flag> {
         let mut flags = Vec::new();
+        let rows = || (0..6).filter(|k| followed[*k]).filter_map(|k| Some((k, self.rows[k].as_ref()?)));
         let scale_of = |unit| if unit == Unit::Length { extent(&state.pair) } else { 1.0 };
         for (k, margin) in margins.iter().enumerate() {
             let component = crate::catalog::COMPONENT[k];
@@ -302,7 +315,7 @@ impl Connector<f64> {
         let all = sub(increment.rotation[1], increment.rotation[0]);
         let turns_are_told = increment.whole_turns.as_flattened().iter().any(|turns| *turns != 0.0);
         // What lies midway between a and b follows the torsion, whether or not that is a component.
-        let counted = self.rows.iter().enumerate().filter_map(|(k, row)| match row.as_ref()?.position {
+        let counted = rows().filter_map(|(k, row)| match row.position {
             measure if measure.winds() => Some((k, measure, [before.turns[k], after.turns[k]])),
             measure if measure.counts_torsion() => {
                 Some((k, Measure::Torsion, [before.torsion, after.torsion]))
@@ -319,9 +332,7 @@ impl Connector<f64> {
                 flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
             }
         }
-        for (k, _) in
-            self.rows.iter().enumerate().filter(|(_, r)| r.is_some_and(|r| r.position.is_one_form()))
-        {
+        for (k, _) in rows().filter(|(_, row)| row.position.is_one_form()) {
             let component = crate::catalog::COMPONENT[k];
             let difference = (self.accumulation(&state.pair, increment)
                 - self.steady_accumulation(&state.pair, increment))
@@ -343,9 +354,7 @@ impl Connector<f64> {
             let [old, new] = [before, after].map(|branch| so3::exp(branch.rotation_vector));
             norm(so3::log_quaternion(so3::compose(new, so3::conjugate(old))))
         });
-        for (k, _) in
-            self.rows.iter().enumerate().filter(|(_, row)| row.is_some_and(|r| is_vector(r.position)))
-        {
+        for (k, _) in rows().filter(|(_, row)| is_vector(row.position)) {
             if *turned > CERTAIN_INCREMENT * std::f64::consts::PI {
                 flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change: *turned });
             }

@@ -6,12 +6,14 @@
 //! [`Connector::advance`] never changes the one it starts from.
 
 mod branch;
+mod compact;
 mod derivatives;
 mod flags;
 mod request;
 
 pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
+pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
@@ -20,6 +22,7 @@ pub use request::{Mask, Output, Request, Tally};
 use crate::catalog::{Condition, ConnectionType, PLANE, Slot};
 use crate::measure::{History, Measure, Section, Shared, Unit};
 use crate::node::{self, DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative};
+use crate::scalar::lanes::{LANES, Lanes};
 use crate::scalar::{Differentiable, Real};
 use crate::so3;
 use crate::vector::{self, Vector};
@@ -208,7 +211,11 @@ impl<R: Differentiable> Connector<R> {
                 Slot::Constrained(_, Condition::ZeroOrHeld(printed)) => {
                     let printed_start = printed.evaluate(&mut shared);
                     let tiny = R::from_f64(ALIGNED);
-                    R::choose(printed_start.magnitude().less(tiny), || (printed, zero), || (position, start))
+                    if R::holds(printed_start.magnitude().less(tiny)) {
+                        (printed, zero)
+                    } else {
+                        (position, start)
+                    }
                 }
                 _ => (position, start),
             };
@@ -277,6 +284,11 @@ impl<R: Differentiable> Connector<R> {
         self.rows[k].is_some_and(|row| row.slot.is_constrained())
     }
 
+    /// What measures refer to.
+    pub const fn section(&self) -> &Section<R> {
+        &self.section
+    }
+
     /// Q₀.
     pub(crate) const fn initial_orientation(&self) -> &vector::Matrix<R> {
         &self.section.initial_orientation
@@ -309,6 +321,17 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
     ) -> Evaluation<R> {
         let next = self.advance(state, increment, branch);
+        self.evaluate_on(state, next, request, tally)
+    }
+
+    /// The same with the branch of the state itself, as [`Connector::follow`] gives it for the components of the request.
+    pub fn evaluate_on(
+        &self,
+        state: &State<R>,
+        next: Branch<R>,
+        request: &Request,
+        tally: &mut Tally,
+    ) -> Evaluation<R> {
         // Values and derivatives are taken on the sheets just chosen, so that rounding cannot set them apart at a half turn.
         let history = next.history();
         let mut evaluation = Evaluation::empty(next);
@@ -330,7 +353,7 @@ impl<R: Differentiable> Connector<R> {
     fn positions(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
         let Pass { state, history, rows, request } = *pass;
         let wants_position =
-            |k: usize| request.wants_any(&[Output::CP, Output::CU, Output::CCU, Output::CSLST], k);
+            |k: usize| request.wants_any([Output::CP, Output::CU, Output::CCU, Output::CSLST], k);
         let wants_residual =
             |k: usize, row: &Row<R>| request.wants(Output::RES, k) && row.slot.is_constrained();
         let value =
@@ -364,7 +387,7 @@ impl<R: Differentiable> Connector<R> {
                 Some(value) => value - origin,
                 None => R::with_turns(turns.principal - origin, turns.turns),
             };
-            if request.wants_any(&[Output::CP, Output::CSLST], k) {
+            if request.wants_any([Output::CP, Output::CSLST], k) {
                 evaluation.position[k] = Some(from(zero));
             }
             if request.wants(Output::CU, k) {
@@ -380,6 +403,51 @@ impl<R: Differentiable> Connector<R> {
                     None => R::with_turns(turns.principal - row.offset, turns.turns),
                 });
             }
+        }
+    }
+}
+
+impl Connector<Lanes<false>> {
+    /// Four connectors of one type as one on lanes, as far as [`Connector::advance`] looks at it.
+    pub(crate) fn gathered(of: &[&Connector<f64>; LANES]) -> Self {
+        let one = of[0];
+        let four =
+            |get: &dyn Fn(&Connector<f64>) -> f64| Lanes([get(of[0]), get(of[1]), get(of[2]), get(of[3])]);
+        let vector = |get: &dyn Fn(&Connector<f64>) -> Vector<f64>| [0, 1, 2].map(|i| four(&|c| get(c)[i]));
+        let splat = |turns: Turns<f64>| Turns {
+            turns: Lanes::splat(turns.turns),
+            principal: Lanes::splat(turns.principal),
+        };
+        Self {
+            connection: Arc::clone(&one.connection),
+            rows: one.rows.map(|row| {
+                row.map(|Row { slot, position, initial, differentiated, offset }| Row {
+                    slot,
+                    position,
+                    initial: Lanes::splat(initial),
+                    differentiated,
+                    offset: Lanes::splat(offset),
+                })
+            }),
+            section: Section {
+                initial_orientation: [0, 1, 2].map(|i| vector(&|c| c.section.initial_orientation[i])),
+                initial_length: four(&|c| c.section.initial_length),
+                fixed_direction: vector(&|c| c.section.fixed_direction),
+                flow_scale: four(&|c| c.section.flow_scale),
+            },
+            references: one.references.map(|reference| reference.map(Lanes::splat)),
+            stops: one.stops,
+            active: one.active,
+            reach: one.reach,
+            is_planar: one.is_planar,
+            initial: Branch {
+                turns: one.initial.turns.map(splat),
+                rotation_vector: one.initial.rotation_vector.map(Lanes::splat),
+                euler_sign: Lanes::splat(one.initial.euler_sign),
+                torsion: splat(one.initial.torsion),
+                accumulated: Lanes::splat(one.initial.accumulated),
+                accumulated_rest: Lanes::splat(one.initial.accumulated_rest),
+            },
         }
     }
 }

@@ -47,6 +47,8 @@ pub enum Output {
     CASU,
     /// Slip rate.
     CIVC,
+    /// Whether friction sticks or slips.
+    SLIP,
     /// Failure status.
     CFAILST,
     /// What a connector motion prescribes.
@@ -63,11 +65,17 @@ pub enum Output {
     KG,
     /// Derivative of the nodal forces.
     DNF,
+    /// Tangent of the nodal forces by displacements.
+    KT,
+    /// Tangent of the nodal forces by velocities.
+    CT,
+    /// Tangent of the nodal forces by reactions.
+    KR,
 }
 
 impl Output {
     /// Every output, in the order of reports.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 33] = [
         Self::CP,
         Self::CU,
         Self::CCU,
@@ -89,6 +97,7 @@ impl Output {
         Self::CNF,
         Self::CASU,
         Self::CIVC,
+        Self::SLIP,
         Self::CFAILST,
         Self::DRIVEN,
         Self::TANGENT,
@@ -97,7 +106,17 @@ impl Output {
         Self::NF,
         Self::KG,
         Self::DNF,
+        Self::KT,
+        Self::CT,
+        Self::KR,
     ];
+
+    /// Its bit in a set of outputs.
+    #[inline(always)]
+    const fn bit(self) -> u64 {
+        const { assert!(Self::ALL.len() <= 64, "more outputs than bits") }
+        1 << self as u64
+    }
 
     /// The name.
     pub const fn name(self) -> &'static str {
@@ -123,6 +142,7 @@ impl Output {
             Self::CNF => "CNF",
             Self::CASU => "CASU",
             Self::CIVC => "CIVC",
+            Self::SLIP => "SLIP",
             Self::CFAILST => "CFAILST",
             Self::DRIVEN => "DRIVEN",
             Self::TANGENT => "TANGENT",
@@ -131,6 +151,9 @@ impl Output {
             Self::NF => "NF",
             Self::KG => "KG",
             Self::DNF => "DNF",
+            Self::KT => "KT",
+            Self::CT => "CT",
+            Self::KR => "KR",
         }
     }
 
@@ -147,7 +170,8 @@ impl Output {
     /// Whether it follows from behaviour, motions and loads rather than from kinematics.
     pub const fn is_of_behavior(self) -> bool {
         self.is_force()
-            || matches!(self, Self::CASU | Self::CIVC | Self::CFAILST | Self::DRIVEN | Self::TANGENT)
+            || matches!(self, Self::CASU | Self::CIVC | Self::SLIP)
+            || matches!(self, Self::CFAILST | Self::DRIVEN | Self::TANGENT)
     }
 
     /// Whether it follows from component forces.
@@ -158,7 +182,12 @@ impl Output {
     /// Whether it belongs to nodal degrees of freedom, rather than to components: asked for of a component, it is the part of that
     /// component's force.
     pub const fn is_nodal(self) -> bool {
-        matches!(self, Self::NF | Self::KG | Self::DNF)
+        matches!(self, Self::NF | Self::KG | Self::DNF) || self.is_nodal_tangent()
+    }
+
+    /// Whether it is a part of the tangent of the nodal forces.
+    pub const fn is_nodal_tangent(self) -> bool {
+        matches!(self, Self::KT | Self::CT | Self::KR)
     }
 
     /// The power of time by which the unit of the component is divided: 0, 1 or 2.
@@ -196,12 +225,16 @@ impl Output {
             Self::CIVC => "slip rate",
             Self::CFAILST => "failure status",
             Self::DRIVEN => "what a connector motion prescribes",
-            Self::TANGENT => "slopes of elastic and viscous forces",
+            Self::SLIP => "whether friction sticks or slips, or is free where nothing presses",
+            Self::TANGENT => "slopes of component forces",
             Self::PM => "moments by which the printed formula gives the exact moment",
             Self::LM => "multiplier of the equation enforced",
             Self::NF => "nodal forces, residual-side: transposed rows × component forces",
             Self::KG => "geometric stiffness Σ f ∂²c",
             Self::DNF => "derivative ∂NF/∂q at constant component forces",
+            Self::KT => "tangent Jᵀ (∂F/∂u) J + KG of the nodal forces",
+            Self::CT => "tangent Jᵀ (∂F/∂v) J of the nodal forces by velocities",
+            Self::KR => "tangent of the nodal forces by reactions",
         }
     }
 }
@@ -221,8 +254,8 @@ pub type Mask = [bool; 6];
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// The components wanted of each output, in the order of [`Output::ALL`].
-    wanted: [Mask; Output::ALL.len()],
+    /// The outputs wanted of each component: a bit for each, in the order of [`Output::ALL`].
+    wanted: [u64; 6],
     /// The components that are wanted at all: those of any output, and those whose rows of derivatives are wanted.
     components: Mask,
     /// The components whose rows of derivatives are wanted, from order 1 on.
@@ -234,7 +267,7 @@ pub struct Request {
 impl Request {
     /// No output of any component.
     pub const fn nothing(order: u8) -> Self {
-        Self { wanted: [[false; 6]; Output::ALL.len()], components: [false; 6], rows: [false; 6], order }
+        Self { wanted: [0; 6], components: [false; 6], rows: [false; 6], order }
     }
 
     /// The same components of every output listed, with derivatives up to `order`. Without outputs, derivatives only.
@@ -255,7 +288,7 @@ impl Request {
     /// Adds components of an output, and their rows of derivatives.
     pub fn add(&mut self, output: Output, components: Mask) {
         for (k, wanted) in components.into_iter().enumerate() {
-            self.wanted[output as usize][k] |= wanted;
+            self.wanted[k] |= u64::from(wanted) * output.bit();
         }
         self.add_rows(components);
     }
@@ -263,7 +296,7 @@ impl Request {
     /// Adds components of an output, without their rows of derivatives.
     pub fn add_values(&mut self, output: Output, components: Mask) {
         for (k, wanted) in components.into_iter().enumerate() {
-            self.wanted[output as usize][k] |= wanted;
+            self.wanted[k] |= u64::from(wanted) * output.bit();
             self.components[k] |= wanted;
         }
     }
@@ -288,16 +321,17 @@ impl Request {
 
     /// The outputs wanted of at least one component, in the order of [`Output::ALL`].
     pub fn outputs(&self) -> impl Iterator<Item = Output> + '_ {
-        Output::ALL.into_iter().filter(|output| self.wanted[*output as usize].contains(&true))
+        Output::ALL.into_iter().filter(|output| (0..6).any(|k| self.wants(*output, k)))
     }
 
     /// Whether an output of component k (0-based) is wanted.
     pub const fn wants(&self, output: Output, k: usize) -> bool {
-        self.wanted[output as usize][k]
+        self.wanted[k] & output.bit() != 0
     }
 
-    pub(super) fn wants_any(&self, outputs: &[Output], k: usize) -> bool {
-        outputs.iter().any(|output| self.wants(*output, k))
+    #[inline(always)]
+    pub(super) fn wants_any<const N: usize>(&self, outputs: [Output; N], k: usize) -> bool {
+        self.wanted[k] & outputs.iter().fold(0, |bits, output| bits | output.bit()) != 0
     }
 }
 
@@ -312,4 +346,26 @@ pub struct Tally {
     pub hessians: u64,
     /// Measures evaluated along time.
     pub rates: u64,
+    /// Histories followed: angles unwound, rotation vectors continued, one-forms accumulated.
+    pub histories: u64,
+    /// Components whose distance to singular sets was looked at.
+    pub margins: u64,
+    /// Rotations of nodes worked out.
+    pub rotations: u64,
+    /// Behaviours of connectors evaluated: springs, friction, stops, motions …
+    pub behaviors: u64,
+}
+
+impl std::ops::AddAssign for Tally {
+    fn add_assign(&mut self, more: Self) {
+        let Self { values, gradients, hessians, rates, histories, margins, rotations, behaviors } = more;
+        self.values += values;
+        self.gradients += gradients;
+        self.hessians += hessians;
+        self.rates += rates;
+        self.histories += histories;
+        self.margins += margins;
+        self.rotations += rotations;
+        self.behaviors += behaviors;
+    }
 }

@@ -4,27 +4,49 @@ use super::model::ElementBehavior;
 use crate::behavior::drive::Prescribed;
 use crate::behavior::friction;
 use crate::behavior::state::{Event, Outcome};
-use crate::behavior::{ForceKink, Unknown};
+use crate::behavior::{ForceKink, Tangent, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{Flag, Mask, Output, Request};
 
 impl ElementBehavior {
-    /// Whether anything of the behaviour has to be computed for a request, or for the states that follow.
-    pub(super) fn is_needed(&self, request: &Request) -> bool {
+    /// Whether anything of the behaviour has to be computed for a request, or for what is planned for the states that follow.
+    pub(super) fn is_needed(&self, request: &Request, planned: &Request) -> bool {
+        self.is_asked(request) || (self.has_history() && self.is_asked(planned))
+    }
+
+    /// Whether a request depends on the behaviour.
+    pub(super) fn is_asked(&self, request: &Request) -> bool {
         let Self { behavior, drives, .. } = self;
         let is_driven = drives.motions.iter().any(Option::is_some);
         let holds = is_driven || !behavior.locks.is_empty() || behavior.elasticity.rigid().contains(&true);
-        let is_asked = request.outputs().any(|output| match output {
+        request.outputs().any(|output| match output {
             Output::RES | Output::RESV | Output::RESA => holds,
+            Output::KT | Output::CT | Output::KR => true,
             Output::CSLST => behavior.has_stops() || !behavior.locks.is_empty(),
             other => other.is_of_behavior() || (other.is_of_forces() && !self.is_empty()),
-        });
-        is_asked || behavior.has_history() || is_driven
+        })
+    }
+
+    /// Whether friction has to be followed for what is planned: forces without it would be others.
+    pub(super) fn slides(&self, planned: &Request) -> bool {
+        let Self { behavior, .. } = self;
+        let rests_on_it = |output: Output| {
+            output.is_of_forces()
+                || matches!(output, Output::CSF | Output::CRF | Output::CNF | Output::CASU | Output::CIVC)
+                || matches!(output, Output::SLIP | Output::TANGENT)
+        };
+        behavior.slips_at_all()
+            && (planned.outputs().any(rests_on_it) || (behavior.decides_by_force() && self.is_asked(planned)))
     }
 
     /// Whether nothing acts on the connector but its constraints.
-    fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.behavior.is_empty() && self.drives.is_empty()
+    }
+
+    /// Whether the forces but for friction depend on the states before.
+    pub(super) fn remembers_tension(&self) -> bool {
+        self.behavior.has_history_without_friction() || self.drives.motions.iter().any(Option::is_some)
     }
 
     /// Whether the states that follow depend on what happens at this one.
@@ -33,11 +55,10 @@ impl ElementBehavior {
     }
 
     /// The request with what the behaviour is a function of, as values.
-    pub(super) fn request(&self, request: &Request) -> Request {
+    pub(super) fn request(&self, request: &Request, slides: bool) -> Request {
         let Self { behavior, drives, .. } = self;
         let has = |mask: Mask| mask.contains(&true);
         let is_damped = has(behavior.damping.components());
-        let slides = !behavior.friction.frictions.is_empty();
         let has_laws = slides || is_damped || has(behavior.elasticity.components());
         let driven = [0, 1, 2, 3, 4, 5].map(|k| drives.motions[k].is_some());
         let held = [0, 1, 2, 3, 4, 5].map(|k| driven[k] || behavior.limited()[k]);
@@ -48,6 +69,9 @@ impl ElementBehavior {
             (Output::CP, behavior.limited()),
             (Output::CP, of(has_laws, all)),
             (Output::CCU, of(has_laws, all)),
+            // Where a friction acts may depend on the angles of constrained components too.
+            (Output::CP, [slides; 6]),
+            (Output::CCU, [slides; 6]),
             (Output::CU, of(is_damped || slides, all)),
             (Output::CU, driven),
             (Output::CV, of(is_damped, all)),
@@ -116,44 +140,49 @@ pub(super) fn not_known(outcome: &Outcome, request: &Request) -> Vec<Flag> {
 }
 
 /// The outputs of a friction beside its force.
-const OF_FRICTION: [Output; 3] = [Output::CNF, Output::CASU, Output::CIVC];
+const OF_FRICTION: [Output; 4] = [Output::CNF, Output::CASU, Output::CIVC, Output::SLIP];
+
+/// The outputs that are slopes of forces.
+pub(super) const SLOPES: [Output; 4] = [Output::TANGENT, Output::KT, Output::CT, Output::KR];
+
+/// The slopes that are asked for and not known.
+pub(super) fn slopes_not_known(tangent: &Tangent<f64>, request: &Request) -> Vec<Flag> {
+    let flag = |(k, why): (usize, Unknown)| Flag::NotKnown {
+        component: COMPONENT[k],
+        quantity: Output::TANGENT.name(),
+        why: why.in_words(),
+    };
+    let unknown = tangent.unknown.into_iter().enumerate();
+    let wanted = unknown.filter(|(k, _)| request.wants(Output::TANGENT, *k));
+    wanted.filter_map(|(k, why)| Some(flag((k, why?)))).collect()
+}
 
 /// What of frictions is asked for and not known, or needs care.
 fn frictions(outcome: &Outcome, request: &Request) -> Vec<Flag> {
     let mut flags = Vec::new();
-    for (mask, slip) in &outcome.slips {
-        let sliding = || (0..6).filter(|k| mask[*k]);
+    let wants_slopes = SLOPES.into_iter().any(|output| wants(request, output));
+    for slip in &outcome.slips {
+        let sliding = || (0..6).filter(|k| slip.components[*k]);
         let component = match (sliding().next(), sliding().count()) {
             (Some(k), 1) => COMPONENT[k],
             _ => "C",
         };
         let wants = |output: Output| sliding().any(|k| request.wants(output, k));
         for output in OF_FRICTION.into_iter().filter(|output| wants(*output)) {
-            let unknown = match slip {
-                Err(unknown) => Some(*unknown),
-                Ok(_) => (output == Output::CIVC && !outcome.has_duration).then_some(Unknown::TimeStep),
-            };
+            let lacks_rate = output == Output::CIVC && outcome.duration.is_none();
+            let unknown = slip.outcome.as_ref().err().copied().or(lacks_rate.then_some(Unknown::TimeStep));
             flags.extend(unknown.map(|unknown| Flag::NotKnown {
                 component,
                 quantity: output.name(),
                 why: unknown.in_words(),
             }));
         }
-        if let Ok(slip) = slip
-            && (wants(Output::CSF) || OF_FRICTION.into_iter().any(wants))
+        if let Ok(slip) = &slip.outcome
+            && (wants_slopes || wants(Output::CSF) || OF_FRICTION.into_iter().any(wants))
         {
-            let told = slip.flags.iter().filter(|flag| !concerns_derivatives(flag));
+            let told = slip.flags.iter().filter(|flag| wants_slopes || !concerns_derivatives(flag));
             flags.extend(told.map(|flag| Flag::Friction { component, what: flag.name() }));
         }
-    }
-    // A belt has no slip of one connector alone.
-    if outcome.friction.unknown[1] == Some(Unknown::Friction) {
-        let wanted = OF_FRICTION.into_iter().filter(|output| request.wants(*output, 1));
-        flags.extend(wanted.map(|output| Flag::NotKnown {
-            component: COMPONENT[1],
-            quantity: output.name(),
-            why: Unknown::Friction.in_words(),
-        }));
     }
     flags
 }

@@ -1,14 +1,17 @@
 //! Component forces given from outside, and what they do to the nodes.
 
 use super::model::{ConnectorElement, Model};
+use super::mpc::MpcElement;
+use super::mpc_forces::given_forces as of_mpc;
+use crate::behavior::Tangent;
 use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{
-    Branch, Components, Connector, Flag, Mask, NodalMatrix, NodalRow, Output, Request, State, Tally,
+    Components, Connector, Evaluation, Flag, Mask, NodalMatrix, NodalRow, Output, Request, State, Tally,
 };
 use crate::force::{ForceRows, Want};
 use crate::measure::SingularClass;
 use crate::scene::{Code, Diagnostic, ElementForces, ForceSign, Label, State as SceneState};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// What the forces of a connector's components give at one state; each part is present where it was asked for.
 #[derive(Clone, Debug)]
@@ -25,6 +28,14 @@ pub struct ForceResult {
     pub geometric: Option<NodalMatrix<f64>>,
     /// DNF: ∂NF/∂q at constant component forces.
     pub derivative: Option<NodalMatrix<f64>>,
+    /// KT: Jᵀ (∂F/∂u) J + KG, the velocities of components moving along. ∂NF/∂q is KT − KG + DNF.
+    pub tangent: Option<NodalMatrix<f64>>,
+    /// CT: Jᵀ (∂F/∂v) J, by nodal velocities, where velocities are rates.
+    pub damping: Option<NodalMatrix<f64>>,
+    /// KR: the columns ∂NF/∂λ by the reactions of components.
+    pub by_reactions: Components<NodalRow<f64>>,
+    /// The column of KR by the tension of the belt on the other side of the ring, where its friction depends on it.
+    pub by_beyond: Option<NodalRow<f64>>,
     /// What needs care about them.
     pub flags: Vec<Flag>,
 }
@@ -42,19 +53,54 @@ impl Model {
     /// # Errors
     /// The first that does not, with its state, element, component and a remedy.
     pub fn check_forces(&self, states: &[SceneState], first: u64, file: &str) -> Result<(), Diagnostic> {
-        let elements: HashMap<Label, &ConnectorElement> =
-            self.connectors.iter().map(|element| (element.label, element)).collect();
-        for (counted, state) in (first..).zip(states) {
-            let number = state.number.unwrap_or(counted);
-            for (label, given) in &state.forces {
-                let Some(element) = elements.get(label) else { continue };
-                let Err(Fault { code, message, remedy }) = component_forces(&element.connector, given) else {
-                    continue;
-                };
-                let name = &element.connector.connection().name;
-                let message = format!("state {number}, {name} {label}: {message}");
-                return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
-            }
+        let check = ForceCheck::new(self);
+        (first..).zip(states).try_for_each(|(counted, state)| {
+            check.check((&state.forces, &state.mpc_forces), state.number.unwrap_or(counted), file)
+        })
+    }
+}
+
+/// Whether forces belong to connectors that have them, for one state at a time.
+#[derive(Clone, Debug)]
+pub struct ForceCheck<'a> {
+    elements: HashMap<Label, &'a ConnectorElement>,
+    mpcs: HashMap<String, &'a MpcElement>,
+}
+
+impl<'a> ForceCheck<'a> {
+    /// For the connectors and multi-point constraints of a model.
+    pub fn new(model: &'a Model) -> Self {
+        Self {
+            elements: model.connectors.iter().map(|element| (element.label, element)).collect(),
+            mpcs: model.mpcs.iter().map(|element| (element.label(), element)).collect(),
+        }
+    }
+
+    /// Whether the forces of the state called `number` are those of connectors and constraints; `file` is where they were read.
+    ///
+    /// # Errors
+    /// The first that does not belong, with its state, element, component and a remedy.
+    pub fn check(
+        &self,
+        (forces, mpc_forces): (&BTreeMap<Label, ElementForces>, &BTreeMap<String, ElementForces>),
+        number: u64,
+        file: &str,
+    ) -> Result<(), Diagnostic> {
+        for (label, given) in forces {
+            let Some(element) = self.elements.get(label) else { continue };
+            let Err(Fault { code, message, remedy }) = component_forces(&element.connector, given) else {
+                continue;
+            };
+            let name = &element.connector.connection().name;
+            let message = format!("state {number}, {name} {label}: {message}");
+            return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
+        }
+        for (nodes, given) in mpc_forces {
+            let element = self.mpcs.get(nodes);
+            let fault = element.and_then(|element| Some((element, of_mpc(element, given).err()?)));
+            let Some((element, (code, message, remedy))) = fault else { continue };
+            let message = format!("state {number}, {}: {message}", element.title());
+            return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
         }
         Ok(())
     }
@@ -127,28 +173,36 @@ impl ForceResult {
     /// What a request names of the forces given; `None` where there are none, or nothing of them is asked for.
     pub(super) fn of(
         connector: &Connector<f64>,
-        (state, branch): (&State<f64>, &Branch<f64>),
+        (state, evaluation): (&State<f64>, &Evaluation<f64>),
         given: Option<Components<f64>>,
+        tangent: Option<&Tangent<f64>>,
         request: &Request,
         tally: &mut Tally,
     ) -> Option<Self> {
         if !request.outputs().any(Output::is_of_forces) {
             return None;
         }
-        let components = given?;
+        // Slopes may be known where forces are not.
+        let components = given.or(tangent.map(|_| [None; 6]))?;
         let mask = |output: Output| [0, 1, 2, 3, 4, 5].map(|k| request.wants(output, k));
         let [nodal, geometric, derivative] = [Output::NF, Output::KG, Output::DNF].map(mask);
+        let [stiffness, damping, reactions] = [Output::KT, Output::CT, Output::KR].map(mask);
         let is_wanted = |mask: Mask| mask.contains(&true);
         let prints = connector.connection().printed.is_some() && is_wanted(mask(Output::PM));
         let rotations = |k: usize| k > 2 && prints;
         let constraints = |k: usize| connector.is_constrained(k) && is_wanted(mask(Output::LM));
         let needed = [0, 1, 2, 3, 4, 5]
             .map(|k| nodal[k] || geometric[k] || derivative[k] || rotations(k) || constraints(k));
+        let slopes = tangent.filter(|_| [stiffness, damping, reactions].iter().any(|of| is_wanted(*of)));
+        let needed = [0, 1, 2, 3, 4, 5]
+            .map(|k| needed[k] || (slopes.is_some() && (stiffness[k] || damping[k] || reactions[k])));
         let want = Want {
-            stiffness: is_wanted(geometric) || is_wanted(derivative),
+            stiffness: is_wanted(geometric) || is_wanted(derivative) || is_wanted(stiffness),
             multipliers: (0..6).any(constraints),
+            motions: slopes.filter(|_| is_wanted(stiffness) || is_wanted(damping)).map_or([false; 6], moving),
         };
-        let rows = connector.force_rows(state, branch, needed, want, tally);
+        let rows =
+            connector.force_rows_after(state, &evaluation.branch, needed, want, Some(evaluation), tally);
         let of = |mask: Mask| [0, 1, 2, 3, 4, 5].map(|k| components[k].filter(|_| mask[k]));
         let mut flags = if want.multipliers { dependent(&rows) } else { Vec::new() };
         // A sum without one of its forces would be another one: it is left out, and said to be.
@@ -168,15 +222,103 @@ impl ForceResult {
         let knows = [(Output::NF, nodal), (Output::KG, geometric), (Output::DNF, derivative)]
             .map(|(output, mask)| is_wanted(mask) && is_known(output, mask));
         let none = [None; 6];
-        Some(Self {
+        let mut result = Self {
             components,
             printed: if knows_printed { rows.printed(&components) } else { none },
             multipliers: if knows_multipliers { rows.multipliers(&components) } else { none },
             nodal: knows[0].then(|| rows.nodal(&of(nodal))),
             geometric: knows[1].then(|| rows.geometric_stiffness(&of(geometric))),
             derivative: knows[2].then(|| rows.derivative(&of(derivative))),
+            tangent: None,
+            damping: None,
+            by_reactions: [None; 6],
+            by_beyond: None,
             flags,
-        })
+        };
+        let has_slopes = |k: usize| connector.has_force(k);
+        let Some(slopes) = slopes else {
+            let why = "the slopes of component forces are not known";
+            let missing = [(Output::KT, stiffness), (Output::CT, damping), (Output::KR, reactions)];
+            for (output, mask) in missing {
+                let lacking = (0..6).filter(|k| mask[*k] && has_slopes(*k));
+                result.flags.extend(lacking.map(|k| Flag::NotKnown {
+                    component: COMPONENT[k],
+                    quantity: output.name(),
+                    why,
+                }));
+            }
+            return Some(result);
+        };
+        // A sum without one of its slopes would be another one.
+        let mut knows_slopes = |output: Output, mask: Mask| {
+            let unknown = (0..6).filter(|k| mask[*k] && has_slopes(*k));
+            let unknown: Vec<_> = unknown.filter_map(|k| Some((k, slopes.unknown[k]?))).collect();
+            result.flags.extend(unknown.iter().map(|(k, why)| Flag::NotKnown {
+                component: COMPONENT[*k],
+                quantity: output.name(),
+                why: why.in_words(),
+            }));
+            is_wanted(mask) && unknown.is_empty()
+        };
+        let [knows_stiffness, knows_damping, knows_reactions] =
+            [(Output::KT, stiffness), (Output::CT, damping), (Output::KR, reactions)]
+                .map(|(output, mask)| knows_slopes(output, mask));
+        let masked = |matrix: &[[f64; 6]; 6], mask: Mask| {
+            let mut kept = *matrix;
+            (0..6).filter(|k| !mask[*k]).for_each(|k| kept[k] = [0.0; 6]);
+            kept
+        };
+        // The geometric part needs the forces themselves.
+        let mut is_loaded = || {
+            let missing = |k: &usize| stiffness[*k] && has_slopes(*k) && components[*k].is_none();
+            let why = "the force of this component is neither given nor told by its behaviour";
+            let missing: Vec<usize> = (0..6).filter(missing).collect();
+            result.flags.extend(missing.iter().map(|k| Flag::NotKnown {
+                component: COMPONENT[*k],
+                quantity: Output::KT.name(),
+                why,
+            }));
+            missing.is_empty()
+        };
+        let by_rates = slopes.time_step.is_none();
+        if knows_stiffness && is_loaded() {
+            let mut sum = rows.geometric_stiffness(&of(stiffness));
+            add(&mut sum, &rows.material_stiffness(&masked(&slopes.total(), stiffness)));
+            if by_rates {
+                let velocity = masked(&slopes.velocity, stiffness);
+                add(&mut sum, &rows.convective_stiffness(&velocity, &state.velocity));
+            }
+            result.tangent = Some(sum);
+        }
+        if knows_damping && by_rates {
+            result.damping = Some(rows.material_stiffness(&masked(&slopes.velocity, damping)));
+        }
+        if knows_reactions {
+            let column = |of: &dyn Fn(usize) -> f64| {
+                let forces =
+                    [0, 1, 2, 3, 4, 5].map(|k| Some(of(k)).filter(|force| reactions[k] && *force != 0.0));
+                rows.nodal(&forces)
+            };
+            for j in (0..6).filter(|j| slopes.reacting[*j]) {
+                result.by_reactions[j] = Some(column(&|k| slopes.reaction[k][j]));
+            }
+            let depends = slopes.beyond.iter().any(|slope| *slope != 0.0);
+            result.by_beyond = depends.then(|| column(&|k| slopes.beyond[k]));
+        }
+        Some(result)
+    }
+}
+
+/// The components by whose motion forces change.
+fn moving(tangent: &Tangent<f64>) -> Mask {
+    let by = |j: usize| (0..6).any(|k| tangent.displacement[k][j] != 0.0 || tangent.velocity[k][j] != 0.0);
+    [0, 1, 2, 3, 4, 5].map(by)
+}
+
+/// Adds one matrix to another.
+fn add(sum: &mut NodalMatrix<f64>, other: &NodalMatrix<f64>) {
+    for (entry, other) in sum.iter_mut().flatten().zip(other.iter().flatten()) {
+        *entry += other;
     }
 }
 

@@ -6,19 +6,26 @@
 //! committing every branch as it goes.
 
 mod behavior;
+mod belt;
 mod forces;
+mod jacobian;
 mod model;
 mod mpc;
+mod mpc_forces;
 mod outputs;
+mod parallel;
 mod plan;
 mod plane;
 mod rules;
 mod sequence;
 mod shared;
 
-pub use forces::ForceResult;
+pub use belt::Ring;
+pub use forces::{ForceCheck, ForceResult};
+pub use jacobian::{CompressedColumns, Equation, Fixed, ForeignPattern, Freedom, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};
+pub use mpc_forces::{Hinge, MpcForces};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
 pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};

@@ -1,15 +1,16 @@
 //! A scene with its connection types, triads and constraints resolved.
 
+use super::belt::{self, Ring};
 use super::mpc::MpcElement;
 use super::{mpc, plane, rules, shared};
 use crate::behavior::drive::{Drives, Schedule, drives};
 use crate::behavior::state::Behavior;
-use crate::catalog::{ConnectionType, Evidence, NameError, Orientation};
+use crate::catalog::{ConnectionType, Evidence, NameError, Orientation, Rule};
 use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
 use crate::node::{End, Node, PSI_A, PSI_B, Pair};
 use crate::scalar::elementary::norm;
-use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, NodeFreedom, Scene, Solver};
+use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, NodeFreedom, Scene, Solver, Span};
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -45,11 +46,24 @@ pub struct ElementBehavior {
     pub identity: u64,
 }
 
+/// What the connectors of a scene share while they are resolved.
+struct Shared {
+    /// The connection type of each section.
+    types: HashMap<usize, Arc<ConnectionType>>,
+    actions: HashMap<Label, Vec<(usize, Span)>>,
+    drives: BTreeMap<Label, Drives>,
+    behaviors: HashMap<(usize, bool, u64), Arc<ElementBehavior>>,
+    warned: HashSet<(usize, Rule, String)>,
+    freedom: NodeFreedom,
+}
+
 /// A scene, resolved.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Connectors in the order of the scene.
     pub connectors: Vec<ConnectorElement>,
+    /// The rings of belts with friction, by the index of the SLIPRING that ends there.
+    pub rings: BTreeMap<usize, Ring>,
     /// Multi-point constraints in the order of the scene.
     pub mpcs: Vec<MpcElement>,
     /// The springs and dashpots to ground that act on the angles of their hinges, by element number.
@@ -60,6 +74,9 @@ pub struct Model {
     pub schedule: Schedule,
     /// Element sets: the connectors in each, by index.
     pub sets: BTreeMap<String, Vec<usize>>,
+    /// The size of lengths in the model: the mean length of its connectors whose nodes are apart, else the diagonal of the box
+    /// that holds its nodes, else 1.
+    pub length: f64,
     /// Rules broken that warn instead of refusing.
     pub warnings: Vec<Diagnostic>,
 }
@@ -71,148 +88,211 @@ impl Model {
     /// The first documented rule that is broken, with the element, the rule and its source; an unknown connection type; an
     /// orientation that defines no directions.
     pub fn compile(scene: &Scene) -> Result<Self, Diagnostic> {
-        let mut model = Self::default();
-        let mut types: HashMap<usize, Arc<ConnectionType>> = HashMap::new();
-        let actions = rules::actions(scene);
-        model.schedule = Schedule::new(scene);
-        let mut drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
-            .map_err(|error| error.in_file(&scene.name))?;
-        let mut behaviors: HashMap<(usize, bool, u64), Arc<ElementBehavior>> = HashMap::new();
-        let mut warned = HashSet::new();
-        let freedom = NodeFreedom::of(scene);
+        let mut first = None;
+        let model = Self::resolve(scene, &mut |error| {
+            first = Some(error);
+            false
+        });
+        first.map_or(Ok(model), Err)
+    }
+
+    /// Resolves a scene as far as it goes, with every error: a connector that breaks a rule is left out. What all connectors of a
+    /// section break is told once.
+    pub fn examine(scene: &Scene) -> (Self, Vec<Diagnostic>) {
+        let mut errors: Vec<Diagnostic> = Vec::new();
+        let mut seen = HashSet::new();
+        let model = Self::resolve(scene, &mut |error| {
+            if seen.insert((error.code(), error.span())) {
+                errors.push(error);
+            }
+            true
+        });
+        (model, errors)
+    }
+
+    /// Resolves a scene. Each error is told, which says whether to go on.
+    fn resolve(scene: &Scene, tell: &mut dyn FnMut(Diagnostic) -> bool) -> Self {
+        let mut model = Self { schedule: Schedule::new(scene), length: size(scene), ..Self::default() };
+        let drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
+            .map_err(|error| error.in_file(&scene.name));
+        let drives = match drives {
+            Ok(drives) => drives,
+            Err(error) => {
+                if !tell(error) {
+                    return model;
+                }
+                BTreeMap::new()
+            }
+        };
+        let mut shared = Shared {
+            types: HashMap::new(),
+            actions: rules::actions(scene),
+            drives,
+            behaviors: HashMap::new(),
+            warned: HashSet::new(),
+            freedom: NodeFreedom::of(scene),
+        };
         for (label, element) in &scene.connectors {
-            let Some(section) = scene.section(element) else { continue };
-            let connection = match types.get(&element.section) {
-                Some(known) => known,
-                None => {
-                    let mut resolved = resolve(section).map_err(|error| error.in_scene(scene))?;
-                    if let (Some(Solver::Standard), Some(other)) = (scene.solver, resolved.in_standard()) {
-                        let (name, becomes) = (&resolved.name, &other.name);
-                        let message = format!("element {label}: {name} is {becomes} in a Standard analysis");
-                        let here = format!("by {} [{:?}]", resolved.source[0], Evidence::D);
-                        let place = section.type_names.first().map_or(section.span, |name| name.span);
-                        let warning = Diagnostic::warning(Code::ConvertedInStandard, place, message, here)
-                            .help(format!("write {becomes}, or use a *DYNAMIC, EXPLICIT step"));
-                        model.warnings.push(warning.in_scene(scene));
-                        resolved = other;
-                    }
-                    types.entry(element.section).or_insert(Arc::new(resolved))
-                }
-            };
-            let moving = [element.a, element.b];
-            let position = |end| scene.position(element, end).unwrap_or_default();
-            let ends = [position(SceneEnd::A), position(SceneEnd::B)];
-            let reference = sub(ends[1], ends[0]);
-            let behavior = scene.behavior(section);
-
-            let mut references = [None; 6];
-            let mut stops = [None; 6];
-            let acting = actions.get(label).map(Vec::as_slice).unwrap_or_default();
-            let facts = rules::facts(scene, (section, element), behavior, acting, reference == [0.0; 3]);
-            if let Some(behavior) = behavior {
-                references = behavior.constitutive_reference;
-                for stop in &behavior.stops {
-                    let k = usize::from(stop.component) - 1;
-                    stops[k] = Some(Stop { lower: stop.lower, upper: stop.upper });
-                }
+            if let Err(error) = model.connector(scene, *label, element, &mut shared)
+                && !tell(error)
+            {
+                return model;
             }
-            for breach in connection.breaches(&facts) {
-                let place = rules::place(&breach, behavior, acting, (section, element));
-                let diagnostic = rules::diagnose(&breach, *label, place, scene);
-                if breach.refuses() {
-                    return Err(diagnostic);
-                }
-                // Once for all elements of a section.
-                if warned.insert((element.section, breach.rule, breach.message)) {
-                    model.warnings.push(diagnostic);
-                }
-            }
-            plane::nodes(scene, *label, element)?;
-
-            let nodes: Vec<[f64; 3]> = ends.to_vec();
-            let triad = |end: usize| -> Result<Option<Matrix<f64>>, Diagnostic> {
-                let name = if end == 0 { &section.orientation_a } else { &section.orientation_b };
-                if connection.orientation[end].orientation == Orientation::Ignored {
-                    return Ok(None);
-                }
-                let Some(name) = name else { return Ok(None) };
-                let Some(orientation) = scene.orientations.get(name.value.as_str()) else { return Ok(None) };
-                let directions = orientation
-                    .triad(&name.value, scene, ends[end], &nodes)
-                    .map_err(|error| error.in_scene(scene))?;
-                Ok(Some(vector::transpose(&directions)))
-            };
-            let given = [triad(0)?, triad(1)?];
-            if facts.planar {
-                plane::orientations(scene, *label, section, &given)?;
-            }
-            let [given_a, given_b] = given;
-            let triad_a = given_a.unwrap_or_else(identity);
-            let triad_b = given_b.unwrap_or(triad_a);
-            let uses_direction = connection.slots[0].position() == Some(Measure::Distance)
-                && scene.solver != Some(Solver::Explicit);
-            let fixed_direction = match given_a.or(given_b) {
-                Some(triad) if uses_direction => column(&triad, 0),
-                _ => [0.0; 3],
-            };
-            let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
-            let definition = Definition {
-                connection: Arc::clone(connection),
-                initial: Pair { reference, a: node(triad_a), b: node(triad_b) },
-                flow_scale: section.section_data.first().copied().flatten().unwrap_or(1.0),
-                fixed_direction,
-                references,
-                stops,
-                planar: facts.planar,
-                moves: moving.map(|node| node.is_some()),
-                rotates: moving.map(|node| node.is_some_and(|node| freedom.rotates(node))),
-            };
-            let has_friction = behavior.is_some_and(|behavior| !behavior.friction.is_empty());
-            // The default stick stiffness follows the length of the connector.
-            let own_length = norm(reference);
-            let length = match (has_friction, own_length > 0.0) {
-                (false, _) => 1.0,
-                (true, true) => own_length,
-                (true, false) => typical_length(scene),
-            };
-            let shared = match behaviors.entry((element.section, facts.planar, length.to_bits())) {
-                Entry::Occupied(known) => Arc::clone(known.get()),
-                Entry::Vacant(place) => {
-                    let is_explicit = scene.solver == Some(Solver::Explicit);
-                    let law = match behavior {
-                        Some(given) => Behavior::new(given, connection, facts.planar, is_explicit, length)
-                            .map_err(|error| error.in_file(&scene.name))?,
-                        None => Behavior::none(connection, facts.planar),
-                    };
-                    let behavior = Arc::new(law);
-                    let identity = scene.behavior(section).map_or(0, fingerprint);
-                    Arc::clone(place.insert(Arc::new(ElementBehavior {
-                        behavior,
-                        identity,
-                        ..Default::default()
-                    })))
-                }
-            };
-            let behavior = match drives.remove(label) {
-                Some(drives) => Arc::new(ElementBehavior { drives, ..(*shared).clone() }),
-                None => shared,
-            };
-            model.connectors.push(ConnectorElement {
-                behavior,
-                label: *label,
-                nodes: moving,
-                triads: [triad_a, triad_b],
-                reference,
-                connector: Connector::new(&definition),
-                definition,
-            });
         }
-        shared::check(scene, &mut model)?;
-        rules::boundaries(scene, &freedom, &mut model.warnings);
-        rules::constraints(scene)?;
-        model.join(scene)?;
+        if let Err(error) = shared::check(scene, &mut model)
+            && !tell(error)
+        {
+            return model;
+        }
+        model.rings = belt::rings(scene, &mut model);
+        rules::boundaries(scene, &shared.freedom, &mut model.warnings);
+        if let Err(error) = rules::constraints(scene)
+            && !tell(error)
+        {
+            return model;
+        }
+        if let Err(error) = model.join(scene) {
+            tell(error);
+        }
         model.collect_sets(scene);
-        Ok(model)
+        model
+    }
+
+    /// Resolves one connector.
+    fn connector(
+        &mut self,
+        scene: &Scene,
+        label: Label,
+        element: &crate::scene::ConnectorElement,
+        shared: &mut Shared,
+    ) -> Result<(), Diagnostic> {
+        let Shared { types, actions, drives, behaviors, warned, freedom } = shared;
+        let Some(section) = scene.section(element) else { return Ok(()) };
+        let connection = match types.get(&element.section) {
+            Some(known) => known,
+            None => {
+                let mut resolved = resolve(section).map_err(|error| error.in_scene(scene))?;
+                if let (Some(Solver::Standard), Some(other)) = (scene.solver, resolved.in_standard()) {
+                    let (name, becomes) = (&resolved.name, &other.name);
+                    let message = format!("element {label}: {name} is {becomes} in a Standard analysis");
+                    let here = format!("by {} [{:?}]", resolved.source[0], Evidence::D);
+                    let place = section.type_names.first().map_or(section.span, |name| name.span);
+                    let warning = Diagnostic::warning(Code::ConvertedInStandard, place, message, here)
+                        .help(format!("write {becomes}, or use a *DYNAMIC, EXPLICIT step"));
+                    self.warnings.push(warning.in_scene(scene));
+                    resolved = other;
+                }
+                types.entry(element.section).or_insert(Arc::new(resolved))
+            }
+        };
+        let moving = [element.a, element.b];
+        let position = |end| scene.position(element, end).unwrap_or_default();
+        let ends = [position(SceneEnd::A), position(SceneEnd::B)];
+        let reference = sub(ends[1], ends[0]);
+        let behavior = scene.behavior(section);
+
+        let mut references = [None; 6];
+        let mut stops = [None; 6];
+        let acting = actions.get(&label).map(Vec::as_slice).unwrap_or_default();
+        let facts = rules::facts(scene, (section, element), behavior, acting, reference == [0.0; 3]);
+        if let Some(behavior) = behavior {
+            references = behavior.constitutive_reference;
+            for stop in &behavior.stops {
+                let k = usize::from(stop.component) - 1;
+                stops[k] = Some(Stop { lower: stop.lower, upper: stop.upper });
+            }
+        }
+        for breach in connection.breaches(&facts) {
+            let place = rules::place(&breach, behavior, acting, (section, element));
+            let diagnostic = rules::diagnose(&breach, label, place, scene);
+            if breach.refuses() {
+                return Err(diagnostic);
+            }
+            // Once for all elements of a section.
+            if warned.insert((element.section, breach.rule, breach.message)) {
+                self.warnings.push(diagnostic);
+            }
+        }
+        plane::nodes(scene, label, element)?;
+
+        let nodes: Vec<[f64; 3]> = ends.to_vec();
+        let triad = |end: usize| -> Result<Option<Matrix<f64>>, Diagnostic> {
+            let name = if end == 0 { &section.orientation_a } else { &section.orientation_b };
+            if connection.orientation[end].orientation == Orientation::Ignored {
+                return Ok(None);
+            }
+            let Some(name) = name else { return Ok(None) };
+            let Some(orientation) = scene.orientations.get(name.value.as_str()) else { return Ok(None) };
+            let directions = orientation
+                .triad(&name.value, scene, ends[end], &nodes)
+                .map_err(|error| error.in_scene(scene))?;
+            Ok(Some(vector::transpose(&directions)))
+        };
+        let given = [triad(0)?, triad(1)?];
+        if facts.planar {
+            plane::orientations(scene, label, section, &given)?;
+        }
+        let [given_a, given_b] = given;
+        let triad_a = given_a.unwrap_or_else(identity);
+        let triad_b = given_b.unwrap_or(triad_a);
+        let uses_direction = connection.slots[0].position() == Some(Measure::Distance)
+            && scene.solver != Some(Solver::Explicit);
+        let fixed_direction = match given_a.or(given_b) {
+            Some(triad) if uses_direction => column(&triad, 0),
+            _ => [0.0; 3],
+        };
+        let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
+        let definition = Definition {
+            connection: Arc::clone(connection),
+            initial: Pair { reference, a: node(triad_a), b: node(triad_b) },
+            flow_scale: section.section_data.first().copied().flatten().unwrap_or(1.0),
+            fixed_direction,
+            references,
+            stops,
+            planar: facts.planar,
+            moves: moving.map(|node| node.is_some()),
+            rotates: moving.map(|node| node.is_some_and(|node| freedom.rotates(node))),
+        };
+        let has_friction = behavior.is_some_and(|behavior| !behavior.friction.is_empty());
+        // The default stick stiffness follows the length of the connector.
+        let own_length = norm(reference);
+        let length = match (has_friction, own_length > 0.0) {
+            (false, _) => 1.0,
+            (true, true) => own_length,
+            (true, false) => mean_length(scene).unwrap_or(1.0),
+        };
+        let shared = match behaviors.entry((element.section, facts.planar, length.to_bits())) {
+            Entry::Occupied(known) => Arc::clone(known.get()),
+            Entry::Vacant(place) => {
+                let is_explicit = scene.solver == Some(Solver::Explicit);
+                let law = match behavior {
+                    Some(given) => Behavior::new(given, connection, facts.planar, is_explicit, length)
+                        .map_err(|error| error.in_file(&scene.name))?,
+                    None => Behavior::none(connection, facts.planar),
+                };
+                let behavior = Arc::new(law);
+                let identity = scene.behavior(section).map_or(0, fingerprint);
+                Arc::clone(place.insert(Arc::new(ElementBehavior {
+                    behavior,
+                    identity,
+                    ..Default::default()
+                })))
+            }
+        };
+        let behavior = match drives.remove(&label) {
+            Some(drives) => Arc::new(ElementBehavior { drives, ..(*shared).clone() }),
+            None => shared,
+        };
+        self.connectors.push(ConnectorElement {
+            behavior,
+            label,
+            nodes: moving,
+            triads: [triad_a, triad_b],
+            reference,
+            connector: Connector::new(&definition),
+            definition,
+        });
+        Ok(())
     }
 
     fn join(&mut self, scene: &Scene) -> Result<(), Diagnostic> {
@@ -229,6 +309,7 @@ impl Model {
         }
         self.warnings.extend(mpc::check(scene, &joined)?);
         self.grounded = mpc::ground(scene, &mut joined)?;
+        mpc::drive(scene, &self.schedule, &mut joined)?;
         self.mpcs = joined.into_iter().map(|(element, _)| element).collect();
         Ok(())
     }
@@ -273,14 +354,29 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
     })
 }
 
-/// The mean length of the connectors of a scene whose nodes are apart; 1 where there is none.
-fn typical_length(scene: &Scene) -> f64 {
+/// The mean length of the connectors of a scene whose nodes are apart; `None` where there is none.
+fn mean_length(scene: &Scene) -> Option<f64> {
     let length = |element: &crate::scene::ConnectorElement| {
         let at = |end| scene.position(element, end).unwrap_or_default();
         norm(sub(at(SceneEnd::B), at(SceneEnd::A)))
     };
     let lengths: Vec<f64> = scene.connectors.values().map(length).filter(|length| *length > 0.0).collect();
-    if lengths.is_empty() { 1.0 } else { lengths.iter().sum::<f64>() / lengths.len() as f64 }
+    (!lengths.is_empty()).then(|| lengths.iter().sum::<f64>() / lengths.len() as f64)
+}
+
+/// See [`Model::length`].
+fn size(scene: &Scene) -> f64 {
+    let diagonal = || {
+        let mut corners: Option<[[f64; 3]; 2]> = None;
+        for node in scene.nodes.values() {
+            let x = node.coordinates;
+            let [low, high] = corners.unwrap_or([x; 2]);
+            corners = Some([[0, 1, 2].map(|i| low[i].min(x[i])), [0, 1, 2].map(|i| high[i].max(x[i]))]);
+        }
+        corners.map_or(0.0, |[low, high]| norm(sub(high, low)))
+    };
+    let found = mean_length(scene).unwrap_or_else(diagonal);
+    if found > 0.0 && found.is_finite() { found } else { 1.0 }
 }
 
 /// A number that tells a behaviour from others: FNV-1a over what the deck says.

@@ -1,12 +1,16 @@
 //! The multi-point constraints of a scene: resolved once, evaluated at a state.
 
+use super::mpc_forces::{Hinge, MpcForces, given_forces, on_hinges, order};
 use super::sequence::Moved;
+use crate::behavior::drive::{Drives, Schedule, on_angles};
 use crate::behavior::ground::Ground;
 use crate::behavior::{Conditions, Unknown};
-use crate::connector::{Flag, Request, Tally, Turns};
+use crate::connector::{Flag, Output, Request, Tally, Turns};
 use crate::mpc::{Body, Constraint, DOFS, Dofs, Evaluation, Kind, Margins, PHI, State, Turning};
 use crate::scalar::Real;
-use crate::scene::{Code, Diagnostic, Label, Mpc, PointKind, Scene, Solver, Span, Target};
+use crate::scene::{
+    Code, Diagnostic, Label, Mpc, PointKind, Scene, Solver, Span, State as SceneState, Target,
+};
 use crate::vector::sub;
 use std::collections::{HashMap, HashSet};
 
@@ -19,6 +23,8 @@ pub struct MpcElement {
     pub constraint: Constraint<f64>,
     /// The springs and dashpots to ground on the angles of its hinges (SPRING1, DASHPOT1 in degree of freedom 6).
     pub ground: [Ground; 2],
+    /// What is prescribed for the angles of its hinges: boundary conditions and concentrated moments in degree of freedom 6.
+    pub drives: [Drives; 2],
 }
 
 /// What springs and dashpots to ground do to the angle of a hinge: internal moments, positive resists growth of the angle.
@@ -34,6 +40,9 @@ pub struct HingeMoments {
     pub dashpot: Option<f64>,
     /// How that changes with the rate (moment·time/rad).
     pub damping: Option<f64>,
+    /// Whether there are dashpots.
+    #[serde(skip)]
+    pub has_dashpot: bool,
 }
 
 /// One multi-point constraint at one state.
@@ -41,6 +50,12 @@ pub struct HingeMoments {
 pub struct MpcResult {
     /// Its index in the model.
     pub index: usize,
+    /// Its nodes.
+    pub state: State<f64>,
+    /// How the first turned against the second since the previous state.
+    pub turning: Turning<f64>,
+    /// The angles of its hinges that the previous state left.
+    pub before: [Turns<f64>; 2],
     /// The numbers.
     pub evaluation: Evaluation<f64>,
     /// The angles of its hinges as the state gives them, where it does (rad).
@@ -49,6 +64,10 @@ pub struct MpcResult {
     pub misalignment: Option<f64>,
     /// What acts on the angles of its hinges, where there are springs or dashpots; or why it is not known.
     pub moments: [Option<Result<HingeMoments, Unknown>>; 2],
+    /// What else acts on them, and what the constraint puts there; `None` for hinges that there are not.
+    pub hinges: [Option<Hinge>; 2],
+    /// What it transmits, where forces on its first node are given and it is asked for.
+    pub forces: Option<Box<MpcForces>>,
     /// The distances to singular points.
     pub margins: Margins,
     /// What needs care.
@@ -60,13 +79,17 @@ fn moments(ground: &Ground, angle: f64, rate: Option<f64>) -> Result<HingeMoment
     let conditions = Conditions::default();
     let along = |value| num_dual::Dual64::new(value, 1.0);
     let spring = ground.spring(along(angle), &conditions)?;
-    let dashpot = rate.map(|rate| ground.dashpot(along(rate), &conditions)).transpose()?;
+    let dashpot = rate
+        .filter(|_| ground.has_dashpots())
+        .map(|rate| ground.dashpot(along(rate), &conditions))
+        .transpose()?;
     Ok(HingeMoments {
         spring: spring.re,
         stiffness: spring.eps,
         energy: ground.energy(angle, &conditions)?,
         dashpot: dashpot.map(|moment| moment.re),
         damping: dashpot.map(|moment| moment.eps),
+        has_dashpot: ground.has_dashpots(),
     })
 }
 
@@ -270,7 +293,7 @@ impl MpcElement {
         let constraint = Constraint::new(kind, at(0), at(1), [at(2), at(3)]);
         let both_flow = mpc.nodes.iter().take(2).all(|label| flows(*label));
         let constraint = if both_flow { constraint.with_flow() } else { constraint };
-        Self { nodes: mpc.nodes.clone(), constraint, ground: Default::default() }
+        Self { nodes: mpc.nodes.clone(), constraint, ground: Default::default(), drives: Default::default() }
     }
 
     /// Its nodes as one word: `10-20-30`.
@@ -288,15 +311,8 @@ impl MpcElement {
         format!("{index}:{}:{}", self.constraint.kind().name(), self.label())
     }
 
-    /// Evaluates it with its nodes, in their order, where they are, after angles of hinges that were `before`.
-    pub(super) fn evaluate(
-        &self,
-        index: usize,
-        nodes: &[Moved],
-        before: &[Turns<f64>; 2],
-        request: &Request,
-        tally: &mut Tally,
-    ) -> MpcResult {
+    /// The state of a constraint whose nodes, in their order, are there, and how the first turned against the second.
+    pub(super) fn place(nodes: &[Moved]) -> (State<f64>, Turning<f64>) {
         let still = Moved::still();
         let node = |place: usize| nodes.get(place).unwrap_or(&still);
         let (slave, master) = (node(0), node(1));
@@ -321,9 +337,34 @@ impl MpcElement {
         };
         let whole = sub(slave.whole_turns, master.whole_turns);
         let turning = Turning { whole, rest: sub(sub(slave.change, master.change), whole) };
+        (state, turning)
+    }
+
+    /// Evaluates it with its nodes, in their order, where they are, after angles of hinges that were `before`.
+    pub(super) fn evaluate(
+        &self,
+        index: usize,
+        nodes: &[Moved],
+        before: &[Turns<f64>; 2],
+        (request, schedule, scene_state): (&Request, &Schedule, &SceneState),
+        tally: &mut Tally,
+    ) -> MpcResult {
+        let (state, turning) = Self::place(nodes);
         let constraint = &self.constraint;
-        let evaluation = constraint.evaluate(&state, before, &turning, request, tally);
-        let flags = constraint.flags(&state, before, &turning, &evaluation);
+        let given = if scene_state.mpc_forces.is_empty() {
+            None
+        } else {
+            scene_state.mpc_forces.get(&self.label()).and_then(|given| given_forces(self, given).ok())
+        };
+        let given = given.filter(|_| request.outputs().any(asks_for_forces));
+        let needed = given.map(|_| {
+            let mut needed = request.clone();
+            needed.order = request.order.max(order(request));
+            needed
+        });
+        let mut evaluation =
+            constraint.evaluate(&state, before, &turning, needed.as_ref().unwrap_or(request), tally);
+        let mut flags = constraint.flags(&state, before, &turning, &evaluation);
         let margins = constraint.margins(&state, &evaluation);
         let misalignment = constraint.misalignment(&state);
         let moments = [0, 1].map(|i| {
@@ -333,6 +374,86 @@ impl MpcElement {
             let rate = state.angles[i].map(|_| state.velocity[PHI + i]).or(implied);
             (!self.ground[i].is_empty()).then(|| moments(&self.ground[i], angle, rate))
         });
-        MpcResult { index, evaluation, given: state.angles, misalignment, moments, margins, flags }
+        let forces = given
+            .map(|given| MpcForces::of(self, (&state, &evaluation), &given, &moments, request, &mut flags));
+        let transmitted = on_hinges(forces.as_ref());
+        let kind = constraint.kind();
+        let hinges = [0, 1].map(|i| {
+            let name = kind.entry().angles.get(i)?;
+            let turns = evaluation.angles[i];
+            let position = state.angles[i].unwrap_or_else(|| f64::with_turns(turns.principal, turns.turns));
+            let implied = evaluation.angle_rates.map(|rates| rates[i]);
+            let [rate, second] = [&state.velocity, &state.acceleration].map(|of| of[PHI + i]);
+            let rates = state.angles[i].map_or(implied, |_| Some([rate, second]));
+            let angle = [Some(position), rates.map(|rates| rates[0]), rates.map(|rates| rates[1])];
+            let at = (schedule, scene_state.time);
+            let hinge = Hinge::at(&self.drives[i], at, angle, moments[i], transmitted[i]);
+            let by = hinge.out_of_balance(moments[i]);
+            flags.extend(by.map(|by| Flag::OutOfBalance { component: name, by }));
+            Some(hinge)
+        });
+        if request.order < 2 {
+            evaluation.hessian = Default::default();
+        }
+        if request.order < 1 {
+            evaluation.jacobian = Default::default();
+        }
+        MpcResult {
+            index,
+            state,
+            turning,
+            before: *before,
+            given: state.angles,
+            evaluation,
+            misalignment,
+            moments,
+            hinges,
+            forces: forces.map(Box::new),
+            margins,
+            flags,
+        }
     }
+}
+
+/// Whether an output tells what a constraint transmits.
+const fn asks_for_forces(output: Output) -> bool {
+    output.is_nodal() || matches!(output, Output::LM | Output::CTF | Output::CRF)
+}
+
+/// Puts what is prescribed for degree of freedom 6 on the hinges of which that is the angle, and gives the nodes of those hinges.
+///
+/// # Errors
+/// An amplitude that cannot be read.
+pub(super) fn drive(
+    scene: &Scene,
+    schedule: &Schedule,
+    elements: &mut [(MpcElement, Span)],
+) -> Result<(), Diagnostic> {
+    let angles = |element: &MpcElement| element.constraint.kind().entry().angles.len();
+    let hinged: HashSet<Label> = elements
+        .iter()
+        .flat_map(|(element, _)| element.nodes.iter().skip(2).take(angles(element)))
+        .copied()
+        .collect();
+    if hinged.is_empty() {
+        return Ok(());
+    }
+    let named = |target: &Target| -> Vec<Label> {
+        let nodes: &[Label] = match target {
+            Target::Label(label) => std::slice::from_ref(label),
+            Target::Set(name) => scene.node_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice()),
+        };
+        nodes.iter().copied().filter(|node| hinged.contains(node)).collect()
+    };
+    let drives = on_angles(scene, schedule, named).map_err(|error| error.in_file(&scene.name))?;
+    for (element, _) in elements {
+        let count = angles(element);
+        for place in 0..count {
+            let found = element.nodes.get(2 + place).and_then(|node| drives.get(node));
+            if let (Some(found), Some(own)) = (found, element.drives.get_mut(place)) {
+                own.clone_from(found);
+            }
+        }
+    }
+    Ok(())
 }

@@ -2,7 +2,7 @@
 //!
 //! CP, CU, CCU, CV, CA and CASU name all components; with R (CPR, CUR …) the rotations; with a digit 1 to 3 one of them (CU1 is u1,
 //! CUR1 is ur1). CTF, CEF, CVF, CSF, CRF, CCF and CNF name all components; CTF1 to CTF3 are forces, CTM the moments, CTM1 to CTM3 one of
-//! them. CSLST, CIVC, CFAILST, DRIVEN, TANGENT, RES, RESV, RESB, RESA, TURNS, MARGIN, PM, LM, NF, KG and DNF name all components, with a digit 1 to 6 one: NF4 is the nodal forces of m1. ALL
+//! them. CSLST, CIVC, SLIP, CFAILST, DRIVEN, TANGENT, RES, RESV, RESB, RESA, TURNS, MARGIN, PM, LM, NF, KG, DNF, KT, CT and KR name all components, with a digit 1 to 6 one: NF4 is the nodal forces of m1. ALL
 //! is every output, NONE is no output (derivatives only).
 
 use crate::connector::{Mask, Output, Request};

@@ -60,6 +60,9 @@ impl Plan {
         let mut nodes = BTreeSet::new();
         for index in &connectors {
             nodes.extend(model.connectors[*index].nodes.iter().flatten());
+            let next = model.rings.get(index).and_then(|ring| ring.next);
+            let beyond = next.and_then(|next| model.connectors.get(next));
+            nodes.extend(beyond.iter().flat_map(|element| element.nodes).flatten());
         }
         for index in &mpcs {
             nodes.extend(&model.mpcs[*index].nodes);

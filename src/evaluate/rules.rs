@@ -71,6 +71,10 @@ pub(super) fn facts(
         facts.references = (0..6).filter(|k| behavior.constitutive_reference[*k].is_some()).collect();
         facts.stops = behavior.stops.iter().map(|stop| index(stop.component)).collect();
         facts.predefined_friction = behavior.predefined_friction_parameters();
+        facts.friction_numbers = behavior.friction.iter().find_map(constants).unwrap_or_default();
+        let limits = || behavior.locks.iter().flat_map(|lock| &lock.limits);
+        facts.lock_temperature =
+            limits().any(|limit| limit.temperature.is_some() || limit.fields.iter().any(Option::is_some));
         facts.actions.extend(behavior.acts_on().map(index));
         facts.integration = behavior.integration.is_some();
         facts.frequency = behavior.place_of_law(Law::depends_on_frequency).is_some();
@@ -84,6 +88,16 @@ pub(super) fn facts(
     facts.actions.sort_unstable();
     facts.actions.dedup();
     facts
+}
+
+/// Which numbers of a predefined friction are not zero.
+fn constants(friction: &crate::scene::Friction) -> Option<Vec<bool>> {
+    match &friction.kind {
+        crate::scene::FrictionKind::Predefined { constants } => {
+            Some(constants.iter().map(|number| number.is_some_and(|number| number != 0.0)).collect())
+        }
+        crate::scene::FrictionKind::User { .. } => None,
+    }
 }
 
 /// Where structural damping was read.
@@ -122,9 +136,11 @@ pub(super) fn place(
             behavior.stops.iter().find(|stop| is_it(stop.component)).map(|stop| stop.span)
         }
         (Rule::ReferenceNotAvailable, Some(behavior)) => Some(behavior.constitutive_reference_span),
-        (Rule::FrictionNotPredefined | Rule::FrictionParameters, Some(behavior)) => {
-            behavior.place_of_predefined_friction()
-        }
+        (
+            Rule::FrictionNotPredefined | Rule::FrictionParameters | Rule::FrictionParameterUnused,
+            Some(behavior),
+        ) => behavior.place_of_predefined_friction(),
+        (Rule::LockVelocity, Some(behavior)) => behavior.locks.first().map(|lock| lock.span),
         (Rule::IntegrationNotInStandard, Some(behavior)) => Some(behavior.span),
         (Rule::FrequencyNotInExplicit, Some(behavior)) => behavior.place_of_law(Law::depends_on_frequency),
         (Rule::UnsymmetricNotInExplicit, Some(behavior)) => behavior.place_of_law(Law::is_unsymmetric),
@@ -210,6 +226,8 @@ const fn code(rule: Rule) -> Code {
         Rule::FailureNotAvailable => Code::FailureNotAvailable,
         Rule::LockNotAvailable => Code::LockNotAvailable,
         Rule::ContactAngleDefault => Code::ContactAngleDefault,
+        Rule::FrictionParameterUnused => Code::FrictionParameterUnused,
+        Rule::LockVelocity => Code::LockVelocity,
     }
 }
 

@@ -1,23 +1,28 @@
 //! States in order: nodes once, connectors as planned, branches committed.
 
-use super::behavior::{flag, not_known, wants};
+use super::behavior::{SLOPES, flag, not_known, slopes_not_known, wants};
 use super::forces::{ForceResult, given_forces};
+use super::jacobian::{ForeignPattern, Jacobian};
 use super::model::{ConnectorElement, ElementBehavior, Model};
 use super::mpc::{MpcResult, START};
+use super::parallel;
 use super::plan::Plan;
-use crate::behavior::Conditions;
-use crate::behavior::state::{Event, History, Kinematics, Outcome, Tangent, Velocities};
+use crate::behavior::friction::wrap_angle;
+use crate::behavior::state::{Event, History, Kinematics, Outcome, Velocities};
+use crate::behavior::{Beyond, Conditions, Tangent, Unknown};
+use crate::catalog::COMPONENT;
 use crate::connector::{
-    Branch, Components, Evaluation, Flag, Increment, Output, Request, State, StopStatus, Tally, Turns,
+    Branch, CompactRow, Components, Evaluation, Flag, Increment, Mask, Output, Request, State, StopStatus,
+    Tally, Turns,
 };
 use crate::measure::Margin;
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::scene::{Label, NodeMotion, Rotation, State as SceneState};
 use crate::so3::{self, Quaternion};
-use crate::vector::{Matrix, Vector, identity, product, sub};
+use crate::vector::{Matrix, Vector, add, identity, product, sub};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 
 /// A node at one state, its rotation worked out once for all connectors that share it.
@@ -76,6 +81,24 @@ pub struct Branches {
     nodes: BTreeMap<Label, Orientation>,
 }
 
+/// Every component.
+const fn all() -> Mask {
+    [true; 6]
+}
+
+fn is_all(mask: &Mask) -> bool {
+    *mask == all()
+}
+
+/// The components of a connector whose history a plan needs: those that it names, and those that behaviour follows from.
+fn followed(element: &ConnectorElement, plan: &Plan) -> Mask {
+    let request = &plan.request;
+    let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request, request));
+    behavior.map_or(request.components(), |behavior| {
+        behavior.request(request, behavior.slides(request)).components()
+    })
+}
+
 /// The branch of a connector, with what it belongs to: turn counts of another type or geometry would be taken for its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Saved {
@@ -84,6 +107,9 @@ struct Saved {
     reference: Vector<f64>,
     triads: [Matrix<f64>; 2],
     branch: Branch<f64>,
+    /// The components whose history the branch holds.
+    #[serde(default = "all", skip_serializing_if = "is_all")]
+    followed: Mask,
     /// What the behaviour has decided, and the number that tells it from others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     behavior: Option<(u64, History)>,
@@ -98,6 +124,7 @@ impl Saved {
             reference: element.reference,
             triads: element.triads,
             branch,
+            followed: all(),
             behavior: behavior.map(|history| (identity, history)),
         }
     }
@@ -149,6 +176,21 @@ impl Branches {
             if let Some(difference) = saved.difference(element) {
                 return Err(difference);
             }
+            let missing = |k: &usize| followed(element, plan)[*k] && !saved.followed[*k];
+            if let Some(k) = (0..6).find(missing) {
+                return Err(format!(
+                    "the turns of {} of connector {label} were not followed when its branch was saved",
+                    COMPONENT[k]
+                ));
+            }
+            let behavior = &element.behavior;
+            let needs = behavior.has_history() && behavior.is_asked(&plan.request);
+            if needs && self.states > 0 && saved.behavior.is_none() {
+                return Err(format!(
+                    "what is asked for depends on the history of connector {label}, which was not followed: \
+                     nothing that depends on it was asked for when the branches were saved"
+                ));
+            }
         }
         let mpcs: BTreeSet<String> = plan.mpcs.iter().map(|index| model.mpcs[*index].key(*index)).collect();
         if self.states > 0 && !mpcs.iter().eq(self.mpcs.keys()) {
@@ -166,6 +208,12 @@ impl Branches {
 pub struct ConnectorResult {
     /// The index of the connector in the model.
     pub index: usize,
+    /// Its nodes.
+    pub state: State<f64>,
+    /// What they did since the previous state.
+    pub increment: Increment<f64>,
+    /// The branch that the previous state left; [`Evaluation::branch`] is the one after.
+    pub before: Branch<f64>,
     /// The numbers.
     pub evaluation: Evaluation<f64>,
     /// CSLST.
@@ -204,12 +252,39 @@ pub enum Item {
     Mpc(Box<MpcResult>),
 }
 
+/// What a walk remembers of one connector.
+#[derive(Clone, Debug)]
+struct Memory {
+    branch: Branch<f64>,
+    /// What the behaviour has decided.
+    behavior: Option<Box<History>>,
+}
+
+/// The place of a node among those of the plan; the ground has none.
+type Place = Option<u32>;
+
 /// A walk through states, holding one of them at a time.
+///
+/// Connectors are evaluated by the threads of rayon's current pool. Each is a function of its own nodes and history, and results are
+/// handed on in the order of the plan: they do not depend on the number of threads, to the last bit.
 #[derive(Clone, Debug)]
 pub struct Sequence<'a> {
     model: &'a Model,
     plan: &'a Plan,
-    branches: Branches,
+    /// The number of states committed.
+    states: u64,
+    /// Nodes in the order of the plan, and how each is turned.
+    labels: Vec<Label>,
+    nodes: Vec<Orientation>,
+    /// Where the nodes are at the state that is being evaluated.
+    moved: Vec<Moved>,
+    /// The nodes of connectors and MPCs, in the order of the plan.
+    ends: Vec<[Place; 2]>,
+    mpc_nodes: Vec<Vec<Place>>,
+    connectors: Vec<Memory>,
+    /// The components of each connector whose history is followed.
+    followed: Vec<Mask>,
+    mpcs: Vec<[Turns<f64>; 2]>,
     tally: Tally,
     velocities: Velocities,
     conditions: Conditions,
@@ -218,14 +293,7 @@ pub struct Sequence<'a> {
 impl<'a> Sequence<'a> {
     /// A walk that starts from the initial state of the model.
     pub fn new(model: &'a Model, plan: &'a Plan) -> Self {
-        Self {
-            model,
-            plan,
-            branches: Branches::default(),
-            tally: Tally::default(),
-            velocities: Velocities::default(),
-            conditions: Conditions::default(),
-        }
+        Self::resume(model, plan, Branches::default())
     }
 
     /// Where the velocities of damping come from: the rates of the states, unless they are said to be increments.
@@ -239,13 +307,72 @@ impl<'a> Sequence<'a> {
     }
 
     /// A walk that continues where another stopped.
-    pub fn resume(model: &'a Model, plan: &'a Plan, branches: Branches) -> Self {
-        Self { branches, ..Self::new(model, plan) }
+    pub fn resume(model: &'a Model, plan: &'a Plan, mut branches: Branches) -> Self {
+        let labels: Vec<Label> = plan.nodes.iter().copied().collect();
+        let place = |label: Label| labels.binary_search(&label).ok().and_then(|at| u32::try_from(at).ok());
+        let ends = |index: &usize| model.connectors[*index].nodes.map(|node| node.and_then(place));
+        let of_mpc = |index: &usize| model.mpcs[*index].nodes.iter().map(|node| place(*node)).collect();
+        let memory = |index: &usize| {
+            let element = &model.connectors[*index];
+            match branches.connectors.remove(&element.label) {
+                Some(Saved { branch, behavior, .. }) => {
+                    Memory { branch, behavior: behavior.map(|(_, history)| Box::new(history)) }
+                }
+                None => Memory { branch: element.connector.initial_branch(), behavior: None },
+            }
+        };
+        let angles = |index: &usize| {
+            let known = branches.mpcs.get(&model.mpcs[*index].key(*index));
+            known.copied().unwrap_or(START)
+        };
+        let turned = |label: &Label| branches.nodes.get(label).copied().unwrap_or(UNTURNED);
+        Self {
+            states: branches.states,
+            ends: plan.connectors.iter().map(ends).collect(),
+            mpc_nodes: plan.mpcs.iter().map(of_mpc).collect(),
+            mpcs: plan.mpcs.iter().map(angles).collect(),
+            nodes: labels.iter().map(turned).collect(),
+            connectors: plan.connectors.iter().map(memory).collect(),
+            followed: plan.connectors.iter().map(|index| followed(&model.connectors[*index], plan)).collect(),
+            moved: vec![STILL; labels.len()],
+            labels,
+            tally: Tally::default(),
+            velocities: Velocities::default(),
+            conditions: Conditions::default(),
+            model,
+            plan,
+        }
+    }
+
+    /// Follows the histories of all components, whether or not the plan names them, so that saved branches can be continued by any plan
+    /// of the same connectors. To be said before the first state.
+    pub fn follow_everything(&mut self) {
+        self.followed.fill([true; 6]);
+    }
+
+    /// The number of states committed, those before [`Sequence::resume`] among them.
+    pub const fn states(&self) -> u64 {
+        self.states
     }
 
     /// What is remembered: save it to continue later.
-    pub const fn branches(&self) -> &Branches {
-        &self.branches
+    pub fn branches(&self) -> Branches {
+        if self.states == 0 {
+            return Branches::default();
+        }
+        let memories = self.connectors.iter().zip(&self.followed);
+        let connectors = self.plan.connectors.iter().zip(memories).map(|(index, (memory, followed))| {
+            let element = &self.model.connectors[*index];
+            let history = memory.behavior.as_deref().cloned();
+            (element.label, Saved { followed: *followed, ..Saved::new(element, memory.branch, history) })
+        });
+        let mpcs = self.plan.mpcs.iter().zip(&self.mpcs);
+        Branches {
+            states: self.states,
+            connectors: connectors.collect(),
+            mpcs: mpcs.map(|(index, angles)| (self.model.mpcs[*index].key(*index), *angles)).collect(),
+            nodes: self.labels.iter().copied().zip(self.nodes.iter().copied()).collect(),
+        }
     }
 
     /// What was computed so far.
@@ -256,7 +383,7 @@ impl<'a> Sequence<'a> {
     /// Evaluates the plan at the next state and commits it.
     pub fn step(&mut self, state: &SceneState) -> StepResult {
         let mut step = StepResult {
-            index: self.branches.states,
+            index: self.states,
             time: state.time,
             connectors: Vec::with_capacity(self.plan.connectors.len()),
             mpcs: Vec::with_capacity(self.plan.mpcs.len()),
@@ -277,7 +404,21 @@ impl<'a> Sequence<'a> {
     /// # Errors
     /// The first error of `take`; the walk must then be given up.
     pub fn visit<E>(&mut self, state: &SceneState, take: impl FnMut(Item) -> Result<(), E>) -> Result<(), E> {
-        self.walk(state, &self.plan.request, take)
+        self.visit_digested(state, |item| item, take)
+    }
+
+    /// The same, where each result is worked into something else by `digest`, on the thread that computed it, before it is taken.
+    ///
+    /// # Errors
+    /// The first error of `take`; the walk must then be given up.
+    pub fn visit_digested<T: Send, E>(
+        &mut self,
+        state: &SceneState,
+        digest: impl Fn(Item) -> T + Sync,
+        take: impl FnMut(T) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let plan = self.plan;
+        self.walk(state, &plan.request, digest, take)
     }
 
     /// Commits the next state without any output: branches follow it, and results carry their flags only.
@@ -285,91 +426,302 @@ impl<'a> Sequence<'a> {
     /// # Errors
     /// The first error of `take`; the walk must then be given up.
     pub fn pass<E>(&mut self, state: &SceneState, take: impl FnMut(Item) -> Result<(), E>) -> Result<(), E> {
-        self.walk(state, &Request::nothing(0), take)
+        self.walk(state, &Request::nothing(0), |item| item, take)
     }
 
-    fn walk<E>(
+    /// Commits the next state and writes the entries of the sparse Jacobian there, and nothing else of it: `values` gets the length of
+    /// [`Jacobian::entries`] and, in its order, the entries. Gives what needs care.
+    ///
+    /// # Errors
+    /// A pattern that was made for another plan; one with rows whose history has not been followed. Then nothing is committed.
+    pub fn assemble(
+        &mut self,
+        state: &SceneState,
+        jacobian: &Jacobian,
+        values: &mut Vec<f64>,
+    ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
+        jacobian.check(self.plan)?;
+        for (at, (index, followed)) in self.plan.connectors.iter().zip(&mut self.followed).enumerate() {
+            let connector = &self.model.connectors[*index].connector;
+            let (wanted, known) = (jacobian.wanted(at), *followed);
+            for k in (0..6).filter(|k| wanted[*k] && !known[*k] && connector.row_has_history(*k)) {
+                if self.states > 0 {
+                    return Err(ForeignPattern::History);
+                }
+                followed[k] = true;
+            }
+        }
+        let followed = &self.followed.clone();
+        values.clear();
+        values.resize(jacobian.entries(), 0.0);
+        self.follow_nodes(state);
+        let beyond = self.beyond(state);
+        let Self { model, plan, moved, ends, connectors, tally, velocities, conditions, .. } = self;
+        let context = Context {
+            model,
+            planned: &plan.request,
+            velocities: *velocities,
+            conditions,
+            scene_state: state,
+            beyond: &beyond,
+        };
+        let mut care = Vec::new();
+        let (of_connectors, of_mpcs) = values.split_at_mut(jacobian.connector_entries());
+        let mut places = jacobian.split(of_connectors);
+        let mut work: Vec<_> = connectors.iter_mut().zip(&mut places).collect();
+        let Ok(()) = parallel::in_order(
+            &mut work,
+            |at, (memory, place)| {
+                let mut tally = Tally::default();
+                let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
+                let mut request = Request::nothing(0);
+                request.add_rows(jacobian.wanted(at));
+                let index = plan.connectors[at];
+                let result = context.connector(index, nodes, memory, &request, followed[at], &mut tally);
+                let element = &model.connectors[index];
+                let branch = &result.evaluation.branch;
+                let rows =
+                    element.connector.compact_rows(&result.state, branch, jacobian.wanted(at), &mut tally);
+                jacobian.write(at, &rows, place);
+                let mut flags = result.flags;
+                let broken =
+                    |k: &usize| rows[*k].as_ref().is_some_and(|row: &CompactRow<f64>| !row.is_finite());
+                flags.extend(
+                    (0..6)
+                        .filter(broken)
+                        .map(|k| Flag::NotFinite { component: COMPONENT[k], quantity: "derivative" }),
+                );
+                (flags, tally)
+            },
+            |at, (flags, work): (Vec<Flag>, Tally)| -> Result<(), Infallible> {
+                *tally += work;
+                let title = || model.connectors[plan.connectors[at]].title();
+                care.extend(flags.into_iter().map(|flag| (title(), flag)));
+                Ok(())
+            },
+        );
+        drop(work);
+        let mut rest = of_mpcs;
+        let request = {
+            let mut request = Request::nothing(1);
+            request.add_rows([true; 6]);
+            request
+        };
+        for (at, index) in self.plan.mpcs.iter().enumerate() {
+            let element = &self.model.mpcs[*index];
+            let nodes =
+                self.mpc_nodes[at].iter().map(|node| node.map_or(STILL, |node| self.moved[node as usize]));
+            let nodes: Vec<Moved> = nodes.collect();
+            let of_state = (&request, &self.model.schedule, state);
+            let result = element.evaluate(*index, &nodes, &self.mpcs[at], of_state, &mut self.tally);
+            self.mpcs[at] = result.evaluation.angles;
+            let place = rest.split_off_mut(..jacobian.mpc_entries(at)).unwrap_or_default();
+            jacobian.write_mpc(at, &result.evaluation.jacobian, place);
+            care.extend(result.flags.into_iter().map(|flag| (element.title(), flag)));
+        }
+        self.states += 1;
+        Ok(care)
+    }
+
+    /// Where the nodes of the plan are at the next state.
+    fn follow_nodes(&mut self, state: &SceneState) {
+        let (labels, rotations) = (&self.labels, &mut self.tally.rotations);
+        let mut nodes: Vec<_> = self.nodes.iter_mut().zip(&mut self.moved).collect();
+        let Ok(()) = parallel::in_order(
+            &mut nodes,
+            |at, (orientation, moved)| {
+                let given = state.nodes.get(&labels[at]);
+                let motion = given.copied().unwrap_or_default();
+                let is_turned = motion.rotation != Rotation::default() || !is_unturned(orientation);
+                let (node, after) = follow(&motion, orientation, given.is_some());
+                (**moved, **orientation) = (node, after);
+                u64::from(is_turned)
+            },
+            |_, turned| -> Result<(), Infallible> {
+                *rotations += turned;
+                Ok(())
+            },
+        );
+    }
+
+    /// What the friction of belts needs of the segments beyond their rings, by the index of the segment that ends there: found before
+    /// anything is committed, so that it does not depend on the order of the connectors.
+    fn beyond(&mut self, scene_state: &SceneState) -> BTreeMap<usize, Beyond> {
+        let mut found = BTreeMap::new();
+        let Self { model, plan, labels, moved, connectors, tally, velocities, conditions, .. } = self;
+        let (none, planned) = (BTreeMap::new(), &plan.request);
+        let (velocities, beyond) = (*velocities, &none);
+        let context = Context { model, planned, velocities, conditions, scene_state, beyond };
+        let at = |node: Option<Label>| {
+            let place = node.and_then(|label| labels.binary_search(&label).ok());
+            place.and_then(|place| moved.get(place)).unwrap_or(&STILL)
+        };
+        let chosen = plan.connectors.iter().filter_map(|index| Some((*index, model.rings.get(index)?)));
+        for (index, ring) in chosen {
+            let Some(element) = model.connectors.get(index) else { continue };
+            if !element.behavior.slides(planned) {
+                continue;
+            }
+            let next = ring.next.and_then(|next| Some((next, model.connectors.get(next)?)));
+            let Some((next, beyond)) = next else {
+                found.insert(index, Beyond { tension: Err(Unknown::OpposedBelts), angle: 0.0 });
+                continue;
+            };
+            let angle = ring.angle.unwrap_or_else(|| {
+                let direction = |of: &ConnectorElement| place(of, of.nodes.map(at)).0.pair.separation();
+                let [first, second] = [direction(element), direction(beyond)];
+                wrap_angle([0.0; 3], first, add(first, second)).0
+            });
+            let memory = plan.connectors.binary_search(&next).ok().and_then(|place| connectors.get(place));
+            // What came before is not known of a segment that is not planned.
+            let is_known = self.states == 0 || memory.is_some_and(|memory| memory.behavior.is_some());
+            let tension = if is_known || !beyond.behavior.remembers_tension() {
+                context.tension(beyond, beyond.nodes.map(at), memory, tally)
+            } else {
+                Err(Unknown::Part)
+            };
+            found.insert(index, Beyond { tension, angle });
+        }
+        found
+    }
+
+    fn walk<T: Send, E>(
         &mut self,
         state: &SceneState,
         request: &Request,
-        mut take: impl FnMut(Item) -> Result<(), E>,
+        digest: impl Fn(Item) -> T + Sync,
+        mut take: impl FnMut(T) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut moved: HashMap<Label, Moved> = HashMap::with_capacity(self.plan.nodes.len());
-        for label in &self.plan.nodes {
-            let motion = state.nodes.get(label).copied().unwrap_or_default();
-            let before = self.branches.nodes.get(label).copied().unwrap_or(UNTURNED);
-            let (node, after) = follow(&motion, &before, state.nodes.contains_key(label));
-            moved.insert(*label, node);
-            self.branches.nodes.insert(*label, after);
-        }
-        let at = |label: Option<Label>| label.and_then(|label| moved.get(&label)).copied().unwrap_or(STILL);
-
-        for index in &self.plan.connectors {
-            let element = &self.model.connectors[*index];
-            let ends = element.nodes.map(at);
-            take(Item::Connector(Box::new(self.connector(*index, element, &ends, (request, state)))))?;
-        }
-        for index in &self.plan.mpcs {
-            let element = &self.model.mpcs[*index];
-            let nodes: Vec<Moved> = element.nodes.iter().map(|label| at(Some(*label))).collect();
-            let key = element.key(*index);
-            let before = self.branches.mpcs.get(&key).copied().unwrap_or(START);
-            let result = element.evaluate(*index, &nodes, &before, request, &mut self.tally);
-            self.branches.mpcs.insert(key, result.evaluation.angles);
-            take(Item::Mpc(Box::new(result)))?;
-        }
-        self.branches.states += 1;
+        self.follow_nodes(state);
+        let beyond = self.beyond(state);
+        let Self { model, plan, moved, ends, connectors, followed, tally, velocities, conditions, .. } = self;
+        let context = Context {
+            model,
+            planned: &plan.request,
+            velocities: *velocities,
+            conditions,
+            scene_state: state,
+            beyond: &beyond,
+        };
+        parallel::in_order(
+            connectors,
+            |at, memory| {
+                let mut tally = Tally::default();
+                let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
+                let result =
+                    context.connector(plan.connectors[at], nodes, memory, request, followed[at], &mut tally);
+                (digest(Item::Connector(Box::new(result))), tally)
+            },
+            |_, (digested, work)| {
+                *tally += work;
+                take(digested)
+            },
+        )?;
+        let Self { mpc_nodes, mpcs, .. } = self;
+        parallel::in_order(
+            mpcs,
+            |at, angles| {
+                let mut tally = Tally::default();
+                let index = plan.mpcs[at];
+                let nodes = mpc_nodes[at].iter().map(|node| node.map_or(STILL, |node| moved[node as usize]));
+                let nodes: Vec<Moved> = nodes.collect();
+                let of_state = (request, &model.schedule, state);
+                let result = model.mpcs[index].evaluate(index, &nodes, angles, of_state, &mut tally);
+                *angles = result.evaluation.angles;
+                (digest(Item::Mpc(Box::new(result))), tally)
+            },
+            |_, (digested, work)| {
+                *tally += work;
+                take(digested)
+            },
+        )?;
+        self.states += 1;
         Ok(())
     }
+}
 
-    fn connector(
-        &mut self,
-        index: usize,
+/// What all connectors share at one state.
+#[derive(Clone, Copy)]
+struct Context<'a> {
+    model: &'a Model,
+    /// What is planned for all states.
+    planned: &'a Request,
+    velocities: Velocities,
+    conditions: &'a Conditions,
+    scene_state: &'a SceneState,
+    /// What the friction of belts needs, by connector.
+    beyond: &'a BTreeMap<usize, Beyond>,
+}
+
+impl Context<'_> {
+    /// The tension of a SLIPRING at the next state, which is not committed.
+    fn tension(
+        &self,
         element: &ConnectorElement,
-        ends: &[Moved; 2],
-        (request, scene_state): (&Request, &SceneState),
+        ends: [&Moved; 2],
+        memory: Option<&Memory>,
+        tally: &mut Tally,
+    ) -> Result<f64, Unknown> {
+        let (connector, behavior) = (&element.connector, &element.behavior);
+        let given = given_forces(connector, self.scene_state, element.label).unwrap_or_default();
+        if behavior.is_empty() {
+            return given[0].ok_or(Unknown::Part);
+        }
+        let (state, increment) = place(element, ends);
+        let before = memory.map_or_else(|| connector.initial_branch(), |memory| memory.branch);
+        let needed = behavior.request(&Request::nothing(0), false);
+        tally.behaviors += 1;
+        let evaluation = connector.evaluate(&state, &increment, &before, &needed, tally);
+        let now = Kinematics {
+            position: &evaluation.position,
+            displacement: &evaluation.displacement,
+            constitutive: &evaluation.constitutive,
+            velocity: &evaluation.velocity,
+            acceleration: &evaluation.acceleration,
+            time: self.scene_state.time,
+            velocities: self.velocities,
+            slides: false,
+            beyond: None,
+        };
+        let driven = (&behavior.drives, &self.model.schedule);
+        let none = History::default();
+        let history = memory.and_then(|memory| memory.behavior.as_deref()).unwrap_or(&none);
+        let outcome = behavior.behavior.at(&now, &given, driven, self.conditions, history);
+        outcome.total.value[0].ok_or(outcome.total.unknown[0].unwrap_or(Unknown::Part))
+    }
+
+    /// Evaluates a connector and commits its state to its memory.
+    fn connector(
+        &self,
+        index: usize,
+        ends: [&Moved; 2],
+        memory: &mut Memory,
+        request: &Request,
+        followed: Mask,
+        tally: &mut Tally,
     ) -> ConnectorResult {
-        let node = |end: usize| Node {
-            displacement: ends[end].displacement,
-            triad: product(&ends[end].rotation, &element.triads[end]),
-            flow: ends[end].flow,
-        };
-        let both = |of: fn(&Moved) -> &[f64; 7]| {
-            let mut rates = [0.0; DOFS];
-            rates[..7].copy_from_slice(of(&ends[0]));
-            rates[7..].copy_from_slice(of(&ends[1]));
-            rates
-        };
-        let state = State {
-            pair: Pair { reference: element.reference, a: node(0), b: node(1) },
-            velocity: both(|node| &node.rates),
-            acceleration: both(|node| &node.accelerations),
-        };
-        let increment = Increment {
-            rotation: [ends[0].change, ends[1].change],
-            whole_turns: [ends[0].whole_turns, ends[1].whole_turns],
-            flow: [ends[0].flow_change, ends[1].flow_change],
-        };
+        let Self { model, planned, velocities, conditions, scene_state, beyond } = *self;
+        let element = &model.connectors[index];
+        let (state, increment) = place(element, ends);
         let connector = &element.connector;
-        let known = self.branches.connectors.get(&element.label);
-        let before = known.map_or_else(|| connector.initial_branch(), |saved| saved.branch);
-        let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request));
-        let needed = behavior.map(|behavior| behavior.request(request));
-        let mut evaluation = connector.evaluate(
-            &state,
-            &increment,
-            &before,
-            needed.as_ref().unwrap_or(request),
-            &mut self.tally,
-        );
+        let before = memory.branch;
+        let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request, planned));
+        let slides = behavior.is_some_and(|behavior| behavior.slides(planned));
+        let needed = behavior.map(|behavior| behavior.request(request, slides));
+        tally.behaviors += u64::from(behavior.is_some());
+        let next = connector.follow(&state, &increment, &before, followed, tally);
+        let mut evaluation = connector.evaluate_on(&state, next, needed.as_ref().unwrap_or(request), tally);
         let mut stops = connector.stop_status(&evaluation.position);
         for (k, status) in stops.iter_mut().enumerate() {
             *status = status.filter(|_| request.wants(Output::CSLST, k));
         }
         let margins = connector.margins(&state, &evaluation.branch, request.components());
-        let mut flags = connector.flags(&margins, &increment, &state, &before, &evaluation.branch);
+        tally.margins += margins.iter().flatten().count() as u64;
         let after = evaluation.branch;
+        let mut flags = connector.flags_of(followed, &margins, &increment, &state, [&before, &after]);
         let given = given_forces(connector, scene_state, element.label);
+        let none = History::default();
+        let history = memory.behavior.as_deref().unwrap_or(&none);
         let outcome = behavior.map(|behavior| {
             let now = Kinematics {
                 position: &evaluation.position,
@@ -378,14 +730,13 @@ impl<'a> Sequence<'a> {
                 velocity: &evaluation.velocity,
                 acceleration: &evaluation.acceleration,
                 time: scene_state.time,
-                velocities: self.velocities,
+                velocities,
+                slides,
+                beyond: beyond.get(&index).copied(),
             };
-            let none = History::default();
-            let history =
-                known.and_then(|saved| saved.behavior.as_ref()).map_or(&none, |(_, history)| history);
             let given = given.unwrap_or_default();
-            let driven = (&behavior.drives, &self.model.schedule);
-            behavior.behavior.at(&now, &given, driven, &self.conditions, history)
+            let driven = (&behavior.drives, &model.schedule);
+            behavior.behavior.at(&now, &given, driven, conditions, history)
         });
         let mut tangent = None;
         if let (Some(behavior), Some(outcome)) = (behavior, &outcome) {
@@ -403,14 +754,14 @@ impl<'a> Sequence<'a> {
                 put(&mut evaluation.residual_rate[k], Output::RESV, *rate);
                 put(&mut evaluation.residual_acceleration[k], Output::RESA, *second);
             }
-            let wants_slopes = wants(request, Output::TANGENT);
+            let wants_slopes = SLOPES.into_iter().any(|output| wants(request, output));
             // Where slopes jump matters to those who ask for slopes.
             let told = outcome.events.iter().filter(|event| wants_slopes || !matches!(event, Event::Kink(_)));
             flags.extend(told.map(|event| flag(*event)));
             flags.extend(not_known(outcome, request));
             if wants_slopes {
-                let Outcome { motion, time_step, failed, .. } = outcome;
-                let slopes = behavior.behavior.tangent(motion, &self.conditions, *time_step, *failed);
+                let slopes = behavior.behavior.consistent_tangent(outcome, conditions, history);
+                flags.extend(slopes_not_known(&slopes, request));
                 tangent = Some(Box::new(slopes));
             }
         }
@@ -420,23 +771,63 @@ impl<'a> Sequence<'a> {
             [0, 1, 2, 3, 4, 5].map(|k| outcome.total.value[k].or(given[k]))
         });
         let total = known_forces.filter(|forces| forces.iter().any(Option::is_some)).or(given);
-        let forces = ForceResult::of(connector, (&state, &after), total, request, &mut self.tally);
+        let slopes = tangent.as_deref();
+        let forces = ForceResult::of(connector, (&state, &evaluation), total, slopes, request, tally);
         flags.extend(forces.iter().flat_map(|forces| &forces.flags));
         let history = outcome.as_ref().filter(|_| behavior.is_some_and(ElementBehavior::has_history));
         let history = history.map(|outcome| outcome.history.clone());
-        self.branches.connectors.insert(element.label, Saved::new(element, after, history));
+        *memory = Memory { branch: after, behavior: history.map(Box::new) };
         let behavior = outcome.map(Box::new);
         ConnectorResult {
             index,
+            state,
+            increment,
+            before,
             evaluation,
             stops,
             margins,
             flags,
             behavior,
-            tangent,
+            tangent: tangent.filter(|_| wants(request, Output::TANGENT)),
             forces: forces.map(Box::new),
         }
     }
+}
+
+/// The state of a connector whose nodes are there, and its increment since the state before.
+fn place(element: &ConnectorElement, ends: [&Moved; 2]) -> (State<f64>, Increment<f64>) {
+    let node = |end: usize| Node {
+        displacement: ends[end].displacement,
+        triad: product(&ends[end].rotation, &element.triads[end]),
+        flow: ends[end].flow,
+    };
+    let both = |of: fn(&Moved) -> &[f64; 7]| {
+        let mut rates = [0.0; DOFS];
+        rates[..7].copy_from_slice(of(ends[0]));
+        rates[7..].copy_from_slice(of(ends[1]));
+        rates
+    };
+    let state = State {
+        pair: Pair { reference: element.reference, a: node(0), b: node(1) },
+        velocity: both(|node| &node.rates),
+        acceleration: both(|node| &node.accelerations),
+    };
+    let increment = Increment {
+        rotation: ends.map(|end| end.change),
+        whole_turns: ends.map(|end| end.whole_turns),
+        flow: ends.map(|end| end.flow_change),
+    };
+    (state, increment)
+}
+
+/// Translational, rotational and flow rates of a node, in one.
+const fn rates([x1, x2, x3]: Vector<f64>, [r1, r2, r3]: Vector<f64>, flow: f64) -> [f64; 7] {
+    [x1, x2, x3, r1, r2, r3, flow]
+}
+
+/// Whether a node is turned by nothing, and no turns are to be remembered.
+fn is_unturned(orientation: &Orientation) -> bool {
+    orientation.quaternion == UNTURNED.quaternion && orientation.vector == UNTURNED.vector
 }
 
 /// A node at its next state: rotation matrix, and increments since the last one.
@@ -446,6 +837,18 @@ impl<'a> Sequence<'a> {
 /// wrapped at half a turn stay principal where π was rounded up: both within 0.001 rad of half a turn or less, and more than
 /// 3π/2 apart.
 fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Orientation) {
+    if motion.rotation == Rotation::default() && is_unturned(before) {
+        let node = Moved {
+            displacement: motion.displacement,
+            flow: motion.flow,
+            rates: rates(motion.velocity, motion.angular_velocity, motion.flow_velocity),
+            accelerations: rates(motion.acceleration, motion.angular_acceleration, motion.flow_acceleration),
+            flow_change: motion.flow - before.flow,
+            sixth: given.then_some(0.0),
+            ..STILL
+        };
+        return (node, Orientation { flow: motion.flow, ..UNTURNED });
+    }
     let quaternion = match motion.rotation {
         Rotation::Vector(phi) => so3::exp(phi),
         Rotation::Quaternion(q) => so3::normalize(q),
@@ -463,14 +866,12 @@ fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Ori
         Rotation::Vector([0.0, 0.0, 0.0]) => identity(),
         _ => so3::matrix(quaternion),
     };
-    let [v, w] = [motion.velocity, motion.angular_velocity];
-    let [a, alpha] = [motion.acceleration, motion.angular_acceleration];
     let node = Moved {
         displacement: motion.displacement,
         rotation,
         flow: motion.flow,
-        rates: [v[0], v[1], v[2], w[0], w[1], w[2], motion.flow_velocity],
-        accelerations: [a[0], a[1], a[2], alpha[0], alpha[1], alpha[2], motion.flow_acceleration],
+        rates: rates(motion.velocity, motion.angular_velocity, motion.flow_velocity),
+        accelerations: rates(motion.acceleration, motion.angular_acceleration, motion.flow_acceleration),
         change,
         whole_turns: sub(change, principal),
         flow_change: motion.flow - before.flow,

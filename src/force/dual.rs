@@ -8,8 +8,7 @@ use crate::vector::{Vector, cross, dot, scale};
 pub(super) fn dual_basis<R: Real>(directions: [Option<Vector<R>>; 3]) -> [Option<Vector<R>>; 3] {
     let of = |numerator: Vector<R>, own: Vector<R>| {
         let (zero, product) = (R::integer(0), dot(numerator, own));
-        let found = || Some(scale(numerator, R::integer(1) / product));
-        R::choose(zero.less(product.magnitude()), found, || None)
+        R::holds(zero.less(product.magnitude())).then(|| scale(numerator, R::integer(1) / product))
     };
     let plane = |u: Vector<R>, v: Vector<R>| {
         let normal = cross(u, v);

@@ -4,7 +4,7 @@ use super::Wrench;
 use super::dual::dual_basis;
 use crate::catalog::{Loading, PrintedMoment};
 use crate::connector::{
-    Branch, Components, Connector, Differentiation, Mask, NodalMatrix, NodalRow, State, Tally,
+    Branch, Components, Connector, Differentiation, Evaluation, Mask, NodalMatrix, NodalRow, State, Tally,
 };
 use crate::measure::Measure;
 use crate::node::{DOFS, PSI_A, PSI_B, THETA_A, THETA_B, XB, skew};
@@ -19,6 +19,8 @@ pub struct Want {
     pub stiffness: bool,
     /// The rows of the equations enforced: multipliers.
     pub multipliers: bool,
+    /// The rows of the positions of these components, by which their forces may change: tangents.
+    pub motions: Mask,
 }
 
 /// The row of one force, and its derivative.
@@ -45,6 +47,8 @@ pub struct Recovered<R> {
 #[derive(Clone, Debug)]
 pub struct ForceRows<R> {
     rows: Components<ForceRow<R>>,
+    /// The rows of positions that are not those of the force.
+    motions: Components<ForceRow<R>>,
     /// The moments on b of unit multipliers of constrained rotations.
     residual: [Option<Vector<R>>; 3],
     is_constrained: Mask,
@@ -74,8 +78,20 @@ impl<R: Differentiable> Connector<R> {
         want: Want,
         tally: &mut Tally,
     ) -> ForceRows<R> {
+        self.force_rows_after(state, branch, components, want, None, tally)
+    }
+
+    /// The same beside an evaluation of the same state: what that has differentiated is taken over.
+    pub(crate) fn force_rows_after(
+        &self,
+        state: &State<R>,
+        branch: &Branch<R>,
+        components: Mask,
+        want: Want,
+        evaluation: Option<&Evaluation<R>>,
+        tally: &mut Tally,
+    ) -> ForceRows<R> {
         let triad_a = state.pair.a.triad;
-        let frozen = self.frozen_axes();
         let mut rows: Components<ForceRow<R>> = [const { None }; 6];
         let mut gradients: Vec<(usize, Measure)> = Vec::new();
         let mut tension = None;
@@ -90,23 +106,49 @@ impl<R: Differentiable> Connector<R> {
                     tension = Some(k);
                     gradients.push((k, Measure::Distance));
                 }
-                Loading::AlongA(i) => {
-                    rows[k] = Some(self.carried(column(&triad_a, i - 1), want.stiffness));
-                }
-                Loading::FrozenAxis(i) => {
-                    rows[k] = Some(self.carried(apply(&triad_a, frozen[i - 1]), want.stiffness));
+                Loading::AlongA(_) | Loading::FrozenAxis(_) => {
+                    let axis = self.moment_axis(k, &triad_a);
+                    rows[k] = axis.map(|axis| self.carried(axis, want.stiffness));
                 }
             }
         }
         let history = branch.history();
         let reach = self.reach();
+        // Rows of the evaluation leave out what does not move, those of forces hold the reactions of the ground.
+        let known = evaluation.filter(|_| reach == self.active());
+        let differentiated = |k: usize, measure: Measure| {
+            let evaluation = known.filter(|_| self.differentiated(k) == Some(measure))?;
+            let row = *evaluation.jacobian[k].as_ref()?;
+            let change = evaluation.hessian[k].as_ref().filter(|_| want.stiffness);
+            (change.is_some() == want.stiffness).then(|| (row, change.cloned()))
+        };
         let input = Differentiation { state, history: &history, active: reach, second: want.stiffness };
-        self.differentiate(&input, &gradients, tally, &mut |k, mut row, change| {
+        let mut take = |k: usize, mut row: NodalRow<R>, change| {
             if tension == Some(k) {
                 (row[PSI_A], row[PSI_B]) = (R::integer(-1), R::integer(1));
             }
             let is_gradient = !self.position_measure(k).is_some_and(Measure::is_one_form);
             rows[k] = Some(ForceRow { row, change, is_gradient });
+        };
+        gradients.retain(|(k, measure)| {
+            let found = differentiated(*k, *measure);
+            let is_new = found.is_none();
+            if let Some((row, change)) = found {
+                take(*k, row, change);
+            }
+            is_new
+        });
+        self.differentiate(&input, &gradients, tally, &mut take);
+        let mut motions: Components<ForceRow<R>> = [const { None }; 6];
+        let others: Vec<(usize, Measure)> = (0..6)
+            .filter(|k| {
+                want.motions[*k] && (tension == Some(*k) || rows[*k].is_none() || !self.is_conjugate(*k))
+            })
+            .filter_map(|k| Some((k, self.position_measure(k)?)))
+            .collect();
+        self.differentiate(&input, &others, tally, &mut |k, row, change| {
+            let is_gradient = !self.position_measure(k).is_some_and(Measure::is_one_form);
+            motions[k] = Some(ForceRow { row, change, is_gradient });
         });
         let mut residual = [None; 3];
         if want.multipliers {
@@ -126,7 +168,7 @@ impl<R: Differentiable> Connector<R> {
                 PrintedMoment::CardanAxes => axes?,
                 PrintedMoment::Midway => {
                     let q = crate::vector::transposed_product(&triad_a, &state.pair.b.triad);
-                    let middle = so3::mid_frame(&q, branch.torsion.turns);
+                    let middle = so3::mid_frame(&q, None, branch.torsion.turns);
                     [0, 1, 2].map(|i| apply(&triad_a, column(&middle, i)))
                 }
             };
@@ -134,12 +176,27 @@ impl<R: Differentiable> Connector<R> {
         });
         ForceRows {
             rows,
+            motions,
             residual,
             is_constrained: [0, 1, 2, 3, 4, 5].map(|k| self.is_constrained(k)),
             triad_a,
             axes,
             printed,
         }
+    }
+
+    /// The direction, carried by a, along which a unit constraint moment of component k acts on b, where it is printed so.
+    pub(crate) fn moment_axis(&self, k: usize, triad_a: &Matrix<R>) -> Option<Vector<R>> {
+        match self.connection().loading(k)? {
+            Loading::AlongA(i) => Some(column(triad_a, i - 1)),
+            Loading::FrozenAxis(i) => Some(apply(triad_a, self.frozen_axes()[i - 1])),
+            Loading::Conjugate | Loading::Tension => None,
+        }
+    }
+
+    /// Whether the row of a force is that of the position of its component.
+    fn is_conjugate(&self, k: usize) -> bool {
+        matches!(self.connection().loading(k), Some(Loading::Conjugate))
     }
 
     /// The row of a moment on b along a direction that a carries, and its opposite on a.
@@ -278,19 +335,67 @@ impl<R: Real> ForceRows<R> {
     /// This is the geometric stiffness, and for gradient rows, in the rotations of each node, −½ M^ besides, M the moment on that node:
     /// the second variation is taken along exp(δθ^), successive rotations do not commute.
     pub fn derivative(&self, forces: &Components<R>) -> NodalMatrix<R> {
-        let mut sum = self.geometric_stiffness(forces);
-        let half = R::ratio(1, 2);
-        for (force, row) in self.loaded(forces).filter(|(_, row)| row.is_gradient && row.change.is_some()) {
-            for at in [THETA_A, THETA_B] {
-                let spin = skew(scale(part(&row.row, at), half * force));
-                for i in 0..3 {
-                    for j in 0..3 {
-                        sum[at + i][at + j] = sum[at + i][at + j] - spin[i][j];
-                    }
+        let mut sum = Box::new([[R::integer(0); DOFS]; DOFS]);
+        for (force, row) in self.loaded(forces) {
+            let Some(change) = turned(row, force) else { continue };
+            for (line, change) in sum.iter_mut().zip(change.iter()) {
+                for (entry, change) in line.iter_mut().zip(change) {
+                    *entry = *entry + *change;
                 }
             }
         }
         sum
+    }
+
+    /// The row of the position of component k, where it was wanted.
+    fn motion(&self, k: usize) -> Option<&ForceRow<R>> {
+        self.motions[k].as_ref().or(self.rows[k].as_ref())
+    }
+
+    /// Jᵀ D J: how nodal forces change with nodal displacements (or velocities) as the forces of components change with their
+    /// displacements (or velocities), D_ij = ∂F_i/∂u_j. Rows of forces on the left, of positions on the right
+    /// ([`Want::motions`] for every j with a slope); they differ for the tension of SLIPRING, whose u1 is a strain.
+    pub fn material_stiffness(&self, slopes: &[[R; 6]; 6]) -> NodalMatrix<R> {
+        let mut sum = Box::new([[R::integer(0); DOFS]; DOFS]);
+        for (force, slopes) in self.rows.iter().zip(slopes) {
+            let Some(force) = force else { continue };
+            let change = self.change_of_force(slopes, |motion| motion.row);
+            add_product(&mut sum, &force.row, &change);
+        }
+        sum
+    }
+
+    /// Jᵀ D ∂(J q̇)/∂q: how nodal forces change with nodal displacements at constant nodal velocities, because the velocities of
+    /// components do, D_ij = ∂F_i/∂v_j. Needs [`Want::stiffness`].
+    pub fn convective_stiffness(&self, slopes: &[[R; 6]; 6], velocity: &NodalRow<R>) -> NodalMatrix<R> {
+        let mut sum = Box::new([[R::integer(0); DOFS]; DOFS]);
+        for (force, slopes) in self.rows.iter().zip(slopes) {
+            let Some(force) = force else { continue };
+            let change = self.change_of_force(slopes, |motion| {
+                let mut along = [R::integer(0); DOFS];
+                let Some(change) = turned(motion, R::integer(1)) else { return along };
+                for (line, rate) in change.iter().zip(velocity) {
+                    for (entry, second) in along.iter_mut().zip(line) {
+                        *entry = *entry + *rate * *second;
+                    }
+                }
+                along
+            });
+            add_product(&mut sum, &force.row, &change);
+        }
+        sum
+    }
+
+    /// Σ_j D_j x_j over the positions.
+    fn change_of_force(&self, slopes: &[R; 6], of: impl Fn(&ForceRow<R>) -> NodalRow<R>) -> NodalRow<R> {
+        let mut change = [R::integer(0); DOFS];
+        for (j, slope) in slopes.iter().enumerate().filter(|(_, slope)| !is_zero(**slope)) {
+            let Some(motion) = self.motion(j) else { continue };
+            for (entry, part) in change.iter_mut().zip(of(motion)) {
+                *entry = *entry + *slope * part;
+            }
+        }
+        change
     }
 
     /// The multipliers λ_k of the equations enforced, Σ λ_k ∂res_k = Σ f_k G_k over the constrained components, from reported forces.
@@ -425,8 +530,37 @@ impl<R: Real> ForceRows<R> {
     }
 }
 
+/// force · ∂G_i/∂q_j along x and exp(δθ^) C, where the change was wanted.
+fn turned<R: Real>(row: &ForceRow<R>, force: R) -> Option<NodalMatrix<R>> {
+    let mut change = row.change.clone()?;
+    for entry in change.iter_mut().flatten() {
+        *entry = force * *entry;
+    }
+    if row.is_gradient {
+        let half = R::ratio(1, 2) * force;
+        for at in [THETA_A, THETA_B] {
+            let spin = skew(scale(part(&row.row, at), half));
+            for i in 0..3 {
+                for j in 0..3 {
+                    change[at + i][at + j] = change[at + i][at + j] - spin[i][j];
+                }
+            }
+        }
+    }
+    Some(change)
+}
+
+/// Adds a bᵀ.
+fn add_product<R: Real>(sum: &mut NodalMatrix<R>, a: &NodalRow<R>, b: &NodalRow<R>) {
+    for (line, a) in sum.iter_mut().zip(a) {
+        for (entry, b) in line.iter_mut().zip(b) {
+            *entry = *entry + *a * *b;
+        }
+    }
+}
+
 /// Whether a number is zero: exactly, for it is an entry that was never set.
 fn is_zero<R: Real>(x: R) -> bool {
     let zero = R::integer(0);
-    R::choose(zero.less(x.magnitude()), || false, || true)
+    !R::holds(zero.less(x.magnitude()))
 }

@@ -105,8 +105,11 @@ impl<R: Differentiable> Constraint<R> {
             return std::array::from_fn(|j| j <= PSI_S && columns[j]);
         }
         let [x, y, z] = self.separation(state).map(R::magnitude);
-        let most =
-            R::choose(x.less(y), || R::choose(y.less(z), || 2, || 1), || R::choose(x.less(z), || 2, || 0));
+        let most = if R::holds(x.less(y)) {
+            1 + usize::from(R::holds(y.less(z)))
+        } else {
+            2 * usize::from(R::holds(x.less(z)))
+        };
         std::array::from_fn(|j| j == XS + most)
     }
 
@@ -165,7 +168,7 @@ impl<R: Differentiable> Constraint<R> {
 
 fn is_zero<R: Real>(x: R) -> bool {
     let zero = R::integer(0);
-    R::choose(zero.less(x.magnitude()), || false, || true)
+    !R::holds(zero.less(x.magnitude()))
 }
 
 impl<R: Differentiable> Elimination<R> {

@@ -184,6 +184,15 @@ impl<R: Differentiable> Constraint<R> {
         Self { flow: true, ..self }
     }
 
+    /// The same on another real number; exactly so from doubles.
+    pub fn exact<S: Differentiable>(&self) -> Constraint<S>
+    where
+        R: Into<f64>,
+    {
+        let exact = |v: Vector<R>| vector::exact(v.map(Into::into));
+        Constraint { kind: self.kind, arm: exact(self.arm), axes: self.axes.map(exact), flow: self.flow }
+    }
+
     /// Its kind.
     pub const fn kind(&self) -> Kind {
         self.kind

@@ -1,11 +1,13 @@
 //! One connector or MPC at one state, as every format writes it.
 
 use super::words;
-use crate::behavior::state::{Outcome, Tangent};
-use crate::behavior::{Forces, Unknown};
+use crate::behavior::drive::Prescribed;
+use crate::behavior::friction::{self, Status};
+use crate::behavior::state::Outcome;
+use crate::behavior::{Forces, Tangent, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Connector, Flag, NodalMatrix, Output, Request, StopStatus, Turns};
-use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcResult};
+use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcElement, MpcForces, MpcResult};
 use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc::{self, DOFS as MPC_DOFS, ROWS as MPC_ROWS};
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
@@ -32,10 +34,20 @@ pub struct NodalForce {
 pub struct Nodal {
     /// NF.
     pub forces: Vec<NodalForce>,
-    /// KG, where asked for.
-    pub geometric: Option<Vec<Vec<f64>>>,
-    /// DNF, where asked for.
-    pub derivative: Option<Vec<Vec<f64>>>,
+    /// Derivatives, those that are asked for.
+    pub derivatives: Vec<NodalDerivative>,
+}
+
+/// Derivatives of the nodal forces.
+#[derive(Clone, Debug)]
+pub struct NodalDerivative {
+    /// KG, DNF, KT, CT, KR.
+    pub output: Output,
+    /// By what: `None` is the degrees of freedom of the block, else reactions (CRF1 … CRM3) and T2, the tension of the belt on the
+    /// other side of a ring.
+    pub by: Option<Vec<&'static str>>,
+    /// A row for each degree of freedom of the block.
+    pub rows: Vec<Vec<f64>>,
 }
 
 impl Nodal {
@@ -49,24 +61,112 @@ impl Nodal {
             let end = usize::from(j >= DOFS / 2);
             NodalForce { name: DOF[j], node: nodes[end], role: ["a", "b"][end], dof: DOF_NUMBER[j], force }
         };
-        let entries = forces.nodal.iter().flatten().copied().enumerate();
-        Self {
-            forces: entries.filter(|(j, _)| reached(j)).map(force).collect(),
-            geometric: forces.geometric.as_ref().map(matrix),
-            derivative: forces.derivative.as_ref().map(matrix),
+        let square = [
+            (Output::KG, &forces.geometric),
+            (Output::DNF, &forces.derivative),
+            (Output::KT, &forces.tangent),
+            (Output::CT, &forces.damping),
+        ];
+        let mut derivatives: Vec<NodalDerivative> = square
+            .into_iter()
+            .filter_map(|(output, of)| Some(NodalDerivative { output, by: None, rows: matrix(of.as_ref()?) }))
+            .collect();
+        let reactions = REACTION.into_iter().zip(&forces.by_reactions);
+        let columns: Vec<(&'static str, &[f64; DOFS])> = reactions
+            .chain([("T2", &forces.by_beyond)])
+            .filter_map(|(name, column)| Some((name, column.as_ref()?)))
+            .collect();
+        if !columns.is_empty() {
+            let row = |i: &usize| columns.iter().map(|(_, column)| column[*i]).collect();
+            derivatives.push(NodalDerivative {
+                output: Output::KR,
+                by: Some(columns.iter().map(|(name, _)| *name).collect()),
+                rows: kept.iter().map(row).collect(),
+            });
         }
+        let entries = forces.nodal.iter().flatten().copied().enumerate();
+        Self { forces: entries.filter(|(j, _)| reached(j)).map(force).collect(), derivatives }
+    }
+
+    /// Of an MPC, by the degrees of freedom that it has.
+    fn of_mpc(element: &MpcElement, forces: &MpcForces, request: &Request, kept: &[usize]) -> Self {
+        let kind = element.constraint.kind();
+        let wants = |output: Output| request.outputs().any(|one| one == output);
+        let force = |j: &usize| {
+            let (place, dof) = mpc::Kind::column_dof(*j);
+            let role = kind.entry().nodes.get(place).copied().unwrap_or_default();
+            let node = element.nodes.get(place).copied();
+            NodalForce { name: kind.column_name(*j), node, role, dof, force: forces.nodal[*j] }
+        };
+        let matrix = |of: &mpc::force::DofMatrix<f64>| {
+            kept.iter().map(|i| kept.iter().map(|j| of[*i][*j]).collect()).collect::<Vec<Vec<f64>>>()
+        };
+        let square = [
+            (Output::KG, &forces.geometric),
+            (Output::DNF, &forces.derivative),
+            (Output::KT, &forces.tangent),
+            (Output::CT, &forces.damping),
+        ];
+        let mut derivatives: Vec<NodalDerivative> = square
+            .into_iter()
+            .filter_map(|(output, of)| Some(NodalDerivative { output, by: None, rows: matrix(of.as_ref()?) }))
+            .collect();
+        let columns: Vec<(&'static str, &[f64; MPC_DOFS])> = forces
+            .by_multipliers
+            .iter()
+            .enumerate()
+            .filter_map(|(row, column)| Some((kind.row_name(row), column.as_ref()?)))
+            .collect();
+        if !columns.is_empty() {
+            let row = |i: &usize| columns.iter().map(|(_, column)| column[*i]).collect();
+            derivatives.push(NodalDerivative {
+                output: Output::KR,
+                by: Some(columns.iter().map(|(name, _)| *name).collect()),
+                rows: kept.iter().map(row).collect(),
+            });
+        }
+        let forces = if wants(Output::NF) { kept.iter().map(force).collect() } else { Vec::new() };
+        Self { forces, derivatives }
     }
 
     fn is_empty(&self) -> bool {
-        self.forces.is_empty() && self.geometric.is_none() && self.derivative.is_none()
+        self.forces.is_empty() && self.derivatives.is_empty()
     }
+}
 
-    /// The matrices there are, by output.
-    pub(super) fn matrices(&self) -> impl Iterator<Item = (Output, &Vec<Vec<f64>>)> {
-        [(Output::KG, &self.geometric), (Output::DNF, &self.derivative)]
-            .into_iter()
-            .filter_map(|(output, matrix)| Some((output, matrix.as_ref()?)))
+/// Whether anything acts on the angle of a hinge, or what the constraint transmits is known.
+fn acts(result: &MpcResult, i: usize) -> bool {
+    let driven = result.hinges[i].is_some_and(|hinge| hinge.load.is_some() || hinge.prescribed.is_some());
+    driven || result.moments[i].is_some() || result.forces.is_some()
+}
+
+/// The moments on hinges that are asked for and not known.
+fn not_known_of_hinges(request: &Request, result: &MpcResult, names: &[&'static str]) -> Vec<Flag> {
+    let mut flags = Vec::new();
+    for (i, name) in names.iter().enumerate().filter(|(i, _)| acts(result, *i)) {
+        let Some(hinge) = result.hinges.get(i).copied().flatten() else { continue };
+        let own = result.moments.get(i).copied().flatten().and_then(Result::err);
+        let driven = match hinge.prescribed {
+            Some(Prescribed::Unknown(_, why)) => Some(why),
+            _ => None,
+        };
+        for (output, unknown) in [
+            (Output::CEF, own),
+            (Output::CVF, own),
+            (Output::CCF, hinge.load.and_then(Result::err)),
+            (Output::CRF, hinge.reaction.err()),
+            (Output::CTF, hinge.constraint.err()),
+            (Output::DRIVEN, driven),
+        ] {
+            let is_wanted = request.outputs().any(|one| one == output);
+            flags.extend(unknown.filter(|_| is_wanted).map(|why| Flag::NotKnown {
+                component: name,
+                quantity: output.name(),
+                why: why.in_words(),
+            }));
+        }
     }
+    flags
 }
 
 /// What a block is about.
@@ -127,6 +227,8 @@ pub enum Value {
     Number(f64),
     /// CSLST.
     Stop(StopStatus),
+    /// SLIP.
+    Slip(Status),
     /// TURNS.
     Turns(Turns<f64>),
     /// MARGIN.
@@ -140,6 +242,9 @@ impl Value {
             Self::Number(number) => number,
             Self::Stop(StopStatus::Free) => 0.0,
             Self::Stop(_) => 1.0,
+            Self::Slip(Status::Stick) => 0.0,
+            Self::Slip(Status::Slip) => 1.0,
+            Self::Slip(Status::Free) => 2.0,
             Self::Turns(turns) => turns.turns,
             Self::Margin(margin) => margin.distance,
         }
@@ -192,6 +297,8 @@ pub struct HingeFacts {
     pub axis: [f64; 3],
     /// What springs and dashpots to ground do to it, or why that is not known.
     pub moments: Option<Result<HingeMoments, Unknown>>,
+    /// M_J, what the constraint puts on it, residual-side, where something acts on it or forces are given, and it is known.
+    pub constraint: Option<f64>,
 }
 
 const NO_VALUES: [Option<Value>; Output::ALL.len()] = [None; Output::ALL.len()];
@@ -233,8 +340,7 @@ impl<'a> Block<'a> {
                     ),
                     Output::PM => number(forces.and_then(|forces| forces.printed[k])),
                     Output::LM => number(forces.and_then(|forces| forces.multipliers[k])),
-                    Output::NF | Output::KG | Output::DNF => None,
-                    Output::TANGENT => None,
+                    of_slopes if of_slopes.is_nodal() || of_slopes == Output::TANGENT => None,
                     of_behavior => behavior.and_then(|outcome| force(outcome, of_behavior, k)),
                 };
                 value.filter(|_| request.wants(output, k))
@@ -295,12 +401,25 @@ impl<'a> Block<'a> {
             let turns = evaluation.angles[i];
             let angle = f64::with_turns(turns.principal, turns.turns);
             let rate = |order: usize| evaluation.angle_rates.map(|rates| rates[i][order]);
+            let hinge = result.hinges[i];
+            let own = result.moments[i].and_then(Result::ok);
             let values = values(&|output| match output {
                 Output::CP | Output::CU => Some(Value::Number(angle)),
                 Output::CV => number(rate(0)),
                 Output::CA => number(rate(1)),
                 Output::TURNS => Some(Value::Turns(turns)),
                 Output::MARGIN => result.margins.angles[i].map(Value::Margin),
+                Output::CEF => number(own.map(|moments| moments.spring)),
+                Output::CVF => number(own.and_then(|moments| moments.dashpot)),
+                Output::CCF => number(hinge?.load?.ok()),
+                Output::CRF => number(hinge.filter(|_| acts(result, i))?.reaction.ok()),
+                Output::CTF => {
+                    number(hinge.filter(|_| acts(result, i))?.constraint.ok().map(|moment| -moment))
+                }
+                Output::DRIVEN => number(hinge?.prescribed?.value().1),
+                Output::RES => number(hinge?.residual[0]),
+                Output::RESV => number(hinge?.residual[1]),
+                Output::RESA => number(hinge?.residual[2]),
                 _ => None,
             });
             rows.push(Row { name, role: "available", unit: Unit::Angle, values });
@@ -313,6 +432,7 @@ impl<'a> Block<'a> {
                 Output::RESB => number(evaluation.residual_bias[row]),
                 Output::RESA => number(evaluation.residual_acceleration[row]),
                 Output::MARGIN => result.margins.rows[row].map(Value::Margin),
+                Output::LM => number(result.forces.as_ref().and_then(|forces| forces.multipliers[row])),
                 _ => None,
             });
             let (name, unit) = (kind.row_name(row), mpc::Kind::row_unit(row));
@@ -339,8 +459,13 @@ impl<'a> Block<'a> {
         });
         let hinges = entry.angles.iter().enumerate().filter_map(|(i, name)| {
             let (given, moments) = (result.given[i], result.moments[i]);
-            Some(HingeFacts { name, given, axis: evaluation.axes[i]?, moments })
+            let constraint =
+                result.hinges[i].filter(|_| acts(result, i)).and_then(|hinge| hinge.constraint.ok());
+            Some(HingeFacts { name, given, axis: evaluation.axes[i]?, moments, constraint })
         });
+        let nodal = result.forces.as_deref().map(|forces| Nodal::of_mpc(element, forces, request, &kept));
+        let mut flags = result.flags.clone();
+        flags.extend(not_known_of_hinges(request, result, entry.angles));
         Self {
             kind: Kind::Mpc,
             label: element.label(),
@@ -350,10 +475,10 @@ impl<'a> Block<'a> {
             columns: columns.collect(),
             derivatives: derivatives.collect(),
             tangent: None,
-            nodal: Nodal::default(),
+            nodal: nodal.unwrap_or_default(),
             branch: None,
             mpc: Some(MpcFacts { hinges: hinges.collect(), misalignment: result.misalignment }),
-            flags: result.flags.clone(),
+            flags,
         }
         .with_what_is_not_finite()
     }
@@ -369,8 +494,8 @@ impl<'a> Block<'a> {
         for force in self.nodal.forces.iter().filter(|force| !force.force.is_finite()) {
             self.flags.push(Flag::NotFinite { component: force.name, quantity: Output::NF.name() });
         }
-        for (output, matrix) in self.nodal.matrices() {
-            let (rows, dofs) = (matrix.iter(), self.columns.iter());
+        for NodalDerivative { output, rows, .. } in &self.nodal.derivatives {
+            let (rows, dofs) = (rows.iter(), self.columns.iter());
             let broken = rows.zip(dofs).filter(|(row, _)| row.iter().any(|entry| !entry.is_finite()));
             self.flags.extend(
                 broken.map(|(_, dof)| Flag::NotFinite { component: dof.name, quantity: output.name() }),
@@ -417,46 +542,50 @@ impl<'a> Block<'a> {
 /// The names of component forces.
 pub(crate) const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
 
+/// The names of reactions.
+const REACTION: [&str; 6] = ["CRF1", "CRF2", "CRF3", "CRM1", "CRM2", "CRM3"];
+
 /// The names of component velocities.
 const VELOCITY: [&str; 6] = ["v1", "v2", "v3", "vr1", "vr2", "vr3"];
 
-/// The slopes that are not zero: force, motion (u, v or the time step dt), slope.
+/// The slopes that are not zero: force, by what (u, v, CRF, the tension T2 beyond a ring, the time step dt), slope.
 pub(crate) fn slopes(tangent: &Tangent<f64>) -> Vec<(&'static str, &'static str, f64)> {
     let mut all = Vec::new();
     for i in 0..6 {
         let of = |names: [&'static str; 6], line: [f64; 6]| names.into_iter().zip(line);
-        let motions = of(COMPONENT, tangent.displacement[i]).chain(of(VELOCITY, tangent.velocity[i]));
-        all.extend(motions.chain([("dt", tangent.time[i])]).map(|(name, slope)| (FORCE[i], name, slope)));
+        let by = of(COMPONENT, tangent.displacement[i])
+            .chain(of(VELOCITY, tangent.velocity[i]))
+            .chain(of(REACTION, tangent.reaction[i]))
+            .chain([("T2", tangent.beyond[i]), ("dt", tangent.time[i])]);
+        all.extend(by.map(|(name, slope)| (FORCE[i], name, slope)));
     }
     all.retain(|(_, _, slope)| *slope != 0.0);
     all
 }
 
-/// An output of one friction.
-fn sliding(slip: &crate::behavior::friction::Outcome<f64>, output: Output) -> Option<Value> {
+/// An output of one friction in an increment that has a duration, or has none.
+fn sliding(slip: &friction::Outcome<f64>, duration: Option<f64>, output: Output) -> Option<Value> {
     Some(Value::Number(match output {
         Output::CSF => slip.tangential,
         Output::CNF => slip.normal,
         Output::CASU => slip.accumulated_slip,
-        Output::CIVC => slip.slip_rate,
+        Output::CIVC => duration.map(|_| slip.slip_rate)?,
+        Output::SLIP => return Some(Value::Slip(slip.status)),
         _ => return None,
     }))
 }
 
-/// The rows of frictions that several components share: CSFC, CNFC, CASUC, CIVC.
+/// The rows of frictions that several components share: CSFC, CNFC, CASUC, CIVC, SLIP.
 fn coupled(outcome: &Outcome, request: &Request) -> Vec<Row> {
     let wanted = |output: Output| request.outputs().any(|one| one == output);
-    let shared = outcome.slips.iter().filter(|(mask, _)| mask.iter().filter(|one| **one).count() > 1);
-    let row = |slip: &crate::behavior::friction::Outcome<f64>| Row {
+    let shared = outcome.slips.iter().filter(|slip| slip.components.iter().filter(|one| **one).count() > 1);
+    let row = |slip: &friction::Outcome<f64>| Row {
         name: "C",
         role: "slip",
         unit: Unit::Length,
-        values: Output::ALL.map(|output| {
-            let is_there = wanted(output) && (output != Output::CIVC || outcome.has_duration);
-            sliding(slip, output).filter(|_| is_there)
-        }),
+        values: Output::ALL.map(|output| sliding(slip, outcome.duration, output).filter(|_| wanted(output))),
     };
-    let rows = shared.filter_map(|(_, slip)| Some(row(slip.as_ref().ok()?)));
+    let rows = shared.filter_map(|slip| Some(row(slip.outcome.as_ref().ok()?)));
     rows.filter(|row| row.values != NO_VALUES).collect()
 }
 
@@ -470,11 +599,11 @@ fn force(outcome: &Outcome, output: Output, k: usize) -> Option<Value> {
         Output::CRF => number(&outcome.reaction),
         Output::CSF => number(&outcome.friction),
         Output::CCF => number(&outcome.load),
-        Output::CNF | Output::CASU | Output::CIVC => {
+        Output::CNF | Output::CASU | Output::CIVC | Output::SLIP => {
             // A coupled friction has them once, in a row of its own.
             let alone = [0, 1, 2, 3, 4, 5].map(|j| j == k);
-            let (_, slip) = outcome.slips.iter().find(|(mask, _)| *mask == alone)?;
-            sliding(slip.as_ref().ok()?, output).filter(|_| output != Output::CIVC || outcome.has_duration)
+            let slip = outcome.slips.iter().find(|slip| slip.components == alone)?;
+            sliding(slip.outcome.as_ref().ok()?, outcome.duration, output)
         }
         Output::CFAILST => Some(Value::Number(f64::from(u8::from(outcome.failed[k])))),
         Output::DRIVEN => outcome.prescribed[k]?.value().1.map(Value::Number),

@@ -3,19 +3,26 @@
 //! One line for each state × connector × component, one column for each output asked for. With derivatives there are five
 //! columns more, `dof_1, node_1, dof_2, node_2, derivative`, and further lines that leave the outputs empty: one for each
 //! first derivative that is not zero (`dof_2` empty) and each second derivative that is not zero, ∂²/∂dof_1∂dof_2.
-//! Nodal forces (column NF) have lines of their own, with `dof_1` and `node_1`; so have the entries of KG and DNF that are not zero:
-//! of the force on `dof_1` by `dof_2`.
+//! Nodal forces (column NF) have lines of their own, with `dof_1` and `node_1`; so have the entries of KG, DNF, KT, CT and KR that are not
+//! zero: of the force on `dof_1` by `dof_2`, which for KR names a reaction.
 //! `flags` names what needs care, on the lines of the component. Numbers read back to the same double.
 
-use super::block::{Block, Derivative, Kind, Value, node_name, slopes};
-use super::evaluation::{Format, Subject};
+use super::block::{Block, Derivative, Kind, NodalDerivative, Value, node_name, slopes};
+use super::evaluation::{Format, Renderer, Subject};
 use super::words;
 use crate::connector::{Flag, Output, Tally};
 use std::io::{self, Write};
+use std::sync::Arc;
 
 /// One table.
 pub struct Csv<'w> {
-    writer: csv::Writer<&'w mut dyn Write>,
+    out: &'w mut dyn Write,
+    context: Arc<Context>,
+}
+
+/// What the lines of one state have in common.
+#[derive(Clone)]
+struct Context {
     outputs: Vec<Output>,
     has_dofs: bool,
     scene: String,
@@ -23,15 +30,32 @@ pub struct Csv<'w> {
     time: String,
 }
 
+/// Lines of the table.
+struct Lines<'c> {
+    writer: csv::Writer<Vec<u8>>,
+    context: &'c Context,
+}
+
 impl<'w> Csv<'w> {
     /// A table on a stream, with columns for `outputs` and, from order 1 on or with nodal outputs, for degrees of freedom and
     /// derivatives.
     pub fn new(out: &'w mut dyn Write, outputs: Vec<Output>, order: u8) -> Self {
-        let writer = csv::Writer::from_writer(out);
         let has_dofs = order > 0 || outputs.iter().any(|output| output.is_nodal());
-        Self { writer, outputs, has_dofs, scene: String::new(), state: String::new(), time: String::new() }
+        let [scene, state, time] = [const { String::new() }; 3];
+        Self { out, context: Arc::new(Context { outputs, has_dofs, scene, state, time }) }
     }
+}
 
+impl Context {
+    /// The text of lines.
+    fn text(&self, write: impl FnOnce(&mut Lines<'_>) -> io::Result<()>) -> io::Result<Vec<u8>> {
+        let mut lines = Lines { writer: csv::Writer::from_writer(Vec::new()), context: self };
+        write(&mut lines)?;
+        lines.writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
+    }
+}
+
+impl Lines<'_> {
     fn line<'c>(&mut self, cells: impl IntoIterator<Item = &'c str>) -> io::Result<()> {
         let write = || {
             cells.into_iter().try_for_each(|cell| self.writer.write_field(cell))?;
@@ -51,7 +75,7 @@ impl<'w> Csv<'w> {
         columns: &[[String; 2]],
     ) -> io::Result<()> {
         let start = self.start(block, row.component, "", "");
-        let without_outputs = vec![""; self.outputs.len()];
+        let without_outputs = vec![""; self.context.outputs.len()];
         let none = [const { String::new() }; 2];
         let mut entry = |value: f64, columns: [&[String; 2]; 2]| {
             if value == 0.0 {
@@ -76,7 +100,7 @@ impl<'w> Csv<'w> {
     /// Nodal forces, and the entries of their derivatives that are not 0.
     fn nodal(&mut self, block: &Block<'_>, columns: &[[String; 2]]) -> io::Result<()> {
         let start = self.start(block, "", "", "");
-        let outputs = self.outputs.clone();
+        let outputs = &self.context.outputs;
         let none = [const { String::new() }; 2];
         let mut entry = |of: Output, value: f64, [first, second]: [&[String; 2]; 2]| {
             let value = exact(value);
@@ -88,10 +112,13 @@ impl<'w> Csv<'w> {
             let column = [force.name.to_string(), node_name(force.node)];
             entry(Output::NF, force.force, [&column, &none])?;
         }
-        for (output, matrix) in block.nodal.matrices() {
-            for (line, first) in matrix.iter().zip(columns) {
-                for (value, second) in line.iter().zip(columns).filter(|(value, _)| **value != 0.0) {
-                    entry(output, *value, [first, second])?;
+        for NodalDerivative { output, by, rows } in &block.nodal.derivatives {
+            let named: Vec<[String; 2]> =
+                by.iter().flatten().map(|name| [(*name).to_string(), String::new()]).collect();
+            let by = if by.is_some() { &named } else { columns };
+            for (line, first) in rows.iter().zip(columns) {
+                for (value, second) in line.iter().zip(by).filter(|(value, _)| **value != 0.0) {
+                    entry(*output, *value, [first, second])?;
                 }
             }
         }
@@ -108,9 +135,9 @@ impl<'w> Csv<'w> {
         let flags: Vec<&str> =
             block.flags.iter().filter(|flag| flag.component() == component).map(Flag::name).collect();
         [
-            &self.scene,
-            &self.state,
-            &self.time,
+            &self.context.scene,
+            &self.context.state,
+            &self.context.time,
             kind,
             &block.label,
             block.type_name,
@@ -121,6 +148,36 @@ impl<'w> Csv<'w> {
             &flags.join(" "),
         ]
         .map(ToString::to_string)
+    }
+
+    /// A connector or MPC.
+    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
+        for row in &block.rows {
+            let mut cells = self.start(block, row.name, row.role, words::unit(row.unit)).to_vec();
+            for output in &self.context.outputs {
+                cells.push(match row.values[*output as usize] {
+                    None => String::new(),
+                    Some(Value::Stop(status)) => status.flag().to_string(),
+                    Some(Value::Slip(status)) => words::slip(status).to_string(),
+                    Some(value) => exact(value.number()),
+                });
+            }
+            if self.context.has_dofs {
+                cells.extend([const { String::new() }; 5]);
+            }
+            self.line(cells.iter().map(String::as_str))?;
+        }
+        for (force, motion, slope) in block.tangent.iter().flat_map(slopes) {
+            let mut cells = self.start(block, force, "", "").to_vec();
+            cells.extend(self.context.outputs.iter().map(|_| String::new()));
+            cells.extend([motion, "", "", ""].map(String::from));
+            cells.push(exact(slope));
+            self.line(cells.iter().map(String::as_str))?;
+        }
+        let columns: Vec<[String; 2]> =
+            block.columns.iter().map(|column| [column.name.to_string(), column.node.to_string()]).collect();
+        self.nodal(block, &columns)?;
+        block.derivatives.iter().try_for_each(|row| self.derivatives(block, row, &columns))
     }
 }
 
@@ -144,50 +201,33 @@ impl Format for Csv<'_> {
             "unit",
             "flags",
         ];
-        heading.extend(self.outputs.iter().map(|output| output.name()));
-        if self.has_dofs {
+        heading.extend(self.context.outputs.iter().map(|output| output.name()));
+        if self.context.has_dofs {
             heading.extend(["dof_1", "node_1", "dof_2", "node_2", "derivative"]);
         }
-        self.line(heading)
+        let text = self.context.text(|lines| lines.line(heading))?;
+        self.out.write_all(&text)
     }
 
     fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()> {
-        self.scene.clone_from(&subject.scene.name);
+        Arc::make_mut(&mut self.context).scene.clone_from(&subject.scene.name);
         Ok(())
     }
 
     fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
-        self.state = index.to_string();
-        self.time = time.map(exact).unwrap_or_default();
+        let context = Arc::make_mut(&mut self.context);
+        context.state = index.to_string();
+        context.time = time.map(exact).unwrap_or_default();
         Ok(())
     }
 
-    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
-        for row in &block.rows {
-            let mut cells = self.start(block, row.name, row.role, words::unit(row.unit)).to_vec();
-            for output in &self.outputs {
-                cells.push(match row.values[*output as usize] {
-                    None => String::new(),
-                    Some(Value::Stop(status)) => status.flag().to_string(),
-                    Some(value) => exact(value.number()),
-                });
-            }
-            if self.has_dofs {
-                cells.extend([const { String::new() }; 5]);
-            }
-            self.line(cells.iter().map(String::as_str))?;
-        }
-        for (force, motion, slope) in block.tangent.iter().flat_map(slopes) {
-            let mut cells = self.start(block, force, "", "").to_vec();
-            cells.extend(self.outputs.iter().map(|_| String::new()));
-            cells.extend([motion, "", "", ""].map(String::from));
-            cells.push(exact(slope));
-            self.line(cells.iter().map(String::as_str))?;
-        }
-        let columns: Vec<[String; 2]> =
-            block.columns.iter().map(|column| [column.name.to_string(), column.node.to_string()]).collect();
-        self.nodal(block, &columns)?;
-        block.derivatives.iter().try_for_each(|row| self.derivatives(block, row, &columns))
+    fn renderer(&self) -> Renderer {
+        let context = Arc::clone(&self.context);
+        Box::new(move |block| context.text(|lines| lines.block(block)))
+    }
+
+    fn rendered(&mut self, _kind: Kind, text: &[u8]) -> io::Result<()> {
+        self.out.write_all(text)
     }
 
     fn end_state(&mut self) -> io::Result<()> {
@@ -199,6 +239,6 @@ impl Format for Csv<'_> {
     }
 
     fn end(&mut self) -> io::Result<()> {
-        self.writer.flush()
+        self.out.flush()
     }
 }

@@ -1,10 +1,14 @@
 //! What `pintle eval` writes: one stream of blocks, written as they come, in one of three formats.
 
-use super::block::Block;
+use super::block::{Block, Kind};
 use crate::connector::Tally;
 use crate::evaluate::{Model, Plan, SUBOPTIONS};
-use crate::scene::{Behavior, DampingKind, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions};
+use crate::scene::{
+    Behavior, Boundary, DampingKind, Label, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions,
+    Target,
+};
 use indexmap::IndexMap;
+use std::collections::HashSet;
 use std::io;
 use std::ops::RangeInclusive;
 
@@ -38,8 +42,15 @@ pub trait Format {
     fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()>;
     /// A state begins.
     fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()>;
+    /// What writes the blocks of this state into texts, on any thread.
+    fn renderer(&self) -> Renderer;
+    /// A connector or MPC at this state, as the renderer wrote it; connectors come first.
+    fn rendered(&mut self, kind: Kind, text: &[u8]) -> io::Result<()>;
     /// A connector or MPC at this state; connectors come first.
-    fn block(&mut self, block: &Block<'_>) -> io::Result<()>;
+    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
+        let text = self.renderer()(block)?;
+        self.rendered(block.kind, &text)
+    }
     /// The state ends.
     fn end_state(&mut self) -> io::Result<()>;
     /// The scene ends; `work` counts what was computed for it.
@@ -47,6 +58,9 @@ pub trait Format {
     /// After everything.
     fn end(&mut self) -> io::Result<()>;
 }
+
+/// Writes a block into a text of its own.
+pub type Renderer = Box<dyn Fn(&Block<'_>) -> io::Result<Vec<u8>> + Send + Sync>;
 
 /// Something that was read and is not evaluated.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -123,16 +137,34 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     let what = ["mass, spring or dashpot element", "mass, spring or dashpot elements"];
     add(count as u64, what, kinds);
     let steps = &scene.steps;
-    let in_steps = |count: fn(&Step) -> usize| steps.iter().map(count).sum::<usize>();
+    let in_steps = |count: &dyn Fn(&Step) -> usize| steps.iter().map(count).sum::<usize>();
+    // What acts on the angles of hinges alone is evaluated.
+    let hinges: HashSet<Label> = model
+        .mpcs
+        .iter()
+        .flat_map(|mpc| mpc.nodes.iter().skip(2).take(mpc.constraint.kind().entry().angles.len()).copied())
+        .collect();
+    let is_left = |target: &Target, dofs: &[u8]| {
+        let nodes = match target {
+            Target::Label(label) => std::slice::from_ref(label),
+            Target::Set(name) => scene.node_sets.get(name.as_str()).map_or(&[][..], |set| &set.labels),
+        };
+        !(dofs == [6] && nodes.iter().all(|node| hinges.contains(node)))
+    };
+    let held = |boundaries: &[Boundary]| {
+        boundaries.iter().filter(|given| is_left(&given.target.value, &given.degrees_of_freedom)).count()
+    };
+    let loads = |step: &Step| {
+        let nodal = step.concentrated_loads.iter();
+        let left = nodal.filter(|load| is_left(&load.target.value, &[load.degree_of_freedom])).count();
+        left + step.distributed_loads.len()
+    };
     for (count, what) in [
         (
-            scene.boundaries.len() + in_steps(|step| step.boundaries.len()),
+            held(&scene.boundaries) + in_steps(&|step| held(&step.boundaries)),
             ["boundary condition", "boundary conditions"],
         ),
-        (
-            in_steps(|step| step.concentrated_loads.len() + step.distributed_loads.len()),
-            ["nodal or distributed load", "nodal or distributed loads"],
-        ),
+        (in_steps(&loads), ["nodal or distributed load", "nodal or distributed loads"]),
         (steps.len(), ["step", "steps"]),
     ] {
         add(count as u64, what, Vec::new());

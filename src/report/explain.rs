@@ -1,5 +1,6 @@
 //! `pintle explain TYPE`: what a connection type is, in the order of the manual's summary table, and what rests on what.
 
+use super::formulas::{self, Group};
 use super::layout::{self, BOLD, DIM, styled};
 use super::list::{is_measured, names};
 use super::words::{self, NOTATION, ROWS, SIGNS};
@@ -43,6 +44,8 @@ pub struct Explanation {
     remarks: Vec<&'static str>,
     sources: Vec<&'static str>,
     evidence: Vec<Tag>,
+    /// Empty where a formula cannot be traced.
+    formulas: Vec<Group>,
 }
 
 /// A criterion of predefined friction, Φ = P − μ |F_C + F_C^int| ≤ 0.
@@ -50,6 +53,9 @@ pub struct Explanation {
 struct Criterion {
     tangential: String,
     contact: String,
+    /// What stands in place of μ |F_C + F_C^int|, where that is a law of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limit: Option<&'static str>,
     output: &'static str,
     /// P and F_C in two dimensions, where the type can be used there.
     two_dimensional: Option<[String; 2]>,
@@ -67,6 +73,7 @@ fn criteria(friction: &Friction, is_planar: bool) -> Vec<Criterion> {
             Criterion {
                 tangential,
                 contact,
+                limit: criterion.limit_formula(),
                 output: criterion.output,
                 two_dimensional: is_planar.then(|| formulas(criterion, PLANE)),
             }
@@ -164,6 +171,7 @@ impl Explanation {
             remarks: some(&connection.notes),
             sources: some(&connection.source),
             evidence: Tag::all(),
+            formulas: formulas::groups(connection).unwrap_or_default(),
         }
     }
 
@@ -196,6 +204,7 @@ impl Explanation {
         paragraph(out, "Two-dimensional and axisymmetric (CONN2D2)", &form)?;
         paragraph(out, "Signs", &[self.signs])?;
         paragraph(out, "Rows of derivatives", &[self.rows])?;
+        formulas::human(&self.formulas, out, width)?;
         paragraph(out, "Remarks", &self.remarks)?;
         paragraph(out, "Sources", &self.sources)?;
         Tag::write(&self.evidence, out, width)
@@ -332,14 +341,15 @@ fn summary(connection: &ConnectionType) -> Vec<Field> {
             let all: Vec<String> = criteria(&friction, connection.planar != Availability::Never)
                 .into_iter()
                 .map(|criterion| {
-                    let Criterion { tangential, contact, output, two_dimensional } = criterion;
+                    let Criterion { tangential, contact, limit, output, two_dimensional } = criterion;
+                    let limit = limit.map(|limit| format!(", limit {limit}")).unwrap_or_default();
                     let plane = match two_dimensional {
                         Some([p, c]) if p != tangential || c != contact => {
                             format!("; in two dimensions F_C = {c}, against P = {p}")
                         }
                         _ => String::new(),
                     };
-                    format!("F_C = {contact}, against P = {tangential} ({output}){plane}")
+                    format!("F_C = {contact}{limit}, against P = {tangential} ({output}){plane}")
                 })
                 .collect();
             let constants = friction

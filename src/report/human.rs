@@ -1,7 +1,9 @@
 //! Evaluations as tables for reading.
 
-use super::block::{Block, Derivative, HingeFacts, Value, flags_in_words, node_name, slopes};
-use super::evaluation::{Format, Subject, Unevaluated, unevaluated};
+use super::block::{
+    Block, Derivative, HingeFacts, Kind, NodalDerivative, Value, flags_in_words, node_name, slopes,
+};
+use super::evaluation::{Format, Renderer, Subject, Unevaluated, unevaluated};
 use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
 use super::words;
@@ -107,8 +109,8 @@ impl<'w> Human<'w> {
     fn values(&mut self, block: &Block<'_>) -> io::Result<()> {
         let nodes: Vec<String> = block.nodes.iter().map(|(_, node)| node_name(*node)).collect();
         let title = match block.kind {
-            super::block::Kind::Connector => format!("{}  {}", block.title(), nodes.join(" → ")),
-            super::block::Kind::Mpc => {
+            Kind::Connector => format!("{}  {}", block.title(), nodes.join(" → ")),
+            Kind::Mpc => {
                 let nodes: Vec<String> =
                     block.nodes.iter().map(|(role, node)| format!("{role} {}", node_name(*node))).collect();
                 format!("{}  {}", block.title(), nodes.join(", "))
@@ -134,6 +136,7 @@ impl<'w> Human<'w> {
                 let cell = |value: Option<Value>| match value {
                     None => String::new(),
                     Some(Value::Stop(status)) => status.flag().to_string(),
+                    Some(Value::Slip(status)) => words::slip(status).to_string(),
                     Some(value) => self.beside(value.number(), largest),
                 };
                 let texts = block.rows.iter().map(|row| cell(row.values[output as usize])).collect();
@@ -201,17 +204,21 @@ impl<'w> Human<'w> {
                 .collect();
             self.columns(&title, &["nodal force".to_string()], &columns)?;
         }
-        for (output, matrix) in block.nodal.matrices() {
+        let names: Vec<String> = block.columns.iter().map(|column| column.name.to_string()).collect();
+        for NodalDerivative { output, by, rows: matrix } in &block.nodal.derivatives {
             let largest = largest(matrix.iter().flatten().copied());
-            let names: Vec<String> = block.columns.iter().map(|column| column.name.to_string()).collect();
-            let columns: Vec<(String, Vec<String>)> = (0..names.len())
+            let by: Vec<&str> = match by {
+                Some(by) => by.clone(),
+                None => names.iter().map(String::as_str).collect(),
+            };
+            let columns: Vec<(String, Vec<String>)> = (0..by.len())
                 .filter(|j| matrix.iter().any(|row| row[*j] != 0.0))
                 .map(|j| {
                     let entry = |row: &Vec<f64>| match row[j] {
                         0.0 => "·".to_string(),
                         entry => self.beside(entry, largest),
                     };
-                    (format!("∂{}", names[j]), matrix.iter().map(entry).collect())
+                    (format!("∂{}", by[j]), matrix.iter().map(entry).collect())
                 })
                 .collect();
             if columns.is_empty() {
@@ -280,7 +287,7 @@ impl<'w> Human<'w> {
         if slopes.is_empty() {
             return writeln!(self.out, "  slopes of forces: every entry is 0");
         }
-        writeln!(self.out, "  {}", styled(DIM, "slopes of elastic and viscous forces that are not 0"))?;
+        writeln!(self.out, "  {}", styled(DIM, "slopes of component forces that are not 0"))?;
         let largest = largest(slopes.iter().map(|(_, slope)| *slope));
         let names = slopes.iter().map(|(name, _)| layout::width(name)).max().unwrap_or(0);
         for (name, slope) in &slopes {
@@ -349,6 +356,85 @@ fn shown(subject: &Subject<'_>) -> String {
     format!(" (shown: {}; --show all shows every one)", list.join(", "))
 }
 
+impl Human<'_> {
+    /// A connector or MPC.
+    fn write(&mut self, block: &Block<'_>) -> io::Result<()> {
+        if block.is_empty() {
+            return Ok(());
+        }
+        self.values(block)?;
+        if let Some(facts) = &block.mpc {
+            let mut texts: Vec<String> = facts
+                .hinges
+                .iter()
+                .map(|HingeFacts { name, given, axis, .. }| {
+                    let given = given.map(|given| format!("{name} given as {}; ", self.number(given)));
+                    let whose =
+                        if facts.hinges.len() > 1 { format!("axis of {name}") } else { "axis".into() };
+                    let axis = axis.map(|entry| self.number(entry)).join(", ");
+                    format!("{}{whose} ({axis})", given.unwrap_or_default())
+                })
+                .collect();
+            for HingeFacts { name, moments, constraint, .. } in &facts.hinges {
+                if let Some(moment) = constraint {
+                    texts.push(format!("moment of the constraint on {name}: {}", self.number(*moment)));
+                }
+                match moments {
+                    Some(Ok(HingeMoments { spring, stiffness, energy, dashpot, damping, .. })) => {
+                        let number = |value: &f64| self.number(*value);
+                        let (spring, stiffness, energy) = (number(spring), number(stiffness), number(energy));
+                        texts.push(format!(
+                            "spring on {name}: moment {spring}, stiffness {stiffness}, energy {energy}"
+                        ));
+                        if let (Some(moment), Some(damping)) = (dashpot, damping) {
+                            let (moment, damping) = (number(moment), number(damping));
+                            texts.push(format!("dashpot on {name}: moment {moment}, damping {damping}"));
+                        }
+                    }
+                    Some(Err(unknown)) => {
+                        texts.push(format!(
+                            "the moments of springs and dashpots on {name} are not known: {}",
+                            unknown.in_words()
+                        ));
+                    }
+                    None => {}
+                }
+            }
+            if let Some(misalignment) = facts.misalignment {
+                let what = if facts.hinges.len() > 1 {
+                    "the angle between the axes is off by"
+                } else {
+                    "axes of S and M differ by"
+                };
+                texts.push(format!("{what} {} rad", self.number(misalignment)));
+            }
+            for line in layout::wrap(&texts.join("; "), self.style.width.saturating_sub(INDENT)) {
+                writeln!(self.out, "  {}", styled(DIM, line))?;
+            }
+        }
+        let margins = block.rows.iter().filter_map(|row| match row.values[Output::MARGIN as usize] {
+            Some(Value::Margin(margin)) => Some((row.name, margin)),
+            _ => None,
+        });
+        for (name, margin) in margins {
+            let unit = if margin.set.unit == Unit::None { "" } else { words::unit(margin.set.unit) };
+            let text =
+                format!("margin of {name}: {} {unit} to {}", self.number(margin.distance), margin.set.at);
+            writeln!(self.out, "  {}", styled(DIM, text))?;
+        }
+        self.nodal(block)?;
+        self.jacobian(block)?;
+        self.hessian(block)?;
+        self.tangent(block)?;
+        for text in flags_in_words(&block.flags) {
+            for line in layout::wrap(&format!("! {text}"), self.style.width.saturating_sub(INDENT)) {
+                writeln!(self.out, "  {}", styled(CARE, line))?;
+            }
+        }
+        Ok(())
+    }
+}
+
 fn plural(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
@@ -390,76 +476,17 @@ impl Format for Human<'_> {
         writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of {first} … {last}{time} ──")))
     }
 
-    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
-        if block.is_empty() {
-            return Ok(());
-        }
-        self.values(block)?;
-        if let Some(facts) = &block.mpc {
-            let mut texts: Vec<String> = facts
-                .hinges
-                .iter()
-                .map(|HingeFacts { name, given, axis, .. }| {
-                    let given = given.map(|given| format!("{name} given as {}; ", self.number(given)));
-                    let whose =
-                        if facts.hinges.len() > 1 { format!("axis of {name}") } else { "axis".into() };
-                    let axis = axis.map(|entry| self.number(entry)).join(", ");
-                    format!("{}{whose} ({axis})", given.unwrap_or_default())
-                })
-                .collect();
-            for HingeFacts { name, moments, .. } in &facts.hinges {
-                match moments {
-                    Some(Ok(HingeMoments { spring, stiffness, energy, dashpot, damping })) => {
-                        let number = |value: &f64| self.number(*value);
-                        let (spring, stiffness, energy) = (number(spring), number(stiffness), number(energy));
-                        texts.push(format!(
-                            "spring on {name}: moment {spring}, stiffness {stiffness}, energy {energy}"
-                        ));
-                        if let (Some(moment), Some(damping)) = (dashpot, damping) {
-                            let (moment, damping) = (number(moment), number(damping));
-                            texts.push(format!("dashpot on {name}: moment {moment}, damping {damping}"));
-                        }
-                    }
-                    Some(Err(unknown)) => {
-                        texts.push(format!(
-                            "the moments of springs and dashpots on {name} are not known: {unknown:?}"
-                        ));
-                    }
-                    None => {}
-                }
-            }
-            if let Some(misalignment) = facts.misalignment {
-                let what = if facts.hinges.len() > 1 {
-                    "the angle between the axes is off by"
-                } else {
-                    "axes of S and M differ by"
-                };
-                texts.push(format!("{what} {} rad", self.number(misalignment)));
-            }
-            for line in layout::wrap(&texts.join("; "), self.style.width.saturating_sub(INDENT)) {
-                writeln!(self.out, "  {}", styled(DIM, line))?;
-            }
-        }
-        let margins = block.rows.iter().filter_map(|row| match row.values[Output::MARGIN as usize] {
-            Some(Value::Margin(margin)) => Some((row.name, margin)),
-            _ => None,
-        });
-        for (name, margin) in margins {
-            let unit = if margin.set.unit == Unit::None { "" } else { words::unit(margin.set.unit) };
-            let text =
-                format!("margin of {name}: {} {unit} to {}", self.number(margin.distance), margin.set.at);
-            writeln!(self.out, "  {}", styled(DIM, text))?;
-        }
-        self.nodal(block)?;
-        self.jacobian(block)?;
-        self.hessian(block)?;
-        self.tangent(block)?;
-        for text in flags_in_words(&block.flags) {
-            for line in layout::wrap(&format!("! {text}"), self.style.width.saturating_sub(INDENT)) {
-                writeln!(self.out, "  {}", styled(CARE, line))?;
-            }
-        }
-        Ok(())
+    fn renderer(&self) -> Renderer {
+        let style = self.style;
+        Box::new(move |block| {
+            let mut text = Vec::new();
+            Human::new(&mut text, style).write(block)?;
+            Ok(text)
+        })
+    }
+
+    fn rendered(&mut self, _kind: Kind, text: &[u8]) -> io::Result<()> {
+        self.out.write_all(text)
     }
 
     fn end_state(&mut self) -> io::Result<()> {
@@ -468,9 +495,10 @@ impl Format for Human<'_> {
 
     fn end_scene(&mut self, work: Tally) -> io::Result<()> {
         if self.style.verbose {
-            let Tally { values, gradients, hessians, rates } = work;
+            let Tally { values, gradients, hessians, rates, histories, margins, rotations, behaviors } = work;
             let text = format!(
-                "\n  computed: {values} values, {gradients} gradients, {hessians} Hessians, {rates} pairs of rates"
+                "\n  computed: {values} values, {gradients} gradients, {hessians} Hessians, {rates} pairs of rates, \
+                 {histories} histories, {margins} margins, {behaviors} behaviours, {rotations} rotations of nodes"
             );
             writeln!(self.out, "{}", styled(DIM, text))?;
         }

@@ -3,9 +3,11 @@
 //! Every number is the shortest decimal that reads back to the same double. One that is not finite is `null`, and a flag
 //! says so.
 
-use super::block::{Block, Column, Derivative, HingeFacts, Kind, Row, Value};
-use super::evaluation::{Format, Subject, unevaluated};
+use super::block::{Block, Column, Derivative, HingeFacts, Kind, NodalDerivative, Row, Value, slopes};
+use super::evaluation::{Format, Renderer, Subject, unevaluated};
 use super::words::{ROWS, SIGNS};
+use crate::behavior::Tangent;
+use crate::catalog::COMPONENT;
 use crate::connector::{Output, StopStatus, Tally};
 use crate::scene::Label;
 use serde::Serialize;
@@ -71,14 +73,18 @@ impl Format for Json<'_> {
         write!(self.out, ",\"connectors\":[")
     }
 
-    fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
-        if block.kind != self.kind {
-            (self.blocks, self.kind) = (0, block.kind);
+    fn renderer(&self) -> Renderer {
+        Box::new(|block| serde_json::to_vec(block).map_err(io::Error::from))
+    }
+
+    fn rendered(&mut self, kind: Kind, text: &[u8]) -> io::Result<()> {
+        if kind != self.kind {
+            (self.blocks, self.kind) = (0, kind);
             write!(self.out, "],\"mpcs\":[")?;
         }
         writeln!(self.out, "{}", if self.blocks > 0 { "," } else { "" })?;
         self.blocks += 1;
-        self.value(block)
+        self.out.write_all(text)
     }
 
     fn end_state(&mut self) -> io::Result<()> {
@@ -116,14 +122,25 @@ impl Serialize for Block<'_> {
             map.serialize_entry("hessian", &named(&self.derivatives, |row| (row.component, &row.hessian)))?;
         }
         if let Some(tangent) = &self.tangent {
-            map.serialize_entry("tangent", tangent)?;
+            map.serialize_entry("tangent", &Slopes(tangent))?;
         }
         if !self.nodal.forces.is_empty() {
             map.serialize_entry("nodal_forces", &self.nodal.forces)?;
         }
-        for (output, matrix) in self.nodal.matrices() {
-            let name = if output == Output::KG { "geometric_stiffness" } else { "nodal_force_derivative" };
-            map.serialize_entry(name, &json!({"dofs": &self.columns, "rows": matrix}))?;
+        for NodalDerivative { output, by, rows } in &self.nodal.derivatives {
+            let name = match output {
+                Output::KG => "geometric_stiffness",
+                Output::DNF => "nodal_force_derivative",
+                Output::KT => "tangent_stiffness",
+                Output::CT => "tangent_damping",
+                _ => "tangent_by_reactions",
+            };
+            match by {
+                None => map.serialize_entry(name, &json!({"dofs": &self.columns, "rows": rows}))?,
+                Some(by) => {
+                    map.serialize_entry(name, &json!({"dofs": &self.columns, "by": by, "rows": rows}))?;
+                }
+            }
         }
         if let Some(branch) = &self.branch {
             map.serialize_entry("branch", branch)?;
@@ -135,6 +152,9 @@ impl Serialize for Block<'_> {
                     Some(Ok(moments)) => hinge["moments"] = json!(moments),
                     Some(Err(unknown)) => hinge["moments"] = json!({"unknown": unknown}),
                     None => {}
+                }
+                if let Some(moment) = of.constraint {
+                    hinge["constraint_moment"] = json!(moment);
                 }
                 (of.name, hinge)
             };
@@ -159,6 +179,29 @@ fn named<'a, T, V: Serialize, F: Fn(&'a T) -> (&'static str, V)>(
 impl<'a, T, V: Serialize, F: Fn(&'a T) -> (&'static str, V)> Serialize for Named<'a, T, F> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().map(&self.1))
+    }
+}
+
+/// The slopes of component forces: for each force, those that are not 0 by what they are by.
+struct Slopes<'a>(&'a Tangent<f64>);
+
+impl Serialize for Slopes<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let entries = slopes(self.0);
+        let of: Vec<_> = entries.chunk_by(|one, other| one.0 == other.0).collect();
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("time_step", &self.0.time_step)?;
+        let reacting: Vec<&str> =
+            COMPONENT.into_iter().zip(self.0.reacting).filter_map(|(name, is)| is.then_some(name)).collect();
+        map.serialize_entry("reacting", &reacting)?;
+        let line = |of: &&[(&'static str, &'static str, f64)]| {
+            let name = of.first().map_or("", |(force, _, _)| *force);
+            let slopes: serde_json::Map<String, serde_json::Value> =
+                of.iter().map(|(_, by, slope)| ((*by).to_string(), json!(slope))).collect();
+            (name, slopes)
+        };
+        map.serialize_entry("rows", &named(&of, line))?;
+        map.end()
     }
 }
 
@@ -200,6 +243,7 @@ impl Serialize for Value {
         match self {
             Self::Number(number) => number.serialize(serializer),
             Self::Stop(status) => status.flag().serialize(serializer),
+            Self::Slip(status) => status.serialize(serializer),
             Self::Turns(turns) => turns.serialize(serializer),
             Self::Margin(margin) => margin.serialize(serializer),
         }

@@ -11,8 +11,11 @@ pub(crate) const DIM: Style = Style::new().dimmed();
 /// What needs care.
 pub(crate) const CARE: Style = AnsiColor::Yellow.on_default();
 
-/// The number of terminal cells that a text takes.
+/// The number of terminal cells that a text takes; codes of styles take none.
 pub(crate) fn width(text: &str) -> usize {
+    if text.contains('\u{1b}') {
+        return anstream::adapter::strip_str(text).map(UnicodeWidthStr::width).sum();
+    }
     text.width()
 }
 
@@ -96,6 +99,11 @@ mod tests {
     fn combining_marks_take_no_cell() {
         assert_eq!(width("J q̇"), 3);
         assert_eq!(left("q̇", 3), "q̇  ");
+    }
+
+    #[test]
+    fn styles_take_no_cell() {
+        assert_eq!(width(&styled(CARE, "wrong")), 5);
     }
 
     #[test]

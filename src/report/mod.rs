@@ -8,10 +8,13 @@ mod block;
 pub mod csv;
 mod evaluation;
 pub mod explain;
+pub mod export;
+pub mod formulas;
 pub mod human;
 pub mod json;
 mod layout;
 pub mod list;
+pub mod matrix_market;
 pub mod mpc;
 mod number;
 mod words;
@@ -20,5 +23,5 @@ pub use block::{
     Block, Column, Derivative, HingeFacts, Kind, MpcFacts, Nodal, NodalForce, Row, Value, flag_in_words,
     flags_in_words,
 };
-pub use evaluation::{Format, Subject, Unevaluated, unevaluated};
+pub use evaluation::{Format, Renderer, Subject, Unevaluated, unevaluated};
 pub use words::{NOTATION, ROWS, SIGNS};

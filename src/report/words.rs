@@ -107,3 +107,13 @@ pub(crate) const fn singular_class(class: SingularClass) -> (&'static str, &'sta
         }
     }
 }
+
+/// The status of a friction.
+pub(super) const fn slip(status: crate::behavior::friction::Status) -> &'static str {
+    use crate::behavior::friction::Status;
+    match status {
+        Status::Stick => "stick",
+        Status::Slip => "slip",
+        Status::Free => "free",
+    }
+}

@@ -48,6 +48,7 @@ impl Real for f64 {
         std::f64::consts::PI
     }
 
+    #[inline(always)]
     fn with_turns(principal: Self, n: Self) -> Self {
         // 2πn as a sum of two doubles, then the sum with its rounding error (Knuth).
         let whole = n * TAU;
@@ -74,6 +75,11 @@ impl Real for f64 {
     }
 
     #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        self.copysign(sign)
+    }
+
+    #[inline(always)]
     fn reciprocal_or_zero(self) -> Self {
         let inverse = 1.0 / self;
         if inverse.is_infinite() { 0.0 } else { inverse }
@@ -97,8 +103,8 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn choose<T>(mask: bool, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
-        if mask { yes() } else { no() }
+    fn holds(mask: bool) -> bool {
+        mask
     }
 
     #[inline(always)]

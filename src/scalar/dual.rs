@@ -1,5 +1,6 @@
 //! num-dual's dual numbers as [`Scalar`]s: one line per type, for any innermost number and any nesting.
 
+use super::lanes::{FirstOrder, Lanes, SecondOrder};
 use super::{Real, Scalar, Wide};
 use nalgebra::{Const, SMatrix};
 use num_dual::{Derivative, Dual, Dual2, Dual2SVec, Dual3, DualNumCopy, DualSVec, HyperDual, HyperHyperDual};
@@ -50,6 +51,11 @@ macro_rules! dual_scalar {
             }
 
             #[inline(always)]
+            fn with_real(self, value: Self::Real) -> Self {
+                Self::new(self.re.with_real(value), $(self.$part),*)
+            }
+
+            #[inline(always)]
             fn scale(self, factor: Self::Real) -> Self {
                 Self::new(Scalar::scale(self.re, factor), $(Part::<T>::scale_part(self.$part, factor)),*)
             }
@@ -70,6 +76,9 @@ pub trait Seeded<const N: usize>: Scalar {
     /// value + ε_index.
     fn seed(value: Self::Real, index: usize) -> Self;
 
+    /// A value with its first derivatives and, where the type carries them, its second ones, on and below the diagonal.
+    fn assemble(value: Self::Real, first: [Self::Real; N], second: [[Self::Real; N]; N]) -> Self;
+
     /// The first derivatives.
     fn gradient(self) -> [Self::Real; N];
 
@@ -81,6 +90,11 @@ impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for DualSVec<R, N> {
     #[inline(always)]
     fn seed(value: R, index: usize) -> Self {
         Self::from_re(value).derivative(index)
+    }
+
+    #[inline(always)]
+    fn assemble(value: R, first: [R; N], _: [[R; N]; N]) -> Self {
+        Self::new(value, Derivative::some(SMatrix::from(first)))
     }
 
     #[inline(always)]
@@ -97,6 +111,12 @@ impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for Dual2SVec<R, N> {
     #[inline(always)]
     fn seed(value: R, index: usize) -> Self {
         Self::from_re(value).derivative(index)
+    }
+
+    #[inline(always)]
+    fn assemble(value: R, first: [R; N], second: [[R; N]; N]) -> Self {
+        let symmetric = SMatrix::from_fn(|i, j| if i < j { second[j][i] } else { second[i][j] });
+        Self::new(value, Derivative::some(SMatrix::from_fn(|_, j| first[j])), Derivative::some(symmetric))
     }
 
     #[inline(always)]
@@ -169,3 +189,21 @@ macro_rules! differentiable {
 }
 
 differentiable!(f64, Wide);
+
+/// Dual numbers of plain arrays, in place of num-dual's: those ask of the number underneath an order and a conversion to `f64`,
+/// which four lanes do not have.
+impl<const FUSED: bool> Differentiable for Lanes<FUSED> {
+    type Gradient<const N: usize> = FirstOrder<Self, N>;
+    type Hessian<const N: usize> = SecondOrder<Self, N>;
+    type Time = SecondOrder<Self, 1>;
+
+    #[inline(always)]
+    fn moving(value: Self, velocity: Self, acceleration: Self) -> Self::Time {
+        SecondOrder { value, first: [velocity], second: [[acceleration]] }
+    }
+
+    #[inline(always)]
+    fn rates(moving: Self::Time) -> (Self, Self) {
+        (moving.first[0], moving.second[0][0])
+    }
+}

@@ -19,7 +19,7 @@ pub fn sqrt<S: Scalar>(x: S) -> S {
     let ratio = S::Real::ratio;
     let slope = x.nilpotent().scale(root.reciprocal_or_zero() * ratio(1, 2));
     if S::ORDER == 1 {
-        return S::from_real(root) + slope;
+        return slope.with_real(root);
     }
     let r = x.nilpotent().scale(x.real().reciprocal_or_zero());
     let c = [S::Real::integer(1), ratio(-1, 4), ratio(1, 8), ratio(-5, 64)];
@@ -101,14 +101,15 @@ pub fn atan2<S: Scalar>(y: S, x: S) -> S {
     }
     let [c, s] = S::Real::inverted([x.real(), y.real()]);
     let (ex, ey) = (x.nilpotent(), y.nilpotent());
-    let lateral = ey.scale(c) - ex.scale(s);
+    let lateral = ey.scale_add(c, ex.scale(-s));
     if S::ORDER == 1 {
-        return angle + lateral;
+        return lateral.with_real(angle.real());
     }
-    let t = lateral * inverse_one_plus(ex.scale(c) + ey.scale(s));
+    let radial = ey.scale_add(s, ex.scale(c));
     if S::ORDER == 2 {
-        return angle + t;
+        return (lateral - lateral.nilpotent_product(radial)).with_real(angle.real());
     }
+    let t = lateral * inverse_one_plus(radial);
     angle + t - (t * t * t).scale(S::Real::ratio(1, 3))
 }
 
@@ -244,7 +245,7 @@ pub fn power<S: Scalar>(x: S, exponent: S::Real) -> S {
 
 #[inline(always)]
 fn is_less<R: Real>(x: R, y: R) -> bool {
-    R::choose(x.less(y), || true, || false)
+    R::holds(x.less(y))
 }
 
 #[inline(always)]

@@ -26,6 +26,7 @@ mod coefficients;
 mod double;
 mod dual;
 pub mod elementary;
+pub mod lanes;
 mod wide;
 
 use std::fmt::Debug;
@@ -72,6 +73,36 @@ pub trait Scalar:
     /// The product with a real constant; cheaper than a product with [`Scalar::from_real`].
     fn scale(self, factor: Self::Real) -> Self;
 
+    /// value + e: the number with another real part.
+    #[inline(always)]
+    fn with_real(self, value: Self::Real) -> Self {
+        Self::from_real(value) + self.nilpotent()
+    }
+
+    /// The product of two numbers whose real parts are zero.
+    #[inline(always)]
+    fn nilpotent_product(self, other: Self) -> Self {
+        self * other
+    }
+
+    /// `yes` where the mask holds, else `no`.
+    #[inline(always)]
+    fn select(mask: <Self::Real as Real>::Mask, yes: Self, no: Self) -> Self {
+        if Self::Real::holds(mask) { yes } else { no }
+    }
+
+    /// x y + z; rounded once where the machine does so as fast, as vector lanes do.
+    #[inline(always)]
+    fn multiply_add(self, y: Self, z: Self) -> Self {
+        self * y + z
+    }
+
+    /// x f + z for a real constant f, rounded as [`Scalar::multiply_add`].
+    #[inline(always)]
+    fn scale_add(self, factor: Self::Real, z: Self) -> Self {
+        self.scale(factor) + z
+    }
+
     /// The constant 0.
     #[inline(always)]
     fn zero() -> Self {
@@ -82,6 +113,12 @@ pub trait Scalar:
     #[inline(always)]
     fn one() -> Self {
         Self::from_real(Self::Real::integer(1))
+    }
+
+    /// What `f` gives; a number that records formulas ([`crate::symbolic::Symbol`]) takes every branch of `f` and joins them here.
+    #[inline(always)]
+    fn joined<const N: usize>(f: impl Fn() -> [Self; N]) -> [Self; N] {
+        f()
     }
 
     /// Σ c_k eᵏ: the function whose Taylor coefficients at the real part are `c`, applied to this number.
@@ -97,6 +134,37 @@ pub trait Scalar:
             sum = Self::from_real(c[k]) + e * sum;
         }
         sum
+    }
+}
+
+/// What [`Real::choose`] chooses between: scalars, and arrays and tuples of them.
+pub trait Select<R: Real>: Sized {
+    /// `yes` where the mask holds, else `no`.
+    fn pick(mask: R::Mask, yes: Self, no: Self) -> Self;
+}
+
+impl<S: Scalar> Select<S::Real> for S {
+    #[inline(always)]
+    fn pick(mask: <S::Real as Real>::Mask, yes: Self, no: Self) -> Self {
+        S::select(mask, yes, no)
+    }
+}
+
+impl<R: Real, T: Select<R> + Copy, const N: usize> Select<R> for [T; N] {
+    #[inline(always)]
+    fn pick(mask: R::Mask, yes: Self, no: Self) -> Self {
+        let mut picked = yes;
+        for i in 0..N {
+            picked[i] = T::pick(mask, yes[i], no[i]);
+        }
+        picked
+    }
+}
+
+impl<R: Real, T: Select<R>, U: Select<R>> Select<R> for (T, U) {
+    #[inline(always)]
+    fn pick(mask: R::Mask, yes: Self, no: Self) -> Self {
+        (T::pick(mask, yes.0, no.0), U::pick(mask, yes.1, no.1))
     }
 }
 
@@ -133,6 +201,13 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// |x|.
     fn magnitude(self) -> Self;
 
+    /// |x| with the sign of another number, that of −0 included where the type has one.
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        let magnitude = self.magnitude();
+        Self::choose(sign.less(Self::integer(0)), || -magnitude, || magnitude)
+    }
+
     /// 1 / x, or 0 where x = 0 or, in a type of narrow range, 1 / x would overflow (`f64`: |x| < 2⁻¹⁰²⁴).
     ///
     /// The second case is the minimal-norm choice of a derivative at a point that has none; whoever can meet such a
@@ -148,11 +223,45 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// The answer to a comparison: `bool`, or one bit per lane.
     type Mask: Copy;
 
+    /// Whether both sides of a choice are computed, because lanes may take different ones.
+    const HAS_LANES: bool = false;
+
+    /// Whether the mask holds, of lanes in every one of them. What is to run on lanes uses [`Real::choose`].
+    fn holds(mask: Self::Mask) -> bool;
+
     /// Whether `self` < `other`.
     fn less(self, other: Self) -> Self::Mask;
 
-    /// `yes` where the mask holds, else `no`; only what is chosen is computed.
-    fn choose<T>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T;
+    /// `yes` where the mask holds, else `no`; of a single number only what is chosen is computed.
+    #[inline(always)]
+    fn choose<T: Select<Self>>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+        if Self::holds(mask) { yes() } else { no() }
+    }
+
+    /// `yes` where the mask holds, else `no`, both known.
+    #[inline(always)]
+    fn either<T: Select<Self>>(mask: Self::Mask, yes: T, no: T) -> T {
+        T::pick(mask, yes, no)
+    }
+
+    /// Whether a test holds that leads to the same number sooner; a number that records formulas takes no shortcuts.
+    #[inline(always)]
+    fn shortcut(test: impl FnOnce() -> Self::Mask) -> bool {
+        Self::holds(test())
+    }
+
+    /// As [`Real::choose`] between two formulas of the same quantity that differ in rounding only; a number that records formulas
+    /// keeps `no`.
+    #[inline(always)]
+    fn more_exact<T: Select<Self>>(mask: Self::Mask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+        Self::choose(mask, yes, no)
+    }
+
+    /// The unit quaternion, either sign, of the rotation nearest to a rotation matrix with rounding errors.
+    #[inline(always)]
+    fn quaternion_of(r: &[[Self; 3]; 3]) -> [Self; 4] {
+        crate::so3::dominant_eigenvector(r)
+    }
 
     /// (sin x, cos x), x in radians.
     fn sine_cosine(self) -> (Self, Self);

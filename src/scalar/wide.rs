@@ -184,6 +184,10 @@ impl Real for Wide {
         self.abs()
     }
 
+    fn with_sign_of(self, sign: Self) -> Self {
+        Self(self.0.copysign(sign.0))
+    }
+
     fn reciprocal_or_zero(self) -> Self {
         if self.0.eq_zero() { Self(f256::ZERO) } else { Self(f256::ONE / self.0) }
     }
@@ -202,8 +206,8 @@ impl Real for Wide {
         self < other
     }
 
-    fn choose<T>(mask: bool, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
-        if mask { yes() } else { no() }
+    fn holds(mask: bool) -> bool {
+        mask
     }
 
     fn sine_cosine(self) -> (Self, Self) {

@@ -503,6 +503,9 @@ pub struct FrictionCoefficient {
     pub maximum: Option<f64>,
     /// `SLIP TOLERANCE=`.
     pub slip_tolerance: Option<f64>,
+    /// `ELASTIC SLIP=`: the elastic slip allowed, in the unit of the slip; in place of the tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elastic_slip: Option<f64>,
     /// The keyword.
     #[serde(skip)]
     pub span: Span,

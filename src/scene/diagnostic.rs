@@ -5,13 +5,17 @@ use miette::{
     GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode,
     SourceSpan, SpanContents,
 };
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
 use std::io::BufRead;
 
 /// How bad it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Severity {
+    /// Nothing is wrong, and it is worth knowing: what an audit found of a model.
+    Note,
     /// The input was read, but something in it deserves a look.
     Warning,
     /// The input was not read.
@@ -167,6 +171,9 @@ codes! {
     NegativeRadius = "rule::negative-radius": "A node of a CONN2D2 element in an axisymmetric model has a negative coordinate 1, which is the radius.";
     RepeatedConstraint = "rule::repeated-constraint": "Two connectors between the same nodes, with the same orientations, constrain the same components. A warning.";
     CrowdedSliprings = "rule::crowded-sliprings": "More than two SLIPRINGs share a node.";
+    FrictionParameterUnused = "rule::friction-parameter-unused": "A number of predefined friction is given that no criterion holds in our reading. A warning.";
+    LockVelocity = "rule::lock-velocity": "A lock in an Explicit analysis has items after its limits, which are read as temperature and field variables. A warning.";
+    OpposedSliprings = "rule::opposed-sliprings": "Two SLIPRINGs with friction both end, or both begin, at the node that they share. A warning.";
     NoRotation = "rule::no-rotation": "A rotation is prescribed at a node of a connector that has no rotational degrees of freedom. A warning.";
 
     StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
@@ -192,6 +199,92 @@ codes! {
     ForcesMissingComponent = "forces::missing-component": "The force of a component is not given, and those of others of the element are.";
     ForcesNotATotal = "forces::not-a-total": "Of an available component only the reaction CRF or CRM is given, which is a part of its total force.";
     ForcesContradiction = "forces::contradiction": "The total force and the reaction of a constrained component are given and differ.";
+
+    DiagnosisRotationAsLocal = "diagnosis::rotation-as-local": "The rotation columns of a node are the expected ones in its own triad, Aᵀ g instead of g: the derivatives are by rotations about the axes of the node, where spatial ones, about the global axes, are expected. A warning.";
+    DiagnosisRotationTurnedTwice = "diagnosis::rotation-turned-twice": "The rotation columns of a node are the expected ones multiplied by its triad, A g instead of g: what is spatial already was taken for local and turned once more. A warning.";
+    DiagnosisBlockTransposed = "diagnosis::block-transposed": "A 3 × 3 block of the matrix, or a matrix of second derivatives, is transposed: rows were written where columns belong. A warning.";
+    DiagnosisNodesSwapped = "diagnosis::nodes-swapped": "The columns of nodes a and b are exchanged. A warning.";
+    DiagnosisComponentsSwapped = "diagnosis::components-swapped": "Two components have each other's numbers. A warning.";
+    DiagnosisColumnsSwapped = "diagnosis::columns-swapped": "Two neighbouring columns have each other's numbers. A warning.";
+    DiagnosisDegrees = "diagnosis::degrees": "Angles are in degrees where radians are expected, or the other way round. A warning.";
+    DiagnosisRotationHalved = "diagnosis::rotation-halved": "The rotation columns of a node, or all second derivatives by rotations, are half of what is expected, as from a half angle or half a skew-symmetric part. A warning.";
+    DiagnosisRotationDoubled = "diagnosis::rotation-doubled": "The rotation columns of a node are twice what is expected, as from a quaternion taken for a rotation vector. A warning.";
+    DiagnosisSign = "diagnosis::sign": "A component has the opposite sign throughout: another convention, a minus b for b minus a. A warning.";
+    DiagnosisSignOfA = "diagnosis::sign-of-a": "The columns of node a have the sign of those of node b. A warning.";
+    DiagnosisGeometricTerm = "diagnosis::geometric-term-missing": "The lever is missing: g × d in the rotation columns of node a, which turns the directions in which the separation is measured; of second derivatives, the second variation of the map from the nodes. A warning.";
+    DiagnosisLeverReversed = "diagnosis::geometric-term-reversed": "The lever g × d in the rotation columns of node a has the wrong sign: d × g. A warning.";
+    DiagnosisNotSymmetrised = "diagnosis::not-symmetrised": "The second derivatives by rotations of one node are derivatives of the row, not symmetric, without the half bracket that makes them those of the function. A warning.";
+    DiagnosisHalfTurn = "diagnosis::half-turn": "An angle is half a turn off: nπ of the wrong parity. A warning.";
+    DiagnosisTurnsForgotten = "diagnosis::turns-forgotten": "The whole turns that an angle had made before are forgotten. A warning.";
+    DiagnosisRatesOfA = "diagnosis::rates-of-a-ignored": "The velocities or accelerations of node a do not count. A warning.";
+    DiagnosisQuadraticPart = "diagnosis::quadratic-part-missing": "An acceleration lacks the part that is quadratic in the rates, J̇ q̇. A warning.";
+    DiagnosisDropped = "diagnosis::dropped": "Entries that are not zero are missing. A warning.";
+    DiagnosisSignOfEntry = "diagnosis::sign-of-entry": "Single entries have the wrong sign. A warning.";
+    DiagnosisSpurious = "diagnosis::spurious": "An entry that must be zero is not. A warning.";
+    DiagnosisScaled = "diagnosis::scaled": "A single entry is wrong by a factor, and all others are right. A warning.";
+    DiagnosisUnknown = "diagnosis::unknown": "No known mistake explains what is wrong, or not with the certainty that is asked for: chance would do it more than once in a thousand times. A warning.";
+
+    ModelOrientationDefault = "model::orientation-default": "A connector whose type measures along directions of its nodes is given none: those of a are the global ones, those of b are those of a. A note.";
+    ModelOrientationNotOrthogonal = "model::orientation-not-orthogonal": "The two directions by which an orientation is given are not at right angles. The first is kept, the plane of both is kept, and the second is turned within it. A note where they are far from right angles, for any point of the plane may be given; a warning where they are within 10 degrees of them, which looks like an error.";
+    ModelOrientationIllConditioned = "model::orientation-ill-conditioned": "The points of an orientation lie so close together, or so nearly in a line, that the rounding of their coordinates turns the directions by more than 1e-8 rad. A warning.";
+    ModelMisalignedAxes = "model::misaligned-axes": "The directions of a and b differ initially, and the connection type holds rotations between them: the angles are frozen at what they are initially. A warning.";
+    ModelNearlyCoincident = "model::nearly-coincident-nodes": "A length or direction is needed, and the nodes are so close to each other that its direction has lost half of its digits. A warning.";
+    ModelSingular = "model::singular": "A state lies on a singular set of a component: derivatives, and at a true singularity the value, do not exist. A warning.";
+    ModelIllConditioned = "model::ill-conditioned": "A state is so close to a singular set of a component that derivatives lose half of their digits or more. A warning.";
+    ModelNearSingular = "model::near-singular": "The states come near a singular set of a component: closer than 0.05 rad, or 5 hundredths of the largest length of the connector. A note.";
+    ModelLargeIncrement = "model::large-increment": "An angle moves by so much from one state to the next that its turns cannot be counted with certainty. A warning.";
+    ModelPathDependent = "model::path-dependent": "The value of a component depends on the path between two states, which they do not tell. A warning.";
+    ModelStateNotFinite = "model::not-finite": "A number at a given state is infinite or not a number. A warning.";
+    ModelConstraintViolated = "model::constraint-violated": "A given state does not satisfy a constraint of the model. A warning.";
+    ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially. A warning.";
+    ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially. A warning.";
+    ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes. A warning.";
+    ModelDuplicateConnector = "model::duplicate-connector": "Two connectors of one type and behaviour join the same nodes with the same orientations, so that what each does counts twice. A warning.";
+
+    AssemblyRedundant = "assembly::redundant": "A constraint follows from the others, and does so wherever the assembly can move: how they share the force is not determined. A warning.";
+    AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state and not at others: the assembly is at a singular position, where it can move in more ways than elsewhere. A warning.";
+    AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state; whether it does elsewhere could not be judged. A warning.";
+    AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts on what the constraints or other prescribed motions determine already. A warning.";
+    AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents and no prescribed motion drives. A note.";
+    AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant. A warning.";
+
+    CoverageIdentity = "coverage::identity": "The states saw only the neighbourhood of the initial one: an error in terms that vanish there would not show. A warning.";
+    CoverageOneNode = "coverage::one-node": "In no state were both nodes of a connector rotated: terms in which the rotations of both meet were never exercised. A note.";
+    CoverageUndeformed = "coverage::undeformed": "No component that is free to move was moved in any state: the nodes moved together, as one rigid body. A note.";
+    CoverageSmallAngles = "coverage::small-angles": "No relative rotation in the states exceeds 0.1 rad: formulas that agree for small angles cannot be told apart. A note.";
+}
+
+impl Code {
+    /// How bad what the code means is, unless the place says otherwise.
+    #[must_use]
+    pub fn severity(self) -> Severity {
+        let said = self.explanation();
+        if said.ends_with("A note.") {
+            Severity::Note
+        } else if said.ends_with("A warning.") || self.is_finding() {
+            Severity::Warning
+        } else {
+            Severity::Error
+        }
+    }
+
+    /// Whether it is what an audit finds in a model that can be read and evaluated.
+    #[must_use]
+    pub fn is_finding(self) -> bool {
+        ["model", "assembly", "coverage", "diagnosis"].contains(&self.group())
+    }
+
+    /// What stands before `::`.
+    #[must_use]
+    pub fn group(self) -> &'static str {
+        self.as_str().split_once("::").map_or("", |(group, _)| group)
+    }
+}
+
+impl Serialize for Code {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.as_str())
+    }
 }
 
 impl Display for Code {
@@ -234,6 +327,25 @@ impl Diagnostic {
     #[must_use]
     pub fn warning(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
         Self::new(Severity::Warning, code, span, message.into(), label.into())
+    }
+
+    /// What an audit found at `span`, as bad as its code says.
+    #[must_use]
+    pub fn finding(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
+        Self::new(code.severity(), code, span, message.into(), label.into())
+    }
+
+    /// The same, as bad as that.
+    #[must_use]
+    pub fn of_severity(mut self, severity: Severity) -> Self {
+        self.0.severity = severity;
+        self
+    }
+
+    /// The same, with more words at the end of the message.
+    pub(crate) fn with_more(mut self, words: &str) -> Self {
+        self.0.message.push_str(words);
+        self
     }
 
     fn new(severity: Severity, code: Code, span: Span, message: String, label: String) -> Self {
@@ -456,6 +568,7 @@ impl miette::Diagnostic for Diagnostic {
 
     fn severity(&self) -> Option<miette::Severity> {
         Some(match self.0.severity {
+            Severity::Note => miette::Severity::Advice,
             Severity::Warning => miette::Severity::Warning,
             Severity::Error => miette::Severity::Error,
         })

@@ -13,14 +13,18 @@
 //! `{"schema": "pintle-forces/1", "states": [{"state": 0, "forces": {"101": {"f1": 2.5, "m2": -0.1}}}]}`, with `state` or `time`. A
 //! file of states has the same under `forces` beside `nodes`.
 //!
+//! # Multi-point constraints
+//! `element` may be the nodes of an MPC, `10-20-30`: f1 f2 f3 and m1 m2 m3 are then the force and the moment that it puts on its first,
+//! dependent node, global components; those that it does not transmit may be 0.
+//!
 //! # Signs
 //! [`ForceSign`]: internal, positive resists growth of the component, unless the forces of constraints are said to be those on b.
 
 use super::diagnostic::{Code, Diagnostic, Result};
 use super::label::Label;
-use super::model::Scene;
+use super::model::{Mpc, Scene};
 use super::span::{Span, Spanned};
-use super::states::{self, Context, CsvRow, Fault, State};
+use super::states::{self, Context, CsvRow, Fault, State, StateMark};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -59,10 +63,77 @@ pub struct ElementForces {
 
 /// The forces of one state.
 #[derive(Debug, Clone, Default, PartialEq)]
+pub struct StateForces {
+    /// Those of connectors, by element number.
+    pub elements: BTreeMap<Label, ElementForces>,
+    /// Those of multi-point constraints, by their nodes (`10-20-30`).
+    pub mpcs: BTreeMap<String, ElementForces>,
+}
+
+/// What forces are of.
+enum Owner {
+    Element(Label),
+    /// The nodes of an MPC.
+    Mpc(String),
+}
+
+impl Owner {
+    /// A connector element by its number, or an MPC by its nodes, `10-20-30`, where it has none.
+    fn named(text: &str, scene: &Scene) -> Result<Self, Fault> {
+        let label = states::label(text.trim(), "element");
+        if let Ok(label) = &label
+            && scene.connectors.contains_key(label)
+        {
+            return Ok(Self::Element(*label));
+        }
+        let nodes = |mpc: &Mpc| mpc.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join("-");
+        let evaluated = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some());
+        let found = evaluated.filter(|mpc| nodes(mpc).eq_ignore_ascii_case(text.trim())).collect::<Vec<_>>();
+        match found.as_slice() {
+            [one] => return Ok(Self::Mpc(nodes(one))),
+            [] => {}
+            several => {
+                let message = format!("{} MPCs have the nodes {}", several.len(), text.trim());
+                let remedy = "forces cannot tell them apart: keep one, or leave their forces out";
+                return Err(Fault::new(Code::ForcesUnknownElement, message, remedy));
+            }
+        }
+        let remedy = format!(
+            "use the numbers of the connector elements of {}, and the nodes of its MPCs, such as 10-20-30",
+            scene.name
+        );
+        let message = format!("there is no connector element {}", label?);
+        Err(Fault::new(Code::ForcesUnknownElement, message, remedy))
+    }
+}
+
+impl StateForces {
+    fn check(&self, owner: &Owner) -> Result<(), Fault> {
+        let (is_known, name) = match owner {
+            Owner::Element(label) => (self.elements.contains_key(label), format!("element {label}")),
+            Owner::Mpc(nodes) => (self.mpcs.contains_key(nodes), format!("MPC {nodes}")),
+        };
+        if !is_known {
+            return Ok(());
+        }
+        let remedy = "keep one of the two, or give the second one another state number or time";
+        Err(Fault::new(Code::ForcesRepeatedElement, format!("{name} occurs twice in one state"), remedy))
+    }
+
+    fn insert(&mut self, owner: Owner, forces: ElementForces) {
+        match owner {
+            Owner::Element(label) => drop(self.elements.insert(label, forces)),
+            Owner::Mpc(nodes) => drop(self.mpcs.insert(nodes, forces)),
+        }
+    }
+}
+
+/// The forces of one state in a file.
+#[derive(Debug, Clone, Default, PartialEq)]
 struct Group {
     state: Option<u64>,
     time: Option<f64>,
-    forces: BTreeMap<Label, ElementForces>,
+    forces: StateForces,
     span: Span,
 }
 
@@ -157,33 +228,19 @@ impl ElementForces {
 pub(super) type GivenForces = Vec<(Spanned<String>, Vec<(Spanned<String>, Spanned<f64>)>)>;
 
 /// The forces of one state that a scene itself gives: by element number, each by name.
-pub(super) fn of_scene(given: GivenForces, scene: &Scene) -> Result<BTreeMap<Label, ElementForces>> {
-    let mut found = BTreeMap::new();
+pub(super) fn of_scene(given: GivenForces, scene: &Scene) -> Result<StateForces> {
+    let mut found = StateForces::default();
     for (element, named) in given {
-        let label = states::label(&element.value, "element");
-        let label = label.and_then(|label| check_element(label, scene, &found).map(|()| label));
-        let label = label.map_err(|fault| fault.at(element.span, "this element"))?;
+        let owner = Owner::named(&element.value, scene);
+        let owner = owner.and_then(|owner| found.check(&owner).map(|()| owner));
+        let owner = owner.map_err(|fault| fault.at(element.span, "this element"))?;
         let mut forces = ElementForces { span: element.span, ..ElementForces::default() };
         for (name, value) in named {
             forces.set(&name.value, value.value).map_err(|fault| fault.at(name.span, "this force"))?;
         }
-        found.insert(label, forces);
+        found.insert(owner, forces);
     }
     Ok(found)
-}
-
-fn check_element(element: Label, scene: &Scene, known: &BTreeMap<Label, ElementForces>) -> Result<(), Fault> {
-    if !scene.connectors.contains_key(&element) {
-        let remedy = format!("use the numbers of the connector elements of {}", scene.name);
-        let message = format!("there is no connector element {element}");
-        return Err(Fault::new(Code::ForcesUnknownElement, message, remedy));
-    }
-    if known.contains_key(&element) {
-        let message = format!("element {element} occurs twice in one state");
-        let remedy = "keep one of the two, or give the second one another state number or time";
-        return Err(Fault::new(Code::ForcesRepeatedElement, message, remedy));
-    }
-    Ok(())
 }
 
 impl ForceFile {
@@ -231,19 +288,39 @@ impl ForceFile {
     /// # Errors
     /// Forces of a state that there is not, of a time that no state or several have, or of a state that has forces already.
     pub fn attach(&self, states: &mut [State], first: u64) -> Result<()> {
+        let marks: Vec<StateMark> = states.iter().map(StateMark::of).collect();
+        for (index, forces) in self.assign(&marks, first)? {
+            if let Some(state) = states.get_mut(index) {
+                state.forces.clone_from(&forces.elements);
+                state.mpc_forces.clone_from(&forces.mpcs);
+            }
+        }
+        Ok(())
+    }
+
+    /// The forces by the places of the states they belong to, of states that are known by their marks only.
+    ///
+    /// # Errors
+    /// Those of [`ForceFile::attach`].
+    pub fn assign(&self, states: &[StateMark], first: u64) -> Result<BTreeMap<usize, &StateForces>> {
         let known = Known::of(states, first);
+        let mut assigned = BTreeMap::new();
         for group in &self.groups {
             let index = self.index(group, states, &known)?;
-            let Some(state) = states.get_mut(index) else { continue };
-            if !state.forces.is_empty() {
+            let Some(state) = states.get(index) else { continue };
+            let is_given = assigned.contains_key(&index);
+            if state.has_forces || is_given {
                 let number = state.number.unwrap_or(first + index as u64);
                 let message = format!("state {number} is given forces twice");
                 let remedy = "keep one of them: in the file of states or in that of forces, once";
                 return Err(self.fail(Code::ForcesRepeatedElement, group, message, remedy));
             }
-            state.forces.clone_from(&group.forces);
+            // An empty group gives nothing.
+            if !(group.forces.elements.is_empty() && group.forces.mpcs.is_empty()) {
+                assigned.insert(index, &group.forces);
+            }
         }
-        Ok(())
+        Ok(assigned)
     }
 
     /// The name of the file.
@@ -255,7 +332,7 @@ impl ForceFile {
         Diagnostic::error(code, group.span, message, "here").help(remedy).in_file(&self.name)
     }
 
-    fn index(&self, group: &Group, states: &[State], known: &Known) -> Result<usize> {
+    fn index(&self, group: &Group, states: &[StateMark], known: &Known) -> Result<usize> {
         let fail =
             |message: String, remedy: &str| Err(self.fail(Code::ForcesUnknownState, group, message, remedy));
         let remedy = "give the numbers of the states, as `pintle eval` prints them, in `state`";
@@ -297,7 +374,7 @@ struct Known {
 }
 
 impl Known {
-    fn of(states: &[State], first: u64) -> Self {
+    fn of(states: &[StateMark], first: u64) -> Self {
         let numbered = (first..).zip(states).enumerate();
         let numbers = numbered.map(|(index, (counted, state))| (state.number.unwrap_or(counted), index));
         let timed = states.iter().enumerate();
@@ -330,39 +407,46 @@ fn csv_groups(text: &str, scene: &Scene, sign: ForceSign) -> Result<Vec<Group>> 
     let mut seen: HashSet<(Option<u64>, Option<u64>)> = HashSet::new();
     let known = || KEYS.into_iter().chain(NAMES.iter().map(|(name, _)| *name));
     let find = |field: &str| known().find(|known| known.eq_ignore_ascii_case(field));
-    states::csv_rows(text, &known().collect::<Vec<_>>(), find, "element", |row: &CsvRow<'_>| {
-        let (state, time) = (row.integer("state")?, row.number("time")?);
-        let is_same = groups.last().is_some_and(|last| last.state == state && last.time == time);
-        if !is_same {
-            let key = (state, time.filter(|_| state.is_none()).map(f64::to_bits));
-            if !seen.insert(key) {
-                let message = "rows of one state are apart, or have different times";
-                return Err(Diagnostic::error(Code::StatesOrder, row.span(), message, "this row")
-                    .help("put the rows of a state together, all with its number and time"));
+    states::csv_rows(
+        states::Source::Text(text),
+        &known().collect::<Vec<_>>(),
+        find,
+        "element",
+        |row: &CsvRow<'_>| {
+            let (state, time) = (row.integer("state")?, row.number("time")?);
+            let is_same = groups.last().is_some_and(|last| last.state == state && last.time == time);
+            if !is_same {
+                let key = (state, time.filter(|_| state.is_none()).map(f64::to_bits));
+                if !seen.insert(key) {
+                    let message = "rows of one state are apart, or have different times";
+                    return Err(Diagnostic::error(Code::StatesOrder, row.span(), message, "this row")
+                        .help("put the rows of a state together, all with its number and time"));
+                }
+                groups.push(Group { state, time, forces: StateForces::default(), span: row.span() });
             }
-            groups.push(Group { state, time, forces: BTreeMap::new(), span: row.span() });
-        }
-        let Some(element) = row.label("element")? else {
-            return Err(Diagnostic::error(
-                Code::StatesMalformedNumber,
-                row.span(),
-                "a row without an element",
-                "this row",
-            )
-            .help("give the element number in the column `element`"));
-        };
-        let Some(group) = groups.last_mut() else { return Ok(()) };
-        check_element(element, scene, &group.forces)
-            .map_err(|fault| fault.at(row.place("element"), "this element"))?;
-        let mut forces = ElementForces { sign, span: row.span(), ..ElementForces::default() };
-        for (name, _) in &NAMES {
-            if let Some(value) = row.number(name)? {
-                forces.set(name, value).map_err(|fault| fault.at(row.place(name), "this column"))?;
+            let Some(element) = row.field("element") else {
+                return Err(Diagnostic::error(
+                    Code::StatesMalformedNumber,
+                    row.span(),
+                    "a row without an element",
+                    "this row",
+                )
+                .help("give the element number in the column `element`"));
+            };
+            let Some(group) = groups.last_mut() else { return Ok(()) };
+            let owner = Owner::named(element, scene);
+            let owner = owner.and_then(|owner| group.forces.check(&owner).map(|()| owner));
+            let owner = owner.map_err(|fault| fault.at(row.place("element"), "this element"))?;
+            let mut forces = ElementForces { sign, span: row.span(), ..ElementForces::default() };
+            for (name, _) in &NAMES {
+                if let Some(value) = row.number(name)? {
+                    forces.set(name, value).map_err(|fault| fault.at(row.place(name), "this column"))?;
+                }
             }
-        }
-        group.forces.insert(element, forces);
-        Ok(())
-    })?;
+            group.forces.insert(owner, forces);
+            Ok(())
+        },
+    )?;
     Ok(groups)
 }
 
@@ -401,7 +485,7 @@ macro_rules! seed {
 seed!(JsonFile, Vec<Group>, deserialize_map);
 seed!(JsonGroups, Vec<Group>, deserialize_seq);
 seed!(JsonGroup, Group, deserialize_map);
-seed!(JsonForces, BTreeMap<Label, ElementForces>, deserialize_map);
+seed!(JsonForces, StateForces, deserialize_map);
 seed!(JsonElement, ElementForces, deserialize_map);
 
 impl<'de> Visitor<'de> for JsonFile<'_> {
@@ -482,17 +566,18 @@ impl<'de> Visitor<'de> for JsonGroup<'_> {
 }
 
 impl<'de> Visitor<'de> for JsonForces<'_> {
-    type Value = BTreeMap<Label, ElementForces>;
+    type Value = StateForces;
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str("an object with forces for each element number")
     }
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
         let Self { context, sign } = self;
-        let mut found = BTreeMap::new();
+        let mut found = StateForces::default();
         while let Some(key) = map.next_key::<String>()? {
-            let element = states::label(&key, "element").map_err(|fault| context.stop(fault))?;
-            check_element(element, context.scene, &found).map_err(|fault| context.stop(fault))?;
-            found.insert(element, map.next_value_seed(JsonElement { context, sign })?);
+            let owner = Owner::named(&key, context.scene);
+            let owner = owner.and_then(|owner| found.check(&owner).map(|()| owner));
+            let owner = owner.map_err(|fault| context.stop(fault))?;
+            found.insert(owner, map.next_value_seed(JsonElement { context, sign })?);
         }
         Ok(found)
     }

@@ -74,10 +74,11 @@ pub use behavior::{
 };
 pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
+pub(crate) use diagnostic::nearest;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub(crate) use document::in_words_of;
 pub use document::{Converted, Format, MAX_DOCUMENT, schema};
-pub use forces::{ElementForces, ForceFile, ForceSign};
+pub use forces::{ElementForces, ForceFile, ForceSign, StateForces};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
 pub use include::{Disk, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES, NoFiles};
@@ -92,4 +93,4 @@ pub use model::{
 };
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};
-pub use states::{MAX_ROTATION, NodeMotion, Rotation, State, StateFile};
+pub use states::{MAX_ROTATION, NodeMotion, Rotation, State, StateFile, StateMark, StateStream};

@@ -171,7 +171,13 @@ impl Orientation {
         Ok(turned(triad, usize::from(self.axis.clamp(1, 3)) - 1, self.angle))
     }
 
-    fn points(&self, name: &str, scene: &Scene, element_nodes: &[[f64; 3]]) -> Result<[[f64; 3]; 3]> {
+    /// The points a, b and c by which it is given.
+    pub(crate) fn points(
+        &self,
+        name: &str,
+        scene: &Scene,
+        element_nodes: &[[f64; 3]],
+    ) -> Result<[[f64; 3]; 3]> {
         match &self.definition {
             Definition::None => Ok([[0.0; 3]; 3]),
             Definition::Coordinates { a, b, c } => Ok([*a, *b, *c]),

@@ -16,7 +16,7 @@ fn loaded(case: &Case) -> (ForceRows<f64>, [Option<f64>; 6], NodalRow<f64>) {
     let connector = case.connector();
     let end = case.end();
     let branch = connector.advance(&end.state, &end.increment, &case.branch_before(&connector));
-    let want = Want { stiffness: true, multipliers: true };
+    let want = Want { stiffness: true, multipliers: true, motions: [false; 6] };
     let rows = connector.force_rows(&end.state, &branch, [true; 6], want, &mut Tally::default());
     let forces = [0, 1, 2, 3, 4, 5].map(|k| connector.has_force(k).then_some(FORCES[k]));
     let nodal = rows.nodal(&forces);

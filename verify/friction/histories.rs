@@ -1,8 +1,8 @@
 //! Friction along a history of states: what `eval` makes of motions and given constraint forces.
 
 use crate::tolerance::FRICTION_HISTORY;
-use pintle::behavior::Unknown;
 use pintle::behavior::friction::Status;
+use pintle::behavior::{Slip, Unknown};
 use pintle::connector::Flag;
 use pintle::evaluate::{Branches, ConnectorResult, Model, Plan, Selection, Sequence, request};
 use pintle::scene::{ElementForces, GALLERY, Label, NodeMotion, Scene, State};
@@ -85,7 +85,7 @@ fn the_slider_sticks_and_slips() {
         (force, before) = (trial - excess.copysign(trial), u);
         slipped += excess / stiffness;
 
-        let (mask, slip) = &outcome.slips[0];
+        let Slip { components: mask, outcome: slip, .. } = &outcome.slips[0];
         let slip = slip.as_ref().unwrap();
         assert_eq!(*mask, [true, false, false, false, false, false]);
         let scale = trial.abs() + limit;
@@ -103,7 +103,7 @@ fn the_slider_sticks_and_slips() {
             assert_eq!(slip.slip_increment.to_bits(), 0.0_f64.to_bits(), "{i}");
             assert_eq!(slip.slip[0], 0.0, "{i}");
             let last = i.checked_sub(1).map_or(0.0, |j| {
-                let (_, slip) = &results[j].behavior.as_ref().unwrap().slips[0];
+                let slip = &results[j].behavior.as_ref().unwrap().slips[0].outcome;
                 slip.as_ref().unwrap().accumulated_slip
             });
             assert_eq!(slip.accumulated_slip.to_bits(), last.to_bits(), "{i}");
@@ -135,7 +135,7 @@ fn a_restored_history_slides_on() {
     for cut in 1..states.len() {
         let mut begun = Sequence::new(&model, &plan);
         let mut got = text(&mut begun, &states[..cut]);
-        let saved = serde_json::to_string(begun.branches()).unwrap();
+        let saved = serde_json::to_string(&begun.branches()).unwrap();
         let branches: Branches = serde_json::from_str(&saved).unwrap();
         assert_eq!(branches.check(&model, &plan), Ok(()));
         got.extend(text(&mut Sequence::resume(&model, &plan, branches), &states[cut..]));
@@ -168,7 +168,7 @@ fn what_presses_is_not_guessed() {
         }
         let outcome = result.behavior.as_ref().unwrap();
         assert_eq!((outcome.friction.value[0], outcome.friction.unknown[0]), (None, Some(why)));
-        assert_eq!(outcome.slips[0].1.as_ref().err(), Some(&why));
+        assert_eq!(outcome.slips[0].outcome.as_ref().err(), Some(&why));
         assert!(outcome.reaction.value[0].is_none());
     }
     assert!(not_known(&results[1], "CTF").contains(&("u1", Unknown::Part.in_words())));
@@ -237,11 +237,37 @@ fn a_coupled_friction_has_one_slip() {
     states[0].forces.insert(Label::of(None, 7), ElementForces { total, ..ElementForces::default() });
     let results = walk(&model, Label::of(None, 7), &["ALL"], &states);
     let outcome = results[0].behavior.as_ref().unwrap();
-    let (mask, slip) = &outcome.slips[0];
+    let Slip { components: mask, outcome: slip, .. } = &outcome.slips[0];
     let slip = slip.as_ref().unwrap();
     assert_eq!(*mask, [false, true, true, false, false, false]);
     assert_eq!(slip.normal, 10.0);
     assert!(is_near(slip.tangential, 5.0, 5.0));
     assert!(is_near(slip.force[1], 3.0, 5.0) && is_near(slip.force[2], 4.0, 5.0));
     assert!(is_near(slip.slip_increment, 0.5 - 5e-4, 1.0));
+}
+
+/// Where friction is not asked for it is not followed, and the total force given is not compared with a sum that lacks it.
+#[test]
+fn friction_that_is_not_followed_is_not_missed() {
+    let model = slider_crank();
+    let given = |state: &mut State| {
+        let total = [Some(5.0), Some(3.0), Some(4.0), Some(0.5), Some(0.3), Some(0.4)];
+        state.forces.insert(SLIDE, ElementForces { total, ..ElementForces::default() });
+    };
+    let mut states = path();
+    states.iter_mut().for_each(given);
+    for result in walk(&model, SLIDE, &["CEF", "CCF"], &states) {
+        assert!(
+            !result.flags.iter().any(|flag| matches!(flag, Flag::OutOfBalance { .. })),
+            "{:?}",
+            result.flags
+        );
+        assert!(result.behavior.as_ref().unwrap().slips.is_empty());
+    }
+    let followed = walk(&model, SLIDE, &["CSF"], &states);
+    assert!(
+        followed
+            .iter()
+            .any(|result| result.flags.iter().any(|flag| matches!(flag, Flag::OutOfBalance { .. })))
+    );
 }

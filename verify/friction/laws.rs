@@ -5,7 +5,7 @@ use crate::states::Draw;
 use crate::tolerance::friction as gate;
 use pintle::behavior::Conditions;
 use pintle::behavior::friction::{
-    Belt, BeltInput, BeltState, Branch, Coefficient, Context, Criterion, Flag, Input, State, Status,
+    Belt, BeltInput, Branch, Coefficient, Context, Criterion, FLOW, Flag, Input, State, Status,
     StickStiffness,
 };
 use pintle::catalog::ConnectionType;
@@ -364,7 +364,7 @@ fn a_seat_belt_slips_over_its_ring() {
         maximum: None,
         stick_stiffness: StickStiffness::Given(1e6),
     };
-    let (mut psi, mut state) = ([0.0_f64; 2], BeltState::default());
+    let (mut psi, mut state) = ([0.0_f64; 2], State::default());
     let mut last = None;
     for step in 1..=20 {
         let far = 1.0 + 0.1 * f64::from(step) / 20.0;
@@ -382,7 +382,7 @@ fn a_seat_belt_slips_over_its_ring() {
                 conditions: &conditions,
             };
             let (outcome, tangent) = belt.tangent(&state, &input, Branch::Decided);
-            let residual = [12_500.0 * psi[0] - tension[0], tension[0] - tension[1] + outcome.force];
+            let residual = [12_500.0 * psi[0] - tension[0], tension[0] - tension[1] + outcome.force[FLOW]];
             errors.push(residual[0].abs() + residual[1].abs());
             last = Some((outcome, tension));
             if errors.last().is_some_and(|error| *error < 1e-8) {
@@ -420,7 +420,7 @@ fn belts_make_no_energy() {
         maximum: Some(2.0),
         stick_stiffness: StickStiffness::ElasticSlip(1e-3),
     };
-    let mut state = BeltState::default();
+    let mut state = State::default();
     let (mut work, mut lost, mut size) = (0.0, 0.0, 0.0);
     for step in 0..400 {
         let slack = step % 50 == 49;
@@ -432,13 +432,14 @@ fn belts_make_no_energy() {
             conditions: &conditions,
         };
         let outcome = belt.update(&state, &input, Branch::Decided);
-        work += outcome.force * input.flow;
+        work += outcome.force[FLOW] * input.flow;
         lost += outcome.dissipation;
-        size += (outcome.force * input.flow).abs() + outcome.stored;
+        size += (outcome.force[FLOW] * input.flow).abs() + outcome.stored;
         assert!(outcome.criterion <= 4.0 * U * outcome.limit.max(outcome.trial.abs()));
         assert!(work >= lost + outcome.stored - gate("energy") * U * size);
         if slack {
-            assert_eq!((outcome.status, outcome.force), (Status::Free, 0.0));
+            assert_eq!((outcome.status, outcome.force[FLOW]), (Status::Free, 0.0));
+            assert_eq!(outcome.slip[FLOW].abs(), outcome.slip_increment);
             assert!(outcome.flags.contains(&Flag::Slack));
         }
         state = outcome.state();
@@ -464,4 +465,27 @@ fn doubles_follow_the_wide_history() {
         assert!(miss.abs() < 1e-15, "{miss}");
         (narrow, wide) = (a.state(), b.state());
     }
+}
+
+/// A tension that is no number is not taken for a slack belt: what rests on it is named.
+#[test]
+fn a_belt_without_a_number_is_named() {
+    let conditions = Conditions::default();
+    let belt = Belt {
+        coefficient: Coefficient::Constant(0.2),
+        maximum: None,
+        stick_stiffness: StickStiffness::Given(1e6),
+    };
+    let input = |tension: [f64; 2]| BeltInput {
+        flow: 0.1,
+        tension,
+        angle: 1.0,
+        duration: None,
+        conditions: &conditions,
+    };
+    let outcome = belt.update(&State::default(), &input([f64::NAN, 1.0]), Branch::Decided);
+    assert!(outcome.flags.contains(&Flag::NotFinite { quantity: "limit" }), "{outcome:?}");
+    assert!(!outcome.flags.contains(&Flag::Slack));
+    let outcome = belt.update(&State::default(), &input([0.0, 1.0]), Branch::Decided);
+    assert!(outcome.flags.contains(&Flag::Slack), "{outcome:?}");
 }

@@ -5,8 +5,8 @@ use crate::states::Draw;
 use crate::tolerance::friction as gate;
 use pintle::behavior::Conditions;
 use pintle::behavior::friction::{
-    Belt, BeltInput, BeltState, Branch, Coefficient, Context, Criterion, Flag, Friction, Input, State,
-    Status, StickStiffness, wrap_angle,
+    Belt, BeltInput, Branch, Coefficient, Context, Criterion, FLOW, Flag, Friction, Input, State, Status,
+    StickStiffness, wrap_angle,
 };
 use pintle::scalar::Wide;
 use std::collections::BTreeMap;
@@ -153,7 +153,7 @@ fn tangents_of_belts_are_those_of_differences() {
     for (law, coefficient) in coefficients() {
         for stick_stiffness in [StickStiffness::Given(50.0), StickStiffness::ElasticSlip(0.01)] {
             let belt = Belt { coefficient: coefficient.clone(), maximum: None, stick_stiffness };
-            let mut state = BeltState::default();
+            let mut state = State::default();
             for step in 0..40 {
                 let numbers = [
                     draw.between(-0.03, 0.03),
@@ -178,15 +178,11 @@ fn tangents_of_belts_are_those_of_differences() {
                 };
                 let (outcome, tangent) = belt.tangent(&state, &given, Branch::Decided);
                 *met.entry(format!("{:?}", outcome.status)).or_default() += 1;
-                let wide = BeltState {
-                    force: Wide::from_f64(state.force),
-                    accumulated_slip: Wide::from_f64(state.accumulated_slip),
-                    stick_stiffness: state.stick_stiffness.map(Wide::from_f64),
-                };
+                let wide = widened(&state);
                 let at = |j: usize, h: f64| {
                     let mut x = numbers.map(Wide::from_f64);
                     x[j] += h;
-                    belt.update(&wide, &input(x), Branch::Decided).force
+                    belt.update(&wide, &input(x), Branch::Decided).force[FLOW]
                 };
                 let partials =
                     [tangent.flow, tangent.tension[0], tangent.tension[1], tangent.angle, tangent.duration];

@@ -200,3 +200,21 @@ fn faults_are_told() {
         assert_eq!(error.code(), code, "{name}: {behavior}\n{}", error.render(110, false));
     }
 }
+
+/// ELASTIC SLIP is a length, SLIP TOLERANCE a part of one: K_s = L/s_el.
+#[test]
+fn elastic_slip_is_read() {
+    for (options, slip) in [
+        ("", 2e-4),
+        (", SLIP TOLERANCE=0.01", 0.02),
+        (", ELASTIC SLIP=0.002", 0.002),
+        (", SLIP TOLERANCE=0.01, ELASTIC SLIP=0.002", 0.002),
+    ] {
+        let text = format!("*CONNECTOR FRICTION, PREDEFINED\n0.\n*FRICTION{options}\n0.5\n");
+        let frictions = built("SLOT", &text, false).unwrap().frictions;
+        assert_eq!(frictions[0].stick_stiffness, StickStiffness::ElasticSlip(slip), "{options}");
+    }
+    let error =
+        built("SLOT", "*CONNECTOR FRICTION, PREDEFINED\n0.\n*FRICTION, ELASTIC SLIP=-1.\n0.5\n", false);
+    assert!(error.unwrap_err().message().contains("ELASTIC SLIP=-1 is not positive"));
+}

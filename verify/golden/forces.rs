@@ -42,7 +42,7 @@ fn forces_agree_with_jax() {
         let branch = state.walk(&connector).branch;
         let [velocity, acceleration] = state.rates();
         let now = State { pair: state.at(1.0), velocity, acceleration };
-        let want = Want { stiffness: true, multipliers: false };
+        let want = Want { stiffness: true, multipliers: false, motions: [false; 6] };
         let rows = connector.force_rows(&now, &branch, [true; 6], want, &mut Tally::default());
         for k in 0..6 {
             assert_eq!(connector.has_force(k), case.forces[k].is_some(), "{} {k}", case.r#type);

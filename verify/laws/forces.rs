@@ -18,7 +18,7 @@ use pintle::so3;
 use pintle::vector::{Matrix, Vector, add, apply, column, cross, dot, identity, sub};
 
 const ALL: [bool; 6] = [true; 6];
-const EVERYTHING: Want = Want { stiffness: true, multipliers: true };
+const EVERYTHING: Want = Want { stiffness: true, multipliers: true, motions: [false; 6] };
 
 /// A connector at a state on some number, with component forces on all its components that have one.
 struct Loaded<R: Differentiable> {

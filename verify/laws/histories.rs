@@ -431,3 +431,41 @@ fn refit(case: &Case) -> Motion {
         steps,
     }
 }
+
+/// Increments of more than half π, some of which end near whole turns, where the direction of the rotation vector says nothing: no turn is
+/// lost, and none is doubted.
+#[test]
+fn large_increments_of_a_rotation_keep_their_turns() {
+    use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
+    use pintle::node::{DOFS, Node, Pair};
+    use std::f64::consts::{PI, TAU};
+    let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
+    let identity = identity();
+    let initial = Pair { reference: [0.0; 3], a: node(identity), b: node(identity) };
+    let connection = ConnectionType::named("ROTATION", None).unwrap();
+    let connector = Connector::<f64>::new(&Definition::new(connection, initial));
+    let request = Request::new(&[Output::CU], [true; 6], 0);
+    for fraction in (45..90).map(|percent| f64::from(percent) / 100.0) {
+        let mut branch = connector.initial_branch();
+        let mut near = 0;
+        for step in 1..=400 {
+            let angle = fraction * PI * f64::from(step);
+            let rest = angle - TAU * (angle / TAU).round();
+            near += usize::from(rest.abs() < 0.1);
+            let turned = so3::matrix(so3::exp([rest, 0.0, 0.0]));
+            let state = State {
+                pair: Pair { b: node(turned), ..initial },
+                velocity: [0.0; DOFS],
+                acceleration: [0.0; DOFS],
+            };
+            let increment = Increment::none();
+            let result = connector.evaluate(&state, &increment, &branch, &request, &mut Tally::default());
+            let flags = connector.flags(&[None; 6], &increment, &state, &branch, &result.branch);
+            assert!(flags.is_empty(), "{fraction} π, step {step}: {flags:?}");
+            let error = (result.displacement[3].unwrap() - angle).abs();
+            assert!(error < 1e-12 * (1.0 + angle), "{fraction} π, step {step}: off by {error}");
+            branch = result.branch;
+        }
+        assert!(near > 0, "{fraction} π never comes near a whole turn");
+    }
+}

@@ -25,7 +25,7 @@ fn values(evaluation: &Evaluation<f64>, output: Output) -> Components<f64> {
         // Judged by `Connector::stop_status` and `Connector::margins`, from the position and the state.
         Output::CSLST | Output::MARGIN => [None; 6],
         // Of forces that are given from outside: `laws::forces` and `forces`.
-        Output::PM | Output::LM | Output::NF | Output::KG | Output::DNF => [None; 6],
+        of_forces if of_forces.is_of_forces() && !of_forces.is_of_behavior() => [None; 6],
         // Not of a connector alone: verify/behavior.rs judges them.
         of_behavior => {
             assert!(of_behavior.is_of_behavior());

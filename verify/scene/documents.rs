@@ -212,7 +212,7 @@ impl Choices<'_> {
         }
         self.options(&mut behavior);
         let coefficients = [
-            json!({"rows": self.rows(3, 1), "maximum": self.positive(), "slip_tolerance": self.number()}),
+            json!({"rows": self.rows(3, 1), "maximum": self.positive(), "slip_tolerance": self.number(), "elastic_slip": self.number()}),
             json!({"exponential": [self.positive(), self.positive(), self.positive()]}),
             json!({"test_data": [[0.3], [0.2, 1.0], [self.item(), 0.25, 3.0]]}),
         ];

@@ -8,7 +8,7 @@ use super::domain::{
 use crate::audit::case::{Case, Step, turn};
 use crate::catalog::ConnectionType;
 use crate::connector::Definition;
-use crate::node::{Node, Pair};
+use crate::node::{DOFS, Node, Pair};
 use crate::vector::{self, Matrix, Vector, add, product, scale, transpose};
 use std::f64::consts::PI;
 
@@ -343,4 +343,61 @@ fn cube(connection: &ConnectionType, region: Region, i: usize, draw: &mut Draw) 
     let name = format!("{} {}", connection.name, region.name());
     Some(Case { name, definition, start: None, path: vec![end], length: 2.0 })
         .filter(|case| case.is_clear(CLEAR, CLEAR))
+}
+
+/// State `i` about the initial one of a connector: that itself, then random motions of the nodes that can move, clear of singular
+/// sets; in the plane for a two-dimensional connector. `None` where no clear state was found.
+pub fn about_initial(
+    definition: &Definition,
+    i: usize,
+    length: f64,
+    name: String,
+    draw: &mut Draw,
+) -> Option<Case> {
+    const CLEAR: f64 = 0.01;
+    let turning = |draw: &mut Draw, most: f64| {
+        let size = draw.between(0.0, most);
+        let turn = scale(draw.direction(), size);
+        if definition.planar { [0.0, 0.0, turn[2]] } else { turn }
+    };
+    for _ in 0..ATTEMPTS {
+        let still = [0.0; 3];
+        let [mut common, spin] = if i == 0 { [still; 2] } else { [turning(draw, 3.0), turning(draw, 1.2)] };
+        let mut motion = Motion::random(draw, length, spin);
+        if i == 0 {
+            (motion.displacement, motion.flow) = ([still; 2], [0.0; 2]);
+        }
+        for (end, moves) in definition.moves.into_iter().enumerate() {
+            if definition.planar {
+                motion.displacement[end][2] = 0.0;
+            }
+            if !moves {
+                (motion.displacement[end], motion.flow[end]) = (still, 0.0);
+                // The ground does not turn: neither a, nor b, which is turned by both.
+                common = if end == 0 { still } else { scale(spin, -1.0) };
+            }
+        }
+        let mut path = Motion { common, ..motion }.path(&definition.initial);
+        if let Some(end) = path.last_mut() {
+            end.state.velocity = rates(definition, length, draw);
+            end.state.acceleration = rates(definition, length, draw);
+        }
+        let case = Case { name: name.clone(), definition: definition.clone(), start: None, path, length };
+        if i == 0 || case.is_clear(0.0, CLEAR) {
+            return Some(case);
+        }
+    }
+    None
+}
+
+/// Random rates of the degrees of freedom that there are.
+fn rates(definition: &Definition, length: f64, draw: &mut Draw) -> [f64; DOFS] {
+    let mut rates = draw.rates(length);
+    for (j, rate) in rates.iter_mut().enumerate() {
+        let in_plane = matches!(j % 7, 0 | 1 | 5 | 6);
+        if !definition.moves[j / 7] || definition.planar && !in_plane {
+            *rate = 0.0;
+        }
+    }
+    rates
 }

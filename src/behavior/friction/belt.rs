@@ -14,7 +14,7 @@
 use super::coefficient::Coefficient;
 use super::criterion::{Derivatives, Point};
 use super::flags::{Flag, Flags};
-use super::update::{Branch, Status, StickStiffness, THRESHOLD, first_root, sorted};
+use super::update::{Branch, Outcome, State, Status, StickStiffness, THRESHOLD, first_root, sorted};
 use super::{Context, Ordered, capped, is_finite, is_zero};
 use crate::behavior::Conditions;
 use crate::scalar::elementary::{abs, atan2, direction, exp_m1, norm, recip};
@@ -33,22 +33,8 @@ pub struct Belt {
     pub stick_stiffness: StickStiffness,
 }
 
-/// What a belt remembers from one increment to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct BeltState<R> {
-    /// F at the end of the last increment.
-    pub force: R,
-    /// The accumulated slip past the ring (CASU2).
-    pub accumulated_slip: R,
-    /// K_s, once the default rule has set it.
-    pub stick_stiffness: Option<R>,
-}
-
-impl<R: Real> Default for BeltState<R> {
-    fn default() -> Self {
-        Self { force: R::integer(0), accumulated_slip: R::integer(0), stick_stiffness: None }
-    }
-}
+/// The component that slides: u2 of SLIPRING, the flow past b (0-based).
+pub const FLOW: usize = 1;
 
 /// An increment.
 #[derive(Clone, Debug)]
@@ -63,48 +49,6 @@ pub struct BeltInput<'a, S: Scalar> {
     pub duration: Option<S>,
     /// Temperature and field variables.
     pub conditions: &'a Conditions,
-}
-
-/// The result of an increment.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BeltOutcome<S> {
-    /// Stick, slip, or neither (slack, or no wrap).
-    pub status: Status,
-    /// F (CSF2).
-    pub force: S,
-    /// T (exp(μ α) − 1), or τ_max.
-    pub limit: S,
-    /// μ.
-    pub coefficient: S,
-    /// |F| − limit: negative in stick, zero in slip.
-    pub criterion: S,
-    /// |F_tr| − limit without slip.
-    pub trial: S,
-    /// Δγ ≥ 0; exactly zero in stick.
-    pub slip_increment: S,
-    /// The accumulated slip.
-    pub accumulated_slip: S,
-    /// Δγ/Δt; zero without a duration.
-    pub slip_rate: S,
-    /// |F| Δγ.
-    pub dissipation: S,
-    /// F²/(2 K_s).
-    pub stored: S,
-    /// K_s; none while there was no limit yet.
-    pub stick_stiffness: Option<S>,
-    /// What needs care.
-    pub flags: Vec<Flag>,
-}
-
-impl<R: Real> BeltOutcome<R> {
-    /// What to remember.
-    pub const fn state(&self) -> BeltState<R> {
-        BeltState {
-            force: self.force,
-            accumulated_slip: self.accumulated_slip,
-            stick_stiffness: self.stick_stiffness,
-        }
-    }
 }
 
 /// The exact consistent tangent: derivatives of F.
@@ -167,7 +111,7 @@ impl Belt {
     }
 
     /// The same with exact first and second derivatives with respect to T1, T2 and α, in this order; the others are zero.
-    pub fn derivatives<R: Ordered>(
+    pub fn derivatives<R: Ordered + Differentiable>(
         &self,
         tension: [R; 2],
         angle: R,
@@ -189,22 +133,22 @@ impl Belt {
     }
 
     /// The increment from a state.
-    pub fn update<R: Ordered>(
+    pub fn update<R: Ordered + Differentiable>(
         &self,
-        state: &BeltState<R>,
+        state: &State<R>,
         input: &BeltInput<'_, R>,
         branch: Branch,
-    ) -> BeltOutcome<R> {
+    ) -> Outcome<R> {
         self.advance(state, input, branch)
     }
 
     /// The increment from a state with its exact consistent tangent.
-    pub fn tangent<R: Ordered>(
+    pub fn tangent<R: Ordered + Differentiable>(
         &self,
-        state: &BeltState<R>,
+        state: &State<R>,
         input: &BeltInput<'_, R>,
         branch: Branch,
-    ) -> (BeltOutcome<R>, BeltTangent<R>) {
+    ) -> (Outcome<R>, BeltTangent<R>) {
         let seed = <R as Differentiable>::Gradient::<INPUTS>::seed;
         let seeded = BeltInput {
             flow: seed(input.flow, 0),
@@ -214,31 +158,16 @@ impl Belt {
             conditions: input.conditions,
         };
         let dual = self.advance(state, &seeded, branch);
-        let [flow, first, second, angle, duration] = dual.force.gradient();
-        let real = |x: R::Gradient<INPUTS>| x.real();
-        let outcome = BeltOutcome {
-            status: dual.status,
-            force: real(dual.force),
-            limit: real(dual.limit),
-            coefficient: real(dual.coefficient),
-            criterion: real(dual.criterion),
-            trial: real(dual.trial),
-            slip_increment: real(dual.slip_increment),
-            accumulated_slip: real(dual.accumulated_slip),
-            slip_rate: real(dual.slip_rate),
-            dissipation: real(dual.dissipation),
-            stored: real(dual.stored),
-            stick_stiffness: dual.stick_stiffness.map(real),
-            flags: dual.flags,
-        };
-        (outcome, BeltTangent { flow, tension: [first, second], angle, duration })
+        let [flow, first, second, angle, duration] = dual.force[FLOW].gradient();
+        let tangent = BeltTangent { flow, tension: [first, second], angle, duration };
+        (dual.map(|x| x.real()), tangent)
     }
 
     /// μ, the limit and the slip rate after the slip Δγ.
     fn limit<S>(&self, held: S, input: &BeltInput<'_, S>, increment: S, flags: &mut Flags) -> [S; 3]
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         let context = Context { conditions: input.conditions, ..Context::default() };
         let rate = match input.duration {
@@ -255,28 +184,23 @@ impl Belt {
         [coefficient, limit, rate]
     }
 
-    fn advance<S>(
-        &self,
-        state: &BeltState<S::Real>,
-        input: &BeltInput<'_, S>,
-        branch: Branch,
-    ) -> BeltOutcome<S>
+    fn advance<S>(&self, state: &State<S::Real>, input: &BeltInput<'_, S>, branch: Branch) -> Outcome<S>
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         const { assert!(S::ORDER <= 1, "the slip equations are differentiated once") }
         let mut flags = Flags::default();
         let zero = S::Real::integer(0);
         // With no force yet, the direction is that of the flow.
-        let carried = S::from_real(state.force);
+        let carried = S::from_real(state.force[FLOW]);
         let is_backward = {
             let towards = match (self.stick_stiffness, state.stick_stiffness) {
                 (StickStiffness::Given(stiffness), _) => {
-                    state.force + S::Real::from_f64(stiffness) * input.flow.real()
+                    state.force[FLOW] + S::Real::from_f64(stiffness) * input.flow.real()
                 }
                 (StickStiffness::ElasticSlip(_), Some(stiffness)) => {
-                    state.force + stiffness * input.flow.real()
+                    state.force[FLOW] + stiffness * input.flow.real()
                 }
                 (StickStiffness::ElasticSlip(_), None) => input.flow.real(),
             };
@@ -320,19 +244,24 @@ impl Belt {
         let stored = stiffness.map_or_else(S::zero, |stiffness| {
             (force * (force * recip(stiffness))).scale(S::Real::ratio(1, 2))
         });
-        for (x, quantity) in [(force, "friction force"), (increment, "slip increment")] {
+        for (x, quantity) in [(force, "friction force"), (limit, "limit"), (increment, "slip increment")] {
             if !is_finite(x.real()) {
                 flags.add(Flag::NotFinite { quantity });
             }
         }
-        BeltOutcome {
+        let along = |x: S| [S::zero(), x, S::zero(), S::zero(), S::zero(), S::zero()];
+        Outcome {
             status,
-            force,
-            limit,
+            force: along(force),
+            tangential: abs(force),
+            contact: held,
+            normal: held,
             coefficient,
+            limit,
             criterion: abs(force) - limit,
             trial: excess,
             slip_increment: increment,
+            slip: along(increment.scale(sign)),
             accumulated_slip: S::from_real(state.accumulated_slip) + increment,
             slip_rate,
             dissipation: abs(force) * increment,
@@ -346,7 +275,7 @@ impl Belt {
     fn slip<S>(&self, held: S, input: &BeltInput<'_, S>, trial: S, stiffness: S, flags: &mut Flags) -> S
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         type Slope<R> = <R as Differentiable>::Gradient<1>;
         let constant = |x: S| Slope::<S::Real>::from_real(x.real());
@@ -390,7 +319,9 @@ where
     S: Scalar,
     S::Real: Ordered,
 {
-    if S::Real::integer(0).less(tension.real()) {
+    // What is no number stays one, and is told.
+    let is_slack = tension.real().less(S::Real::integer(0)) || is_zero(tension.real());
+    if !is_slack {
         return tension;
     }
     flags.add(Flag::Slack);

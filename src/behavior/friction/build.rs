@@ -77,7 +77,10 @@ struct Builder<'a> {
 struct Law {
     coefficient: Coefficient,
     maximum: Option<f64>,
-    elastic_slip: f64,
+    /// As a part of the characteristic length.
+    tolerance: f64,
+    /// As given, in the unit of the slip.
+    elastic_slip: Option<f64>,
 }
 
 impl Builder<'_> {
@@ -163,7 +166,7 @@ impl Builder<'_> {
                 let message = "a second predefined friction in one behaviour";
                 return Err(self.error(Code::RepeatedSuboption, message, "keep one of the two"));
             }
-            let stick_stiffness = self.stick_stiffness(law.elastic_slip, false)?;
+            let stick_stiffness = self.stick_stiffness(&law, false)?;
             all.belt = Some(Belt { coefficient: law.coefficient, maximum: law.maximum, stick_stiffness });
             return Ok(());
         }
@@ -176,12 +179,12 @@ impl Builder<'_> {
     }
 
     fn finish(&self, criterion: Criterion, law: Law, radius: f64) -> Result<Friction, Diagnostic> {
-        let stick_stiffness = self.stick_stiffness(law.elastic_slip, criterion.tangential.is_rotational())?;
+        let stick_stiffness = self.stick_stiffness(&law, criterion.tangential.is_rotational())?;
         let Law { coefficient, maximum, .. } = law;
         Ok(Friction { criterion, coefficient, maximum, stick_stiffness, radius })
     }
 
-    fn stick_stiffness(&self, elastic_slip: f64, is_rotational: bool) -> Result<StickStiffness, Diagnostic> {
+    fn stick_stiffness(&self, law: &Law, is_rotational: bool) -> Result<StickStiffness, Diagnostic> {
         let is_positive = |x: f64| x > 0.0 && x.is_finite() && x.recip().is_finite();
         match self.friction.stick_stiffness {
             Some(stiffness) if is_positive(stiffness) => Ok(StickStiffness::Given(stiffness)),
@@ -191,16 +194,21 @@ impl Builder<'_> {
             }
             None => {
                 let length = if is_rotational { 1.0 } else { self.characteristic_length };
-                let slip = elastic_slip * length;
+                let slip = law.elastic_slip.unwrap_or(law.tolerance * length);
                 if is_positive(slip) {
                     return Ok(StickStiffness::ElasticSlip(slip));
                 }
-                let message =
-                    format!("no elastic slip can be formed of {elastic_slip} times the length {length}");
+                let message = match law.elastic_slip {
+                    Some(slip) => format!("ELASTIC SLIP={slip} is not positive"),
+                    None => {
+                        let tolerance = law.tolerance;
+                        format!("no elastic slip can be formed of {tolerance} times the length {length}")
+                    }
+                };
                 Err(self.error(
                     Code::NumberOutOfRange,
                     message,
-                    "give STICK STIFFNESS, or a positive SLIP TOLERANCE",
+                    "give STICK STIFFNESS, or a positive ELASTIC SLIP or SLIP TOLERANCE",
                 ))
             }
         }
@@ -231,7 +239,8 @@ impl Builder<'_> {
         Ok(Law {
             coefficient,
             maximum: given.maximum,
-            elastic_slip: given.slip_tolerance.unwrap_or(ELASTIC_SLIP),
+            tolerance: given.slip_tolerance.unwrap_or(ELASTIC_SLIP),
+            elastic_slip: given.elastic_slip,
         })
     }
 

@@ -9,7 +9,7 @@ use crate::catalog::{
     SPATIAL,
 };
 use crate::scalar::elementary::{abs, norm, sin_cos};
-use crate::scalar::{Real, Scalar, Seeded};
+use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use crate::scene::Basis;
 use crate::vector::{cross, dot};
 
@@ -72,6 +72,15 @@ pub struct Criterion {
     pub internal: Internal,
     /// The output in which the friction force appears: CSF1 … CSM3 of one component, else CSFC.
     pub output: &'static str,
+}
+
+/// A mistake that is made in the factors of predefined friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FactorMistake {
+    /// 1/L for 2/L.
+    NumberLeftOut,
+    /// Times R_r instead of divided by it.
+    Multiplied,
 }
 
 /// Φ and what it is formed from, for a given coefficient.
@@ -356,6 +365,35 @@ impl Criterion {
         })
     }
 
+    /// The same with one mistake in a factor, for every factor in which it can be made: a check of the criterion must notice.
+    pub(crate) fn factor_mistakes(&self) -> Vec<(FactorMistake, Self)> {
+        let mut found = Vec::new();
+        if let Pressing::Terms(terms) = &self.pressing {
+            for (i, term) in terms.iter().enumerate() {
+                let mut with = |mistake, changed: Term| {
+                    let mut terms = terms.clone();
+                    terms[i] = changed;
+                    found.push((mistake, Self { pressing: Pressing::Terms(terms), ..self.clone() }));
+                };
+                if term.number != 1 {
+                    with(FactorMistake::NumberLeftOut, Term { number: 1, ..term.clone() });
+                }
+                if let Some(over) = term.over {
+                    with(FactorMistake::Multiplied, Term { over: Some(1.0 / over), ..term.clone() });
+                }
+            }
+        }
+        if let Tangential::Norm(components) = &self.tangential {
+            for (i, (component, radius)) in components.iter().enumerate().filter(|(_, (_, r))| *r != 1.0) {
+                let mut components = components.clone();
+                components[i] = (*component, 1.0 / radius);
+                let wrong = Self { tangential: Tangential::Norm(components), ..self.clone() };
+                found.push((FactorMistake::Multiplied, wrong));
+            }
+        }
+        found
+    }
+
     /// P, F_C, F_N and Φ at given forces f1, f2, f3, m1, m2, m3 and a given coefficient, and what needs care there.
     ///
     /// In P the forces of the sliding components are the friction tractions; in F_C those of constrained components are
@@ -413,7 +451,7 @@ impl Criterion {
     }
 
     /// P, F_C, F_N and Φ with exact first and second derivatives with respect to the forces.
-    pub fn derivatives<R: Ordered>(
+    pub fn derivatives<R: Ordered + Differentiable>(
         &self,
         forces: &[R; 6],
         coefficient: R,

@@ -24,9 +24,10 @@ mod derived;
 mod flags;
 mod update;
 
-pub use belt::{Belt, BeltInput, BeltOutcome, BeltState, BeltTangent, wrap_angle};
+pub use belt::{Belt, BeltInput, BeltTangent, FLOW, wrap_angle};
 pub use build::{Frictions, of_behavior};
 pub use coefficient::{Coefficient, CoefficientError};
+pub(crate) use criterion::FactorMistake;
 pub use criterion::{Criterion, Derivatives, Internal, ParameterError, Point, Pressing, Tangential, Term};
 pub use derived::{Contribution, Derived, DerivedPart, Form, Potential, PotentialError};
 pub use flags::Flag;
@@ -37,14 +38,14 @@ pub use update::{
 
 use super::Conditions;
 use crate::scalar::elementary::norm;
-use crate::scalar::{Differentiable, Real, Scalar};
+use crate::scalar::{Real, Scalar};
 use crate::scene::Basis;
 use flags::Flags;
 
 /// A real number with an order, on which stick and slip can be told apart.
-pub trait Ordered: Differentiable<Mask = bool> {}
+pub trait Ordered: Real<Mask = bool> {}
 
-impl<R: Differentiable<Mask = bool>> Ordered for R {}
+impl<R: Real<Mask = bool>> Ordered for R {}
 
 /// What a friction may depend on besides forces.
 #[derive(Clone, Debug)]

@@ -119,7 +119,7 @@ pub enum Branch {
     Slip,
 }
 
-/// The result of an increment.
+/// The result of an increment; that of a belt slides in component 2, the flow past b.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome<S> {
     /// Stick, slip or neither.
@@ -128,13 +128,13 @@ pub struct Outcome<S> {
     pub force: [S; 6],
     /// P of the friction forces; the output CSFC of a coupled friction.
     pub tangential: S,
-    /// F_C.
+    /// F_C; of a belt the tension on the side from which the material comes.
     pub contact: S,
-    /// F_N = |F_C + F_C^int| (CNF).
+    /// F_N = |F_C + F_C^int| (CNF); of a belt the tension that holds.
     pub normal: S,
     /// μ.
     pub coefficient: S,
-    /// min(μ F_N, τ_max).
+    /// min(μ F_N, τ_max); of a belt T (exp(μ α) − 1) in place of μ F_N.
     pub limit: S,
     /// Φ = P − limit after the update: negative in stick, zero to rounding in slip.
     pub criterion: S,
@@ -158,7 +158,56 @@ pub struct Outcome<S> {
     pub flags: Vec<Flag>,
 }
 
+impl<S: Copy> Outcome<S> {
+    /// The same on another scalar.
+    pub(super) fn map<T>(self, to: impl Fn(S) -> T) -> Outcome<T> {
+        Outcome {
+            status: self.status,
+            force: self.force.map(&to),
+            tangential: to(self.tangential),
+            contact: to(self.contact),
+            normal: to(self.normal),
+            coefficient: to(self.coefficient),
+            limit: to(self.limit),
+            criterion: to(self.criterion),
+            trial: to(self.trial),
+            slip_increment: to(self.slip_increment),
+            slip: self.slip.map(&to),
+            accumulated_slip: to(self.accumulated_slip),
+            slip_rate: to(self.slip_rate),
+            dissipation: to(self.dissipation),
+            stored: to(self.stored),
+            stick_stiffness: self.stick_stiffness.map(&to),
+            flags: self.flags,
+        }
+    }
+}
+
 impl<R: Real> Outcome<R> {
+    /// Nothing presses and nothing is asked to slide: no force, and what was remembered stays.
+    pub(in crate::behavior) fn idle(state: &State<R>) -> Self {
+        let zero = R::integer(0);
+        Self {
+            status: Status::Free,
+            force: [zero; 6],
+            tangential: zero,
+            contact: zero,
+            normal: zero,
+            coefficient: zero,
+            limit: zero,
+            criterion: zero,
+            trial: zero,
+            slip_increment: zero,
+            slip: [zero; 6],
+            accumulated_slip: state.accumulated_slip,
+            slip_rate: zero,
+            dissipation: zero,
+            stored: zero,
+            stick_stiffness: state.stick_stiffness,
+            flags: Vec::new(),
+        }
+    }
+
     /// What to remember.
     pub const fn state(&self) -> State<R> {
         State {
@@ -214,7 +263,12 @@ struct Slip<S> {
 
 impl Friction {
     /// The increment from a state.
-    pub fn update<R: Ordered>(&self, state: &State<R>, input: &Input<'_, R>, branch: Branch) -> Outcome<R> {
+    pub fn update<R: Ordered + Differentiable>(
+        &self,
+        state: &State<R>,
+        input: &Input<'_, R>,
+        branch: Branch,
+    ) -> Outcome<R> {
         self.advance(state, input, branch)
     }
 
@@ -240,7 +294,7 @@ impl Friction {
     /// assert_eq!(tangent.force[0].forces[1..3], [0.3, 0.4]); // μ ∂F_N/∂λ
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn tangent<R: Ordered>(
+    pub fn tangent<R: Ordered + Differentiable>(
         &self,
         state: &State<R>,
         input: &Input<'_, R>,
@@ -271,27 +325,7 @@ impl Friction {
             normal: partial(dual.normal),
             limit: partial(dual.limit),
         };
-        let real = |x: R::Gradient<INPUTS>| x.real();
-        let outcome = Outcome {
-            status: dual.status,
-            force: dual.force.map(real),
-            tangential: real(dual.tangential),
-            contact: real(dual.contact),
-            normal: real(dual.normal),
-            coefficient: real(dual.coefficient),
-            limit: real(dual.limit),
-            criterion: real(dual.criterion),
-            trial: real(dual.trial),
-            slip_increment: real(dual.slip_increment),
-            slip: dual.slip.map(real),
-            accumulated_slip: real(dual.accumulated_slip),
-            slip_rate: real(dual.slip_rate),
-            dissipation: real(dual.dissipation),
-            stored: real(dual.stored),
-            stick_stiffness: dual.stick_stiffness.map(real),
-            flags: dual.flags,
-        };
-        (outcome, tangent)
+        (dual.map(|x| x.real()), tangent)
     }
 
     /// R_k of each sliding component (from 0): K_k = K_s R_k².
@@ -316,7 +350,7 @@ impl Friction {
     ) -> Limit<S>
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         let context =
             Context { accumulated_slip: S::from_real(accumulated_slip) + increment, ..input.context.clone() };
@@ -339,7 +373,7 @@ impl Friction {
     fn advance<S>(&self, state: &State<S::Real>, input: &Input<'_, S>, branch: Branch) -> Outcome<S>
     where
         S: Scalar,
-        S::Real: Ordered,
+        S::Real: Ordered + Differentiable,
     {
         const { assert!(S::ORDER <= 1, "the slip equations are differentiated once") }
         let mut flags = Flags::default();
@@ -455,7 +489,7 @@ fn freed<S>(
 ) -> Slip<S>
 where
     S: Scalar,
-    S::Real: Ordered,
+    S::Real: Ordered + Differentiable,
 {
     let mut slip = [S::zero(); 6];
     let mut scaled = [S::zero(); 6];
@@ -469,7 +503,7 @@ where
 }
 
 /// The limit as a scale for its own error.
-fn larger_or_one<R: Ordered>(limit: R) -> R {
+fn larger_or_one<R: Ordered + Differentiable>(limit: R) -> R {
     if R::integer(0).less(limit) { limit } else { R::integer(1) }
 }
 
@@ -489,7 +523,7 @@ struct Problem<'a, 'b, S: Scalar> {
 impl<S> Problem<'_, '_, S>
 where
     S: Scalar,
-    S::Real: Ordered,
+    S::Real: Ordered + Differentiable,
 {
     /// The limit after the slip Δγ.
     fn limit(&self, increment: S, flags: &mut Flags) -> S {
@@ -784,7 +818,7 @@ where
 
 /// The first root in [0, most] of a function that is positive at 0 and not at `most`, given with its slope; by Newton's method,
 /// safeguarded by bisection. Between `breaks` the function is smooth.
-pub(super) fn first_root<R: Ordered>(breaks: &[R], most: R, h: impl Fn(R) -> (R, R)) -> R {
+pub(super) fn first_root<R: Ordered + Differentiable>(breaks: &[R], most: R, h: impl Fn(R) -> (R, R)) -> R {
     let zero = R::integer(0);
     let (mut low, mut high) = (zero, most);
     for point in breaks {
@@ -820,7 +854,7 @@ pub(super) fn first_root<R: Ordered>(breaks: &[R], most: R, h: impl Fn(R) -> (R,
 }
 
 /// The slips below `most`, each once, in increasing order.
-pub(super) fn sorted<R: Ordered>(slips: impl Iterator<Item = R>, most: R) -> Vec<R> {
+pub(super) fn sorted<R: Ordered + Differentiable>(slips: impl Iterator<Item = R>, most: R) -> Vec<R> {
     let mut sorted = Vec::new();
     for slip in slips.filter(|slip| R::integer(0).less(*slip) && slip.less(most)) {
         let place = sorted.iter().take_while(|known: &&R| known.less(slip)).count();
@@ -838,7 +872,7 @@ struct Equations<R> {
     n: usize,
 }
 
-impl<R: Ordered> Equations<R> {
+impl<R: Ordered + Differentiable> Equations<R> {
     /// The solution for a right-hand side that may carry derivatives, by elimination with row pivoting; none where the matrix
     /// is singular.
     fn solve<S: Scalar<Real = R>>(&self, right: &[S; SLOTS]) -> Option<[S; SLOTS]> {

@@ -1,6 +1,7 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
+use super::summary::{LEGEND, Row, count, detectable, headline, self_test as tested, telling};
 use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
 use crate::node::{DOF, DOFS};
@@ -20,7 +21,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
             BOLD,
             format!(
                 "{} audited, {} numbers compared; tolerance C·u·(conditioned scale) with C = {}",
-                count(report.subjects.len(), "connector"),
+                count(report.subjects.len(), "subject"),
                 report.compared(),
                 report.constant
             )
@@ -32,33 +33,22 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     }
     writeln!(out)?;
     subjects(out, report)?;
-    for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
-        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
-        for line in wrap(&format!("{}: declaration undecided: {page}", subject.name), width.saturating_sub(2))
-        {
-            writeln!(out, "  {}", styled(DIM, line))?;
-        }
-    }
+    undecided_declarations(out, report, width)?;
     for subject in &report.subjects {
-        let telling = subject
-            .checks
-            .iter()
-            .filter(|check| verbose || check.verdict > Verdict::IllConditioned || check.score.survived > 0);
+        let shown: Vec<&Check> =
+            if verbose { subject.checks.iter().collect() } else { telling(subject).collect() };
         let mut first = true;
-        for check in telling {
+        for check in shown {
             if std::mem::take(&mut first) {
-                writeln!(out, "\n{}", styled(BOLD, &subject.name))?;
+                writeln!(out, "\n{}", styled(BOLD, subject.title()))?;
             }
             self::check(out, check, width)?;
         }
     }
     atlas(out, report)?;
     self_test(out, report)?;
+    super::model::human(out, &report.models, width)?;
     verdict(out, report)
-}
-
-fn count(n: usize, noun: &str) -> String {
-    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
 }
 
 fn word(verdict: Verdict) -> String {
@@ -66,53 +56,62 @@ fn word(verdict: Verdict) -> String {
     if verdict.is_mismatch() { styled(CARE, verdict.name()) } else { verdict.name().to_string() }
 }
 
-/// The worst error of the sharp oracles in units of the tolerance.
-fn worst(subject: &Subject, quantity: Quantity) -> String {
-    let of_it = subject.checks.iter().filter(|check| check.quantity == Some(quantity) && is_sharp(check));
-    let units = of_it
-        .map(|check| check.largest)
-        .fold(None, |most: Option<f64>, x| Some(most.map_or(x, |most| most.max(x))));
-    units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))
+/// Why declarations are undecided: once for each reason.
+fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
+    const SHOWN: usize = 4;
+    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
+        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
+        let names = reasons.entry(page).or_default();
+        if !names.contains(&subject.name.as_str()) {
+            names.push(&subject.name);
+        }
+    }
+    for (page, names) in reasons {
+        let more = names.len().saturating_sub(SHOWN);
+        let mut text = names.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
+        if more > 0 {
+            text.push_str(&format!(" and {more} more"));
+        }
+        for line in wrap(&format!("{text}: declaration undecided: {page}"), width.saturating_sub(2)) {
+            writeln!(out, "  {}", styled(DIM, line))?;
+        }
+    }
+    Ok(())
 }
 
-const fn is_sharp(check: &Check) -> bool {
-    matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
-}
-
+/// A table of the catalogue, and one of each scene.
 fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let rows: Vec<Vec<String>> = report
-        .subjects
-        .iter()
-        .map(|subject| {
-            let detectable = subject
-                .checks
-                .iter()
-                .filter(|check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check))
-                .map(|check| check.score.detectable_median)
-                .fold(0.0, f64::max);
-            let mut row = vec![
-                subject.name.clone(),
-                word(subject.derivative),
-                word(subject.formula),
-                word(subject.declaration),
-                subject.cases.to_string(),
-            ];
-            row.extend(Quantity::ALL.map(|quantity| worst(subject, quantity)));
-            row.push(if detectable > 0.0 { format!("{detectable:.0e}") } else { "–".into() });
-            row
-        })
-        .collect();
-    let heading =
-        ["connector", "derivative", "formula", "declaration", "states", "f", "∂f", "∂²f", "ḟ", "f̈", "δ seen"];
-    write!(out, "{}", table(&heading, &rows))?;
-    writeln!(
-        out,
-        "{}",
-        styled(
-            DIM,
-            "f … f̈: worst error in units of its tolerance; δ seen: the smallest relative error of an entry that the check notices, median"
-        )
-    )
+    let mut scenes: Vec<Option<&str>> = Vec::new();
+    for subject in &report.subjects {
+        if !scenes.contains(&subject.scene.as_deref()) {
+            scenes.push(subject.scene.as_deref());
+        }
+    }
+    for (i, scene) in scenes.iter().enumerate() {
+        if let Some(scene) = scene {
+            let gap = if i > 0 { "\n" } else { "" };
+            writeln!(out, "{gap}{}", styled(BOLD, scene))?;
+        }
+        let of_it = report.subjects.iter().filter(|subject| subject.scene.as_deref() == *scene);
+        let rows: Vec<Vec<String>> = of_it.map(cells).collect();
+        let first = if scene.is_none() { "type" } else { "connector" };
+        let mut heading = vec![first, "derivative", "formula", "declaration", "states"];
+        heading.extend(Quantity::ALL.map(Quantity::symbol));
+        heading.push("δ seen");
+        write!(out, "{}", table(&heading, &rows))?;
+    }
+    writeln!(out, "{}", styled(DIM, LEGEND))
+}
+
+fn cells(subject: &Subject) -> Vec<String> {
+    let row = Row::of(subject);
+    let mut cells = vec![row.name];
+    cells.extend(row.verdicts.map(word));
+    cells.push(row.states.to_string());
+    cells.extend(row.worst.map(|units| units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))));
+    cells.push(detectable(subject).map_or_else(|| "–".into(), |delta| format!("{delta:.0e}")));
+    cells
 }
 
 fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
@@ -132,6 +131,11 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     if let Some([below, above]) = worst.one_sided {
         writeln!(out, "    from below {below:.10e}, from above {above:.10e}")?;
     }
+    for (sentence, code) in check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines()) {
+        for line in wrap(&format!("{sentence} [{code}]"), width.saturating_sub(4)) {
+            writeln!(out, "    {}", styled(BOLD, line))?;
+        }
+    }
     for (mistake, entry) in &check.score.survivors {
         writeln!(out, "    {} {mistake} ({entry})", styled(CARE, "survived:"))?;
     }
@@ -143,7 +147,7 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
 
 /// The blocks of the Jacobian, with the wrong entry marked.
 fn diagram(out: &mut dyn Write, check: &Check) -> io::Result<()> {
-    let Some((k, j)) = check.worst.as_ref().map(|worst| worst.at) else { return Ok(()) };
+    let Some((k, j)) = check.worst.as_ref().and_then(|worst| worst.at) else { return Ok(()) };
     let widths = DOF.map(|name| name.chars().count());
     let heading: Vec<String> = DOF.iter().map(|name| (*name).to_string()).collect();
     writeln!(out, "         {}", heading.join(" "))?;
@@ -181,18 +185,14 @@ fn atlas(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 }
 
 fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let checks = || report.subjects.iter().flat_map(|subject| &subject.checks);
-    let by_oracle = || checks().filter(|check| matches!(check.against, Against::Oracle(_)));
-    let sum = |of: fn(&Check) -> u64| by_oracle().map(of).sum::<u64>();
-    let (killed, decisive) = (sum(|c| c.score.killed), sum(|c| c.score.decisive()));
+    let test = tested(report);
     writeln!(
         out,
-        "\nself-test: {killed} of {decisive} mutants noticed by the oracles; {} changed nothing, {} less than twice the tolerance",
-        sum(|c| c.score.equivalent),
-        sum(|c| c.score.below_resolution)
+        "\nself-test: {} of {} mutants noticed by the oracles; {} changed nothing, {} less than twice the tolerance",
+        test.noticed, test.decisive, test.equivalent, test.below_resolution
     )?;
     let mut laws: BTreeMap<&str, u64> = BTreeMap::new();
-    for check in checks() {
+    for check in report.subjects.iter().flat_map(|subject| &subject.checks) {
         if let Against::Law(law) = check.against {
             *laws.entry(law.name()).or_default() += check.score.killed;
         }
@@ -204,12 +204,7 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 }
 
 fn verdict(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let (mismatches, undecided, survivors) = (report.mismatches(), report.undecided(), report.survivors());
-    let text = match (survivors, mismatches, undecided) {
-        (1.., ..) => styled(CARE, format!("self-test failed: {survivors} mutants survived")),
-        (0, 1.., _) => styled(CARE, count(mismatches, "mismatch").replace("mismatchs", "mismatches")),
-        (0, 0, 1..) => format!("no mismatch; {} undecided", count(undecided, "connector")),
-        _ => "no mismatch".to_string(),
-    };
+    let failed = report.survivors() > 0 || report.mismatches() > 0 || report.failing_models() > 0;
+    let text = if failed { styled(CARE, headline(report)) } else { headline(report) };
     writeln!(out, "\n{}", styled(BOLD, text))
 }

@@ -11,7 +11,7 @@ use std::io::{self, Write};
 pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     let mut document = quick_junit::Report::new("pintle audit");
     for subject in &report.subjects {
-        let mut suite = TestSuite::new(subject.name.as_str());
+        let mut suite = TestSuite::new(subject.title());
         for check in &subject.checks {
             suite.add_test_case(TestCase::new(title(check), status(check)));
         }
@@ -55,8 +55,10 @@ fn status(check: &Check) -> TestCaseStatus {
     let mut status = plain(check.verdict);
     if let (TestCaseStatus::NonSuccess { .. }, Some(worst)) = (&status, &check.worst) {
         let state = check.worst_state.as_deref().unwrap_or("");
+        let why = check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines());
+        let why: String = why.map(|(sentence, code)| format!("; {sentence} [{code}]")).collect();
         status.set_message(format!(
-            "{}: {:e}, not {:e}: {:.3e} of the tolerance {:e}, at {state}",
+            "{}: {:e}, not {:e}: {:.3e} of the tolerance {:e}, at {state}{why}",
             worst.entry, worst.got, worst.want, worst.units, worst.tolerance
         ));
     }

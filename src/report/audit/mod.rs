@@ -1,10 +1,16 @@
-//! Reports of an audit: for reading, as JSON, as JUnit XML.
+//! Reports of an audit: for reading, as JSON, as JUnit XML, as Markdown, as HTML.
 
+mod html;
 mod human;
 mod junit;
+mod markdown;
+mod model;
+mod summary;
 
+pub use html::{Audited, Supplement, figures, html};
 pub use human::human;
 pub use junit::junit;
+pub use markdown::markdown;
 
 use crate::audit::Report;
 use std::io::{self, Write};
@@ -12,7 +18,7 @@ use std::io::{self, Write};
 /// The schema of the JSON report.
 pub const SCHEMA: &str = "pintle-audit/1";
 
-#[derive(serde::Serialize)]
+#[derive(serde::Serialize, schemars::JsonSchema)]
 struct Document<'a> {
     schema: &'static str,
     signs: &'static str,
@@ -26,12 +32,20 @@ struct Document<'a> {
     report: &'a Report,
 }
 
-#[derive(serde::Serialize)]
+#[derive(serde::Serialize, schemars::JsonSchema)]
 struct Described {
     name: &'static str,
     meaning: &'static str,
     shares: crate::audit::oracle::Shares,
     independent: bool,
+}
+
+/// The JSON Schema of the JSON report.
+pub fn schema() -> serde_json::Value {
+    let settings = schemars::generate::SchemaSettings::default().for_serialize();
+    let mut schema = settings.into_generator().into_root_schema_for::<Document<'_>>();
+    schema.insert("title".to_owned(), SCHEMA.into());
+    schema.to_value()
 }
 
 /// One JSON document, schema [`SCHEMA`].

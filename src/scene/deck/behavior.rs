@@ -360,7 +360,8 @@ pub(super) fn friction_coefficient(deck: &mut Deck<'_>, keyword: &Keyword) -> Re
     let maximum = keyword.number("TAUMAX")?;
     not_negative(maximum.unwrap_or(0.0), "TAUMAX", keyword.span)?;
     let slip_tolerance = keyword.number("SLIP TOLERANCE")?;
-    let coefficient = FrictionCoefficient { law, maximum, slip_tolerance, span: keyword.span };
+    let elastic_slip = keyword.number("ELASTIC SLIP")?;
+    let coefficient = FrictionCoefficient { law, maximum, slip_tolerance, elastic_slip, span: keyword.span };
     match deck.behavior(keyword)?.friction.last_mut() {
         Some(friction) if friction.coefficient.is_none() => friction.coefficient = Some(coefficient),
         _ => return Err(misplaced(keyword, "a *CONNECTOR FRICTION of its own")),

@@ -364,6 +364,7 @@ pub(super) static RULES: &[Rule] = &[
             may("EXPONENTIAL DECAY", Flag),
             may("TAUMAX", Number),
             may("SLIP TOLERANCE", Number),
+            may("ELASTIC SLIP", Number),
             may("TEST DATA", Flag),
             DEPENDENCIES,
         ],

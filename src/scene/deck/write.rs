@@ -957,7 +957,8 @@ impl Deck {
 
     fn coefficient(&mut self, coefficient: &Spanned<form::Coefficient>) -> Result<()> {
         let span = coefficient.span;
-        let form::Coefficient { rows, exponential, test_data, maximum, slip_tolerance } = &coefficient.value;
+        let form::Coefficient { rows, exponential, test_data, maximum, slip_tolerance, elastic_slip } =
+            &coefficient.value;
         let given = [!rows.is_empty(), exponential.is_some(), !test_data.is_empty()];
         if given.iter().filter(|given| **given).count() != 1 {
             let message = "a friction coefficient is given in one of three ways".to_owned();
@@ -969,6 +970,7 @@ impl Deck {
         self.flag("TEST DATA", !test_data.is_empty(), span);
         self.number_of("TAUMAX", *maximum);
         self.number_of("SLIP TOLERANCE", *slip_tolerance);
+        self.number_of("ELASTIC SLIP", *elastic_slip);
         self.dependencies(fields(rows), span);
         self.go();
         if let Some(exponential) = exponential {

@@ -341,6 +341,8 @@ form! {
         maximum: Option<Spanned<f64>>,
         /// The slip tolerance.
         slip_tolerance: Option<Spanned<f64>>,
+        /// The elastic slip allowed, in the unit of the slip; in place of the tolerance.
+        elastic_slip: Option<Spanned<f64>>,
     }
 }
 

@@ -202,7 +202,7 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
         states: list(states, |state| form::State {
             number: state.number,
             time: state.time,
-            forces: entries_of(&state.forces),
+            forces: entries_of(state),
             nodes: state.nodes.iter().map(|(label, motion)| (label.to_string(), motion.into())).collect(),
         }),
     }
@@ -220,13 +220,12 @@ fn entries<K: ToString, T, F>(given: &indexmap::IndexMap<K, T>, form: impl Fn(&T
     given.iter().map(|(key, item)| (key.to_string(), form(item))).collect()
 }
 
-fn entries_of(
-    forces: &std::collections::BTreeMap<Label, super::super::forces::ElementForces>,
-) -> Entries<Entries<Spanned<f64>>> {
+fn entries_of(state: &super::super::states::State) -> Entries<Entries<Spanned<f64>>> {
     let named = |forces: &super::super::forces::ElementForces| {
         forces.named().map(|(name, value)| (name.to_owned(), placeless(value))).collect()
     };
-    forces.iter().map(|(element, forces)| (element.to_string(), named(forces))).collect()
+    let elements = state.forces.iter().map(|(element, forces)| (element.to_string(), named(forces)));
+    elements.chain(state.mpc_forces.iter().map(|(nodes, forces)| (nodes.clone(), named(forces)))).collect()
 }
 
 fn label_of(label: Label) -> form::Target {
@@ -491,6 +490,7 @@ fn friction(friction: &Friction) -> form::Friction {
         let mut form = form::Coefficient {
             maximum: maybe(coefficient.maximum),
             slip_tolerance: maybe(coefficient.slip_tolerance),
+            elastic_slip: maybe(coefficient.elastic_slip),
             ..form::Coefficient::default()
         };
         match &coefficient.law {

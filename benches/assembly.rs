@@ -1,0 +1,170 @@
+//! Time and memory of the analysis of whole assemblies, checked before they are measured: `cargo bench --bench assembly [CONNECTORS]`.
+//!
+//! A chain of pendulums, a closed loop, a tree, and a grid of four-bar loops, of 1e5 connectors each unless told otherwise. Each is
+//! analysed at a quarter of the size too: memory that is linear is four times as much at the full one.
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a bench")]
+
+use peak_alloc::PeakAlloc;
+use pintle::audit::assembly::{Assembly, analyse};
+use pintle::evaluate::Model;
+use pintle::scene::Scene;
+use std::fmt::Write;
+use std::time::Instant;
+
+#[global_allocator]
+static PEAK: PeakAlloc = PeakAlloc;
+
+/// A deck of hinges about z and rigid links.
+#[derive(Default)]
+struct Deck {
+    nodes: String,
+    hinges: String,
+    links: String,
+    fixed: String,
+    count: usize,
+    elements: usize,
+}
+
+impl Deck {
+    fn node(&mut self, [x, y]: [f64; 2]) -> usize {
+        self.count += 1;
+        writeln!(self.nodes, "{}, {x:?}, {y:?}, 0.", self.count).unwrap();
+        self.count
+    }
+
+    fn hinge(&mut self, a: usize, b: usize) {
+        self.elements += 1;
+        writeln!(self.hinges, "{}, {a}, {b}", self.elements).unwrap();
+    }
+
+    fn link(&mut self, a: usize, b: usize) {
+        self.elements += 1;
+        writeln!(self.links, "{}, {a}, {b}", self.elements).unwrap();
+    }
+
+    fn ground(&mut self, node: usize) {
+        writeln!(self.fixed, "{node}, 1, 6").unwrap();
+    }
+
+    fn scene(self) -> Scene {
+        let Self { nodes, hinges, links, fixed, .. } = self;
+        let text = format!(
+            "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=H\n{hinges}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{links}\
+             *ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n*CONNECTOR SECTION, ELSET=H\nHINGE\nZ,\n\
+             *CONNECTOR SECTION, ELSET=L\nBEAM\n*BOUNDARY\n{fixed}"
+        );
+        Scene::parse("bench.inp", &text).unwrap()
+    }
+}
+
+/// Links and hinges in turn; with `closed`, both ends are on the ground and the points lie on a circle.
+fn chain(connectors: usize, closed: bool) -> (Scene, [usize; 2]) {
+    let links = connectors / 2;
+    let mut deck = Deck::default();
+    let at = |i: usize| {
+        let angle = 6.0 * i as f64 / links as f64;
+        let radius = links as f64 / 6.0;
+        if closed { [radius * angle.cos(), radius * angle.sin()] } else { [i as f64, 0.0] }
+    };
+    let mut end = deck.node(at(0));
+    deck.ground(end);
+    for i in 0..links {
+        let (low, high) = (deck.node(at(i)), deck.node(at(i + 1)));
+        deck.hinge(end, low);
+        deck.link(low, high);
+        end = high;
+    }
+    if closed {
+        let last = deck.node(at(links));
+        deck.hinge(end, last);
+        deck.ground(last);
+        return (deck.scene(), [links - 2, 3]);
+    }
+    (deck.scene(), [links, 0])
+}
+
+/// Every link carries two others.
+fn tree(connectors: usize) -> (Scene, [usize; 2]) {
+    let links = connectors / 2;
+    let mut deck = Deck::default();
+    let root = deck.node([0.0; 2]);
+    deck.ground(root);
+    let mut ends = vec![(root, [0.0, 0.0])];
+    for i in 0..links {
+        let (from, [x, y]) = ends[i / 2];
+        let angle = 1.0 + i as f64 * 0.7;
+        let to = [x + angle.cos(), y + angle.sin()];
+        let (low, high) = (deck.node([x, y]), deck.node(to));
+        deck.hinge(from, low);
+        deck.link(low, high);
+        ends.push((high, to));
+    }
+    (deck.scene(), [links, 0])
+}
+
+/// Square meshes of hinged bars: at each crossing four bars meet, joined to each other by three hinges. A sheared grid keeps its mobility.
+fn grid(connectors: usize) -> Scene {
+    let n = ((connectors as f64 / 5.0).sqrt() as usize).max(3);
+    let mut deck = Deck::default();
+    let at = |i: usize, j: usize| [i as f64 + 0.2 * j as f64, j as f64];
+    let mut ends: Vec<Vec<usize>> = vec![Vec::new(); n * n];
+    for i in 0..n {
+        for j in 0..n {
+            for (k, l) in [(i + 1, j), (i, j + 1)] {
+                if k < n && l < n {
+                    let (a, b) = (deck.node(at(i, j)), deck.node(at(k, l)));
+                    deck.link(a, b);
+                    ends[i * n + j].push(a);
+                    ends[k * n + l].push(b);
+                }
+            }
+        }
+    }
+    for ends in &ends {
+        for pair in ends.windows(2) {
+            deck.hinge(pair[0], pair[1]);
+        }
+    }
+    deck.ground(ends[0][0]);
+    deck.scene()
+}
+
+fn measure(name: &str, scene: &Scene, known: Option<[usize; 2]>) -> f64 {
+    let model = Model::compile(scene).unwrap();
+    PEAK.reset_peak_usage();
+    let before = PEAK.current_usage_as_mb();
+    let start = Instant::now();
+    let assembly: Assembly = analyse(scene, &model, &[], 1).unwrap();
+    let time = start.elapsed().as_secs_f64();
+    let memory = f64::from(PEAK.peak_usage_as_mb() - before);
+    let position = &assembly.positions[0];
+    println!(
+        "{name:8} {:7} connectors {:8} constraints {time:8.2} s {memory:8.1} MB  mobility {:6} redundant {:6} front {:5} gap {:.1e} {:.1e} decided {}",
+        model.connectors.len(),
+        assembly.constraints,
+        position.mobility,
+        position.redundant,
+        assembly.largest_front,
+        position.gap.zero,
+        position.gap.nonzero,
+        position.decided
+    );
+    assert_eq!(assembly.gruebler, position.mobility as i64 - position.redundant as i64);
+    if let Some(known) = known {
+        assert_eq!([position.mobility, position.redundant], known, "{name}");
+    }
+    memory
+}
+
+fn main() {
+    let count = std::env::args().filter_map(|word| word.parse().ok()).next().unwrap_or(100_000);
+    for n in [count / 4, count] {
+        let (scene, known) = chain(n, false);
+        measure("chain", &scene, Some(known));
+        let (scene, known) = chain(n, true);
+        measure("loop", &scene, Some(known));
+        let (scene, known) = tree(n);
+        measure("tree", &scene, Some(known));
+        measure("grid", &grid(n), None);
+    }
+}

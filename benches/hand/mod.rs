@@ -1,0 +1,7 @@
+//! The yardstick: rows of five connection types differentiated by hand, on AVX2 and FMA.
+
+#[path = "../../src/scalar/coefficients.rs"]
+#[expect(dead_code, reason = "the rows need some of them")]
+mod coefficients;
+pub(crate) mod simd;
+mod vector;

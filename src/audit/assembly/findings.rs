@@ -1,0 +1,221 @@
+//! What is said of an assembly.
+
+use super::{Assembly, Constraint, Holds, Redundant};
+use crate::audit::model::{About, Finding};
+use crate::scene::{Code, Label, Scene, Span};
+use std::collections::BTreeMap;
+
+/// The names that a message lists.
+const NAMED: usize = 8;
+
+/// What is found of an assembly.
+pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+    let mut found = redundancies(scene, assembly);
+    found.extend(at_states(scene, assembly));
+    found.extend(overdriven(scene, assembly));
+    found.extend(undecided(scene, assembly));
+    found.extend(mechanism(scene, assembly));
+    found
+}
+
+/// Where something was read: the connector, or the constraint.
+fn place(scene: &Scene, constraint: &Constraint) -> Span {
+    if let Some(element) = constraint.element {
+        return scene.connectors.get(&element).map(|element| element.span).unwrap_or_default();
+    }
+    let title = constraint.mpc.as_deref().unwrap_or_default();
+    let nodes =
+        |mpc: &crate::scene::Mpc| mpc.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join("-");
+    let is_it = |mpc: &&crate::scene::Mpc| title == format!("MPC {} {}", mpc.kind.name(), nodes(mpc));
+    scene.mpcs.iter().find(is_it).map(|mpc| mpc.span).unwrap_or_default()
+}
+
+fn listed(names: &[String]) -> String {
+    match names.len() {
+        0..=NAMED => names.join(", "),
+        more => format!("{} and {} more", names[..NAMED].join(", "), more - NAMED),
+    }
+}
+
+fn about(constraints: &[&Constraint]) -> About {
+    let mut about = About::default();
+    for constraint in constraints {
+        about.elements.extend(constraint.element);
+        about.mpcs.extend(constraint.mpc.clone());
+        about.nodes.extend(constraint.node);
+        if about.components.len() < 100 {
+            about.components.push(constraint.component.clone());
+        }
+    }
+    about.elements.dedup();
+    about.elements.truncate(100);
+    about.mpcs.dedup();
+    about.mpcs.truncate(100);
+    about
+}
+
+/// Where a redundancy holds, and the connector or MPC that it is of.
+type Owner = (Holds, Option<Label>, Option<String>);
+
+/// Redundant constraints at the initial state: one finding for each connector or MPC and where it holds, up to a number.
+fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+    const MOST: usize = 50;
+    let mut of: BTreeMap<Owner, Vec<&Redundant>> = BTreeMap::new();
+    for redundant in &assembly.redundant {
+        let key = (redundant.holds, redundant.constraint.element, redundant.constraint.mpc.clone());
+        of.entry(key).or_default().push(redundant);
+    }
+    let mut found = Vec::new();
+    let owners = of.len();
+    for ((holds, element, mpc), redundant) in of.into_iter().take(MOST) {
+        let Some(first) = redundant.first() else { continue };
+        let components: Vec<String> = redundant.iter().map(|one| one.constraint.component.clone()).collect();
+        let title = match (&element, &mpc) {
+            (Some(element), _) => format!("element {element}"),
+            (_, Some(mpc)) => mpc.clone(),
+            _ => "a boundary condition".to_string(),
+        };
+        let mut others: Vec<String> = redundant
+            .iter()
+            .flat_map(|one| &one.from)
+            .filter(|one| one.element != element || one.mpc != mpc)
+            .map(|one| match (&one.element, &one.mpc, &one.node) {
+                (Some(element), ..) => element.to_string(),
+                (_, Some(mpc), _) => mpc.clone(),
+                (_, _, Some(node)) => format!("node {node}"),
+                _ => String::new(),
+            })
+            .collect();
+        others.sort();
+        others.dedup();
+        let from = match others.as_slice() {
+            [] if holds == Holds::Rigid && redundant.iter().all(|one| one.from.is_empty()) => {
+                " from boundary conditions and what is held".to_string()
+            }
+            [] => " from the others".to_string(),
+            others => format!(" from those of {}", listed(others)),
+        };
+        let code = match holds {
+            Holds::Throughout | Holds::Rigid => Code::AssemblyRedundant,
+            Holds::Here | Holds::Isolated => Code::AssemblyRedundantHere,
+            Holds::Unjudged => Code::AssemblyRedundantUnjudged,
+        };
+        let verb = if components.len() == 1 { "follows" } else { "follow" };
+        let message =
+            format!("{title}: {} {verb}{from}, initially; {}", components.join(", "), holds.meaning());
+        let reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice";
+        let remedy = match holds {
+            Holds::Here | Holds::Isolated => {
+                "start from another position, or drive through this one with care: forces grow without bound near it"
+            }
+            _ => {
+                "free the component: choose a connection type that leaves it available (of a planar loop of hinges, make one a JOIN with CARDAN, say), or accept that its force is not determined"
+            }
+        };
+        let constraints: Vec<&Constraint> = redundant.iter().map(|one| &one.constraint).collect();
+        let finding = Finding::new(scene, code, place(scene, &first.constraint), message, reason, remedy);
+        found.push(finding.about(about(&constraints)));
+    }
+    if owners > MOST
+        && let Some(last) = found.pop()
+    {
+        found.push(last.add(&format!(
+            "; {} more connectors and constraints have redundant components, which the report lists",
+            owners - MOST
+        )));
+    }
+    found
+}
+
+/// Constraints that are redundant at a given state and not at others.
+fn at_states(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let (state, first) = assembly.redundant_at.first()?;
+    let at: Vec<&Constraint> =
+        assembly.redundant_at.iter().filter(|(other, _)| other == state).map(|(_, one)| one).collect();
+    let mut states: Vec<u64> = assembly.redundant_at.iter().map(|(state, _)| *state).collect();
+    states.dedup();
+    let names: Vec<String> = at.iter().map(|one| one.to_string()).collect();
+    let also = if states.len() > 1 {
+        format!(" (and the like at {} more states)", states.len() - 1)
+    } else {
+        String::new()
+    };
+    let message = format!(
+        "at state {state}, {} depends on other constraints; {}{also}",
+        listed(&names),
+        Holds::Here.meaning()
+    );
+    let reason = "the rank of the constraint Jacobian is smaller than at other given states";
+    let remedy =
+        "keep clear of this position, or drive through it with care: forces grow without bound near it";
+    let finding =
+        Finding::new(scene, Code::AssemblyRedundantHere, place(scene, first), message, reason, remedy);
+    Some(finding.about(About { state: Some(*state), ..about(&at) }))
+}
+
+fn overdriven(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let first = assembly.overdriven.first()?;
+    let names: Vec<String> = assembly.overdriven.iter().map(ToString::to_string).collect();
+    let message =
+        format!("a motion is prescribed for what is determined already, initially: {}", listed(&names));
+    let reason = "with the drives, the rank grows by less than their number";
+    let remedy = "remove the motion, or free what determines it; at a dead centre, drive another component";
+    let finding = Finding::new(scene, Code::AssemblyOverdriven, place(scene, first), message, reason, remedy);
+    Some(finding.about(about(&assembly.overdriven.iter().collect::<Vec<_>>())))
+}
+
+fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let position = assembly.positions.iter().find(|position| !position.decided)?;
+    let when = position.state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"));
+    let doubtful: Vec<String> = position.doubtful.iter().map(ToString::to_string).collect();
+    let named = if doubtful.is_empty() { String::new() } else { format!(", in {}", listed(&doubtful)) };
+    let gap = match position.gap.singular_values {
+        Some([nonzero, zero]) => {
+            format!("the singular values next to each other are {nonzero:.1e} and {zero:.1e} of the largest")
+        }
+        None => format!(
+            "relative changes of {:.1e} and {:.1e} tell them apart",
+            position.gap.nonzero, position.gap.zero
+        ),
+    };
+    let message = format!("the rank of the constraints is not certain {when}{named}: {gap}");
+    let reason = "more than rounding explains, and less than the digits of a deck warrant";
+    let remedy =
+        "give coordinates and directions with all their digits, or move the position off the singular one";
+    let first = position.doubtful.first();
+    let place = first.map(|one| place(scene, one)).unwrap_or_default();
+    let about = About { state: position.state, ..about(&position.doubtful.iter().collect::<Vec<_>>()) };
+    Some(Finding::new(scene, Code::AssemblyUndecided, place, message, reason, remedy).about(about))
+}
+
+fn mechanism(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let undriven = assembly.positions.first()?.undriven;
+    if undriven == 0 {
+        return None;
+    }
+    let words: Vec<String> = assembly
+        .modes
+        .iter()
+        .take(NAMED)
+        .map(|mode| {
+            let nodes: Vec<String> = mode.nodes.iter().map(ToString::to_string).collect();
+            match mode.moving {
+                Some(1) => format!("node {}", listed(&nodes)),
+                Some(_) => format!("nodes {}", listed(&nodes)),
+                None => format!("node {} and what follows it", listed(&nodes)),
+            }
+        })
+        .collect();
+    let more = if undriven > NAMED { format!("; and {} more", undriven - NAMED) } else { String::new() };
+    let ways = if undriven == 1 { "1 way".to_string() } else { format!("{undriven} ways") };
+    let message =
+        format!("the assembly can move in {ways} that nothing drives, initially: {}{more}", words.join("; "));
+    let reason = "degrees of freedom less the rank of constraints and drives; springs, friction, stops and other elements are not looked at";
+    let remedy = "as it should be for a mechanism under forces; in statics, hold or drive the motion";
+    let mut nodes: Vec<Label> = assembly.modes.iter().flat_map(|mode| mode.nodes.iter().copied()).collect();
+    nodes.sort();
+    nodes.dedup();
+    nodes.truncate(100);
+    let about = About { nodes, value: Some(undriven as f64), ..About::default() };
+    Some(Finding::new(scene, Code::AssemblyMechanism, Span::default(), message, reason, remedy).about(about))
+}

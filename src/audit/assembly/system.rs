@@ -1,0 +1,434 @@
+//! The equations of an assembly: what is enforced, held and driven, without dimensions, and what belongs together.
+
+use super::eliminate::Sparse;
+use super::order::{Union, minimum_degree};
+use crate::connector::{Mask, Output, Request};
+use crate::evaluate::{Equation, Fixed, Freedom, Item, Jacobian, Model, Plan, Sequence, Source};
+use crate::measure::Unit;
+use crate::mpc::Kind;
+use crate::scalar::elementary::norm;
+use crate::scene::{Diagnostic, Label, MotionType, NodeMotion, Operation, Rotation, Scene, State, Target};
+use crate::so3;
+use std::collections::{HashMap, HashSet};
+use std::convert::Infallible;
+
+/// Why an equation holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    /// A connection type or a multi-point constraint enforces it.
+    Enforced,
+    /// A connector motion of zero holds an available component.
+    Held,
+    /// A connector motion, or a boundary condition that is not zero, drives it.
+    Driven,
+}
+
+/// A row: an equation of the Jacobian, or a degree of freedom that a boundary condition drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Origin {
+    Equation(Equation),
+    Boundary(Freedom),
+}
+
+/// Equations that share degrees of freedom, directly or through others.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Part {
+    /// Rows of the system, ascending.
+    pub(super) rows: Vec<u32>,
+    /// Columns of the system, by node, ascending.
+    pub(super) columns: Vec<u32>,
+    /// The groups of columns (nodes) in the order of elimination.
+    pub(super) order: Vec<u32>,
+    /// The length by which lengths are divided.
+    pub(super) length: f64,
+    /// Which connectors and MPCs of the model.
+    pub(super) connectors: Vec<usize>,
+    pub(super) mpcs: Vec<usize>,
+}
+
+/// What is enforced and held, by whether it is of a connector, and the index of that or of the MPC.
+type Evaluated = HashMap<(bool, usize), [Option<f64>; 7]>;
+
+/// All equations of a plan.
+pub(super) struct System<'a> {
+    pub(super) model: &'a Model,
+    pub(super) plan: &'a Plan,
+    pub(super) jacobian: Jacobian,
+    fixed: &'a Fixed,
+    pub(super) origins: Vec<Origin>,
+    pub(super) roles: Vec<Role>,
+    /// The columns that boundary conditions drive.
+    driven: Vec<u32>,
+    pub(super) parts: Vec<Part>,
+    /// Rows whose nodes are all fixed.
+    pub(super) fixed_rows: Vec<u32>,
+    hinges: HashSet<Label>,
+}
+
+/// What prescribed motions do in a step: components of connectors that are held or driven, degrees of freedom that are.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Prescribed {
+    pub(super) held: Fixed,
+    pub(super) motions: HashMap<(Label, usize), Role>,
+    pub(super) driven: HashSet<Freedom>,
+}
+
+impl Prescribed {
+    /// What is prescribed in a step, counted from 1; 0 is before the first.
+    pub(super) fn of(scene: &Scene, step: usize) -> Result<Self, Diagnostic> {
+        let held = Fixed::held_in_step(scene, step)?;
+        let driven = Fixed::in_step(scene, step)?.iter().filter(|freedom| !held.contains(*freedom)).collect();
+        let mut motions = HashMap::new();
+        let put = |motion: &crate::scene::ConnectorMotion, motions: &mut HashMap<(Label, usize), Role>| {
+            let is_held = motion.kind == MotionType::Displacement
+                && motion.magnitude.is_none_or(|magnitude| magnitude == 0.0)
+                && !motion.applied.user;
+            let labels: &[Label] = match &motion.target.value {
+                Target::Label(label) => std::slice::from_ref(label),
+                Target::Set(name) => {
+                    scene.element_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice())
+                }
+            };
+            for label in labels {
+                let k = usize::from(motion.component).saturating_sub(1);
+                motions.insert((*label, k), if is_held { Role::Held } else { Role::Driven });
+            }
+        };
+        for motion in &scene.connector_motions {
+            put(motion, &mut motions);
+        }
+        for step in scene.steps.iter().take(step) {
+            if step.connector_motions.iter().any(|motion| motion.applied.operation == Operation::New) {
+                motions.clear();
+            }
+            for motion in &step.connector_motions {
+                put(motion, &mut motions);
+            }
+        }
+        Ok(Self { held, motions, driven })
+    }
+}
+
+impl<'a> System<'a> {
+    /// The equations of a plan.
+    pub(super) fn new(model: &'a Model, plan: &'a Plan, prescribed: &'a Prescribed) -> Self {
+        let role = |label: Label, k: usize| prescribed.motions.get(&(label, k)).copied();
+        let jacobian = Jacobian::new(model, plan, &prescribed.held, |element, k| {
+            element.connector.is_constrained(k) || role(element.label, k).is_some()
+        });
+        let mut origins: Vec<Origin> =
+            jacobian.equations().iter().map(|row| Origin::Equation(*row)).collect();
+        let mut roles: Vec<Role> = jacobian
+            .equations()
+            .iter()
+            .map(|row| match row.source {
+                Source::Connector(index) => {
+                    let element = &model.connectors[index];
+                    let is_enforced = element.connector.is_constrained(row.component);
+                    let motion = || role(element.label, row.component).unwrap_or(Role::Held);
+                    if is_enforced { Role::Enforced } else { motion() }
+                }
+                Source::Mpc(_) => Role::Enforced,
+            })
+            .collect();
+        let mut driven = Vec::new();
+        for (column, freedom) in jacobian.freedoms().iter().enumerate() {
+            if prescribed.driven.contains(freedom) {
+                driven.push(column as u32);
+                origins.push(Origin::Boundary(*freedom));
+                roles.push(Role::Driven);
+            }
+        }
+        let hinges =
+            plan.mpcs.iter().flat_map(|index| model.mpcs[*index].nodes.iter().skip(2)).copied().collect();
+        let fixed = &prescribed.held;
+        let mut system = Self {
+            model,
+            plan,
+            jacobian,
+            fixed,
+            origins,
+            roles,
+            driven,
+            parts: Vec::new(),
+            fixed_rows: Vec::new(),
+            hinges,
+        };
+        system.divide();
+        system
+    }
+
+    /// The columns of a row.
+    fn row(&self, row: usize) -> &[u32] {
+        match row.checked_sub(self.jacobian.rows()) {
+            None => self.jacobian.row(row),
+            Some(driven) => std::slice::from_ref(&self.driven[driven]),
+        }
+    }
+
+    /// The length of what a row belongs to, where it has one.
+    fn length(&self, row: usize) -> Option<f64> {
+        let Origin::Equation(equation) = self.origins[row] else { return None };
+        let length = match equation.source {
+            Source::Connector(index) => norm(self.model.connectors[index].reference),
+            Source::Mpc(index) => norm(self.model.mpcs[index].constraint.arm()),
+        };
+        Some(length).filter(|length| *length > 0.0)
+    }
+
+    /// Finds what belongs together.
+    fn divide(&mut self) {
+        let freedoms = self.jacobian.freedoms();
+        let mut node_of = Vec::with_capacity(freedoms.len());
+        let mut nodes = 0;
+        for (column, freedom) in freedoms.iter().enumerate() {
+            if column > 0 && freedoms[column - 1].node != freedom.node {
+                nodes += 1;
+            }
+            node_of.push(nodes);
+        }
+        let count = if freedoms.is_empty() { 0 } else { nodes as usize + 1 };
+        let mut union = Union::new(count);
+        for row in 0..self.origins.len() {
+            let columns = self.row(row);
+            if let [first, rest @ ..] = columns {
+                for column in rest {
+                    union.join(node_of[*first as usize], node_of[*column as usize]);
+                }
+            }
+        }
+        let mut part_of: HashMap<u32, usize> = HashMap::new();
+        let mut parts: Vec<Part> = Vec::new();
+        for column in 0..freedoms.len() {
+            let root = union.find(node_of[column]);
+            let part = *part_of.entry(root).or_insert_with(|| {
+                parts.push(Part::default());
+                parts.len() - 1
+            });
+            parts[part].columns.push(column as u32);
+        }
+        let mut lengths: Vec<(f64, usize)> = vec![(0.0, 0); parts.len()];
+        let mut cliques: Vec<Vec<Vec<u32>>> = vec![Vec::new(); parts.len()];
+        let mut before: Option<Origin> = None;
+        let mut fixed_rows = Vec::new();
+        for row in 0..self.origins.len() {
+            let columns = self.row(row);
+            let Some(first) = columns.first() else {
+                fixed_rows.push(row as u32);
+                continue;
+            };
+            let Some(part) = part_of.get(&union.find(node_of[*first as usize])).copied() else { continue };
+            parts[part].rows.push(row as u32);
+            let mut clique: Vec<u32> = columns.iter().map(|column| node_of[*column as usize]).collect();
+            clique.dedup();
+            if cliques[part].last() != Some(&clique) {
+                cliques[part].push(clique);
+            }
+            let origin = self.origins[row];
+            let is_same = match (before, origin) {
+                (Some(Origin::Equation(old)), Origin::Equation(new)) => old.source == new.source,
+                _ => false,
+            };
+            if !is_same {
+                if let Origin::Equation(equation) = origin {
+                    match equation.source {
+                        Source::Connector(index) => parts[part].connectors.push(index),
+                        Source::Mpc(index) => parts[part].mpcs.push(index),
+                    }
+                }
+                if let Some(length) = self.length(row) {
+                    lengths[part].0 += length;
+                    lengths[part].1 += 1;
+                }
+            }
+            before = Some(origin);
+        }
+        for (part, ((sum, count), cliques)) in parts.iter_mut().zip(lengths.into_iter().zip(cliques)) {
+            part.length = if count > 0 { sum / count as f64 } else { 1.0 };
+            let mut local: HashMap<u32, u32> = HashMap::new();
+            for column in &part.columns {
+                let next = local.len() as u32;
+                local.entry(node_of[*column as usize]).or_insert(next);
+            }
+            let cliques: Vec<Vec<u32>> = cliques
+                .into_iter()
+                .map(|clique| clique.into_iter().filter_map(|node| local.get(&node).copied()).collect())
+                .collect();
+            part.order = minimum_degree(local.len(), &cliques);
+        }
+        self.parts = parts;
+        self.fixed_rows = fixed_rows;
+    }
+
+    /// Whether a row is an equation between lengths.
+    fn is_length(&self, row: usize) -> bool {
+        match self.origins[row] {
+            Origin::Boundary(freedom) => is_length(freedom.number),
+            Origin::Equation(Equation { source: Source::Mpc(_), component }) => {
+                Kind::row_unit(component) == Unit::Length
+            }
+            Origin::Equation(Equation { source: Source::Connector(index), component }) => {
+                let connector = &self.model.connectors[index].connector;
+                connector.differentiated(component).is_some_and(|measure| measure.unit() == Unit::Length)
+            }
+        }
+    }
+
+    /// By what the equation of a row is divided, so that it has no dimension.
+    fn scale(&self, part: &Part, row: usize) -> f64 {
+        if self.is_length(row) { part.length } else { 1.0 }
+    }
+
+    /// The rows and the matrix of a part without dimensions, from the entries of the Jacobian: rows of the roles wanted, what is enforced
+    /// before what is held before what is driven, so that of rows that depend on each other the last are named.
+    pub(super) fn matrix(
+        &self,
+        part: &Part,
+        values: &[f64],
+        wanted: impl Fn(Role) -> bool,
+    ) -> (Vec<u32>, Sparse) {
+        let freedoms = self.jacobian.freedoms();
+        let mut matrix = Sparse { offsets: vec![0], ..Sparse::default() };
+        let mut last = None;
+        for (local, column) in part.columns.iter().enumerate() {
+            let node = freedoms[*column as usize].node;
+            if last != Some(node) {
+                matrix.groups.push(local as u32);
+            }
+            last = Some(node);
+        }
+        matrix.groups.push(part.columns.len() as u32);
+        let of_role =
+            |role: Role| part.rows.iter().copied().filter(move |row| self.roles[*row as usize] == role);
+        let roles = [Role::Enforced, Role::Held, Role::Driven];
+        let rows: Vec<u32> = roles.into_iter().filter(|role| wanted(*role)).flat_map(of_role).collect();
+        for row in &rows {
+            let row = *row as usize;
+            let scale = self.scale(part, row);
+            let entries = self.jacobian.range(row).filter(|_| row < self.jacobian.rows());
+            for (at, column) in self.row(row).iter().enumerate() {
+                let value = entries.as_ref().map_or(1.0, |entries| values[entries.start + at]);
+                let by = if is_length(freedoms[*column as usize].number) { part.length } else { 1.0 };
+                let Ok(local) = part.columns.binary_search(column) else { continue };
+                matrix.columns.push(local as u32);
+                matrix.values.push(value * by / scale);
+            }
+            matrix.offsets.push(matrix.columns.len());
+        }
+        (rows, matrix)
+    }
+
+    /// The residuals of all rows of the system at the state that a sequence of the same plan comes to, without dimensions.
+    pub(super) fn all_residuals(&self, sequence: &Sequence<'_>, state: &State) -> Vec<f64> {
+        let mut all = vec![0.0; self.origins.len()];
+        let of_source = self.evaluated(sequence, state);
+        for part in &self.parts {
+            for row in &part.rows {
+                all[*row as usize] = self.residual(part, *row as usize, &of_source);
+            }
+        }
+        all
+    }
+
+    /// The residuals of the rows of a part at the state that a sequence of the same plan comes to, without dimensions: those of driven rows are 0.
+    pub(super) fn residuals(&self, part: &Part, sequence: &Sequence<'_>, state: &State) -> Vec<f64> {
+        let of_source = self.evaluated(sequence, state);
+        part.rows.iter().map(|row| self.residual(part, *row as usize, &of_source)).collect()
+    }
+
+    /// What is enforced and held, by connector (true) or MPC and index.
+    fn evaluated(&self, sequence: &Sequence<'_>, state: &State) -> Evaluated {
+        let mut sequence = sequence.clone();
+        let mut of_source = Evaluated::new();
+        let Ok(()) = sequence.visit(state, |item| -> Result<(), Infallible> {
+            match item {
+                Item::Connector(result) => {
+                    let evaluation = &result.evaluation;
+                    let connector = &self.model.connectors[result.index].connector;
+                    let mut of = [None; 7];
+                    for k in 0..6 {
+                        of[k] = if connector.is_constrained(k) {
+                            evaluation.residual[k]
+                        } else {
+                            evaluation.displacement[k]
+                        };
+                    }
+                    of_source.insert((true, result.index), of);
+                }
+                Item::Mpc(result) => {
+                    of_source.insert((false, result.index), result.evaluation.residual);
+                }
+            }
+            Ok(())
+        });
+        of_source
+    }
+
+    fn residual(&self, part: &Part, row: usize, of_source: &Evaluated) -> f64 {
+        let Origin::Equation(equation) = self.origins[row] else { return 0.0 };
+        if self.roles[row] == Role::Driven {
+            return 0.0;
+        }
+        let key = match equation.source {
+            Source::Connector(index) => (true, index),
+            Source::Mpc(index) => (false, index),
+        };
+        let residual = of_source.get(&key).and_then(|of| of[equation.component]).unwrap_or_default();
+        residual / self.scale(part, row)
+    }
+
+    /// A state whose nodes are moved by a solution without dimensions.
+    pub(super) fn moved(&self, part: &Part, state: &State, solution: &[f64]) -> State {
+        let freedoms = self.jacobian.freedoms();
+        let mut changes: HashMap<Label, [f64; 7]> = HashMap::new();
+        for (column, change) in part.columns.iter().zip(solution) {
+            let Freedom { node, number } = freedoms[*column as usize];
+            let by = if is_length(number) { part.length } else { 1.0 };
+            let place = if number == 10 { 6 } else { usize::from(number) - 1 };
+            changes.entry(node).or_default()[place] = change * by;
+        }
+        let mut next = state.clone();
+        for (node, change) in changes {
+            let motion = next.nodes.entry(node).or_default();
+            let turned = |at: usize| {
+                let along = [change[at], change[at + 1], change[at + 2]];
+                match self.fixed.axes(node) {
+                    // Axes are rows: the vector is the sum of the axes times the components along them.
+                    Some(axes) => crate::vector::apply_transposed(axes, along),
+                    None => along,
+                }
+            };
+            let [by, turn] = [turned(0), turned(3)];
+            for i in 0..3 {
+                motion.displacement[i] += by[i];
+            }
+            motion.flow += change[6];
+            motion.rotation = rotated(motion, turn, self.hinges.contains(&node));
+        }
+        next
+    }
+}
+
+/// The rotation of a node after a turn; the angle of a hinge is component 3 of its vector.
+fn rotated(motion: &NodeMotion, turn: [f64; 3], is_hinge: bool) -> Rotation {
+    match motion.rotation {
+        Rotation::Vector([x, y, angle]) if is_hinge => Rotation::Vector([x, y, angle + turn[2]]),
+        rotation if turn == [0.0; 3] => rotation,
+        Rotation::Vector(vector) => {
+            Rotation::Quaternion(so3::normalize(so3::compose(so3::exp(turn), so3::exp(vector))))
+        }
+        Rotation::Quaternion(q) => Rotation::Quaternion(so3::normalize(so3::compose(so3::exp(turn), q))),
+    }
+}
+
+/// Whether a degree of freedom is a length: displacements and material flow.
+fn is_length(number: u8) -> bool {
+    !matches!(number, 4..=6)
+}
+
+/// What residuals are made of.
+pub(super) fn request() -> Request {
+    const ALL: Mask = [true; 6];
+    Request::new(&[Output::CU, Output::RES], ALL, 0)
+}

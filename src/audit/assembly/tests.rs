@@ -1,0 +1,111 @@
+//! Elimination against dense singular values, on random sparse matrices whose rank is known.
+
+use super::dense::{made_of, singular_values};
+use super::eliminate::{Sparse, Task, eliminate};
+use super::order::minimum_degree;
+use crate::audit::sample::Draw;
+
+/// Rows over two or three groups of three columns each; of the last `dependent` rows each is a sum of multiples of three others that
+/// share their groups.
+fn random(groups: usize, independent: usize, dependent: usize, draw: &mut Draw) -> Sparse {
+    let mut matrix = Sparse { offsets: vec![0], ..Sparse::default() };
+    matrix.groups = (0..=groups as u32).map(|group| 3 * group).collect();
+    let mut rows: Vec<Vec<(u32, f64)>> = Vec::new();
+    for i in 0..independent {
+        // Neighbours share groups, so that some rows touch the same columns.
+        let (first, second) = (i % groups, (i + 1 + draw.below(2)) % groups);
+        let columns = [first, second].map(|group| (0..3).map(move |k| (3 * group + k) as u32));
+        rows.push(columns.into_iter().flatten().map(|column| (column, draw.between(-1.0, 1.0))).collect());
+    }
+    for _ in 0..dependent {
+        let mut sum = vec![0.0; 3 * groups];
+        for _ in 0..3 {
+            let (of, times) = (draw.below(independent), draw.between(0.5, 2.0));
+            rows[of].iter().for_each(|(column, value)| sum[*column as usize] += times * value);
+        }
+        let entries = sum.iter().enumerate().filter(|(_, value)| **value != 0.0);
+        rows.push(entries.map(|(column, value)| (column as u32, *value)).collect());
+    }
+    for row in rows {
+        let mut row: Vec<(u32, f64)> = row;
+        row.sort_by_key(|(column, _)| *column);
+        row.dedup_by_key(|(column, _)| *column);
+        for (column, value) in row {
+            matrix.columns.push(column);
+            matrix.values.push(value);
+        }
+        matrix.offsets.push(matrix.columns.len());
+    }
+    matrix
+}
+
+fn order(matrix: &Sparse) -> Vec<u32> {
+    let of = matrix.group_of();
+    let clique = |row: usize| -> Vec<u32> {
+        let mut groups: Vec<u32> =
+            matrix.columns[matrix.range(row)].iter().map(|column| of[*column as usize]).collect();
+        groups.dedup();
+        groups
+    };
+    let cliques: Vec<Vec<u32>> = (0..matrix.rows()).map(clique).collect();
+    minimum_degree(matrix.groups.len() - 1, &cliques)
+}
+
+/// J q, without cancellation errors that matter.
+fn largest_product(matrix: &Sparse, vector: &[f64]) -> f64 {
+    let row = |row: usize| {
+        matrix.range(row).map(|at| matrix.values[at] * vector[matrix.columns[at] as usize]).sum::<f64>().abs()
+    };
+    (0..matrix.rows()).map(row).fold(0.0, f64::max)
+}
+
+#[test]
+fn rank_is_that_of_singular_values() {
+    let mut draw = Draw::new("assembly");
+    for case in 0..200 {
+        let groups = 3 + draw.below(20);
+        let independent = 1 + draw.below(3 * groups + 4);
+        let dependent = draw.below(6);
+        let matrix = random(groups, independent, dependent, &mut draw);
+        let outcome = eliminate(&matrix, &order(&matrix), Task { keep: true, ..Task::default() });
+        let values = singular_values(&matrix);
+        let largest = values.first().copied().unwrap_or_default();
+        let rank = values.iter().filter(|value| **value > 1e-12 * largest).count();
+        assert_eq!(outcome.rank, rank, "case {case}: {values:?} {:?} {:?}", outcome.gap, outcome.doubtful);
+        assert_eq!(outcome.dependent.len(), matrix.rows() - rank, "case {case}");
+        assert_eq!(outcome.free.len(), matrix.width() - rank, "case {case}");
+        // The pivots leave null vectors that are.
+        for column in &outcome.free {
+            let vector = outcome.solve(matrix.width(), |other| f64::from(u8::from(other == *column)), true);
+            let size = vector.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+            assert!(largest_product(&matrix, &vector) < 1e-10 * size, "case {case}");
+        }
+        // And each dependent row is made of others.
+        for row in &outcome.dependent {
+            let made = made_of(&matrix, &outcome.dependent, *row);
+            assert!(!made.is_empty() && !made.contains(row), "case {case}");
+        }
+    }
+}
+
+#[test]
+fn a_right_hand_side_is_met() {
+    let mut draw = Draw::new("solve");
+    for case in 0..50 {
+        let groups = 3 + draw.below(10);
+        let rows = 1 + draw.below(3 * groups - 1);
+        let matrix = random(groups, rows, 0, &mut draw);
+        let wanted: Vec<f64> = (0..matrix.width()).map(|_| draw.between(-1.0, 1.0)).collect();
+        let right: Vec<f64> = (0..matrix.rows())
+            .map(|row| {
+                matrix.range(row).map(|at| matrix.values[at] * wanted[matrix.columns[at] as usize]).sum()
+            })
+            .collect();
+        let task = Task { right: Some(&right), keep: true, ..Task::default() };
+        let outcome = eliminate(&matrix, &order(&matrix), task);
+        let solution = outcome.solve(matrix.width(), |column| wanted[column as usize], false);
+        let difference: Vec<f64> = solution.iter().zip(&wanted).map(|(x, y)| x - y).collect();
+        let size = solution.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+        assert!(largest_product(&matrix, &difference) < 1e-10 * size, "case {case}");
+    }
+}

@@ -1,0 +1,125 @@
+//! Nodal forces of unit component forces, and how they change: the product's, and what differences on 237-bit numbers say.
+//!
+//! Row k of [`Quantity::NodalForces`] holds the nodal forces of a unit force of component k, residual-side: the derivatives of
+//! the position that is conjugate to it, of the length of a belt, or of the turn of b against a about the axis that a constraint
+//! moment is printed about. [`Quantity::GeometricStiffness`] holds their derivatives: second derivatives where the row is a
+//! gradient.
+
+use super::case::Case;
+use super::quantity::{Entries, Numbers, Quantity};
+use super::truth::{Truth, bracket};
+use crate::catalog::Loading;
+use crate::connector::{Branch, Components, Connector, NodalRow, Output, Request, State, Tally};
+use crate::force::Want;
+use crate::node::{self, DOFS, Pair};
+use crate::scalar::elementary::norm;
+use crate::scalar::{Differentiable, Scalar, Wide};
+use crate::so3;
+use crate::vector::{Vector, dot, product, sub, transpose};
+
+/// What the connector says of its forces at a state, into the numbers of that state.
+pub(super) fn add_forces<R: Differentiable>(
+    numbers: &mut Numbers<R>,
+    connector: &Connector<R>,
+    state: &State<R>,
+    branch: &Branch<R>,
+) {
+    let want = Want { stiffness: true, ..Want::default() };
+    let rows = connector.force_rows(state, branch, [true; 6], want, &mut Tally::default());
+    let row = |k: usize| rows.row(k).map(|row| row.row.to_vec());
+    let change = |k: usize| Some(rows.row(k)?.change.as_ref()?.as_flattened().to_vec());
+    numbers.set(Quantity::NodalForces, Entries(std::array::from_fn(row)));
+    numbers.set(Quantity::GeometricStiffness, Entries(std::array::from_fn(change)));
+}
+
+/// The product's numbers at the end of a case; `None` for an empty path.
+pub fn product_with_forces(case: &Case) -> Option<Numbers<f64>> {
+    let (evaluation, _) = case.evaluation(&super::quantity::request())?;
+    let mut numbers = Numbers::of(&evaluation);
+    add_forces(&mut numbers, &case.connector(), &case.last()?.state, &evaluation.branch);
+    Some(numbers)
+}
+
+impl Truth {
+    /// The rows of virtual work, as differences of what each force is conjugate to.
+    pub fn force_rows(&self) -> Entries<Wide> {
+        let mut found: Components<Vec<Wide>> =
+            std::array::from_fn(|k| self.connector().has_force(k).then(|| vec![Wide::zero(); DOFS]));
+        let conjugate = |by: &NodalRow<Wide>| self.conjugates(by);
+        for j in self.reach() {
+            let ([plus, minus], width) = self.around(j);
+            let (plus, minus) = (conjugate(&plus), conjugate(&minus));
+            for (k, row) in found.iter_mut().enumerate() {
+                if let (Some(row), Some(plus), Some(minus)) = (row, plus[k], minus[k]) {
+                    row[j] = (plus - minus) / width;
+                }
+            }
+        }
+        Entries(found)
+    }
+
+    /// How the rows of virtual work change, as differences of the rows; of gradients less half the bracket of two rotations.
+    pub fn force_row_changes(&self) -> Entries<Wide> {
+        let rows = |by: &NodalRow<Wide>| {
+            let state = self.state_at(by);
+            let want = Want::default();
+            let tally = &mut Tally::default();
+            let found = self.connector().force_rows(&state, self.branch(), [true; 6], want, tally);
+            std::array::from_fn::<_, 6, _>(|k| found.row(k).map(|row| (row.row, row.is_gradient)))
+        };
+        let at_rest = rows(&[Wide::zero(); DOFS]);
+        let mut found: Components<Vec<Wide>> =
+            std::array::from_fn(|k| at_rest[k].map(|_| vec![Wide::zero(); DOFS * DOFS]));
+        for l in self.reach() {
+            let ([plus, minus], width) = self.around(l);
+            let (plus, minus) = (rows(&plus), rows(&minus));
+            for (k, change) in found.iter_mut().enumerate() {
+                let (Some(change), Some((plus, _)), Some((minus, _)), Some((row, is_gradient))) =
+                    (change, plus[k], minus[k], at_rest[k])
+                else {
+                    continue;
+                };
+                for j in self.reach() {
+                    let slope = (plus[j] - minus[j]) / width;
+                    change[j * DOFS + l] = if is_gradient { slope - bracket(&row, j, l) } else { slope };
+                }
+            }
+        }
+        Entries(found)
+    }
+
+    /// What the forces are conjugate to, after the nodes have moved: functions whose derivatives are the rows.
+    fn conjugates(&self, by: &NodalRow<Wide>) -> Components<Wide> {
+        let connector = self.connector();
+        let positions = Request::new(&[Output::CP], [true; 6], 0);
+        let position = self.evaluate(by, &positions).position;
+        let state = self.state_at(by);
+        let was = self.state();
+        std::array::from_fn(|k| {
+            if !connector.has_force(k) {
+                return None;
+            }
+            match connector.connection().loading(k)? {
+                Loading::Conjugate if connector.position_measure(k)?.is_one_form() => {
+                    Some(self.accumulated(by))
+                }
+                Loading::Conjugate => position[k],
+                // The belt is |d| long, and what flows in at a and out at b comes on top.
+                Loading::Tension => {
+                    Some(norm(state.pair.separation()) + state.pair.b.flow - state.pair.a.flow)
+                }
+                Loading::AlongA(_) | Loading::FrozenAxis(_) => {
+                    let axis = connector.moment_axis(k, &was.pair.a.triad)?;
+                    Some(dot(axis, turned(&was.pair, &state.pair)))
+                }
+            }
+        })
+    }
+}
+
+/// How far b has turned more than a since a pair was there, for small turns.
+fn turned(was: &Pair<Wide>, is: &Pair<Wide>) -> Vector<Wide> {
+    let since =
+        |was: &node::Node<Wide>, is: &node::Node<Wide>| so3::log(&product(&is.triad, &transpose(&was.triad)));
+    sub(since(&was.b, &is.b), since(&was.a, &is.a))
+}

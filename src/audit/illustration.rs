@@ -1,0 +1,221 @@
+//! One state of a connector for looking at: its Jacobian beside what it must be, and how approximations of it depend on the step.
+
+use super::bound::Bound;
+use super::case::{Case, dof_size};
+use super::force::product_with_forces as product;
+use super::oracle::{Narrow, WideAnswers};
+use super::outcome::Report;
+use super::quantity::{Entries, Quantity};
+use super::sample::{Draw, Extent, cases};
+use super::scene::{self, Target};
+use super::truth::Truth;
+use super::verdict::Verdict;
+use crate::catalog::{ConnectionType, TABLE};
+use crate::connector::Components;
+use crate::evaluate::ConnectorElement;
+use crate::node::DOFS;
+use crate::scalar::Wide;
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// An entry of a Jacobian beside what it must be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compared {
+    /// What was given.
+    pub got: f64,
+    /// What it must be, rounded to a double.
+    pub want: f64,
+    /// How far apart they may be.
+    pub tolerance: f64,
+    /// |got − want| in units of the tolerance; infinite where it is not a number.
+    pub units: f64,
+}
+
+/// A Jacobian beside what it must be: rows by component, columns by nodal degree of freedom ([`crate::node::DOF`]).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Comparison(pub Components<[Compared; DOFS]>);
+
+impl Comparison {
+    /// Of rows given, in the units of the bound.
+    pub fn new(got: &Entries<f64>, want: &Entries<Wide>, bound: &Bound) -> Self {
+        let row = |k: usize| {
+            got.0[k].as_ref().zip(want.0[k].as_ref())?;
+            Some(std::array::from_fn(|j| {
+                let missing = f64::NAN;
+                let given = got.get(k, j).unwrap_or(missing);
+                let want = want.get(k, j).unwrap_or(Wide::from_f64(missing));
+                let tolerance = bound.tolerance(Quantity::FirstDerivatives, k, j);
+                let error = (Wide::from_f64(given) - want).abs().to_f64();
+                let units = if error == 0.0 { 0.0 } else { error / tolerance };
+                let units = if units.is_nan() { f64::INFINITY } else { units };
+                Compared { got: given, want: want.to_f64(), tolerance, units }
+            }))
+        };
+        Self(std::array::from_fn(row))
+    }
+
+    /// The largest error in units of its tolerance.
+    pub fn worst(&self) -> f64 {
+        self.0.iter().flatten().flatten().fold(0.0_f64, |most, entry| most.max(entry.units))
+    }
+}
+
+/// Errors of ∂f·v along one direction v of all nodes (1 rad, one length) against the step h, in units of the tolerance of ∂f·v:
+/// the largest of all components.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Steps {
+    /// (h, |f(q + hv) − f(q) − h ∂f·v|/h) on 237 bits, with the rows judged: falls like h down to the rounding of the rows.
+    pub remainder: Vec<[f64; 2]>,
+    /// (h, |(f(q + hv) − f(q − hv))/2h − ∂f·v|) on doubles: what a difference quotient would have to
+    /// be compared within. None where there is no function, only a one-form.
+    pub differences: Vec<[f64; 2]>,
+}
+
+/// One state for looking at.
+#[derive(Clone, Debug)]
+pub struct Illustration {
+    /// The connector or type.
+    pub subject: String,
+    /// The state.
+    pub state: String,
+    /// Its Jacobian.
+    pub comparison: Comparison,
+    /// How approximations depend on the step.
+    pub steps: Steps,
+}
+
+/// One state of every type of the catalogue: both nodes turned and moved, axes aligned initially.
+pub fn illustrate_catalogue() -> Vec<Illustration> {
+    let of = |connection: &ConnectionType| {
+        let mut tried = cases(connection, Extent::Brief).into_iter();
+        tried.find_map(|case| Illustration::of(&connection.name, &case))
+    };
+    TABLE.par_iter().filter_map(of).collect()
+}
+
+/// The last state of the connectors of a scene, at most so many, those first that did not pass in a report; where a scene has
+/// no states, one drawn about the initial one.
+pub fn illustrate_scene(target: &Target<'_>, report: &Report, most: usize) -> Vec<Illustration> {
+    let passed: HashSet<&str> = report
+        .subjects
+        .iter()
+        .filter(|subject| subject.scene.as_deref() == Some(target.name))
+        .filter(|subject| subject.derivative.headline() == Verdict::Pass)
+        .map(|subject| subject.name.as_str())
+        .collect();
+    let mut connectors = target.plan.connectors.clone();
+    let title = |at: &usize| target.model.connectors.get(*at).map(ConnectorElement::title);
+    connectors.sort_by_cached_key(|at| title(at).is_none_or(|title| passed.contains(title.as_str())));
+    connectors.truncate(most);
+    connectors.sort_unstable();
+    let cases = scene::last_cases(target, &connectors);
+    cases
+        .into_par_iter()
+        .filter_map(|(title, case)| Illustration::of(&format!("{}: {title}", target.name), &case))
+        .collect()
+}
+
+/// The steps on 237 bits, by powers of ten.
+const WIDE_STEPS: std::ops::RangeInclusive<i32> = -24..=-1;
+
+/// The steps on doubles.
+const STEPS: std::ops::RangeInclusive<i32> = -14..=-1;
+
+impl Illustration {
+    /// Of the product at the end of a case; `None` for an empty path, or on a singular set.
+    pub fn of(subject: &str, case: &Case) -> Option<Self> {
+        let truth = Truth::of(case)?;
+        let step = case.last()?;
+        let nearness = truth.nearness();
+        if nearness == 0.0 {
+            return None;
+        }
+        let numbers = product(case)?;
+        let answers = WideAnswers::of(&truth);
+        let trusted = super::atlas::truth_to_f64(&answers.differences);
+        let bound =
+            Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+        let rows = numbers.entries(Quantity::FirstDerivatives);
+        let want = answers.differences.entries(Quantity::FirstDerivatives);
+        Some(Self {
+            subject: subject.to_string(),
+            state: case.name.clone(),
+            comparison: Comparison::new(rows, want, &bound),
+            steps: steps(case, rows, &truth, &bound)?,
+        })
+    }
+}
+
+fn steps(case: &Case, rows: &Entries<f64>, truth: &Truth, bound: &Bound) -> Option<Steps> {
+    let narrow = Narrow::of(case)?;
+    let connector = case.connector();
+    let draw = &mut Draw::new(&case.name);
+    let drawn = draw.rates(1.0);
+    let v: [f64; DOFS] = std::array::from_fn(|j| {
+        let size = dof_size(j, case.length) * truth.nearness();
+        if narrow.active()[j] { drawn[j] * size } else { 0.0 }
+    });
+    let slope = |k: usize| -> Option<Wide> {
+        let row = rows.0[k].as_ref()?;
+        Some(
+            row.iter()
+                .zip(&v)
+                .fold(Wide::from_f64(0.0), |sum, (r, v)| sum + Wide::from_f64(*r) * Wide::from_f64(*v)),
+        )
+    };
+    let slopes: Components<Wide> = std::array::from_fn(slope);
+    let allowed: [f64; 6] = std::array::from_fn(|k| {
+        (0..DOFS).map(|j| bound.tolerance(Quantity::FirstDerivatives, k, j) * v[j].abs()).sum()
+    });
+    let in_units = |error: f64, k: usize| if error == 0.0 { 0.0 } else { error / allowed[k] };
+    let mut found = Steps::default();
+    let still = truth.displaced(&[0.0; DOFS], 0.0);
+    for exponent in WIDE_STEPS {
+        let h = 10.0_f64.powi(exponent);
+        let moved = truth.displaced(&v, h);
+        let errors = (0..6).filter_map(|k| {
+            let quotient = (moved[k]? - still[k]?) / Wide::from_f64(h);
+            Some(in_units((quotient - slopes[k]?).abs().to_f64(), k))
+        });
+        found.remainder.push([h, errors.fold(0.0, f64::max)]);
+    }
+    for exponent in STEPS {
+        let h = 10.0_f64.powi(exponent);
+        let [plus, minus] = [h, -h].map(|h| narrow.values(&v.map(|v| v * h)));
+        let errors = (0..6).filter_map(|k| {
+            if connector.differentiated(k).is_none_or(|measure| measure.is_one_form()) {
+                return None;
+            }
+            let quotient = (plus[k]? - minus[k]?) / (2.0 * h);
+            Some(in_units((Wide::from_f64(quotient) - slopes[k]?).abs().to_f64(), k))
+        });
+        let largest = errors.fold(None, |most: Option<f64>, x| Some(most.map_or(x, |most| most.max(x))));
+        found.differences.extend(largest.map(|error| [h, error]));
+    }
+    Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rows are right at every type, Taylor's remainder falls to the rounding of the row, and a difference quotient on
+    /// doubles never gets there.
+    #[test]
+    fn curves_say_what_they_must() {
+        for connection in TABLE {
+            let case = cases(connection, Extent::Brief).swap_remove(0);
+            let shown = Illustration::of(&connection.name, &case).unwrap();
+            assert!(shown.comparison.worst() <= 1.0, "{}", connection.name);
+            let last = shown.steps.remainder[0][1];
+            assert!(last <= 1.0, "{}: {last}", connection.name);
+            let nonlinear = shown.steps.remainder.last().unwrap()[1] > 1e3;
+            let best = shown.steps.differences.iter().fold(f64::INFINITY, |least, p| least.min(p[1]));
+            assert!(
+                !nonlinear || best > 10.0 || shown.steps.differences.iter().all(|p| p[1] == 0.0),
+                "{} {best}",
+                connection.name
+            );
+        }
+    }
+}

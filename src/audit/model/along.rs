@@ -1,0 +1,290 @@
+//! What happens along the given states: singular points on the way or near it, angles that move too far to count their turns,
+//! constraints that do not hold.
+
+use super::finding::{About, Finding};
+use super::gather::Gathered;
+use crate::catalog::COMPONENT;
+use crate::connector::{Flag, Mask, Output, Request};
+use crate::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, Selection, Sequence};
+use crate::measure::{Margin, Measure, Unit};
+use crate::scalar::elementary::norm;
+use crate::scene::{Code, Label, Scene, Severity, Span, State};
+use std::convert::Infallible;
+
+/// The distance to a singular set (rad; of a length, in units of the connector's own) below which the way is noted.
+const NEAR: f64 = 0.05;
+/// The residual (rad; of a length, in units of the connector's own) beyond which a state does not satisfy a constraint: well above
+/// what single precision and the tolerances of solvers leave.
+const VIOLATED: f64 = 1e-3;
+/// Every component.
+const ALL: Mask = [true; 6];
+
+/// What is found at the initial state and along those given. `seen` is handed every connector at every given state.
+pub(super) fn findings(
+    scene: &Scene,
+    model: &Model,
+    states: &[State],
+    seen: &mut dyn FnMut(&ConnectorResult),
+) -> Vec<Finding> {
+    let mut walk = Walk { scene, model, lengths: lengths(model), gathered: Gathered::default(), state: None };
+    let request = Request::new(&[Output::CP, Output::CU, Output::RES], ALL, 0);
+    let Ok(plan) = Plan::compile(model, &Selection::All, request) else { return Vec::new() };
+    let mut sequence = Sequence::new(model, &plan);
+    let Ok(()) = sequence.visit(&State::default(), |item| -> Result<(), Infallible> {
+        walk.look(&item);
+        Ok(())
+    });
+    let mut sequence = Sequence::new(model, &plan);
+    for (index, state) in states.iter().enumerate() {
+        walk.state = Some(state.number.unwrap_or(index as u64));
+        let Ok(()) = sequence.visit(state, |item| -> Result<(), Infallible> {
+            walk.look(&item);
+            if let Item::Connector(result) = &item {
+                seen(result);
+            }
+            Ok(())
+        });
+    }
+    walk.gathered.findings().collect()
+}
+
+/// The length that tells near from far, for each connector: its own, or the mean of the model where its nodes coincide.
+fn lengths(model: &Model) -> Vec<f64> {
+    let own: Vec<f64> = model.connectors.iter().map(|element| norm(element.reference)).collect();
+    let apart: Vec<f64> = own.iter().copied().filter(|length| *length > 0.0).collect();
+    let mean = if apart.is_empty() { 1.0 } else { apart.iter().sum::<f64>() / apart.len() as f64 };
+    own.into_iter().map(|length| if length > 0.0 { length } else { mean }).collect()
+}
+
+struct Walk<'a> {
+    scene: &'a Scene,
+    model: &'a Model,
+    lengths: Vec<f64>,
+    gathered: Gathered,
+    /// The number of the state; none for the initial one.
+    state: Option<u64>,
+}
+
+/// What is found, before it is a finding.
+struct Found {
+    code: Code,
+    what: String,
+    reason: String,
+    remedy: &'static str,
+    component: String,
+    /// How much: smaller is worse for distances, larger for the others.
+    value: f64,
+}
+
+impl Walk<'_> {
+    fn look(&mut self, item: &Item) {
+        match item {
+            Item::Connector(result) => self.connector(result),
+            Item::Mpc(result) => self.constraint(result),
+        }
+    }
+
+    fn when(&self) -> String {
+        self.state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"))
+    }
+
+    fn connector(&mut self, result: &ConnectorResult) {
+        let Some(element) = self.model.connectors.get(result.index) else { return };
+        let Some(given) = self.scene.connectors.get(&element.label) else { return };
+        let length = self.lengths.get(result.index).copied().unwrap_or(1.0);
+        let mut found: Vec<Found> = Vec::new();
+        for flag in &result.flags {
+            found.extend(self.flag(element, flag));
+        }
+        for (k, margin) in result.margins.iter().enumerate() {
+            let Some(Margin { distance, set }) = *margin else { continue };
+            let size = if set.unit == Unit::Length { length } else { 1.0 };
+            let is_told = found.iter().any(|told| told.component == COMPONENT[k]);
+            if distance >= NEAR * size || is_told || self.is_directed(element, k) {
+                continue;
+            }
+            found.push(Found {
+                code: Code::ModelNearSingular,
+                what: format!("{} is {distance:.3e}{} from {} ({})", COMPONENT[k], unit(set.unit), set.at, class(set.class)),
+                reason: format!("distance: {}", set.distance),
+                remedy: "keep clear of it, or choose a type that is regular there (`pintle explain` names the singular points)",
+                component: COMPONENT[k].to_string(),
+                value: distance,
+            });
+        }
+        let [position, displacement, residual] =
+            [result.evaluation.position, result.evaluation.displacement, result.evaluation.residual];
+        for (quantity, values) in
+            [("the position", position), ("the displacement", displacement), ("the residual", residual)]
+        {
+            for k in (0..6).filter(|k| values[*k].is_some_and(|value| !value.is_finite())) {
+                found.extend(flagged(&Flag::NotFinite { component: COMPONENT[k], quantity }, false));
+            }
+        }
+        for (k, residual) in residual.into_iter().enumerate() {
+            let Some(residual) = residual else { continue };
+            let of_length = element.connector.differentiated(k).is_some_and(|m| m.unit() == Unit::Length);
+            let size = if of_length { length } else { 1.0 };
+            if residual.abs() > VIOLATED * size {
+                found.push(violated(COMPONENT[k], residual, of_length));
+            }
+        }
+        for found in found {
+            self.add((given.section, element.label, given.span), format!("element {}", element.label), found);
+        }
+    }
+
+    fn constraint(&mut self, result: &MpcResult) {
+        let Some(element) = self.model.mpcs.get(result.index) else { return };
+        let place = self.scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some()).nth(result.index);
+        let span = place.map(|mpc| mpc.span).unwrap_or_default();
+        let title = element.title();
+        let arm = norm(element.constraint.arm());
+        let mut found: Vec<Found> = result.flags.iter().filter_map(|flag| flagged(flag, false)).collect();
+        for (row, residual) in result.evaluation.residual.iter().enumerate() {
+            let Some(residual) = *residual else { continue };
+            let of_length = !(crate::mpc::RHO..crate::mpc::FLOW).contains(&row);
+            let size = if of_length && arm > 0.0 { arm } else { 1.0 };
+            if residual.abs() > VIOLATED * size {
+                found.push(violated(element.constraint.kind().row_name(row), residual, of_length));
+            }
+        }
+        for found in found {
+            // Constraints have no section; each is told by itself.
+            let section = usize::MAX - result.index;
+            let Some(first) = element.nodes.first().copied() else { return };
+            self.add((section, first, span), title.clone(), found);
+        }
+    }
+
+    fn add(&mut self, (section, label, place): (usize, Label, Span), title: String, found: Found) {
+        let is_constraint = !title.starts_with("element ");
+        let message = format!("{title}: {} {}", found.what, self.when());
+        let mut about = About {
+            components: vec![found.component],
+            state: self.state,
+            value: Some(found.value),
+            ..About::default()
+        };
+        if is_constraint {
+            about.mpcs = vec![title];
+        } else {
+            about.elements = vec![label];
+        }
+        let nearer_is_worse = matches!(
+            found.code,
+            Code::ModelNearSingular
+                | Code::ModelIllConditioned
+                | Code::ModelNearlyCoincident
+                | Code::ModelSingular
+        );
+        let finding = Finding::new(self.scene, found.code, place, message, found.reason, found.remedy)
+            .of_severity(found.code.severity().min(Severity::Warning))
+            .about(about);
+        self.gathered.add(section, label, finding, |new, old| match (new.value, old.value) {
+            (Some(new), Some(old)) if nearer_is_worse => new < old,
+            (Some(new), Some(old)) => new.abs() > old.abs(),
+            _ => false,
+        });
+    }
+
+    /// Whether an orientation stands in for the line of the nodes where they coincide.
+    fn is_directed(&self, element: &ConnectorElement, k: usize) -> bool {
+        element.connector.position_measure(k) == Some(Measure::Distance)
+            && element.definition.fixed_direction != [0.0; 3]
+    }
+
+    fn flag(&self, element: &ConnectorElement, flag: &Flag) -> Option<Found> {
+        let k = COMPONENT.iter().position(|name| *name == flag.component())?;
+        let measure = element.connector.position_measure(k)?;
+        let is_length = matches!(measure, Measure::Distance | Measure::Strain);
+        if self.is_directed(element, k) && matches!(flag, Flag::Singular { .. } | Flag::IllConditioned { .. })
+        {
+            return None;
+        }
+        flagged(flag, is_length && self.state.is_none())
+    }
+}
+
+/// What a flag says, as a finding; `is_length`: of the distance of two nodes, initially.
+fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
+    let component = flag.component().to_string();
+    let found = match flag {
+        Flag::Singular { component: name, at, class: of } => Found {
+            // Where a rule does not refuse it.
+            code: if is_length { Code::CoincidentNodes } else { Code::ModelSingular },
+            what: format!("{name} is singular ({at}; {})", class(*of)),
+            reason: "derivatives do not exist there, and are reported as zero or along the direction kept"
+                .into(),
+            remedy: if is_length {
+                "move a node, or name an orientation that stands in for the direction where the type takes one"
+            } else {
+                "choose another initial orientation, or a type that is regular there (`pintle explain` names the singular points)"
+            },
+            component,
+            value: 0.0,
+        },
+        Flag::IllConditioned { component: name, at, class: of, distance } => Found {
+            code: if is_length { Code::ModelNearlyCoincident } else { Code::ModelIllConditioned },
+            what: format!("{name} is {distance:.3e} from {at} ({})", class(*of)),
+            reason: "the relative error of derivatives grows like the rounding unit over the distance".into(),
+            remedy: "move the nodes apart or together, or choose a type that is regular there",
+            component,
+            value: *distance,
+        },
+        Flag::LargeIncrement { component: name, change } => Found {
+            code: Code::ModelLargeIncrement,
+            what: format!("{name} moves by {change:.4} rad since the state before"),
+            reason: "beyond 0.9 π the number of turns is a guess".into(),
+            remedy: "give more states, or rotation vectors beyond half a turn, which tell the turns",
+            component,
+            value: *change,
+        },
+        Flag::PathDependent { component: name, difference } => Found {
+            code: Code::ModelPathDependent,
+            what: format!("{name} depends on the path by {difference:.1e} rad since the state before"),
+            reason: "a one-form is accumulated along the path, which the two states do not tell".into(),
+            remedy: "give more states",
+            component,
+            value: *difference,
+        },
+        Flag::NotFinite { component: name, quantity } => Found {
+            code: Code::ModelStateNotFinite,
+            what: format!("{quantity} of {name} is not a finite number"),
+            reason: "the state lies beyond what the formula can be evaluated at".into(),
+            remedy: "look at the displacements and rotations of this state",
+            component,
+            value: 0.0,
+        },
+        _ => return None,
+    };
+    Some(found)
+}
+
+fn violated(component: &str, residual: f64, of_length: bool) -> Found {
+    let unit = if of_length { "" } else { " rad" };
+    Found {
+        code: Code::ModelConstraintViolated,
+        what: format!("{component} is constrained, and is {residual:.3e}{unit} off"),
+        reason: "a residual beyond a thousandth of a radian, or of the length of the connector".into(),
+        remedy: "check that the states are those of this model, and their units; rotations are rotation vectors in rad",
+        component: component.to_string(),
+        value: residual,
+    }
+}
+
+fn class(class: crate::measure::SingularClass) -> &'static str {
+    use crate::measure::SingularClass::{BranchCut, Kink, TrueSingularity};
+    match class {
+        Kink => "the first derivatives jump",
+        TrueSingularity => "derivatives grow without bound",
+        BranchCut => "the principal value jumps by a period",
+    }
+}
+
+const fn unit(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Angle => " rad",
+        Unit::Length | Unit::None => "",
+    }
+}

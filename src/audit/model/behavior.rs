@@ -1,0 +1,201 @@
+//! Does what is attached to components act as it looks? Stops and locks that are passed initially, frictions that vanish.
+
+use super::finding::{About, Finding};
+use super::gather::Gathered;
+use super::geometry::initial_positions;
+use crate::catalog::{COMPONENT, Contact, FrictionCriterion, Load, PLANE, Quantity, SPATIAL, Traction};
+use crate::connector::Components;
+use crate::evaluate::{ConnectorElement, Model};
+use crate::scene::{self, Code, FrictionKind, FrictionLaw, Limits, Scene, Span};
+
+/// What is found of the behaviours of connectors.
+pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
+    let mut gathered = Gathered::default();
+    for element in &model.connectors {
+        let Some(given) = scene.connectors.get(&element.label) else { continue };
+        let Some(behavior) = scene.section(given).and_then(|section| scene.behavior(section)) else {
+            continue;
+        };
+        let needs_positions =
+            !behavior.stops.is_empty() || !behavior.locks.is_empty() || !behavior.failures.is_empty();
+        let positions = if needs_positions { initial_positions(element) } else { [None; 6] };
+        let mut found = Vec::new();
+        found.extend(behavior.stops.iter().filter_map(|stop| violated(scene, element, stop, &positions)));
+        let locks = behavior.locks.iter().map(|lock| ("lock", lock.component, &lock.limits, lock.span));
+        let failures =
+            behavior.failures.iter().map(|fail| ("failure", fail.component, &fail.limits, fail.span));
+        found.extend(locks.chain(failures).filter_map(|law| passed(scene, element, law, &positions)));
+        for friction in &behavior.friction {
+            found.extend(vanishing(scene, element, friction));
+        }
+        for finding in found {
+            gathered.add(given.section, element.label, finding, |new, old| new.value > old.value);
+        }
+    }
+    gathered.findings().collect()
+}
+
+fn index(component: u8) -> usize {
+    usize::from(component).saturating_sub(1).min(5)
+}
+
+fn about(element: &ConnectorElement, component: usize, value: f64) -> About {
+    let components = vec![COMPONENT[component].to_string()];
+    About { elements: vec![element.label], components, value: Some(value), ..About::default() }
+}
+
+/// A stop that the initial position lies beyond.
+fn violated(
+    scene: &Scene,
+    element: &ConnectorElement,
+    stop: &scene::Stop,
+    positions: &Components<f64>,
+) -> Option<Finding> {
+    let k = index(stop.component);
+    let position = positions[k]?;
+    let below = stop.lower.filter(|lower| position < *lower).map(|lower| (lower - position, "below", lower));
+    let above = stop.upper.filter(|upper| position > *upper).map(|upper| (position - upper, "above", upper));
+    let (by, side, limit) = below.or(above)?;
+    let message = format!(
+        "element {}: {} is {position:.6} initially, {by:.3e} {side} its stop at {limit}",
+        element.label, COMPONENT[k]
+    );
+    let reason = "stops limit the position (CP), not the displacement from the initial one; angles in rad";
+    let remedy = "move the stop or the nodes, so that the initial position lies within";
+    let finding = Finding::new(scene, Code::ModelStopViolated, stop.span, message, reason, remedy);
+    Some(finding.about(about(element, k, by)))
+}
+
+/// A lock or failure of which a limit of position is passed initially.
+fn passed(
+    scene: &Scene,
+    element: &ConnectorElement,
+    (what, component, limits, span): (&str, u8, &Vec<Limits>, Span),
+    positions: &Components<f64>,
+) -> Option<Finding> {
+    let k = index(component);
+    let position = positions[k]?;
+    // Limits that depend on temperature or fields are those of the first row.
+    let first = limits.first()?;
+    let below = first.lower_position.filter(|lower| position < *lower);
+    let above = first.upper_position.filter(|upper| position > *upper);
+    let limit = below.or(above)?;
+    let message = format!(
+        "element {}: {} is {position:.6} initially, beyond the limit {limit} of a {what}, which acts from the start",
+        element.label, COMPONENT[k]
+    );
+    let reason =
+        "limits are those of the position (CP), not of the displacement from the initial one; angles in rad";
+    let remedy = "move the limit or the nodes, so that the initial position lies within";
+    let finding = Finding::new(scene, Code::ModelLockMet, span, message, reason, remedy);
+    Some(finding.about(about(element, k, (position - limit).abs())))
+}
+
+/// What of a friction vanishes.
+fn vanishing(scene: &Scene, element: &ConnectorElement, friction: &scene::Friction) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let mut tell = |what: String, reason: &str, remedy: &str, component: String| {
+        let message = format!("element {}: {what}", element.label);
+        let finding =
+            Finding::new(scene, Code::ModelFrictionVanishes, friction.span, message, reason, remedy);
+        let about = About { elements: vec![element.label], components: vec![component], ..About::default() };
+        found.push(finding.about(about));
+    };
+    if let Some(coefficient) = &friction.coefficient {
+        let is_zero = match &coefficient.law {
+            FrictionLaw::Table(rows) => {
+                !rows.is_empty()
+                    && rows.iter().all(|row| row.values.first().copied().flatten().unwrap_or(0.0) == 0.0)
+            }
+            FrictionLaw::Exponential { static_coefficient, kinetic_coefficient, .. } => {
+                *static_coefficient == 0.0 && *kinetic_coefficient == 0.0
+            }
+            FrictionLaw::TestData(_) => false,
+        };
+        if is_zero {
+            tell(
+                "the friction coefficient is zero: there is no friction".into(),
+                "μ = 0",
+                "give μ, or remove the friction",
+                "μ".into(),
+            );
+        } else if coefficient.maximum == Some(0.0) {
+            tell(
+                "TAUMAX is zero: there is no friction".into(),
+                "τ ≤ τ_max",
+                "leave TAUMAX out, or give it",
+                "τ_max".into(),
+            );
+        }
+    }
+    match &friction.kind {
+        FrictionKind::Predefined { constants } => {
+            let Some(of_type) = element.definition.connection.friction else { return found };
+            let present = if element.definition.planar { PLANE } else { SPATIAL };
+            for (i, parameter) in of_type.parameters.iter().enumerate() {
+                if constants.get(i).copied().flatten().unwrap_or(0.0) != 0.0 {
+                    continue;
+                }
+                let lost: Vec<String> =
+                    of_type.criteria.iter().flat_map(|criterion| lost(criterion, i, present)).collect();
+                if lost.is_empty() {
+                    continue;
+                }
+                let what = format!(
+                    "{} of the predefined friction is {}: {}",
+                    parameter.symbol,
+                    if constants.get(i).copied().flatten().is_some() { "zero" } else { "left out, so zero" },
+                    lost.join("; ")
+                );
+                let reason =
+                    "a term that is multiplied by a parameter that is zero, or divided by one, is left out";
+                tell(
+                    what,
+                    reason,
+                    "give the parameter, unless the term is meant to vanish",
+                    parameter.symbol.into(),
+                );
+            }
+        }
+        FrictionKind::User { contact_force: None, rows, .. } => {
+            let is_zero = rows.iter().flatten().all(|value| value.unwrap_or(0.0) == 0.0);
+            if is_zero {
+                let what =
+                    "neither a contact force nor an internal one is given: nothing presses".to_string();
+                tell(
+                    what,
+                    "F_N = |F_C + F_C^int| = 0",
+                    "name CONTACT FORCE, or give the internal contact force",
+                    "F_N".into(),
+                );
+            }
+        }
+        FrictionKind::User { .. } => {}
+    }
+    found
+}
+
+/// What of a criterion vanishes where parameter `i` is zero.
+fn lost(criterion: &FrictionCriterion, i: usize, present: [bool; 6]) -> Vec<String> {
+    let is = |quantity: &Quantity| *quantity == Quantity::Parameter(i);
+    let feels = |load: &Load| Some(format!("the contact force does not feel {}", load.formula(present)?));
+    let mut lost = Vec::new();
+    if let Contact::Sum { arm, terms } = criterion.contact {
+        if arm.iter().any(is) {
+            lost.push("nothing but an internal contact force presses".to_string());
+        } else {
+            let gone =
+                terms.iter().filter(|term| term.factor.over == Some(i) || term.factor.times.iter().any(is));
+            lost.extend(gone.filter_map(|term| feels(&term.load)));
+        }
+    }
+    let of_radius = |traction: &&Traction| traction.radius == Some(i) && present[traction.component];
+    lost.extend(
+        criterion
+            .traction
+            .iter()
+            .filter(of_radius)
+            .map(|traction| format!("{} meets no friction", COMPONENT[traction.component])),
+    );
+    lost
+}

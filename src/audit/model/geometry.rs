@@ -1,0 +1,255 @@
+//! Are the directions of a scene what they look like? Orientations that are not at right angles, or lost in rounding; directions that
+//! nobody gave; axes that are not aligned.
+
+use super::finding::{About, Finding};
+use super::gather::Gathered;
+use crate::audit::bound::U;
+use crate::catalog::{COMPONENT, Condition, Orientation as Given, Slot};
+use crate::connector::{Increment, Output, Request, State, Tally};
+use crate::evaluate::{ConnectorElement, Model};
+use crate::measure::{Measure, Unit};
+use crate::node::DOFS;
+use crate::scalar::elementary::norm;
+use crate::scene::{Code, Orientation, Scene, Severity, Span, System};
+use crate::vector::{Vector, cross, dot, sub};
+use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_2;
+
+/// How far from right angles (rad) two directions are taken for orthogonal: as a deck of seven digits has them.
+const ORTHOGONAL: f64 = 1e-6;
+/// How far from right angles (rad) they may be and look like an error.
+const NEARLY: f64 = 10.0 * std::f64::consts::PI / 180.0;
+/// By how much (rad) rounding may turn directions.
+const CERTAIN: f64 = 1e-8;
+/// Angles that count as zero initially: those of aligned axes carry a few roundings.
+const ALIGNED: f64 = 1e-12;
+
+/// What is found of orientations and axes.
+pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
+    let mut found = orientations(scene, model);
+    let mut gathered = Gathered::default();
+    for element in &model.connectors {
+        let Some(given) = scene.connectors.get(&element.label) else { continue };
+        let section = scene.section(given);
+        let place = section.map_or(given.span, |section| section.span);
+        let found =
+            [missing(scene, element, place), misaligned(scene, element, place), close(scene, element)];
+        for finding in found.into_iter().flatten() {
+            gathered.add(given.section, element.label, finding, |new, old| new.value > old.value);
+        }
+    }
+    found.extend(gathered.findings());
+    found
+}
+
+/// The orientations that connectors use, each once: where its points are worst.
+fn orientations(scene: &Scene, model: &Model) -> Vec<Finding> {
+    let mut worst: HashMap<&str, (f64, Finding)> = HashMap::new();
+    let mut order: Vec<&str> = Vec::new();
+    for element in &model.connectors {
+        let Some(given) = scene.connectors.get(&element.label) else { continue };
+        let Some(section) = scene.section(given) else { continue };
+        let ends = [crate::scene::End::A, crate::scene::End::B];
+        for ((name, end), rule) in [&section.orientation_a, &section.orientation_b]
+            .into_iter()
+            .zip(ends)
+            .zip(element.definition.connection.orientation)
+        {
+            let Some(name) = name.as_ref().filter(|_| rule.orientation != Given::Ignored) else { continue };
+            let Some(orientation) = scene.orientations.get(name.value.as_str()) else { continue };
+            let point = scene.position(given, end).unwrap_or_default();
+            // One that is the same everywhere is looked at once.
+            if worst.contains_key(name.value.as_str()) && !orientation.depends_on_point() {
+                continue;
+            }
+            let Some((size, finding)) = orientation_at(scene, &name.value, orientation, point, element)
+            else {
+                continue;
+            };
+            match worst.get(name.value.as_str()) {
+                Some((known, _)) if *known >= size => {}
+                known => {
+                    if known.is_none() {
+                        order.push(&name.value);
+                    }
+                    worst.insert(&name.value, (size, finding));
+                }
+            }
+        }
+    }
+    order.into_iter().filter_map(|name| worst.remove(name)).map(|(_, finding)| finding).collect()
+}
+
+/// What is found of an orientation at a point, and how bad it is (rad).
+fn orientation_at(
+    scene: &Scene,
+    name: &str,
+    orientation: &Orientation,
+    point: Vector<f64>,
+    element: &ConnectorElement,
+) -> Option<(f64, Finding)> {
+    let nodes =
+        scene.connectors.get(&element.label).map(|given| scene.element_nodes(given)).unwrap_or_default();
+    let [a, b, c] = orientation.points(name, scene, &nodes).ok()?;
+    let is_rectangular = matches!(orientation.system, System::Rectangular | System::ZRectangular);
+    let (origin, first, second) = if is_rectangular { (c, a, b) } else { (a, b, point) };
+    let [u, v] = [sub(first, origin), sub(second, origin)];
+    let angle = norm(cross(u, v)).atan2(dot(u, v));
+    let about = |value| About { elements: vec![element.label], value: Some(value), ..About::default() };
+    // Each coordinate is a rounded number: the ends of a direction are uncertain by u·√3 times the largest.
+    let largest = |p: Vector<f64>| p.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let uncertain = |p| U * 3.0_f64.sqrt() * (largest(p) + largest(origin));
+    let turned = [uncertain(first) / norm(u), uncertain(second) / (norm(v) * angle.sin())];
+    let worst = turned[0].max(turned[1]);
+    if worst > CERTAIN {
+        let message = format!(
+            "orientation {name} is uncertain by {worst:.1e} rad: its points lie close together, or nearly in a line, for coordinates of this size"
+        );
+        let reason = "the rounding of the coordinates, over the distances of the points";
+        let remedy = "give points farther apart, near the origin: an orientation knows directions only";
+        let finding = Finding::new(
+            scene,
+            Code::ModelOrientationIllConditioned,
+            orientation.span,
+            message,
+            reason,
+            remedy,
+        );
+        return Some((worst, finding.about(about(worst))));
+    }
+    let off = (angle - FRAC_PI_2).abs();
+    if !is_rectangular || off < ORTHOGONAL {
+        return None;
+    }
+    let is_doubtful = off < NEARLY;
+    let message =
+        format!("the directions of orientation {name} are {:.6}° apart, not 90°", angle.to_degrees());
+    let (kept, turned) = if orientation.system == System::Rectangular { ("e1", "e2") } else { ("e3", "e1") };
+    let reason = format!(
+        "{kept} is taken along a; {turned} is turned by {:.6}° within the plane of both",
+        off.to_degrees()
+    );
+    let remedy =
+        "give b at right angles to a; where only the plane of both is meant, this is as it should be";
+    let finding =
+        Finding::new(scene, Code::ModelOrientationNotOrthogonal, orientation.span, message, reason, remedy)
+            .of_severity(if is_doubtful { Severity::Warning } else { Severity::Note });
+    Some((if is_doubtful { off } else { 0.0 }, finding.about(about(off))))
+}
+
+/// Directions of an end that components are measured along, and that no orientation gives.
+fn missing(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<Finding> {
+    let connection = &element.definition.connection;
+    let section = scene.section(scene.connectors.get(&element.label)?)?;
+    let depends = |k: usize| {
+        let slot = connection.slots[k];
+        let is_directed = slot.position().is_some_and(|m| m.turns_with_a() && !element.definition.planar);
+        !slot.is_constrained() && is_directed
+    };
+    if section.orientation_a.is_some() || connection.orientation[0].orientation != Given::Optional {
+        return None;
+    }
+    let components: Vec<String> = (0..6).filter(|k| depends(*k)).map(|k| COMPONENT[k].to_string()).collect();
+    if components.is_empty() {
+        return None;
+    }
+    let message = format!(
+        "element {}: {} has no orientation, so that {} are along the global directions initially",
+        element.label,
+        connection.name,
+        components.join(", ")
+    );
+    let reason = format!("by {} [D]", connection.source[0]);
+    let remedy =
+        "name an *ORIENTATION on the line after the type, or leave it out if the global directions are meant";
+    let finding = Finding::new(scene, Code::ModelOrientationDefault, place, message, reason, remedy);
+    Some(finding.about(About { elements: vec![element.label], components, ..About::default() }))
+}
+
+/// The initial state of a connector.
+pub(super) fn at_start(element: &ConnectorElement) -> State<f64> {
+    State { pair: element.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
+}
+
+/// CP at the initial state.
+pub(super) fn initial_positions(element: &ConnectorElement) -> crate::connector::Components<f64> {
+    let connector = &element.connector;
+    let request = Request::new(&[Output::CP], [true; 6], 0);
+    let (branch, mut tally) = (connector.initial_branch(), Tally::default());
+    connector.evaluate(&at_start(element), &Increment::none(), &branch, &request, &mut tally).position
+}
+
+/// Rotations that are held, and are not zero initially.
+fn misaligned(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<Finding> {
+    let connector = &element.connector;
+    let connection = connector.connection();
+    let holds = |k: usize| {
+        connector.position_measure(k).is_some_and(|m| m.unit() == Unit::Angle && !m.is_one_form())
+            && connector.is_constrained(k)
+    };
+    if !(0..6).any(holds) {
+        return None;
+    }
+    let positions = initial_positions(element);
+    let frozen = |k: &usize| {
+        let is_frozen = match connection.slots[*k] {
+            Slot::Constrained(_, Condition::ZeroOrHeld(_)) => !connector.is_printed_constraint(*k),
+            _ => positions[*k].is_some_and(|angle| angle.abs() > ALIGNED),
+        };
+        holds(*k) && is_frozen
+    };
+    let components: Vec<usize> = (0..6).filter(frozen).collect();
+    let largest = components.iter().filter_map(|k| positions[*k]).fold(0.0_f64, |most, x| most.max(x.abs()));
+    if components.is_empty() {
+        return None;
+    }
+    let angles: Vec<String> = components
+        .iter()
+        .filter_map(|k| Some(format!("{} at {:.6}°", COMPONENT[*k], positions[*k]?.to_degrees())))
+        .collect();
+    let message = format!(
+        "element {}: the directions of a and b of {} are not aligned initially; frozen are {}",
+        element.label,
+        connection.name,
+        angles.join(", ")
+    );
+    let sources: Vec<&str> = connection.source.iter().copied().filter(|source| !source.is_empty()).collect();
+    let reason = format!("by {}: what is held is held where it is initially", sources.join("; "));
+    let remedy =
+        "give b the orientation of a, or leave that of b out; if the angles are meant, allow this code";
+    let about = About {
+        elements: vec![element.label],
+        components: components.iter().map(|k| COMPONENT[*k].to_string()).collect(),
+        value: Some(largest),
+        ..About::default()
+    };
+    Some(Finding::new(scene, Code::ModelMisalignedAxes, place, message, reason, remedy).about(about))
+}
+
+/// Nodes so close together that the direction of their line is lost in the rounding of their coordinates.
+fn close(scene: &Scene, element: &ConnectorElement) -> Option<Finding> {
+    let given = scene.connectors.get(&element.label)?;
+    let needs_direction =
+        |k| matches!(element.connector.position_measure(k), Some(Measure::Distance | Measure::Strain));
+    let length = norm(element.reference);
+    let coordinates = scene.element_nodes(given);
+    let largest = coordinates.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let uncertain = 2.0 * U * 3.0_f64.sqrt() * largest / length;
+    if !needs_direction(0) || length == 0.0 || uncertain <= CERTAIN {
+        return None;
+    }
+    let message = format!(
+        "element {}: the nodes are {length:.3e} apart, for coordinates up to {largest:.3e}: the direction is uncertain by {uncertain:.1e} rad",
+        element.label
+    );
+    let reason = "the rounding of the coordinates, over the distance of the nodes";
+    let remedy = "move the nodes apart, or use JOIN to keep nodes together";
+    let finding = Finding::new(scene, Code::ModelNearlyCoincident, given.span, message, reason, remedy);
+    let about = About {
+        elements: vec![element.label],
+        components: vec![COMPONENT[0].to_string()],
+        value: Some(uncertain),
+        ..About::default()
+    };
+    Some(finding.about(about))
+}

@@ -1,0 +1,91 @@
+//! Is this model sound? What an analyst should know of a scene before it is run: rules that it breaks, directions that are not what
+//! they look like, singular points that its states come near, parameters without effect, duplicates.
+//!
+//! Each [`Finding`] has a stable code, which `pintle explain CODE` explains, a severity, which [`Levels`] set per code, a place in the
+//! file, what it is about, and a remedy.
+//!
+//! | module | question |
+//! |---|---|
+//! | `finding`, `levels` | what is a finding, and how bad is it taken to be? |
+//! | `rules` | which rules are broken? |
+//! | `geometry` | are the directions and lengths what they look like? |
+//! | `along` | what happens along the given states? |
+//! | `behavior` | does what is attached to components act? |
+//! | `duplicates` | is something there twice? |
+
+mod along;
+mod behavior;
+mod duplicates;
+mod finding;
+mod gather;
+mod geometry;
+mod levels;
+mod rules;
+
+pub use finding::{About, Finding};
+pub use levels::{Level, Levels};
+
+use crate::audit::assembly::{self, Assembly};
+use crate::audit::coverage::Coverage;
+use crate::evaluate::Model;
+use crate::scene::{Scene, Severity, Span, State};
+use serde::Serialize;
+
+/// What is found in one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModelReport {
+    /// The scene.
+    pub scene: String,
+    /// The number of states that were looked at besides the initial one.
+    pub states: usize,
+    /// What the assembly as a whole can do; `None` where a rule refuses the model.
+    pub assembly: Option<Assembly>,
+    /// Which region of configuration space the states exercised.
+    pub coverage: Coverage,
+    /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
+    pub findings: Vec<Finding>,
+}
+
+impl ModelReport {
+    /// The number of findings as bad as that.
+    pub fn count(&self, severity: Severity) -> usize {
+        self.findings.iter().filter(|finding| finding.severity() == severity).count()
+    }
+
+    /// Whether the model fails: a finding is an error.
+    pub fn fails(&self) -> bool {
+        self.count(Severity::Error) > 0
+    }
+}
+
+/// Looks at a scene, at its initial state and at those given.
+pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelReport {
+    let (model, errors) = Model::examine(scene);
+    let is_refused = !errors.is_empty();
+    let mut findings = rules::findings(scene, &model, errors);
+    findings.extend(geometry::findings(scene, &model));
+    findings.extend(behavior::findings(scene, &model));
+    findings.extend(duplicates::findings(scene, &model));
+    let mut coverage = Coverage::default();
+    findings.extend(along::findings(scene, &model, states, &mut |result| {
+        if let Some(element) = model.connectors.get(result.index) {
+            coverage.add_of(&element.connector, &element.definition, &result.state);
+        }
+    }));
+    let mut assembly = None;
+    if !is_refused {
+        match assembly::analyse(scene, &model, states, 1) {
+            Ok(found) => {
+                findings.extend(assembly::findings::findings(scene, &found));
+                assembly = Some(found);
+            }
+            Err(error) => findings.push(error.into()),
+        }
+    }
+    findings.extend(coverage.gaps().into_iter().map(|lack| {
+        let reason = "the states given, every connector at each";
+        Finding::new(scene, lack.code, Span::default(), lack.message, reason, lack.remedy)
+    }));
+    let findings = levels.apply(findings);
+    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, coverage, findings }
+}

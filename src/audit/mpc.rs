@@ -1,0 +1,316 @@
+//! A multi-point constraint at one state: its equations, rows, second derivatives, rates and accelerations against differences
+//! on 237-bit numbers.
+//!
+//! Derivatives are those at independent angles of the hinges: where a state does not give them, the angles that the rotations
+//! imply are held.
+
+use super::bound::scales;
+use super::case::turn;
+use super::engine::Settings;
+use super::mutant::Mistake;
+use super::oracle::Oracle;
+use super::outcome::{Against, Check};
+use super::quantity::Quantity;
+use super::sheet::{Change, Entry, Sheet};
+use super::verdict::Score;
+use crate::connector::{Output, Request, Tally, Turns};
+use crate::measure::Unit;
+use crate::mpc::{
+    Body, Constraint, DOFS, Dofs, Evaluation, PHI, PSI_M, PSI_S, ROWS, Rows, State, THETA_M, THETA_S,
+    Turning, XM, XS,
+};
+use crate::scalar::{Real, Scalar, Wide};
+use crate::vector::{self, add, cross, dot, product};
+
+/// The step of first differences, in sizes of the degree of freedom.
+const FIRST_STEP: f64 = 1e-25;
+/// The step in time of second differences.
+const SECOND_STEP: f64 = 1e-18;
+
+/// A constraint at a state.
+#[derive(Clone, Debug)]
+pub struct MpcCase {
+    /// The constraint and the state, in words.
+    pub name: String,
+    /// The constraint.
+    pub constraint: Constraint<f64>,
+    /// The state.
+    pub state: State<f64>,
+    /// How the first node turned against the second since the state before.
+    pub turning: Turning<f64>,
+    /// The angles of its hinges that the states before left.
+    pub before: [Turns<f64>; 2],
+    /// The size of lengths.
+    pub length: f64,
+}
+
+/// The constraint and its state on 237-bit numbers.
+struct Truth {
+    constraint: Constraint<Wide>,
+    state: State<Wide>,
+    sizes: Dofs<f64>,
+    nearness: f64,
+}
+
+impl MpcCase {
+    /// The sizes of degrees of freedom: the length, 1 rad.
+    fn sizes(&self) -> Dofs<f64> {
+        std::array::from_fn(|j| {
+            let is_length = matches!(j, XS..THETA_S | XM..THETA_M | PSI_S | PSI_M);
+            if is_length { self.length } else { 1.0 }
+        })
+    }
+
+    /// The magnitudes of what is rounded: the sizes, and the angle of a hinge itself where it has made turns.
+    fn inputs(&self, angles: &[f64; 2]) -> Dofs<f64> {
+        let mut inputs = self.sizes();
+        for (input, angle) in inputs[PHI..].iter_mut().zip(angles) {
+            *input = angle.abs().max(1.0);
+        }
+        inputs
+    }
+
+    /// All checks at this state, if differences on 237 bits are among the oracles asked; with mutants where `proves`.
+    pub fn audit(&self, settings: &Settings, proves: bool) -> Vec<Check> {
+        if !settings.oracles.contains(&Oracle::WideDifferences) {
+            return Vec::new();
+        }
+        let request = Request::everything(2);
+        let tally = &mut Tally::default();
+        let got = self.constraint.evaluate(&self.state, &self.before, &self.turning, &request, tally);
+        let margins = self.constraint.margins(&self.state, &got);
+        let nearness = margins.rows.iter().flatten().fold(1.0_f64, |least, margin| {
+            let unit = if margin.set.unit == Unit::Length { self.length } else { 1.0 };
+            least.min(margin.distance / unit)
+        });
+        let mut state = exact(&self.state);
+        state.angles = got.taken.map(|angle| Some(Wide::from_f64(angle)));
+        let truth = Truth { constraint: self.constraint.exact(), state, sizes: self.sizes(), nearness };
+        let sheets = self.sheets(&got, &truth);
+        let mut checks = Vec::new();
+        for sheet in sheets.into_iter().filter(|sheet| !sheet.entries.is_empty()) {
+            let score = if proves && nearness > 0.0 {
+                let mut mistakes = sheet.mistakes();
+                mistakes.extend(row_mistakes(&sheet, &self.constraint));
+                sheet.try_mistakes(&mistakes)
+            } else {
+                Score::default()
+            };
+            let mut check = Check::new(Some(sheet.quantity), Against::Oracle(Oracle::WideDifferences));
+            check.add_at(sheet.judge(nearness), score, &self.name, None);
+            checks.push(check);
+        }
+        checks
+    }
+
+    fn sheets(&self, got: &Evaluation<f64>, truth: &Truth) -> Vec<Sheet> {
+        let kind = self.constraint.kind();
+        let rows: Vec<usize> = (0..ROWS).filter(|row| self.constraint.rows()[*row]).collect();
+        let value = truth.values(&[Wide::zero(); DOFS]);
+        let first = truth.first();
+        let second = truth.second();
+        let [rate, acceleration] = truth.rates();
+        let mut sheets: Vec<Sheet> = [
+            Quantity::Value,
+            Quantity::FirstDerivatives,
+            Quantity::SecondDerivatives,
+            Quantity::Rate,
+            Quantity::Acceleration,
+        ]
+        .map(|quantity| Sheet { quantity, entries: Vec::new() })
+        .into();
+        for row in rows {
+            let name = kind.row_name(row);
+            let narrow = |of: &[Wide]| of.iter().map(|x| x.to_f64()).collect::<Vec<f64>>();
+            let zero = Wide::zero();
+            let value = value[row].unwrap_or(zero);
+            let gradient: Vec<Wide> = (0..DOFS).map(|j| first[j][row].unwrap_or(zero)).collect();
+            let matrix: Vec<Wide> =
+                (0..DOFS * DOFS).map(|i| second[i % DOFS][row].map_or(zero, |row| row[i / DOFS])).collect();
+            let scales = scales(
+                value.to_f64(),
+                &narrow(&gradient),
+                &narrow(&matrix),
+                (&truth.sizes, &self.inputs(&got.taken)),
+                (&self.state.velocity, &self.state.acceleration),
+                truth.nearness,
+            );
+            let nan = f64::NAN;
+            let numbers: [(Vec<f64>, Vec<Wide>); 5] = [
+                (vec![got.residual[row].unwrap_or(nan)], vec![value]),
+                (got.jacobian[row].map_or_else(|| vec![nan; DOFS], |row| row.to_vec()), gradient),
+                (
+                    got.hessian[row]
+                        .as_ref()
+                        .map_or_else(|| vec![nan; DOFS * DOFS], |h| h.as_flattened().to_vec()),
+                    matrix,
+                ),
+                (vec![got.residual_rate[row].unwrap_or(nan)], vec![rate[row].unwrap_or(zero)]),
+                (
+                    vec![got.residual_acceleration[row].unwrap_or(nan)],
+                    vec![acceleration[row].unwrap_or(zero)],
+                ),
+            ];
+            for ((sheet, scales), (got, want)) in sheets.iter_mut().zip(scales).zip(numbers) {
+                let column = |j: usize| kind.column_name(j);
+                for (i, ((got, want), scale)) in got.into_iter().zip(want).zip(scales).enumerate() {
+                    let name = match sheet.quantity {
+                        Quantity::FirstDerivatives => format!("∂{name}/∂{}", column(i)),
+                        Quantity::SecondDerivatives => {
+                            format!("∂²{name}/∂{}∂{}", column(i / DOFS), column(i % DOFS))
+                        }
+                        Quantity::Rate => format!("d{name}/dt"),
+                        Quantity::Acceleration => format!("d²{name}/dt²"),
+                        _ => name.to_string(),
+                    };
+                    sheet.entries.push(Entry { name, got, want, scale });
+                }
+            }
+        }
+        sheets
+    }
+}
+
+/// Mistakes in rows: nodes exchanged, the sign of one, rotations halved, equations exchanged.
+fn row_mistakes(sheet: &Sheet, constraint: &Constraint<f64>) -> Vec<Change> {
+    let mut found = Vec::new();
+    if sheet.quantity != Quantity::FirstDerivatives {
+        return found;
+    }
+    let rows = constraint.rows().iter().filter(|row| **row).count();
+    let at = |row: usize, j: usize| sheet.entries.get(row * DOFS + j).map_or(0.0, |entry| entry.got);
+    for row in 0..rows {
+        let all = |f: &dyn Fn(usize) -> f64, columns: std::ops::Range<usize>| -> Vec<(usize, f64)> {
+            columns.map(|j| (row * DOFS + j, f(j))).collect()
+        };
+        let mut add = |mistake, changes| found.push(Change { mistake, changes });
+        add(Mistake::NodesSwapped, all(&|j| at(row, (j + XM) % PHI), 0..PHI));
+        add(Mistake::SameSignForBoth, all(&|j| -at(row, j), XM..PHI));
+        add(Mistake::RotationHalved, all(&|j| at(row, j) / 2.0, THETA_S..PSI_S));
+        add(Mistake::DegreesForRadians, all(&|j| at(row, j).to_radians(), THETA_M..PSI_M));
+        for other in 0..row {
+            let mut changes = all(&|j| at(other, j), 0..DOFS);
+            changes.extend((0..DOFS).map(|j| (other * DOFS + j, at(row, j))));
+            add(Mistake::RowsSwapped, changes);
+        }
+    }
+    found
+}
+
+/// The same state on 237-bit numbers.
+fn exact(state: &State<f64>) -> State<Wide> {
+    let body = |body: &Body<f64>| Body {
+        displacement: vector::exact(body.displacement),
+        rotation: vector::exact_matrix(&body.rotation),
+        flow: Wide::from_f64(body.flow),
+    };
+    State {
+        slave: body(&state.slave),
+        master: body(&state.master),
+        angles: state.angles.map(|angle| angle.map(Wide::from_f64)),
+        velocity: state.velocity.map(Wide::from_f64),
+        acceleration: state.acceleration.map(Wide::from_f64),
+    }
+}
+
+/// The state with its degrees of freedom moved by finite amounts: u + δx, exp(δθ^) C, Ψ + δΨ, φ + δφ.
+fn moved(state: &State<Wide>, by: &Dofs<Wide>) -> State<Wide> {
+    let body = |body: &Body<Wide>, at: usize| Body {
+        displacement: add(body.displacement, [by[at], by[at + 1], by[at + 2]]),
+        rotation: product(&turn([by[at + 3], by[at + 4], by[at + 5]]), &body.rotation),
+        flow: body.flow + by[at + 6],
+    };
+    State {
+        slave: body(&state.slave, XS),
+        master: body(&state.master, XM),
+        angles: [0, 1].map(|i| state.angles[i].map(|angle| angle + by[PHI + i])),
+        ..*state
+    }
+}
+
+impl Truth {
+    fn evaluate(&self, by: &Dofs<Wide>, request: &Request) -> Evaluation<Wide> {
+        let zero = Turns { turns: Wide::zero(), principal: Wide::zero() };
+        let state = moved(&self.state, by);
+        self.constraint.evaluate(&state, &[zero; 2], &Turning::none(), request, &mut Tally::default())
+    }
+
+    fn values(&self, by: &Dofs<Wide>) -> Rows<Wide> {
+        self.evaluate(by, &Request::new(&[Output::RES], [true; 6], 0)).residual
+    }
+
+    fn rows(&self, by: &Dofs<Wide>) -> Rows<Dofs<Wide>> {
+        self.evaluate(by, &Request::new(&[], [true; 6], 1)).jacobian
+    }
+
+    fn around(&self, j: usize) -> ([Dofs<Wide>; 2], Wide) {
+        let near = if self.nearness > 0.0 { self.nearness } else { 1.0 };
+        let h = Wide::from_f64(FIRST_STEP * near * self.sizes[j]);
+        let along = |h: Wide| {
+            let mut by = [Wide::zero(); DOFS];
+            by[j] = h;
+            by
+        };
+        ([along(h), along(-h)], h + h)
+    }
+
+    /// By degree of freedom, the differences of the equations.
+    fn first(&self) -> [Rows<Wide>; DOFS] {
+        std::array::from_fn(|j| {
+            let ([plus, minus], width) = self.around(j);
+            let (plus, minus) = (self.values(&plus), self.values(&minus));
+            std::array::from_fn(|row| Some((plus[row]? - minus[row]?) / width))
+        })
+    }
+
+    /// By degree of freedom, the differences of the rows, less the half bracket of two rotations of one node.
+    fn second(&self) -> [Rows<Dofs<Wide>>; DOFS] {
+        let at_rest = self.rows(&[Wide::zero(); DOFS]);
+        std::array::from_fn(|k| {
+            let ([plus, minus], width) = self.around(k);
+            let (plus, minus) = (self.rows(&plus), self.rows(&minus));
+            std::array::from_fn(|row| {
+                let (plus, minus, gradient) = (plus[row]?, minus[row]?, at_rest[row]?);
+                Some(std::array::from_fn(|j| {
+                    let slope = (plus[j] - minus[j]) / width;
+                    let Some(at) = [THETA_S, THETA_M]
+                        .into_iter()
+                        .find(|at| (*at..at + 3).contains(&j) && (*at..at + 3).contains(&k))
+                    else {
+                        return slope;
+                    };
+                    let mut axes = [[Wide::zero(); 3]; 2];
+                    axes[0][j - at] = Wide::integer(1);
+                    axes[1][k - at] = Wide::integer(1);
+                    let gradient = [gradient[at], gradient[at + 1], gradient[at + 2]];
+                    slope - dot(cross(axes[0], axes[1]), gradient) / Wide::integer(2)
+                }))
+            })
+        })
+    }
+
+    /// Rates and accelerations, by differences along q(t) = q̇ t + q̈ t²/2.
+    fn rates(&self) -> [Rows<Wide>; 2] {
+        let fastest = (0..DOFS).fold(0.0_f64, |most, j| {
+            let [v, a] = [self.state.velocity[j], self.state.acceleration[j]].map(|x| x.to_f64().abs());
+            most.max(v / self.sizes[j]).max((a / self.sizes[j]).sqrt())
+        });
+        let time = if fastest > 0.0 { self.nearness.max(f64::MIN_POSITIVE) / fastest } else { 1.0 };
+        let at = |t: Wide| {
+            let half = Wide::integer(2);
+            self.values(&std::array::from_fn(|j| {
+                self.state.velocity[j] * t + self.state.acceleration[j] * t * t / half
+            }))
+        };
+        let still = self.values(&[Wide::zero(); DOFS]);
+        let [h, long] = [FIRST_STEP, SECOND_STEP].map(|step| Wide::from_f64(step * time));
+        let ([near, behind], [far, far_behind]) = ([at(h), at(-h)], [at(long), at(-long)]);
+        [
+            std::array::from_fn(|row| Some((near[row]? - behind[row]?) / (h + h))),
+            std::array::from_fn(|row| {
+                let middle = still[row]?;
+                Some(((far[row]? - middle) - (middle - far_behind[row]?)) / (long * long))
+            }),
+        ]
+    }
+}

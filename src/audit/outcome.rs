@@ -1,0 +1,339 @@
+//! What an audit found: checks, subjects, the report.
+
+use super::atlas::Approach;
+use super::bound::C;
+use super::case::Case;
+use super::certificate::Certificate;
+use super::counterexample::CounterExample;
+use super::diagnosis::{Diagnosis, Symptoms, diagnose};
+use super::engine::{Settings, audit_case};
+use super::illustration::Comparison;
+use super::invariant::Invariant;
+use super::model::ModelReport;
+use super::oracle::Oracle;
+use super::quantity::{Entries, Quantity};
+use super::shrink::shrink;
+use super::verdict::{Finding, Judgement, Score, Verdict};
+use crate::scalar::Wide;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What numbers were compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Against {
+    /// An oracle's.
+    Oracle(Oracle),
+    /// Differences of the candidate's own values.
+    Own,
+    /// Each other, by a law.
+    Law(Invariant),
+}
+
+impl Against {
+    /// In words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Oracle(oracle) => oracle.name(),
+            Self::Own => "differences of its own values",
+            Self::Law(law) => law.name(),
+        }
+    }
+}
+
+/// One check over all cases of a connector.
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+pub struct Check {
+    /// The numbers judged; a law may span several.
+    pub quantity: Option<Quantity>,
+    /// What they were compared with.
+    pub against: Against,
+    /// The severest verdict.
+    pub verdict: Verdict,
+    /// States by verdict.
+    pub states: BTreeMap<Verdict, u64>,
+    /// Entries compared.
+    pub compared: u64,
+    /// The largest error in units of its tolerance, at any state.
+    #[schemars(with = "Option<f64>")]
+    pub largest: f64,
+    /// The entry that decided the verdict: nearest to, or farthest beyond, its tolerance.
+    pub worst: Option<Finding>,
+    /// The state at which it was found.
+    pub worst_state: Option<String>,
+    /// How mutants of the same numbers fared.
+    pub score: Score,
+    /// Why it is wrong, at the state that tells most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diagnosis: Option<Box<Diagnosis>>,
+    /// The matrix of first derivatives at the worst state, where it is wrong.
+    #[serde(skip)]
+    pub comparison: Option<Box<Comparison>>,
+    /// The case of the worst mismatch, for a counter-example.
+    #[serde(skip)]
+    pub failing: Option<Box<Case>>,
+}
+
+impl Check {
+    pub(super) fn new(quantity: Option<Quantity>, against: Against) -> Self {
+        Self {
+            quantity,
+            against,
+            verdict: Verdict::Pass,
+            states: BTreeMap::new(),
+            compared: 0,
+            largest: 0.0,
+            worst: None,
+            worst_state: None,
+            score: Score::default(),
+            diagnosis: None,
+            comparison: None,
+            failing: None,
+        }
+    }
+
+    /// An entry that must be there and is not.
+    pub(super) fn missing(&mut self, entry: String, case: &Case) {
+        let worst = Finding {
+            entry: format!("{entry} is missing"),
+            at: None,
+            got: f64::NAN,
+            want: f64::NAN,
+            tolerance: 0.0,
+            units: f64::INFINITY,
+            one_sided: None,
+        };
+        self.add(
+            Judgement { verdict: Verdict::Wrong, worst: Some(worst), compared: 1 },
+            Score::default(),
+            case,
+        );
+    }
+
+    pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
+        self.add_at(judgement, score, &case.name, Some(case));
+    }
+
+    /// Says why numbers are wrong, and keeps them to be shown.
+    pub(super) fn explain(&mut self, symptoms: &Symptoms<'_>, want: &Entries<Wide>) {
+        if !matches!(self.verdict, Verdict::Wrong) {
+            return;
+        }
+        self.diagnosis = diagnose(symptoms).map(Box::new);
+        if symptoms.quantity == Quantity::FirstDerivatives {
+            self.comparison = Some(Box::new(Comparison::new(symptoms.got, want, symptoms.bound)));
+        }
+    }
+
+    pub(super) fn add_at(&mut self, judgement: Judgement, score: Score, state: &str, case: Option<&Case>) {
+        *self.states.entry(judgement.verdict).or_default() += 1;
+        self.compared += judgement.compared as u64;
+        let severer = judgement.verdict > self.verdict;
+        let units = |finding: &Option<Finding>| finding.as_ref().map_or(-1.0, |f| f.units);
+        self.largest = self.largest.max(units(&judgement.worst));
+        if severer || (judgement.verdict == self.verdict && units(&judgement.worst) > units(&self.worst)) {
+            self.worst = judgement.worst;
+            self.worst_state = Some(state.to_string());
+            if judgement.verdict.is_mismatch() {
+                self.failing = case.map(|case| Box::new(case.clone()));
+            }
+        }
+        self.verdict = self.verdict.max(judgement.verdict);
+        self.score.merge(score);
+    }
+
+    pub(super) fn merge(&mut self, other: Self) {
+        for (verdict, count) in other.states {
+            *self.states.entry(verdict).or_default() += count;
+        }
+        self.compared += other.compared;
+        let units = |finding: &Option<Finding>| finding.as_ref().map_or(-1.0, |f| f.units);
+        self.largest = self.largest.max(other.largest);
+        let severer = other.verdict > self.verdict;
+        if severer || (other.verdict == self.verdict && units(&other.worst) > units(&self.worst)) {
+            self.worst = other.worst;
+            self.worst_state = other.worst_state;
+            self.failing = other.failing.or(self.failing.take());
+            self.comparison = other.comparison.or(self.comparison.take());
+        }
+        self.verdict = self.verdict.max(other.verdict);
+        self.score.merge(other.score);
+        if let Some(diagnosis) = other.diagnosis
+            && self.diagnosis.as_ref().is_none_or(|known| diagnosis.is_clearer_than(known))
+        {
+            self.diagnosis = Some(diagnosis);
+        }
+    }
+}
+
+/// Everything that was found about one connector or type.
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+pub struct Subject {
+    /// The type, or the type with the element.
+    pub name: String,
+    /// The scene that it belongs to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scene: Option<String>,
+    /// States tried.
+    pub cases: u64,
+    /// Every check.
+    pub checks: Vec<Check>,
+    /// What was proven of its formulas and its declaration.
+    pub certificate: Option<Certificate>,
+    /// The verdict on its derivatives: the severest of the checks, undecided without an independent oracle.
+    pub derivative: Verdict,
+    /// The verdict on its formulas.
+    pub formula: Verdict,
+    /// The verdict on its declaration.
+    pub declaration: Verdict,
+}
+
+impl Subject {
+    pub(super) fn new(
+        name: String,
+        certificate: Option<Certificate>,
+        cases: u64,
+        mut checks: Vec<Check>,
+    ) -> Self {
+        for check in &mut checks {
+            check.score.finish();
+        }
+        let judged: BTreeSet<Quantity> = checks.iter().filter_map(|check| check.quantity).collect();
+        let witnessed = !judged.is_empty()
+            && judged.iter().all(|quantity| {
+                checks.iter().any(|check| {
+                    check.quantity == Some(*quantity)
+                        && check.compared > 0
+                        && matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
+                })
+            });
+        let of = |wanted: fn(Against) -> bool| {
+            let chosen = checks.iter().filter(|check| wanted(check.against));
+            chosen.map(|check| check.verdict).max().unwrap_or(Verdict::Pass)
+        };
+        let is_declared = |against| matches!(against, Against::Law(Invariant::Sparsity));
+        let derivative = of(|against| !matches!(against, Against::Law(Invariant::Sparsity)));
+        let declaration = of(is_declared);
+        let proven = |is: bool| if is { Verdict::Pass } else { Verdict::Undecided };
+        let has = |is: fn(&Certificate) -> bool| certificate.as_ref().is_some_and(is);
+        Self {
+            name,
+            scene: None,
+            cases,
+            derivative: if witnessed { derivative } else { derivative.max(Verdict::Undecided) },
+            formula: proven(has(|c| c.jax_states > 0)),
+            declaration: declaration.max(proven(has(Certificate::is_declaration_read))),
+            checks,
+            certificate,
+        }
+    }
+
+    /// The name, with the scene that it is of.
+    pub fn title(&self) -> String {
+        match &self.scene {
+            Some(scene) => format!("{} of {scene}", self.name),
+            None => self.name.clone(),
+        }
+    }
+
+    /// The severest of the three claims.
+    pub fn verdict(&self) -> Verdict {
+        self.derivative.max(self.formula).max(self.declaration)
+    }
+}
+
+/// An audit.
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// The version of this program.
+    pub version: &'static str,
+    /// What was asked.
+    pub settings: Settings,
+    /// C of the bound.
+    pub constant: f64,
+    /// What was audited.
+    pub subjects: Vec<Subject>,
+    /// Singular points.
+    pub atlas: Vec<Approach>,
+    /// What is found in the models of scenes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(with = "Vec<serde_json::Value>")]
+    pub models: Vec<ModelReport>,
+}
+
+impl Report {
+    /// A report of subjects and singular points.
+    pub(super) fn new(settings: &Settings, subjects: Vec<Subject>, atlas: Vec<Approach>) -> Self {
+        Self {
+            version: crate::VERSION,
+            settings: settings.clone(),
+            constant: C,
+            subjects,
+            atlas,
+            models: Vec::new(),
+        }
+    }
+
+    /// The same with what another report found.
+    #[must_use]
+    pub fn joined(mut self, other: Self) -> Self {
+        self.subjects.extend(other.subjects);
+        self.atlas.extend(other.atlas);
+        self.models.extend(other.models);
+        self
+    }
+
+    /// Subjects with a verified mismatch, and singular sets that are not what they are declared to be.
+    pub fn mismatches(&self) -> usize {
+        let wrong = self.subjects.iter().filter(|subject| subject.verdict().is_mismatch()).count();
+        wrong + self.atlas.iter().filter(|approach| !approach.is_confirmed()).count()
+    }
+
+    /// Models of which a finding is an error.
+    pub fn failing_models(&self) -> usize {
+        self.models.iter().filter(|model| model.fails()).count()
+    }
+
+    /// Subjects of which something is undecided.
+    pub fn undecided(&self) -> usize {
+        self.subjects.iter().filter(|subject| subject.verdict() == Verdict::Undecided).count()
+    }
+
+    /// Mutants that survived a check by an oracle, and laws that noticed none of theirs.
+    pub fn survivors(&self) -> u64 {
+        let checks = self.subjects.iter().flat_map(|subject| &subject.checks);
+        checks.map(|check| check.score.survived).sum()
+    }
+
+    /// A counter-example for every failed check of an oracle, by file name, shrunk to the simplest values that still fail.
+    pub fn counter_examples(&self) -> Vec<(String, CounterExample)> {
+        let mut found = Vec::new();
+        for subject in &self.subjects {
+            let failed = subject.checks.iter().filter(|check| check.verdict.is_mismatch());
+            for (i, check) in failed.enumerate() {
+                let Some(case) = &check.failing else { continue };
+                let same = |case: &Case| {
+                    let checks = audit_case(case, &self.settings, true, 0);
+                    checks.into_iter().find(|other| {
+                        (other.quantity, other.against) == (check.quantity, check.against)
+                            && other.verdict == check.verdict
+                    })
+                };
+                let small = shrink(case, &|case| same(case).is_some());
+                let example = CounterExample::of(same(&small).as_ref().unwrap_or(check), &subject.name);
+                let words: String = subject
+                    .name
+                    .chars()
+                    .map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
+                    .collect();
+                found.extend(example.map(|example| (format!("{words}-{i}.json"), example)));
+            }
+        }
+        found
+    }
+
+    /// Entries compared in all.
+    pub fn compared(&self) -> u64 {
+        self.subjects.iter().flat_map(|subject| &subject.checks).map(|check| check.compared).sum()
+    }
+}

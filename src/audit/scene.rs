@@ -1,0 +1,256 @@
+//! A scene: every connector and every multi-point constraint at its states.
+
+use super::behavior::audit_behavior;
+use super::case::{Case, Step};
+use super::certificate::{certificate, certificate_of_mpc};
+use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread};
+use super::mpc::MpcCase;
+use super::outcome::{Check, Report, Subject};
+use super::sample::{Draw, about_initial};
+use crate::connector::Request;
+use crate::evaluate::{ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence};
+use crate::scalar::elementary::norm;
+use crate::scene::State;
+use crate::vector::{add, sub};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::convert::Infallible;
+use std::sync::Arc;
+
+/// A scene to be audited.
+#[derive(Clone, Copy, Debug)]
+pub struct Target<'a> {
+    /// Its name in the report.
+    pub name: &'a str,
+    /// The scene, resolved.
+    pub model: &'a Model,
+    /// What is planned: which connectors and constraints.
+    pub plan: &'a Plan,
+    /// Its states, in order; without any, states are drawn about the initial one.
+    pub states: &'a [State],
+}
+
+/// How many connectors are judged at a time: so many cases are held at once.
+const AT_ONCE: usize = 2048;
+
+/// What is gathered of one connector or constraint.
+#[derive(Default)]
+struct Gathered {
+    cases: u64,
+    checks: Vec<Check>,
+}
+
+/// A case of one connector or constraint.
+enum Work {
+    Connector(Box<Case>, Arc<ElementBehavior>),
+    Mpc(Box<MpcCase>),
+}
+
+/// One piece of work: whose it is, its number among the states, and whether it goes to the oracles on 237 bits.
+struct Piece {
+    place: usize,
+    index: usize,
+    is_wide: bool,
+    work: Work,
+}
+
+/// Audits every connector and constraint of scenes at their states. `progress` is told of each finished state.
+pub fn audit_scenes(settings: &Settings, targets: &[Target<'_>], progress: &(dyn Fn(&str) + Sync)) -> Report {
+    let subjects = targets.iter().flat_map(|target| audit_scene(settings, target, progress)).collect();
+    Report::new(settings, subjects, Vec::new())
+}
+
+fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str) + Sync)) -> Vec<Subject> {
+    let Target { model, plan, states, .. } = *target;
+    let count = plan.connectors.len() + plan.mpcs.len();
+    let mut gathered: Vec<Gathered> = Vec::new();
+    gathered.resize_with(count, Gathered::default);
+    let share = settings.wide_states_of_a_scene / count.max(1);
+    let wide_states = settings.wide_states.min(share.max(1));
+    let mut waiting = Vec::new();
+    if states.is_empty() {
+        draw_states(settings, target, wide_states, &mut gathered);
+        progress(target.name);
+    }
+    // Walking needs every planned thing in the order of the plan.
+    let nothing = Plan { request: Request::nothing(0), ..plan.clone() };
+    let mut walk = Sequence::new(model, &nothing);
+    let wide = spread(states.len(), wide_states);
+    for (index, state) in states.iter().enumerate() {
+        let mut place = 0;
+        let number = state.number.unwrap_or(index as u64);
+        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
+            let work = match placed {
+                Item::Connector(placed) => {
+                    let behavior = Arc::clone(&model.connectors[placed.index].behavior);
+                    Work::Connector(Box::new(case(model, &placed, number)), behavior)
+                }
+                Item::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, &placed, number))),
+            };
+            waiting.push(Piece { place, index, is_wide: wide.contains(&index), work });
+            place += 1;
+            if waiting.len() >= AT_ONCE {
+                judge(settings, std::mem::take(&mut waiting), &mut gathered);
+            }
+            Ok(())
+        });
+        progress(target.name);
+    }
+    judge(settings, waiting, &mut gathered);
+    subjects(target, gathered)
+}
+
+/// Audits pieces in parallel and gathers them in their order.
+fn judge(settings: &Settings, pieces: Vec<Piece>, gathered: &mut [Gathered]) {
+    let found: Vec<(usize, Vec<Check>)> = pieces
+        .into_par_iter()
+        .map(|Piece { place, index, is_wide, work }| match work {
+            Work::Connector(case, element) => {
+                let mut checks = audit_case(&case, settings, is_wide, index);
+                if is_wide {
+                    checks.extend(audit_behavior(&case, &element.behavior, settings, true));
+                }
+                (place, checks)
+            }
+            Work::Mpc(case) if is_wide => (place, case.audit(settings, true)),
+            Work::Mpc(case) => (place, case.audit(settings, index.is_multiple_of(SOMETIMES))),
+        })
+        .collect();
+    for (place, checks) in found {
+        if let Some(one) = gathered.get_mut(place) {
+            one.cases += 1;
+            checks_of(&mut one.checks, checks);
+        }
+    }
+}
+
+/// States about the initial one, where a scene gives none: connectors at drawn ones, constraints at the initial one.
+fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gathered: &mut [Gathered]) {
+    let Target { model, plan, .. } = *target;
+    let wide: BTreeSet<usize> = spread(settings.drawn_states, wide_states);
+    let mut pieces = Vec::new();
+    for (place, at) in plan.connectors.iter().enumerate() {
+        let Some(element) = model.connectors.get(*at) else { continue };
+        let title = element.title();
+        let length = own_length(model, norm(element.reference), 0.0);
+        let draw = &mut Draw::new(&format!("{} {} {title}", settings.seed, target.name));
+        for index in 0..settings.drawn_states.max(1) {
+            let name = match index {
+                0 => format!("{title}, initial state"),
+                _ => format!("{title}, drawn state {index}"),
+            };
+            let case = about_initial(&element.definition, index, length, name, draw);
+            let is_wide = wide.contains(&index);
+            let work = case.map(|case| Work::Connector(Box::new(case), Arc::clone(&element.behavior)));
+            pieces.extend(work.map(|work| Piece { place, index, is_wide, work }));
+        }
+        if pieces.len() >= AT_ONCE {
+            judge(settings, std::mem::take(&mut pieces), gathered);
+        }
+    }
+    let alone = Plan { connectors: Vec::new(), request: Request::nothing(0), ..plan.clone() };
+    let mut walk = Sequence::new(model, &alone);
+    let mut place = plan.connectors.len();
+    let Ok(()) = walk.visit(&State::default(), |placed| -> Result<(), Infallible> {
+        if let Item::Mpc(placed) = placed {
+            let work = Work::Mpc(Box::new(mpc_case(model, &placed, 0)));
+            pieces.push(Piece { place, index: 0, is_wide: true, work });
+            place += 1;
+        }
+        Ok(())
+    });
+    judge(settings, pieces, gathered);
+}
+
+/// s: the larger of the present and the initial length; that of the model where the nodes coincide.
+fn own_length(model: &Model, initial: f64, present: f64) -> f64 {
+    /// What is shorter than this part of the model is a coincidence with rounding.
+    const COINCIDENT: f64 = 1e-9;
+    let own = initial.max(present);
+    if own > COINCIDENT * model.length { own } else { model.length }
+}
+
+fn case(model: &Model, placed: &ConnectorResult, number: u64) -> Case {
+    let element = &model.connectors[placed.index];
+    let state = placed.state;
+    Case {
+        name: format!("{} at state {number}", element.title()),
+        definition: element.definition.clone(),
+        start: Some(placed.before),
+        path: vec![Step { state, increment: placed.increment }],
+        length: own_length(model, norm(element.reference), norm(state.pair.separation())),
+    }
+}
+
+fn mpc_case(model: &Model, placed: &MpcResult, number: u64) -> MpcCase {
+    let element = &model.mpcs[placed.index];
+    let arm = element.constraint.arm();
+    let moved = sub(placed.state.slave.displacement, placed.state.master.displacement);
+    let present = norm(add(arm, moved));
+    MpcCase {
+        name: format!("{} at state {number}", element.title()),
+        constraint: element.constraint,
+        state: placed.state,
+        turning: placed.turning,
+        before: placed.before,
+        length: own_length(model, norm(arm), present),
+    }
+}
+
+fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
+    let Target { model, plan, .. } = *target;
+    let connectors = plan.connectors.iter().filter_map(|at| {
+        let element = model.connectors.get(*at)?;
+        Some((element.title(), certificate(element.connector.connection())))
+    });
+    let mpcs = plan.mpcs.iter().filter_map(|at| {
+        let element = model.mpcs.get(*at)?;
+        Some((element.title(), certificate_of_mpc(element.constraint.kind())))
+    });
+    let named = connectors.chain(mpcs).zip(gathered);
+    named
+        .map(|((title, certificate), mut one)| {
+            one.checks.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
+            Subject {
+                scene: Some(target.name.to_string()),
+                ..Subject::new(title, certificate, one.cases, one.checks)
+            }
+        })
+        .collect()
+}
+
+/// The cases of some connectors, by their indices in increasing order, at the last state; at a drawn one where there is none.
+pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(String, Case)> {
+    let Target { model, states, .. } = *target;
+    if states.is_empty() {
+        let drawn = connectors.iter().filter_map(|at| {
+            let element = model.connectors.get(*at)?;
+            let title = element.title();
+            let length = own_length(model, norm(element.reference), 0.0);
+            let draw = &mut Draw::new(&format!("{} {title}", target.name));
+            let name = format!("{title}, a drawn state");
+            let case = about_initial(&element.definition, 1, length, name, draw)?;
+            Some((title, case))
+        });
+        return drawn.collect();
+    }
+    let plan = Plan {
+        connectors: connectors.to_vec(),
+        mpcs: Vec::new(),
+        request: Request::nothing(0),
+        ..target.plan.clone()
+    };
+    let mut walk = Sequence::new(model, &plan);
+    let mut found = Vec::new();
+    for (index, state) in states.iter().enumerate() {
+        found.clear();
+        let number = state.number.unwrap_or(index as u64);
+        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
+            if let Item::Connector(placed) = placed {
+                found.push((model.connectors[placed.index].title(), case(model, &placed, number)));
+            }
+            Ok(())
+        });
+    }
+    found
+}

@@ -1,0 +1,120 @@
+//! Many connectors of one type, or many states of one: four at a time, on the vector unit that the processor has.
+//!
+//! The measures are those of [`crate::measure`], evaluated on four lanes ([`crate::scalar::lanes`]) with derivatives along the
+//! three relative translations or rotations, in loops compiled once for the processor that the crate is built for and once for
+//! vector units with fused products (AVX2 + FMA on x86-64, NEON on AArch64), one of which is chosen at run time. Results of the two
+//! differ by roundings, and from those of [`crate::connector`] by a few.
+//!
+//! States come in [`Tile`]s: each number of a state as an array of four, one for each lane. Rows go to arrays of the same kind.
+//!
+//! ```
+//! use pintle::batch::{Batch, History, Row, Section, Tile};
+//! use pintle::catalog::ConnectionType;
+//! use pintle::connector::{Connector, Definition};
+//! use pintle::node::{Node, Pair};
+//! use pintle::{so3, vector};
+//!
+//! // A REVOLUTE at four angles.
+//! let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
+//! let turned = |angle| Pair {
+//!     reference: [0.0; 3],
+//!     a: node(vector::identity()),
+//!     b: node(so3::matrix(so3::exp([angle, 0.0, 0.0]))),
+//! };
+//! let definition = Definition::new(ConnectionType::named("REVOLUTE", None)?, turned(0.0));
+//! let connector = Connector::<f64>::new(&definition);
+//! let batch = Batch::new(&connector, [true; 6])?;
+//! let tile = Tile::new(&[turned(0.0), turned(0.5), turned(1.0), turned(1.5)]);
+//! let constants = Section::new(&[&connector; 4]);
+//! let history = History::new(&[connector.initial_branch(); 4]);
+//! let mut rows = vec![Row::default(); batch.rows()];
+//! batch.rows_of(&[tile], &[constants], &[history], &mut rows)?;
+//! assert_eq!(rows[0].value, [0.0, 0.5, 1.0, 1.5]); // ur1
+//! assert_eq!(rows[0].columns[9], [1.0; 4]); // ∂ur1/∂θb1
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod advance;
+mod kernel;
+mod passes;
+mod tile;
+
+use crate::connector::{Connector, Mask};
+use crate::measure::Measure;
+use passes::Pass;
+use pulp::Arch;
+
+pub use advance::advance;
+pub use kernel::{CompactRow, HessianRow, Row};
+pub use tile::{Four, History, Section, Tile};
+
+/// Why connectors cannot be evaluated as a batch.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BatchError {
+    /// A component has no function of the two nodes, or one that depends on material flow.
+    #[error("the row of {0} has columns that a batch does not: evaluate it by itself")]
+    NotBatched(&'static str),
+    /// The slices do not have one entry for each tile, or for each row of each tile.
+    #[error("{what}: {found} where {expected} are needed")]
+    Length {
+        /// Which slice.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length needed.
+        expected: usize,
+    },
+}
+
+/// What to compute for connectors that share their measures: the rows of one connection type.
+#[derive(Clone, Debug)]
+pub struct Batch {
+    /// The component (0-based) and measure of each row.
+    measures: Vec<(usize, Measure)>,
+    passes: Vec<Pass>,
+    arch: Arch,
+}
+
+impl Batch {
+    /// The rows of the components `wanted`: of the residual of a constrained component, of the position of any other.
+    ///
+    /// Connectors share a batch where [`Connector::differentiated`] agrees in those components.
+    ///
+    /// # Errors
+    /// [`BatchError::NotBatched`] for a component whose row has entries for material flow: SLIPRING, FLOW-CONVERTER.
+    pub fn new(connector: &Connector<f64>, wanted: Mask) -> Result<Self, BatchError> {
+        let measures: Vec<(usize, Measure)> =
+            (0..6).filter(|k| wanted[*k]).filter_map(|k| Some((k, connector.differentiated(k)?))).collect();
+        let refused = |row: usize| {
+            let component = measures.get(row).and_then(|(k, _)| crate::catalog::COMPONENT.get(*k));
+            BatchError::NotBatched(component.copied().unwrap_or_default())
+        };
+        if let Some(row) = measures.iter().position(|(_, m)| m.dependence().flow || m.is_one_form()) {
+            return Err(refused(row));
+        }
+        let list: Vec<Measure> = measures.iter().map(|(_, measure)| *measure).collect();
+        let passes = passes::cover(&list).map_err(refused)?;
+        Ok(Self { passes, measures, arch: Arch::new() })
+    }
+
+    /// The same batch in the instructions of every processor that this program runs on, without a vector unit chosen at run
+    /// time.
+    pub const fn baseline(mut self) -> Self {
+        self.arch = Arch::Scalar;
+        self
+    }
+
+    /// The number of rows of each tile.
+    pub fn rows(&self) -> usize {
+        self.measures.len()
+    }
+
+    /// The component (0-based) and the measure of each row, in order.
+    pub fn measures(&self) -> &[(usize, Measure)] {
+        &self.measures
+    }
+}
+
+fn same_length(what: &'static str, found: usize, expected: usize) -> Result<(), BatchError> {
+    if found == expected { Ok(()) } else { Err(BatchError::Length { what, found, expected }) }
+}

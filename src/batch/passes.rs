@@ -1,0 +1,105 @@
+//! Which measures one loop evaluates: compiled apart for each, so that a loop computes what its measures need and nothing else.
+
+use crate::measure::{Measure, Shared};
+use crate::scalar::Scalar;
+
+/// M measures that are evaluated in one loop.
+pub(super) trait Formula<const M: usize> {
+    /// The measures.
+    const MEASURES: [Measure; M];
+
+    /// Their principal values.
+    fn evaluate<S: Scalar>(shared: &mut Shared<'_, S>) -> [S; M];
+}
+
+/// Something to be done for a formula.
+pub(super) trait Task {
+    fn run<F: Formula<M>, const M: usize>(self);
+}
+
+/// One loop over tiles: the number of its formula, and the row of each of its measures; `usize::MAX` of those not wanted.
+#[derive(Clone, Debug)]
+pub(super) struct Pass {
+    number: usize,
+    pub(super) rows: [usize; 3],
+}
+
+macro_rules! formulas {
+    ($($count:literal: $($measure:ident $(($($index:literal),+))? by $method:ident),+;)*) => {
+        /// The measures of each formula: each measure is in one.
+        const FORMULAS: &[&[Measure]] = &[$(&[$(formulas!(@measure $measure $($($index)+)?)),+]),*];
+
+        impl Pass {
+            /// Does a task for the formula of this pass.
+            #[inline(always)]
+            pub(super) fn dispatch(&self, task: impl Task) {
+                let mut number = 0;
+                $({
+                    struct Evaluated;
+
+                    impl Formula<$count> for Evaluated {
+                        const MEASURES: [Measure; $count] = [$(formulas!(@measure $measure $($($index)+)?)),+];
+
+                        #[inline(always)]
+                        fn evaluate<S: Scalar>(shared: &mut Shared<'_, S>) -> [S; $count] {
+                            [$(shared.$method($($($index),+)?)),+]
+                        }
+                    }
+
+                    if self.number == number {
+                        return task.run::<Evaluated, $count>();
+                    }
+                    number += 1;
+                })*
+                let _ = number;
+            }
+        }
+    };
+    (@measure $measure:ident) => { Measure::$measure };
+    (@measure $measure:ident $($index:literal)+) => { Measure::$measure($($index),+) };
+}
+
+formulas! {
+    3: RotationVector(1) by rotation, RotationVector(2) by rotation, RotationVector(3) by rotation;
+    3: Misalignment(1) by misaligned, Misalignment(2) by misaligned, Misalignment(3) by misaligned;
+    3: ProjectedPosition(1) by projected, ProjectedPosition(2) by projected, ProjectedPosition(3) by projected;
+    2: ComponentFlexion(1) by component_flexion, ComponentFlexion(2) by component_flexion;
+    3: Position(1) by coordinate, Position(2) by coordinate, Position(3) by coordinate;
+    1: Distance by distance;
+    1: RadialDistance by radius;
+    1: Cosine(1, 2) by cosine;
+    1: Cosine(1, 3) by cosine;
+    1: Cardan(1) by cardan;
+    1: Cardan(2) by cardan;
+    1: Cardan(3) by cardan;
+    1: Euler(1) by euler;
+    1: Euler(2) by euler;
+    1: Euler(3) by euler;
+    1: Flexion by flexion;
+    1: Torsion by torsion;
+    1: Sweep by sweep;
+}
+
+/// The passes that compute `measures`, each formula that computes one of those that are left; or the row of one that none computes.
+pub(super) fn cover(measures: &[Measure]) -> Result<Vec<Pass>, usize> {
+    let mut left: Vec<(usize, Measure)> =
+        measures.iter().copied().map(Measure::as_function).enumerate().collect();
+    let mut passes = Vec::new();
+    for (number, formula) in FORMULAS.iter().enumerate() {
+        let mut pass = Pass { number, rows: [usize::MAX; 3] };
+        for (slot, measure) in pass.rows.iter_mut().zip(*formula) {
+            if let Some((row, _)) = left.iter().find(|(_, one)| one == measure) {
+                *slot = *row;
+            }
+        }
+        if pass.rows.iter().all(|row| *row == usize::MAX) {
+            continue;
+        }
+        left.retain(|(row, _)| !pass.rows.contains(row));
+        passes.push(pass);
+    }
+    match left.first() {
+        Some((row, _)) => Err(*row),
+        None => Ok(passes),
+    }
+}

@@ -1,0 +1,132 @@
+//! Four states, as arrays of four.
+
+use crate::connector::{Branch, Connector};
+use crate::measure;
+use crate::node::{Node, Pair};
+use crate::scalar::lanes::{LANES, Lanes};
+use crate::vector::{Matrix, Vector};
+
+/// A number of each of four elements.
+pub type Four = [f64; LANES];
+
+/// The nodes of four elements.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Tile {
+    /// X_b − X_a (length).
+    pub reference: [Four; 3],
+    /// U of a and of b (length).
+    pub displacement: [[Four; 3]; 2],
+    /// The local directions of a and of b as columns.
+    pub triad: [[[Four; 3]; 3]; 2],
+}
+
+/// The data of four connectors that measures refer to; see [`measure::Section`].
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Section {
+    /// Q₀.
+    pub initial_orientation: [[Four; 3]; 3],
+    /// The direction that stands in for d/|d| while the nodes of an AXIAL coincide.
+    pub fixed_direction: [Four; 3],
+}
+
+/// What the past of four connectors decides; see [`measure::History`].
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct History {
+    /// The last well-conditioned rotation vector (rad).
+    pub rotation_vector: [Four; 3],
+    /// The sign of sin β on the sheet of the Euler angles.
+    pub euler_sign: Four,
+    /// The whole turns of torsion.
+    pub torsion_turns: Four,
+}
+
+/// `of` each of four, lane by lane.
+pub(super) fn four<T>(from: &[T; LANES], of: impl Fn(&T) -> f64) -> Four {
+    let [a, b, c, d] = from;
+    [of(a), of(b), of(c), of(d)]
+}
+
+pub(super) fn vector<T>(from: &[T; LANES], of: impl Fn(&T) -> Vector<f64>) -> [Four; 3] {
+    [0, 1, 2].map(|i| four(from, |one| of(one)[i]))
+}
+
+pub(super) fn matrix<T>(from: &[T; LANES], of: impl Fn(&T) -> Matrix<f64>) -> [[Four; 3]; 3] {
+    [0, 1, 2].map(|i| vector(from, |one| of(one)[i]))
+}
+
+impl Tile {
+    /// Four pairs of nodes.
+    pub fn new(pairs: &[Pair<f64>; LANES]) -> Self {
+        Self {
+            reference: vector(pairs, |pair| pair.reference),
+            displacement: [
+                vector(pairs, |pair| pair.a.displacement),
+                vector(pairs, |pair| pair.b.displacement),
+            ],
+            triad: [matrix(pairs, |pair| pair.a.triad), matrix(pairs, |pair| pair.b.triad)],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn pair<const FUSED: bool>(&self) -> Pair<Lanes<FUSED>> {
+        let node = |end: usize| Node {
+            displacement: lanes(&self.displacement[end]),
+            triad: lanes_matrix(&self.triad[end]),
+            flow: Lanes::splat(0.0),
+        };
+        Pair { reference: lanes(&self.reference), a: node(0), b: node(1) }
+    }
+}
+
+impl Section {
+    /// Those of four connectors.
+    pub fn new(connectors: &[&Connector<f64>; LANES]) -> Self {
+        Self {
+            initial_orientation: matrix(connectors, |one| one.section().initial_orientation),
+            fixed_direction: vector(connectors, |one| one.section().fixed_direction),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn load<const FUSED: bool>(&self) -> measure::Section<Lanes<FUSED>> {
+        measure::Section {
+            initial_orientation: lanes_matrix(&self.initial_orientation),
+            initial_length: Lanes::splat(0.0),
+            fixed_direction: lanes(&self.fixed_direction),
+            flow_scale: Lanes::splat(0.0),
+        }
+    }
+}
+
+impl History {
+    /// Those that four branches tell: the branch at the state itself ([`Connector::advance`]).
+    pub fn new(branches: &[Branch<f64>; LANES]) -> Self {
+        Self {
+            rotation_vector: vector(branches, |one| one.rotation_vector),
+            euler_sign: four(branches, |one| one.euler_sign),
+            torsion_turns: four(branches, |one| one.torsion.turns),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn load<const FUSED: bool>(&self) -> measure::History<Lanes<FUSED>> {
+        measure::History {
+            rotation_vector: lanes(&self.rotation_vector),
+            euler_sign: Lanes(self.euler_sign),
+            torsion_turns: Lanes(self.torsion_turns),
+        }
+    }
+}
+
+#[inline(always)]
+fn lanes<const FUSED: bool>(of: &[Four; 3]) -> Vector<Lanes<FUSED>> {
+    [Lanes(of[0]), Lanes(of[1]), Lanes(of[2])]
+}
+
+#[inline(always)]
+fn lanes_matrix<const FUSED: bool>(of: &[[Four; 3]; 3]) -> Matrix<Lanes<FUSED>> {
+    [lanes(&of[0]), lanes(&of[1]), lanes(&of[2])]
+}

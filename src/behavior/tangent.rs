@@ -1,0 +1,221 @@
+//! Slopes of component forces, exact: the consistent tangent of a behaviour.
+//!
+//! CTF_i = CEF_i + CVF_i + CSF_i + CRF_i − CCF_i is a function of the displacements u, the velocities v, the reactions λ = CRF of
+//! the components that have one, and where friction or increments of velocity make it so of the time step Δt. A stop that is
+//! reached, a lock, a prescribed motion and a rigid elasticity hold their component as a constraint does: what that takes is an
+//! unknown of its own beside the row u_k = ū, not a stiffness. Friction depends on what presses, CEF + CVF + λ, so that
+//! ∂CSF/∂λ ≠ 0 (the part −μ ∂F_N/∂λ of Φ) makes the tangent unsymmetric. Applied loads do not change with the motion.
+
+use super::friction::{Branch, FLOW};
+use super::slide::{Beyond, Slip};
+use super::state::{Behavior, History, Outcome};
+use super::{Conditions, Motion, Unknown};
+use crate::connector::{Components, Mask, StopStatus};
+use crate::scalar::{Differentiable, Scalar, Seeded};
+
+/// The slopes of component forces: ∂F_i/∂x_j, i and j from u1, u2, u3, ur1, ur2, ur3.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tangent<R> {
+    /// ∂F_i/∂u_j at constant velocities and reactions.
+    pub displacement: [[R; 6]; 6],
+    /// ∂F_i/∂v_j.
+    pub velocity: [[R; 6]; 6],
+    /// ∂F_i/∂λ_j by the reactions (CRF) of the components in `reacting`: 1 for its own force, and what friction makes of it.
+    pub reaction: [[R; 6]; 6],
+    /// ∂F_i/∂T2 by the tension of the belt on the other side of the ring at b.
+    pub beyond: [R; 6],
+    /// The components that have a reaction: constrained, or held by a stop, a lock, a prescribed motion or a rigid elasticity.
+    pub reacting: Mask,
+    /// The time step, where velocities are increments over it: then dF_i/du_j = ∂F_i/∂u_j + ∂F_i/∂v_j/Δt.
+    pub time_step: Option<R>,
+    /// ∂F_i/∂Δt at constant displacements: −Σ ∂F_i/∂v_j v_j/Δt of velocities that are increments, and that of friction whose
+    /// coefficient depends on the slip rate.
+    pub time: [R; 6],
+    /// Why the slopes of a force are not known; they are zero then.
+    pub unknown: Components<Unknown>,
+}
+
+impl<R: Differentiable> Tangent<R> {
+    fn none(time_step: Option<R>) -> Self {
+        let zero = R::integer(0);
+        let matrix = [[zero; 6]; 6];
+        Self {
+            displacement: matrix,
+            velocity: matrix,
+            reaction: matrix,
+            beyond: [zero; 6],
+            reacting: [false; 6],
+            time_step,
+            time: [zero; 6],
+            unknown: [None; 6],
+        }
+    }
+
+    /// dF_i/du_j: with the velocity as a function of the displacement where it is an increment over a time step.
+    pub fn total(&self) -> [[R; 6]; 6] {
+        let inverse = self.time_step.map_or(R::integer(0), |step| R::integer(1) / step);
+        let mut total = self.displacement;
+        for (line, rates) in total.iter_mut().zip(&self.velocity) {
+            for (entry, rate) in line.iter_mut().zip(rates) {
+                *entry = *entry + *rate * inverse;
+            }
+        }
+        total
+    }
+
+    /// Leaves out the row of a force.
+    fn clear(&mut self, k: usize) {
+        let zero = R::integer(0);
+        for matrix in [&mut self.displacement, &mut self.velocity, &mut self.reaction] {
+            matrix[k] = [zero; 6];
+        }
+        (self.beyond[k], self.time[k]) = (zero, zero);
+    }
+}
+
+impl Behavior {
+    /// CEF + CVF on any scalar. Unknown parts are left out.
+    pub fn forces<S: Scalar>(&self, motion: &Motion<S>, conditions: &Conditions) -> [S; 6] {
+        let elastic = self.elasticity.forces(motion, conditions).value;
+        let viscous = self.damping.forces(motion, conditions).value;
+        [0, 1, 2, 3, 4, 5].map(|k| elastic[k].unwrap_or(S::zero()) + viscous[k].unwrap_or(S::zero()))
+    }
+
+    /// The slopes of CEF + CVF alone, of the components that have not failed. `time_step` is that of velocities that are
+    /// increments.
+    pub fn tangent<R: Differentiable>(
+        &self,
+        motion: &Motion<R>,
+        conditions: &Conditions,
+        time_step: Option<R>,
+        failed: Mask,
+    ) -> Tangent<R> {
+        let seeded = |values: &[R; 6], first: usize| {
+            let seed = |k: usize| R::Gradient::<12>::seed(values[k], first + k);
+            [seed(0), seed(1), seed(2), seed(3), seed(4), seed(5)]
+        };
+        let moving = Motion {
+            position: seeded(&motion.position, 0),
+            constitutive: seeded(&motion.constitutive, 0),
+            velocity: seeded(&motion.velocity, 6),
+        };
+        let zero = R::integer(0);
+        let mut tangent = Tangent::none(time_step);
+        for (k, force) in
+            self.forces(&moving, conditions).into_iter().enumerate().filter(|(k, _)| !failed[*k])
+        {
+            let slopes = force.gradient();
+            tangent.displacement[k].copy_from_slice(&slopes[..6]);
+            tangent.velocity[k].copy_from_slice(&slopes[6..]);
+            if let Some(step) = time_step {
+                let pairs = tangent.velocity[k].iter().zip(&motion.velocity);
+                tangent.time[k] = -(pairs.fold(zero, |sum, (slope, v)| sum + *slope * *v) / step);
+            }
+        }
+        tangent
+    }
+
+    /// The slopes of CTF at a state that followed `history`: springs, dampers, friction with its exact consistent tangent along
+    /// the increment, and reactions.
+    pub fn consistent_tangent(
+        &self,
+        outcome: &Outcome,
+        conditions: &Conditions,
+        history: &History,
+    ) -> Tangent<f64> {
+        let laws = self.tangent(&outcome.motion, conditions, outcome.time_step, history.failed);
+        let mut tangent = laws.clone();
+        let rigid = self.elasticity.rigid();
+        tangent.reacting = [0, 1, 2, 3, 4, 5].map(|k| {
+            let is_held = !matches!(outcome.held[k], None | Some(StopStatus::Free))
+                || outcome.locked[k]
+                || rigid[k]
+                || outcome.prescribed[k].is_some();
+            !outcome.failed[k] && (self.constrained[k] || (self.available[k] && is_held))
+        });
+        for k in (0..6).filter(|k| tangent.reacting[*k]) {
+            tangent.reaction[k][k] = 1.0;
+        }
+        for (i, slip) in outcome.slips.iter().enumerate() {
+            let slopes = self.slopes_of(i, slip, outcome, conditions);
+            for (k, slopes) in slopes.into_iter().enumerate() {
+                let Some(Slopes { displacement, forces, duration, beyond }) = slopes else { continue };
+                tangent.time[k] += duration;
+                tangent.beyond[k] += beyond;
+                for j in 0..6 {
+                    tangent.displacement[k][j] += displacement[j];
+                }
+                // What presses is CEF + CVF + λ.
+                for (p, force) in forces.into_iter().enumerate().filter(|(p, _)| !history.failed[*p]) {
+                    if tangent.reacting[p] {
+                        tangent.reaction[k][p] += force;
+                    }
+                    for j in 0..6 {
+                        tangent.displacement[k][j] += force * laws.displacement[p][j];
+                        tangent.velocity[k][j] += force * laws.velocity[p][j];
+                    }
+                    tangent.time[k] += force * laws.time[p];
+                }
+            }
+        }
+        for k in 0..6 {
+            let parts = [&outcome.elastic, &outcome.viscous, &outcome.friction];
+            tangent.unknown[k] =
+                parts.iter().find_map(|part| part.unknown[k].filter(|why| *why != Unknown::Rigid));
+            if outcome.failed[k] || tangent.unknown[k].is_some() {
+                tangent.clear(k);
+            }
+        }
+        tangent
+    }
+
+    /// The slopes of the forces of a friction, of the components that slide.
+    fn slopes_of(
+        &self,
+        i: usize,
+        slip: &Slip,
+        outcome: &Outcome,
+        conditions: &Conditions,
+    ) -> Components<Slopes> {
+        let mut found = [None; 6];
+        let (Some(state), Ok(_)) = (&slip.before, &slip.outcome) else { return found };
+        if let Some(friction) = self.friction.frictions.get(i) {
+            let input = slip.input(state, outcome.duration, &outcome.motion, conditions);
+            let (_, tangent) = friction.tangent(state, &input, Branch::Decided);
+            for k in (0..6).filter(|k| slip.components[*k]) {
+                let of = tangent.force[k];
+                found[k] = Some(Slopes {
+                    displacement: of.displacement,
+                    forces: of.forces,
+                    duration: of.duration,
+                    beyond: 0.0,
+                });
+            }
+        } else if let (Some(belt), Some(Beyond { tension: Ok(tension), angle })) =
+            (&self.friction.belt, slip.beyond)
+        {
+            let input = slip.belt_input((tension, angle), outcome.duration, conditions);
+            let (_, tangent) = belt.tangent(state, &input, Branch::Decided);
+            let mut slopes = Slopes {
+                displacement: [0.0; 6],
+                forces: [0.0; 6],
+                duration: tangent.duration,
+                beyond: tangent.tension[1],
+            };
+            (slopes.displacement[FLOW], slopes.forces[0]) = (tangent.flow, tangent.tension[0]);
+            found[FLOW] = Some(slopes);
+        }
+        found
+    }
+}
+
+/// The slopes of one friction force.
+#[derive(Clone, Copy)]
+struct Slopes {
+    displacement: [f64; 6],
+    /// By what presses.
+    forces: [f64; 6],
+    duration: f64,
+    /// By the tension on the other side of the ring.
+    beyond: f64,
+}

@@ -1,0 +1,626 @@
+//! The constraint Jacobian of a whole model as one sparse matrix.
+//!
+//! One row for each equation that connectors and multi-point constraints enforce, one column for each degree of freedom that they have
+//! and nothing fixes. The pattern is found once; at each state the entries are written straight into their places from compact rows
+//! ([`crate::connector::CompactRow`]), each connector into a stretch of its own, by as many threads as there are.
+//!
+//! Rows come in the order of the plan: connectors, u1 to ur3 of each, then MPCs. Columns are numbered by node, 1 to 6 and 10 of each,
+//! in the order of the labels of the nodes. Rotations vary spatially, C → exp(δθ^) C. Columns of a node under `*TRANSFORM` are along
+//! its axes, as its boundary conditions are.
+
+use super::model::{ConnectorElement, Model};
+use super::mpc::MpcElement;
+use super::plan::Plan;
+use crate::catalog::COMPONENT;
+use crate::connector::{CompactRow, Components, Group, Mask};
+use crate::mpc::{self, Kind};
+use crate::node::{DOF_NUMBER, DOFS};
+use crate::scene::{Boundary, Diagnostic, Label, MotionType, Operation, Scene, Target};
+use crate::vector::{Matrix, Vector, dot};
+use std::collections::{HashMap, HashSet};
+
+/// The numbers of the degrees of freedom of a node, in the order of its columns.
+const NUMBERS: [u8; 7] = [1, 2, 3, 4, 5, 6, 10];
+
+/// A column: a degree of freedom of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+pub struct Freedom {
+    /// The node.
+    pub node: Label,
+    /// 1 to 3 displacements, 4 to 6 rotations, 10 material flow.
+    pub number: u8,
+}
+
+/// What an equation belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Source {
+    /// A connector, by its index in the model.
+    Connector(usize),
+    /// A multi-point constraint, by its index in the model.
+    Mpc(usize),
+}
+
+/// A row: an equation that is enforced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Equation {
+    /// What enforces it.
+    pub source: Source,
+    /// The component of a connector, 0 for u1 to 5 for ur3; the equation of an MPC, in the order of [`Kind::row_name`].
+    pub component: usize,
+}
+
+impl Equation {
+    /// What it enforces and which of it, as reports call it: `HINGE 101 ur2`, `MPC LINK 4-7 δl`. For a model that has it.
+    pub fn title(&self, model: &Model) -> String {
+        let named = |title: Option<String>, name: &str| format!("{} {name}", title.unwrap_or_default());
+        match self.source {
+            Source::Connector(index) => {
+                let title = model.connectors.get(index).map(ConnectorElement::title);
+                named(title, COMPONENT.get(self.component).copied().unwrap_or_default())
+            }
+            Source::Mpc(index) => {
+                let mpc = model.mpcs.get(index);
+                let name = mpc.map(|mpc| mpc.constraint.kind().row_name(self.component));
+                named(mpc.map(MpcElement::title), name.unwrap_or_default())
+            }
+        }
+    }
+}
+
+/// A pattern that a sequence cannot fill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ForeignPattern {
+    /// It was made for another plan.
+    #[error(
+        "the pattern of the Jacobian was made for another plan: make it from the model and plan of the sequence"
+    )]
+    Plan,
+    /// It has a row that depends on the history of a component, and the states so far have been passed without following that.
+    #[error(
+        "the pattern of the Jacobian has rows that depend on the history of components that the plan does not name: \
+         name them in its request, or call `Sequence::follow_everything` before the first state"
+    )]
+    History,
+}
+
+/// Degrees of freedom that are no unknowns, and the axes of nodes in which that is said.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fixed {
+    freedoms: HashSet<Freedom>,
+    /// e_1, e_2, e_3 as rows.
+    axes: HashMap<Label, Matrix<f64>>,
+}
+
+impl FromIterator<Freedom> for Fixed {
+    fn from_iter<I: IntoIterator<Item = Freedom>>(freedoms: I) -> Self {
+        Self { freedoms: freedoms.into_iter().collect(), axes: HashMap::new() }
+    }
+}
+
+impl Fixed {
+    /// None.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// Those that boundary conditions prescribe at the beginning of the analysis: those given before the first step, and in it. A
+    /// degree of freedom whose value is given is no unknown, whatever the value.
+    ///
+    /// # Errors
+    /// As [`Fixed::in_step`].
+    pub fn of(scene: &Scene) -> Result<Self, Diagnostic> {
+        Self::in_step(scene, 1)
+    }
+
+    /// Those that boundary conditions prescribe in a step, counted from 1; 0 is before the first. `OP=NEW` takes away those before.
+    ///
+    /// # Errors
+    /// The points of a `*TRANSFORM` that define no directions.
+    pub fn in_step(scene: &Scene, step: usize) -> Result<Self, Diagnostic> {
+        Self::prescribed(scene, step, |_| true)
+    }
+
+    /// Those of [`Fixed::in_step`] that are held where they are: displacements and rotations prescribed as zero.
+    ///
+    /// # Errors
+    /// As [`Fixed::in_step`].
+    pub fn held_in_step(scene: &Scene, step: usize) -> Result<Self, Diagnostic> {
+        Self::prescribed(scene, step, |boundary| {
+            boundary.kind == MotionType::Displacement && boundary.magnitude == 0.0 && !boundary.applied.user
+        })
+    }
+
+    fn prescribed(
+        scene: &Scene,
+        step: usize,
+        wanted: impl Fn(&Boundary) -> bool,
+    ) -> Result<Self, Diagnostic> {
+        let mut fixed = Self::default();
+        let mut named = HashSet::new();
+        let mut put = |freedoms: &mut HashSet<Freedom>, boundary: &Boundary| {
+            let nodes: &[Label] = match &boundary.target.value {
+                Target::Label(label) => std::slice::from_ref(label),
+                Target::Set(name) => {
+                    scene.node_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice())
+                }
+            };
+            named.extend(nodes);
+            let is_wanted = wanted(boundary);
+            for node in nodes {
+                for freedom in
+                    boundary.degrees_of_freedom.iter().map(|number| Freedom { node: *node, number: *number })
+                {
+                    if is_wanted {
+                        freedoms.insert(freedom);
+                    } else {
+                        freedoms.remove(&freedom);
+                    }
+                }
+            }
+        };
+        for boundary in &scene.boundaries {
+            put(&mut fixed.freedoms, boundary);
+        }
+        for step in scene.steps.iter().take(step) {
+            if step.boundaries.iter().any(|boundary| boundary.applied.operation == Operation::New) {
+                fixed.freedoms.clear();
+            }
+            for boundary in &step.boundaries {
+                put(&mut fixed.freedoms, boundary);
+            }
+        }
+        if !scene.transforms.is_empty() {
+            for node in named {
+                fixed.axes.insert(node, scene.nodal_axes(node)?);
+            }
+        }
+        Ok(fixed)
+    }
+
+    /// The degrees of freedom.
+    pub fn iter(&self) -> impl Iterator<Item = Freedom> + '_ {
+        self.freedoms.iter().copied()
+    }
+
+    /// Whether a degree of freedom is fixed.
+    pub fn contains(&self, freedom: Freedom) -> bool {
+        self.freedoms.contains(&freedom)
+    }
+
+    /// The axes along which the columns of a node are, as rows, where they are not the global ones.
+    pub fn axes(&self, node: Label) -> Option<&Matrix<f64>> {
+        self.axes.get(&node)
+    }
+}
+
+/// Where the entries of one connector go.
+#[derive(Clone, Debug)]
+struct Block {
+    /// The rows that it has.
+    rows: Mask,
+    /// The degrees of freedom of each row that have a column: bit j is that of [`crate::node::DOF`].
+    columns: [u16; 6],
+    /// Whether the columns of b come before those of a.
+    is_swapped: bool,
+    /// Where its entries begin.
+    first: usize,
+    /// Which of the axes those of a and b are.
+    axes: [Option<u32>; 2],
+}
+
+/// Where the entries of one MPC go.
+#[derive(Clone, Debug)]
+struct MpcBlock {
+    /// For each entry the equation, and the degree of freedom by which it is.
+    entries: Vec<(u8, u8)>,
+    /// The axes of its nodes.
+    axes: Vec<Option<u32>>,
+}
+
+/// The pattern of a sparse Jacobian in compressed rows (CSR), and how to fill it: [`super::Sequence::assemble`].
+///
+/// ```
+/// use pintle::connector::Request;
+/// use pintle::evaluate::{Fixed, Jacobian, Model, Plan, Selection, Sequence};
+/// use pintle::scene::{Scene, State};
+///
+/// let deck = "*NODE\n1, 0., 0., 0.\n2, 2., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+///             *CONNECTOR SECTION, ELSET=C\nLINK,\n*BOUNDARY\n1, 1, 3\n";
+/// let scene = Scene::parse("link.inp", deck)?;
+/// let model = Model::compile(&scene)?;
+/// let plan = Plan::compile(&model, &Selection::All, Request::nothing(0))?;
+/// let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::of(&scene)?);
+/// let (mut sequence, mut values) = (Sequence::new(&model, &plan), Vec::new());
+/// let care = sequence.assemble(&State::default(), &jacobian, &mut values)?;
+/// // One equation, |x_b − x_a| = l; node 1 is fixed, and only the displacements of node 2 are left.
+/// assert_eq!((jacobian.rows(), jacobian.columns()), (1, 3));
+/// assert_eq!((jacobian.row(0), values.as_slice()), (&[0, 1, 2][..], &[1.0, 0.0, 0.0][..]));
+/// assert!(care.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Jacobian {
+    freedoms: Vec<Freedom>,
+    equations: Vec<Equation>,
+    offsets: Vec<usize>,
+    columns: Vec<u32>,
+    blocks: Vec<Block>,
+    mpcs: Vec<MpcBlock>,
+    axes: Vec<Matrix<f64>>,
+    connector_entries: usize,
+    /// The plan that it belongs to.
+    plan: [Vec<usize>; 2],
+}
+
+/// The columns of nodes: the first of each, and which of [`NUMBERS`] it has.
+struct Numbering {
+    nodes: Vec<Label>,
+    first: Vec<u32>,
+    has: Vec<u8>,
+}
+
+impl Numbering {
+    fn place(&self, node: Label) -> Option<usize> {
+        self.nodes.binary_search(&node).ok()
+    }
+
+    /// The column of a degree of freedom, by its place in [`NUMBERS`].
+    fn column(&self, node: Label, number: usize) -> Option<u32> {
+        let place = self.place(node)?;
+        let (has, bit) = (self.has[place], 1_u8 << number);
+        (has & bit != 0).then(|| self.first[place] + (has & (bit - 1)).count_ones())
+    }
+}
+
+/// The place in [`NUMBERS`] of a degree of freedom.
+fn place_of(number: u8) -> Option<usize> {
+    NUMBERS.iter().position(|known| *known == number)
+}
+
+impl Jacobian {
+    /// The pattern of what is enforced: the constrained components of the connectors of a plan, and the equations of its MPCs.
+    ///
+    /// Rows follow from the connection types. What behaviour does to them, such as a stop that is reached, a lock, or a failure that
+    /// releases a component, is not in the pattern.
+    pub fn of_constraints(model: &Model, plan: &Plan, fixed: &Fixed) -> Self {
+        Self::new(model, plan, fixed, |element, k| element.connector.is_constrained(k))
+    }
+
+    /// The pattern of the rows that are `wanted` of connectors, by component (0-based), and of all equations of MPCs. Rows are those of
+    /// [`crate::connector::Evaluation::jacobian`]: of the residual of a constrained component, of the displacement of any other.
+    pub fn new(
+        model: &Model,
+        plan: &Plan,
+        fixed: &Fixed,
+        wanted: impl Fn(&ConnectorElement, usize) -> bool,
+    ) -> Self {
+        let numbering = number(model, plan, fixed);
+        let mut jacobian = Self {
+            freedoms: Vec::new(),
+            equations: Vec::new(),
+            offsets: vec![0],
+            columns: Vec::new(),
+            blocks: Vec::with_capacity(plan.connectors.len()),
+            mpcs: Vec::with_capacity(plan.mpcs.len()),
+            axes: Vec::new(),
+            connector_entries: 0,
+            plan: [plan.connectors.clone(), plan.mpcs.clone()],
+        };
+        for (node, has) in numbering.nodes.iter().zip(&numbering.has) {
+            let numbers = NUMBERS.iter().enumerate().filter(|(place, _)| has & (1 << place) != 0);
+            jacobian.freedoms.extend(numbers.map(|(_, number)| Freedom { node: *node, number: *number }));
+        }
+        let mut known = HashMap::new();
+        for index in &plan.connectors {
+            jacobian.add_connector(
+                *index,
+                &model.connectors[*index],
+                (&numbering, fixed),
+                &wanted,
+                &mut known,
+            );
+        }
+        jacobian.connector_entries = jacobian.columns.len();
+        for index in &plan.mpcs {
+            jacobian.add_mpc(*index, &model.mpcs[*index], (&numbering, fixed), &mut known);
+        }
+        jacobian
+    }
+
+    /// The axes of a node, by number.
+    fn axes_of(
+        &mut self,
+        node: Option<Label>,
+        fixed: &Fixed,
+        known: &mut HashMap<Label, u32>,
+    ) -> Option<u32> {
+        let node = node?;
+        let axes = fixed.axes(node)?;
+        if let Some(known) = known.get(&node) {
+            return Some(*known);
+        }
+        let number = u32::try_from(self.axes.len()).ok()?;
+        self.axes.push(*axes);
+        known.insert(node, number);
+        Some(number)
+    }
+
+    fn add_connector(
+        &mut self,
+        index: usize,
+        element: &ConnectorElement,
+        (numbering, fixed): (&Numbering, &Fixed),
+        wanted: impl Fn(&ConnectorElement, usize) -> bool,
+        known: &mut HashMap<Label, u32>,
+    ) {
+        let axes = element.nodes.map(|node| self.axes_of(node, fixed, known));
+        let column = |j: usize| {
+            let number = place_of(DOF_NUMBER[j])?;
+            numbering.column(element.nodes[usize::from(j >= DOFS / 2)]?, number)
+        };
+        let is_swapped = element.nodes[0] > element.nodes[1];
+        let first = self.columns.len();
+        let mut block = Block { rows: [false; 6], columns: [0; 6], is_swapped, first, axes };
+        for k in 0..6 {
+            let Some(pattern) = element.connector.row_pattern(k).filter(|_| wanted(element, k)) else {
+                continue;
+            };
+            let pattern = along_axes(pattern, axes.map(|axes| axes.is_some()));
+            block.rows[k] = true;
+            for j in order(is_swapped).filter(|j| pattern[*j]) {
+                if let Some(column) = column(j) {
+                    block.columns[k] |= 1 << j;
+                    self.columns.push(column);
+                }
+            }
+            self.equations.push(Equation { source: Source::Connector(index), component: k });
+            self.offsets.push(self.columns.len());
+        }
+        self.blocks.push(block);
+    }
+
+    fn add_mpc(
+        &mut self,
+        index: usize,
+        element: &MpcElement,
+        (numbering, fixed): (&Numbering, &Fixed),
+        known: &mut HashMap<Label, u32>,
+    ) {
+        let axes = element.nodes.iter().map(|node| self.axes_of(Some(*node), fixed, known)).collect();
+        let mut entries = Vec::new();
+        let has = element.constraint.columns();
+        let mut columns: Vec<(u32, u8)> = (0..mpc::DOFS)
+            .filter(|j| has[*j])
+            .filter_map(|j| {
+                let (place, number) = Kind::column_dof(j);
+                Some((numbering.column(*element.nodes.get(place)?, place_of(number)?)?, j as u8))
+            })
+            .collect();
+        columns.sort_unstable();
+        for (row, _) in element.constraint.rows().iter().enumerate().filter(|(_, is)| **is) {
+            for (column, j) in &columns {
+                entries.push((row as u8, *j));
+                self.columns.push(*column);
+            }
+            self.equations.push(Equation { source: Source::Mpc(index), component: row });
+            self.offsets.push(self.columns.len());
+        }
+        self.mpcs.push(MpcBlock { entries, axes });
+    }
+
+    /// The number of equations.
+    pub const fn rows(&self) -> usize {
+        self.equations.len()
+    }
+
+    /// The number of degrees of freedom.
+    pub const fn columns(&self) -> usize {
+        self.freedoms.len()
+    }
+
+    /// The number of entries of the pattern, some of which may be zero at some states.
+    pub const fn entries(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// What the rows are.
+    pub fn equations(&self) -> &[Equation] {
+        &self.equations
+    }
+
+    /// What the columns are, by node and number.
+    pub fn freedoms(&self) -> &[Freedom] {
+        &self.freedoms
+    }
+
+    /// Compressed rows: the entries of row i are those from `offsets()[i]` to before `offsets()[i + 1]`.
+    pub fn offsets(&self) -> &[usize] {
+        &self.offsets
+    }
+
+    /// The column of each entry (0-based); in each row they increase.
+    pub fn column_indices(&self) -> &[u32] {
+        &self.columns
+    }
+
+    /// The columns (0-based) of the entries of row i (0-based); none beyond the last row.
+    pub fn row(&self, i: usize) -> &[u32] {
+        self.range(i).and_then(|range| self.columns.get(range)).unwrap_or_default()
+    }
+
+    /// Where the entries of row i (0-based) are.
+    pub fn range(&self, i: usize) -> Option<std::ops::Range<usize>> {
+        Some(*self.offsets.get(i)?..*self.offsets.get(i + 1)?)
+    }
+
+    /// The same matrix in compressed columns (CSC): the offsets of the columns, and for each entry its row and its place among the
+    /// entries by rows, so that `values[place]` is its value.
+    pub fn by_columns(&self) -> CompressedColumns {
+        let mut offsets = vec![0; self.freedoms.len() + 1];
+        for column in &self.columns {
+            offsets[*column as usize + 1] += 1;
+        }
+        for at in 1..offsets.len() {
+            offsets[at] += offsets[at - 1];
+        }
+        let mut next = offsets.clone();
+        let (mut rows, mut places) = (vec![0; self.entries()], vec![0; self.entries()]);
+        for row in 0..self.rows() {
+            for place in self.range(row).unwrap_or_default() {
+                let at = &mut next[self.columns[place] as usize];
+                (rows[*at], places[*at]) = (row as u32, place);
+                *at += 1;
+            }
+        }
+        CompressedColumns { offsets, rows, places }
+    }
+
+    pub(super) fn check(&self, plan: &Plan) -> Result<(), ForeignPattern> {
+        let is_same = self.plan[0] == plan.connectors && self.plan[1] == plan.mpcs;
+        if is_same { Ok(()) } else { Err(ForeignPattern::Plan) }
+    }
+
+    pub(super) const fn connector_entries(&self) -> usize {
+        self.connector_entries
+    }
+
+    pub(super) fn mpc_entries(&self, at: usize) -> usize {
+        self.mpcs[at].entries.len()
+    }
+
+    /// The rows wanted of a connector, by its place in the plan.
+    pub(super) fn wanted(&self, at: usize) -> Mask {
+        self.blocks[at].rows
+    }
+
+    /// The entries of connectors, those of each by themselves.
+    pub(super) fn split<'a>(&self, mut values: &'a mut [f64]) -> Vec<&'a mut [f64]> {
+        let ends = self.blocks.iter().skip(1).map(|block| block.first).chain([self.connector_entries]);
+        let lengths = self.blocks.iter().zip(ends).map(|(block, end)| end - block.first);
+        lengths.map(|length| values.split_off_mut(..length).unwrap_or_default()).collect()
+    }
+
+    /// Writes the entries of a connector.
+    pub(super) fn write(&self, at: usize, rows: &Components<CompactRow<f64>>, values: &mut [f64]) {
+        let block = &self.blocks[at];
+        let mut values = values.iter_mut();
+        for k in (0..6).filter(|k| block.rows[*k]) {
+            let Some(row) = &rows[k] else { continue };
+            let bits = block.columns[k];
+            let mut end = |is_b: bool| {
+                let at = usize::from(is_b) * (DOFS / 2);
+                let groups = if is_b {
+                    [Group::TranslationB, Group::RotationB]
+                } else {
+                    [Group::TranslationA, Group::RotationA]
+                };
+                let axes = block.axes[usize::from(is_b)];
+                for (from, group) in [(at, groups[0]), (at + 3, groups[1])] {
+                    if bits >> from & 0b111 != 0 {
+                        let entries = self.turned(axes, row.group(group));
+                        let columns = (0..3).filter(|i| bits >> (from + i) & 1 != 0);
+                        columns.zip(&mut values).for_each(|(i, value)| *value = entries[i]);
+                    }
+                }
+                if bits >> (at + 6) & 1 != 0
+                    && let Some(value) = values.next()
+                {
+                    *value = row.flow()[usize::from(is_b)];
+                }
+            };
+            end(block.is_swapped);
+            end(!block.is_swapped);
+        }
+    }
+
+    /// Writes the entries of an MPC.
+    pub(super) fn write_mpc(&self, at: usize, rows: &mpc::Rows<mpc::Dofs<f64>>, values: &mut [f64]) {
+        let MpcBlock { entries, axes } = &self.mpcs[at];
+        for ((row, j), value) in entries.iter().zip(values) {
+            let Some(row) = &rows[usize::from(*row)] else { continue };
+            let j = usize::from(*j);
+            let (place, number) = Kind::column_dof(j);
+            let axes = axes.get(place).copied().flatten();
+            *value = match (axes, number, place) {
+                (Some(_), 1..=6, 0 | 1) => {
+                    let component = (usize::from(number) - 1) % 3;
+                    let from = j - component;
+                    self.turned(axes, [row[from], row[from + 1], row[from + 2]])[component]
+                }
+                _ => row[j],
+            };
+        }
+    }
+
+    /// The components along the axes of a node.
+    fn turned(&self, axes: Option<u32>, of: Vector<f64>) -> Vector<f64> {
+        match axes.and_then(|axes| self.axes.get(axes as usize)) {
+            Some(axes) => axes.map(|axis| dot(axis, of)),
+            None => of,
+        }
+    }
+}
+
+/// A matrix by columns, as [`Jacobian::by_columns`] gives it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CompressedColumns {
+    /// The entries of column j are those from `offsets[j]` to before `offsets[j + 1]`.
+    pub offsets: Vec<usize>,
+    /// The row of each entry; in each column they increase.
+    pub rows: Vec<u32>,
+    /// The place of each entry among those by rows.
+    pub places: Vec<usize>,
+}
+
+/// The degrees of freedom of a connector in the order of its columns.
+fn order(is_swapped: bool) -> impl Iterator<Item = usize> {
+    let half = DOFS / 2;
+    (0..DOFS).map(move |j| if is_swapped { (j + half) % DOFS } else { j })
+}
+
+/// A pattern along turned axes: one component of a vector becomes three.
+fn along_axes(mut pattern: [bool; DOFS], is_turned: [bool; 2]) -> [bool; DOFS] {
+    for (end, _) in is_turned.iter().enumerate().filter(|(_, is)| **is) {
+        for from in [end * DOFS / 2, end * DOFS / 2 + 3] {
+            let any = pattern[from..from + 3].contains(&true);
+            pattern[from..from + 3].fill(any);
+        }
+    }
+    pattern
+}
+
+/// Numbers the degrees of freedom of the nodes of a plan that are not fixed.
+fn number(model: &Model, plan: &Plan, fixed: &Fixed) -> Numbering {
+    let nodes: Vec<Label> = plan.nodes.iter().copied().collect();
+    let mut numbering =
+        Numbering { first: Vec::with_capacity(nodes.len()), has: vec![0; nodes.len()], nodes };
+    let mut add = |node: Label, number: u8| {
+        let is_fixed = fixed.contains(Freedom { node, number });
+        if let (Some(place), Some(bit), false) = (numbering.place(node), place_of(number), is_fixed) {
+            numbering.has[place] |= 1 << bit;
+        }
+    };
+    for index in &plan.connectors {
+        let element = &model.connectors[*index];
+        for (j, _) in element.connector.active().iter().enumerate().filter(|(_, active)| **active) {
+            if let Some(node) = element.nodes[usize::from(j >= DOFS / 2)] {
+                add(node, DOF_NUMBER[j]);
+            }
+        }
+    }
+    for index in &plan.mpcs {
+        let element = &model.mpcs[*index];
+        for (j, _) in element.constraint.columns().iter().enumerate().filter(|(_, is)| **is) {
+            let (place, number) = Kind::column_dof(j);
+            if let Some(node) = element.nodes.get(place) {
+                add(*node, number);
+            }
+        }
+    }
+    let mut next = 0;
+    for has in &numbering.has {
+        numbering.first.push(next);
+        next += has.count_ones();
+    }
+    numbering
+}

@@ -1,0 +1,278 @@
+//! The isometric drawing of a scene: nodes, triads, connectors coloured by verdict.
+
+use super::figure::{Place, rendered};
+use crate::audit::Verdict;
+use crate::evaluate::Model;
+use crate::scene::{End, Label, Scene};
+use crate::vector::{Matrix, Vector, add, column, scale};
+use askama::Template;
+use std::collections::BTreeMap;
+
+/// Connectors that are drawn at most: more than that is no picture any more.
+pub(super) const MOST: usize = 2000;
+
+/// Nodes and elements get their numbers up to so many connectors.
+const NAMED: usize = 60;
+
+/// The width of the picture.
+const WIDTH: f64 = 1000.0;
+
+/// The margin around what is drawn.
+const MARGIN: f64 = 100.0;
+
+/// The height of what is drawn at most.
+const HEIGHT: f64 = 330.0;
+
+/// From one name to the next below it.
+const LINE: f64 = 14.0;
+
+/// A connector or constraint to be drawn.
+struct Piece {
+    title: String,
+    verdict: Option<Verdict>,
+    is_constraint: bool,
+    ends: [Vector<f64>; 2],
+    triads: Option<[Matrix<f64>; 2]>,
+    nodes: [Option<Label>; 2],
+}
+
+struct Link {
+    class: String,
+    title: String,
+    is_constraint: bool,
+    is_point: bool,
+    from: [f64; 2],
+    to: [f64; 2],
+}
+
+struct AxisLine {
+    name: u8,
+    is_named: bool,
+    from: [f64; 2],
+    to: [f64; 2],
+    label: [f64; 2],
+}
+
+struct Dot {
+    title: String,
+    is_ground: bool,
+    at: [f64; 2],
+}
+
+struct Name {
+    class: &'static str,
+    text: String,
+    at: [f64; 2],
+}
+
+#[derive(Template)]
+#[template(path = "drawing.svg", escape = "html")]
+struct DrawingTemplate<'a> {
+    title: &'a str,
+    style: Option<&'static str>,
+    width: f64,
+    height: f64,
+    axes: Vec<AxisLine>,
+    links: Vec<Link>,
+    triads: Vec<AxisLine>,
+    nodes: Vec<Dot>,
+    names: Vec<Name>,
+}
+
+/// The axes of space on the page: 3 up, 1 and 2 to the lower left and right.
+fn projected(x: Vector<f64>) -> [f64; 2] {
+    let [cos, sin] = [3.0_f64.sqrt() / 2.0, 0.5];
+    [(x[1] - x[0]) * cos, (x[0] + x[1]) * sin - x[2]]
+}
+
+/// A scene to be drawn, with the verdicts on its connectors.
+pub(super) struct Drawing {
+    pieces: Vec<Piece>,
+    /// Connectors and constraints that there are.
+    pub(super) count: usize,
+}
+
+impl Drawing {
+    /// Of a scene; `verdict` is asked by the name of the subject. Of a large one, those connectors that did not pass first.
+    pub(super) fn of(scene: &Scene, model: &Model, verdict: &dyn Fn(&str) -> Option<Verdict>) -> Self {
+        let mut pieces = Vec::new();
+        for element in &model.connectors {
+            let Some(of_scene) = scene.connectors.get(&element.label) else { continue };
+            let end = |end| scene.position(of_scene, end).unwrap_or_default();
+            let title = element.title();
+            pieces.push(Piece {
+                verdict: verdict(&title),
+                title,
+                is_constraint: false,
+                ends: [end(End::A), end(End::B)],
+                triads: Some(element.triads),
+                nodes: element.nodes,
+            });
+        }
+        for element in &model.mpcs {
+            let place = |label: &Label| scene.nodes.get(label).map(|node| node.coordinates);
+            let [Some(a), Some(b)] = [element.nodes.first(), element.nodes.get(1)] else { continue };
+            let (Some(at), Some(to)) = (place(a), place(b)) else { continue };
+            let title = element.title();
+            pieces.push(Piece {
+                verdict: verdict(&title),
+                title,
+                is_constraint: true,
+                ends: [at, to],
+                triads: None,
+                nodes: [Some(*a), Some(*b)],
+            });
+        }
+        let count = pieces.len();
+        let passed = |piece: &Piece| piece.verdict.is_none_or(|verdict| verdict.headline() == Verdict::Pass);
+        pieces.sort_by_key(passed);
+        pieces.truncate(MOST);
+        // What did not pass is drawn last, on top.
+        pieces.reverse();
+        Self { pieces, count }
+    }
+
+    /// Whether there is nothing to draw.
+    pub(super) const fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// What the picture shows.
+    pub(super) fn caption(&self, scene: &str) -> String {
+        if self.count > MOST {
+            format!(
+                "{scene}: {MOST} of {} connectors and constraints, those first that did not pass",
+                self.count
+            )
+        } else {
+            scene.to_string()
+        }
+    }
+
+    /// The picture.
+    pub(super) fn svg(&self, title: &str, place: Place) -> String {
+        let points = || self.pieces.iter().flat_map(|piece| piece.ends).map(projected);
+        let bounds = |axis: usize| {
+            points().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                (low.min(p[axis]), high.max(p[axis]))
+            })
+        };
+        let [(left, right), (top, bottom)] = [bounds(0), bounds(1)];
+        let [wide, high] = [right - left, bottom - top];
+        let inner = WIDTH - 2.0 * MARGIN;
+        // A scene without extent is one point in the middle.
+        let fit = (inner / wide).min(HEIGHT / high);
+        let fit = if fit.is_finite() { fit } else { 1.0 };
+        let height = (high * fit + 1.4 * MARGIN).max(200.0);
+        let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
+        let on_page = |x: Vector<f64>| {
+            let p = projected(x);
+            [WIDTH / 2.0 + (p[0] - middle[0]) * fit, height / 2.0 + (p[1] - middle[1]) * fit]
+                .map(|x| (x * 10.0).round() / 10.0)
+        };
+        let arm = 24.0 / fit;
+        let is_small = self.pieces.len() <= NAMED;
+        let mut shown: BTreeMap<[i64; 2], (Vec<String>, bool, [f64; 2])> = BTreeMap::new();
+        let (mut links, mut triads, mut names) = (Vec::new(), Vec::new(), Vec::new());
+        for piece in &self.pieces {
+            let [from, to] = piece.ends.map(on_page);
+            let name = piece.verdict.map_or("not audited", Verdict::name);
+            let is_point = (from[0] - to[0]).hypot(from[1] - to[1]) < 2.0;
+            links.push(Link {
+                class: piece.verdict.map_or_else(|| "unseen".into(), |verdict| name_of(verdict.headline())),
+                title: format!("{}: {name}", piece.title),
+                is_constraint: piece.is_constraint,
+                is_point,
+                from,
+                to,
+            });
+            if is_small {
+                let mut at = if is_point {
+                    [from[0] + 13.0, from[1] - 12.0]
+                } else {
+                    [(from[0] + to[0]) / 2.0 + 7.0, (from[1] + to[1]) / 2.0 - 7.0]
+                };
+                // What would stand on another name stands above it.
+                let is_taken = |at: [f64; 2], name: &Name| {
+                    (name.at[0] - at[0]).abs() < 90.0 && (name.at[1] - at[1]).abs() < LINE - 1.0
+                };
+                while names.iter().any(|name| is_taken(at, name)) {
+                    at[1] -= LINE;
+                }
+                names.push(Name { class: "label", text: piece.title.clone(), at });
+            }
+            for end in 0..2 {
+                if let Some(all) = &piece.triads {
+                    triads.extend((0..3).map(|i| {
+                        let tip = |part: f64| {
+                            on_page(add(piece.ends[end], scale(column(&all[end], i), arm * part)))
+                        };
+                        AxisLine {
+                            name: i as u8 + 1,
+                            is_named: is_small,
+                            from: on_page(piece.ends[end]),
+                            to: tip(1.0),
+                            label: tip(1.35),
+                        }
+                    }));
+                }
+                let at = on_page(piece.ends[end]);
+                let spot =
+                    shown.entry(at.map(|x| x.round() as i64)).or_insert_with(|| (Vec::new(), true, at));
+                let label = piece.nodes[end].map_or_else(|| "ground".to_string(), |label| label.to_string());
+                spot.1 &= piece.nodes[end].is_none();
+                if !spot.0.contains(&label) {
+                    spot.0.push(label);
+                }
+            }
+        }
+        let nodes = shown.values().map(|(labels, is_ground, at)| Dot {
+            title: format!("node {}", labels.join(", ")),
+            is_ground: *is_ground,
+            at: *at,
+        });
+        if is_small {
+            names.extend(shown.values().map(|(labels, _, at)| Name {
+                class: "minor",
+                text: labels.join(", "),
+                at: [at[0] - 5.0, at[1] + 27.0],
+            }));
+        }
+        let origin = [50.0, height - 40.0];
+        let axes = (0..3).map(|i| {
+            let mut unit = [0.0; 3];
+            unit[i] = 1.0;
+            let p = projected(unit);
+            let at = |length: f64| {
+                [origin[0] + p[0] * length, origin[1] + p[1] * length].map(|x| (x * 10.0).round() / 10.0)
+            };
+            AxisLine {
+                name: i as u8 + 1,
+                is_named: true,
+                from: origin,
+                to: at(26.0),
+                label: [at(36.0)[0], at(36.0)[1] + 4.0],
+            }
+        });
+        let page = DrawingTemplate {
+            title,
+            style: place.style(),
+            width: WIDTH,
+            height,
+            axes: axes.collect(),
+            links,
+            triads,
+            nodes: nodes.collect(),
+            names,
+        };
+        rendered(&page)
+    }
+}
+
+/// The class of a verdict in style sheets: its name as it is serialised.
+pub(super) fn name_of(verdict: Verdict) -> String {
+    serde_json::to_value(verdict)
+        .ok()
+        .and_then(|value| value.as_str().map(str::to_string))
+        .unwrap_or_default()
+}

@@ -1,0 +1,95 @@
+//! The audit as one page of HTML: nothing is loaded from elsewhere, it reads without scripts, and sorts and filters with them.
+//! Everything from the input is escaped by the templates.
+
+mod drawing;
+mod figure;
+mod page;
+
+use crate::audit::{Illustration, Report, Verdict};
+use crate::evaluate::Model;
+use crate::scene::Scene;
+use drawing::Drawing;
+use figure::Place;
+use std::io::{self, Write};
+
+/// A scene that was audited, to be drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Audited<'a> {
+    /// Its name in the report.
+    pub name: &'a str,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The same, resolved.
+    pub model: &'a Model,
+}
+
+/// What a page shows besides the report.
+#[derive(Clone, Debug, Default)]
+pub struct Supplement<'a> {
+    /// The scenes.
+    pub scenes: Vec<Audited<'a>>,
+    /// One state of each connector, as far as it is to be shown.
+    pub illustrations: Vec<Illustration>,
+    /// What was run, as it was typed.
+    pub command: String,
+}
+
+/// Writes the audit as one self-contained page of HTML.
+///
+/// # Errors
+/// Where the stream cannot be written to.
+pub fn html(out: &mut dyn Write, report: &Report, supplement: &Supplement<'_>) -> io::Result<()> {
+    out.write_all(page::page(report, supplement)?.as_bytes())
+}
+
+/// The figures of the page, each as an SVG file of its own, by file name.
+pub fn figures(report: &Report, supplement: &Supplement<'_>) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for shown in &supplement.illustrations {
+        let name = file_name(&shown.subject);
+        let title = format!("{}, {}", shown.subject, shown.state);
+        found.push((format!("jacobian-{name}.svg"), figure::heat(&title, &shown.comparison, Place::File)));
+        found.push((format!("steps-{name}.svg"), figure::steps(shown, Place::File)));
+    }
+    for approach in &report.atlas {
+        let name = file_name(&format!("{} {}", approach.connection, approach.component));
+        found.push((format!("singular-{name}.svg"), page::approach(approach, Place::File)));
+    }
+    for scene in &supplement.scenes {
+        let drawing = drawing(report, scene);
+        if !drawing.is_empty() {
+            let name = file_name(scene.name);
+            found.push((format!("scene-{name}.svg"), drawing.svg(scene.name, Place::File)));
+        }
+    }
+    // Names that became equal get numbers.
+    let mut seen: std::collections::BTreeMap<String, usize> = std::collections::BTreeMap::new();
+    for (name, _) in &mut found {
+        let count = seen.entry(name.clone()).or_default();
+        *count += 1;
+        if *count > 1 {
+            *name = format!("{}-{count}.svg", name.trim_end_matches(".svg"));
+        }
+    }
+    found
+}
+
+fn drawing(report: &Report, scene: &Audited<'_>) -> Drawing {
+    let of_scene: std::collections::HashMap<&str, Verdict> = report
+        .subjects
+        .iter()
+        .filter(|subject| super::summary::scene(subject).is_none_or(|name| name == scene.name))
+        .map(|subject| (subject.name.as_str(), subject.verdict()))
+        .collect();
+    Drawing::of(scene.scene, scene.model, &|name| of_scene.get(name).copied())
+}
+
+/// A name of a file: letters and digits of the text, lower case, the rest as hyphens.
+fn file_name(text: &str) -> String {
+    let words: Vec<String> = text
+        .split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .map(str::to_ascii_lowercase)
+        .collect();
+    words.join("-")
+}

@@ -1,0 +1,643 @@
+//! The page: what stands in which section.
+
+use super::drawing::name_of;
+use super::figure::{self, Curve, LogPlot, Place, STYLE};
+use super::{Supplement, drawing};
+use crate::audit::assembly::Assembly;
+use crate::audit::coverage::Histogram;
+use crate::audit::model::ModelReport;
+use crate::audit::oracle::Shares;
+use crate::audit::{Against, Approach, Check, Quantity, Report, Subject, U, Verdict};
+use crate::report::audit::summary::{self, Row, count, detectable, headline, is_sharp, telling};
+use askama::Template;
+use std::collections::BTreeMap;
+use std::io;
+
+/// A verdict's class and words.
+struct Said(String, &'static str);
+
+impl Said {
+    fn of(verdict: Verdict) -> Self {
+        let verdict = verdict.headline();
+        Self(name_of(verdict), verdict.name())
+    }
+}
+
+struct Problem {
+    subject: String,
+    is_mild: bool,
+    said: String,
+    /// Sentences with codes.
+    diagnosis: Vec<(String, &'static str)>,
+    /// The matrix, where it is one of first derivatives.
+    heat: String,
+    numbers: String,
+    more: Vec<String>,
+}
+
+struct FindingRow {
+    class: String,
+    severity: String,
+    code: &'static str,
+    place: String,
+    message: String,
+    reason: String,
+    remedy: String,
+}
+
+/// A bin of a histogram.
+struct Bin {
+    /// 0 for none, then by decades of the share.
+    depth: usize,
+    from: String,
+    count: String,
+}
+
+struct Map {
+    name: String,
+    bins: Vec<Bin>,
+    largest: String,
+}
+
+struct CoverageSection {
+    scene: String,
+    summary: String,
+    maps: Vec<Map>,
+}
+
+struct ModelSection {
+    scene: String,
+    summary: String,
+    /// The assembly as a whole, figure by figure.
+    assembly: Vec<(&'static str, String)>,
+    findings: Vec<FindingRow>,
+}
+
+struct Figure {
+    svg: String,
+    caption: String,
+}
+
+/// What a cell is sorted by, and what it shows.
+struct Sorted(f64, String);
+
+struct VerdictRow {
+    text: String,
+    name: String,
+    verdicts: [Said; 3],
+    states: u64,
+    worst: Vec<Sorted>,
+    seen: Sorted,
+}
+
+struct Card {
+    name: String,
+    caption: String,
+    heat: String,
+}
+
+struct StepCard {
+    name: String,
+    svg: String,
+}
+
+struct ApproachCard {
+    name: String,
+    at: &'static str,
+    class: String,
+    class_name: String,
+    svg: String,
+}
+
+struct ScoreRow {
+    name: &'static str,
+    killed: u64,
+    decisive: u64,
+    survived: u64,
+    equivalent: u64,
+    below: u64,
+    share: f64,
+    percent: String,
+}
+
+struct OracleRow {
+    name: &'static str,
+    meaning: &'static str,
+    kinematics: &'static str,
+    elementary: &'static str,
+    mechanism: &'static str,
+    decides: &'static str,
+}
+
+#[derive(Template)]
+#[template(path = "page.html")]
+struct PageTemplate {
+    css: &'static str,
+    figure_css: &'static str,
+    js: &'static str,
+    headline: String,
+    headline_capital: String,
+    tone: &'static str,
+    sign: &'static str,
+    scenes: String,
+    facts: Vec<(&'static str, String)>,
+    sections: Vec<(&'static str, &'static str)>,
+    problems: Vec<Problem>,
+    models: Vec<ModelSection>,
+    coverage: Vec<CoverageSection>,
+    drawings: Vec<Figure>,
+    verdict_key: Vec<Said>,
+    symbols: Vec<&'static str>,
+    rows: Vec<VerdictRow>,
+    undecided: Vec<String>,
+    cards: Vec<Card>,
+    omitted: String,
+    steps: Vec<StepCard>,
+    approaches: Vec<ApproachCard>,
+    confirmed: String,
+    detectable: String,
+    scores: Vec<ScoreRow>,
+    survivors: Vec<String>,
+    environment: Vec<(&'static str, String)>,
+    oracles: Vec<OracleRow>,
+}
+
+/// The page.
+pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<String> {
+    let test = summary::self_test(report);
+    let outcome = headline(report);
+    let failed = report.mismatches() > 0 || report.survivors() > 0;
+    let (tone, sign) = match (failed, report.undecided() > 0) {
+        (true, _) => ("bad", "✗"),
+        (false, true) => ("open", "?"),
+        (false, false) => ("good", "✓"),
+    };
+    let drawings: Vec<Figure> = supplement
+        .scenes
+        .iter()
+        .map(|scene| (scene.name, drawing(report, scene)))
+        .filter(|(_, drawing)| !drawing.is_empty())
+        .map(|(name, drawing)| Figure { svg: drawing.svg(name, Place::Page), caption: drawing.caption(name) })
+        .collect();
+    let mut page = PageTemplate {
+        css: include_str!("page.css"),
+        figure_css: STYLE,
+        js: include_str!("page.js"),
+        headline_capital: capital(&outcome),
+        headline: outcome,
+        tone,
+        sign,
+        scenes: supplement.scenes.iter().map(|scene| scene.name).collect::<Vec<_>>().join(", "),
+        facts: vec![
+            ("connectors and types", grouped(report.subjects.len() as u64)),
+            ("numbers compared", grouped(report.compared())),
+            ("mismatches", report.mismatches().to_string()),
+            ("undecided", report.undecided().to_string()),
+            ("mutants noticed", format!("{} of {}", grouped(test.noticed), grouped(test.decisive))),
+        ],
+        sections: Vec::new(),
+        problems: problems(report),
+        models: report.models.iter().map(model).collect(),
+        coverage: report.models.iter().filter_map(coverage).collect(),
+        drawings,
+        verdict_key: Verdict::ALL.into_iter().filter(|v| v.headline() == *v).map(Said::of).collect(),
+        symbols: Quantity::ALL.map(Quantity::symbol).into(),
+        rows: report.subjects.iter().map(verdict_row).collect(),
+        undecided: undecided(report),
+        cards: cards(supplement),
+        omitted: omitted(report, supplement),
+        steps: step_cards(supplement),
+        approaches: report.atlas.iter().map(approach_card).collect(),
+        confirmed: confirmed(report),
+        detectable: strip(report),
+        scores: scores(report),
+        survivors: survivors(report),
+        environment: environment(report, supplement),
+        oracles: oracles(report),
+    };
+    page.sections = sections(&page);
+    page.render().map_err(io::Error::other)
+}
+
+fn sections(page: &PageTemplate) -> Vec<(&'static str, &'static str)> {
+    let all = [
+        ("problems", "What needs a look", !page.problems.is_empty()),
+        ("model", "Model", !page.models.is_empty()),
+        ("scene", "Scene", !page.drawings.is_empty()),
+        ("verdicts", "Verdicts", true),
+        ("coverage", "Coverage", !page.coverage.is_empty()),
+        ("jacobians", "Jacobians", !page.cards.is_empty()),
+        ("steps", "Steps", !page.steps.is_empty()),
+        ("singular", "Singular points", !page.approaches.is_empty()),
+        ("self-test", "Would it have noticed?", true),
+        ("environment", "Environment", true),
+    ];
+    all.into_iter().filter(|section| section.2).map(|(id, name, _)| (id, name)).collect()
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// A count with thin spaces between thousands.
+fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// The name of a subject, after that of its scene where it has one.
+fn full_name(subject: &Subject) -> String {
+    match summary::scene(subject) {
+        Some(scene) => format!("{scene}: {}", subject.name),
+        None => subject.name.clone(),
+    }
+}
+
+fn problems(report: &Report) -> Vec<Problem> {
+    let mut found = Vec::new();
+    for subject in &report.subjects {
+        for check in telling(subject) {
+            found.push(problem(subject, check));
+        }
+    }
+    for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
+        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
+        found.push(Problem {
+            subject: format!("{} {}", approach.connection, approach.component),
+            is_mild: false,
+            said: format!("At {}: declared {:?}, seen {seen}.", approach.at, approach.declared),
+            diagnosis: Vec::new(),
+            heat: String::new(),
+            numbers: String::new(),
+            more: Vec::new(),
+        });
+    }
+    found
+}
+
+fn problem(subject: &Subject, check: &Check) -> Problem {
+    let of = check.quantity.map_or_else(String::new, |quantity| format!("{} against ", quantity.name()));
+    let mut numbers = String::new();
+    if let Some(worst) = &check.worst {
+        numbers = format!(
+            "{}: {:e}, must be {:e}, tolerance {:.2e}: {:.3e} tolerances",
+            worst.entry, worst.got, worst.want, worst.tolerance, worst.units
+        );
+        if let Some(state) = &check.worst_state {
+            numbers += &format!(", at {state}");
+        }
+    }
+    let one_sided = check.worst.as_ref().and_then(|worst| worst.one_sided);
+    let mut more: Vec<String> = one_sided
+        .iter()
+        .map(|[below, above]| format!("From below {below:e}, from above {above:e}."))
+        .collect();
+    more.extend(
+        check.score.survivors.iter().map(|(mistake, entry)| format!("Survived: {mistake} ({entry}).")),
+    );
+    Problem {
+        subject: full_name(subject),
+        is_mild: !check.verdict.is_mismatch() && check.score.survived == 0,
+        said: capital(&format!("{of}{}: {}.", check.against.name(), check.verdict.headline().name())),
+        diagnosis: check
+            .diagnosis
+            .iter()
+            .flat_map(|diagnosis| diagnosis.lines())
+            .map(|(sentence, code)| (capital(&sentence), code.as_str()))
+            .collect(),
+        heat: check.comparison.as_ref().filter(|_| is_sharp(check)).map_or_else(String::new, |comparison| {
+            figure::heat(&full_name(subject), comparison, Place::Page)
+        }),
+        numbers,
+        more,
+    }
+}
+
+fn model(found: &ModelReport) -> ModelSection {
+    let states = match found.states {
+        0 => "at the initial state".to_string(),
+        n => format!("at the initial state and {}", count(n, "state")),
+    };
+    ModelSection {
+        scene: found.scene.clone(),
+        summary: match found.findings.len() {
+            0 => format!("Nothing was found {states}."),
+            n => format!("{}, {states}.", count(n, "finding")),
+        },
+        assembly: found.assembly.as_ref().map_or_else(Vec::new, assembly),
+        findings: found
+            .findings
+            .iter()
+            .map(|finding| {
+                let severity = format!("{:?}", finding.severity()).to_lowercase();
+                let line = finding.line().map_or_else(String::new, |line| format!(":{line}"));
+                FindingRow {
+                    class: severity.clone(),
+                    severity,
+                    code: finding.code().as_str(),
+                    place: format!("{}{line}", finding.file()),
+                    message: capital(finding.message()),
+                    reason: finding.reason().to_string(),
+                    remedy: finding.remedy().to_string(),
+                }
+            })
+            .collect(),
+    }
+}
+
+fn assembly(found: &Assembly) -> Vec<(&'static str, String)> {
+    let mut figures = vec![
+        ("degrees of freedom", grouped(found.degrees_of_freedom as u64)),
+        ("held by boundary conditions", grouped(found.held as u64)),
+        ("constraints", grouped(found.constraints as u64)),
+    ];
+    if let Some(initial) = found.positions.first() {
+        figures.extend([
+            ("rank of the constraints", grouped(initial.rank as u64)),
+            ("redundant", grouped(initial.redundant as u64)),
+            ("mobility", grouped(initial.mobility as u64)),
+            ("not driven", grouped(initial.undriven as u64)),
+        ]);
+    }
+    figures
+}
+
+/// Which region of configuration space the states of a scene exercised; nothing where there were no samples.
+fn coverage(found: &ModelReport) -> Option<CoverageSection> {
+    let coverage = &found.coverage;
+    if coverage.samples == 0 {
+        return None;
+    }
+    let all = [
+        &coverage.rotation_a,
+        &coverage.rotation_b,
+        &coverage.relative_rotation,
+        &coverage.stretch,
+        &coverage.margin,
+    ];
+    let of = |n: u64, all: u64| format!("{} of {}", grouped(n), grouped(all));
+    Some(CoverageSection {
+        scene: found.scene.clone(),
+        summary: format!(
+            "{} samples, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
+             away from the initial state in {}.",
+            grouped(coverage.samples),
+            of(coverage.both_turned, coverage.could_turn_both),
+            of(coverage.deformed, coverage.could_deform),
+            of(coverage.away, coverage.samples)
+        ),
+        maps: all.into_iter().filter(|histogram| histogram.samples() > 0).map(map).collect(),
+    })
+}
+
+fn map(histogram: &Histogram) -> Map {
+    let samples = histogram.samples();
+    let bins = histogram.edges.iter().zip(&histogram.counts).map(|(edge, count)| {
+        let share = *count as f64 / samples.max(1) as f64;
+        let depth = match share {
+            0.0 => 0,
+            x if x < 0.01 => 1,
+            x if x < 0.1 => 2,
+            x if x < 0.5 => 3,
+            _ => 4,
+        };
+        let from = if *edge == 0.0 || (1e-3..1e3).contains(edge) {
+            let text = format!("{edge:.6}");
+            text.trim_end_matches('0').trim_end_matches('.').to_string()
+        } else {
+            format!("{edge:e}")
+        };
+        Bin { depth, from, count: if *count == 0 { "–".into() } else { grouped(*count) } }
+    });
+    let unit = if histogram.unit.is_empty() { String::new() } else { format!(", {}", histogram.unit) };
+    Map {
+        name: format!("{}{unit}", histogram.quantity),
+        bins: bins.collect(),
+        largest: format!("{:.3}", histogram.largest),
+    }
+}
+
+fn verdict_row(subject: &Subject) -> VerdictRow {
+    let row = Row::of(subject);
+    let name = full_name(subject);
+    let words = row.verdicts.map(|verdict| verdict.headline().name()).join(" ");
+    let worst = row.worst.map(|units| match units {
+        Some(units) if units < 1000.0 => Sorted(units, format!("{units:.2}")),
+        Some(units) => Sorted(units, format!("{units:.1e}")),
+        None => Sorted(-1.0, "–".into()),
+    });
+    VerdictRow {
+        text: format!("{name} {words}"),
+        name,
+        verdicts: row.verdicts.map(Said::of),
+        states: row.states,
+        worst: worst.into(),
+        seen: detectable(subject).map_or_else(|| Sorted(2.0, "–".into()), |x| Sorted(x, format!("{x:.0e}"))),
+    }
+}
+
+fn undecided(report: &Report) -> Vec<String> {
+    let open = report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided);
+    let line = |subject: &Subject| {
+        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
+        format!("{}: declaration undecided: {page}", full_name(subject))
+    };
+    let mut lines: Vec<String> = open.map(line).collect();
+    lines.dedup();
+    lines
+}
+
+fn cards(supplement: &Supplement<'_>) -> Vec<Card> {
+    let card = |shown: &crate::audit::Illustration| Card {
+        name: shown.subject.clone(),
+        caption: format!("{}; worst {:.2} tolerances", shown.state, shown.comparison.worst()),
+        heat: figure::heat(&shown.subject, &shown.comparison, Place::Page),
+    };
+    supplement.illustrations.iter().map(card).collect()
+}
+
+fn omitted(report: &Report, supplement: &Supplement<'_>) -> String {
+    let (all, shown) = (report.subjects.len(), supplement.illustrations.len());
+    if shown < all { format!("Shown are {shown} of {all}.") } else { String::new() }
+}
+
+fn step_cards(supplement: &Supplement<'_>) -> Vec<StepCard> {
+    let has_curves = |shown: &&crate::audit::Illustration| !shown.steps.remainder.is_empty();
+    let card = |shown: &crate::audit::Illustration| StepCard {
+        name: shown.subject.clone(),
+        svg: figure::steps(shown, Place::Page),
+    };
+    supplement.illustrations.iter().filter(has_curves).map(card).collect()
+}
+
+/// The curves of a singular set.
+pub(super) fn approach(found: &Approach, place: Place) -> String {
+    let curve = |name, colour, of: fn(&crate::audit::atlas::Rung) -> f64| Curve {
+        name,
+        colour,
+        points: found.rungs.iter().map(|rung| [rung.distance, of(rung)]).collect(),
+    };
+    let plot = LogPlot {
+        title: &format!("{} {}: {}", found.connection, found.component, found.at),
+        x_name: "distance to the singular set",
+        y_name: "roundings; size",
+        curves: vec![
+            curve("error, of the conditioned scale", 1, |rung| rung.first_error),
+            curve("error, of the largest derivative", 2, |rung| rung.first_relative / U),
+            curve("largest derivative", 3, |rung| rung.steepness),
+        ],
+        levels: vec![(crate::audit::C, "tolerance")],
+    };
+    plot.svg(place)
+}
+
+fn approach_card(found: &Approach) -> ApproachCard {
+    let words = |class: crate::measure::SingularClass| {
+        let name = format!("{class:?}");
+        let mut text = String::new();
+        for c in name.chars() {
+            if c.is_uppercase() && !text.is_empty() {
+                text.push(' ');
+            }
+            text.extend(c.to_lowercase());
+        }
+        text
+    };
+    let (class, class_name) = match (found.is_confirmed(), found.seen) {
+        (true, _) => ("pass", format!("{}, confirmed", words(found.declared))),
+        (false, Some(seen)) => ("wrong", format!("declared {}, seen {}", words(found.declared), words(seen))),
+        (false, None) => ("wrong", format!("declared {}, seen none of the classes", words(found.declared))),
+    };
+    ApproachCard {
+        name: format!("{} {}", found.connection, found.component),
+        at: found.at,
+        class: class.into(),
+        class_name,
+        svg: approach(found, Place::Page),
+    }
+}
+
+fn confirmed(report: &Report) -> String {
+    let confirmed = report.atlas.iter().filter(|approach| approach.is_confirmed()).count();
+    format!("{confirmed} of {} are confirmed.", report.atlas.len())
+}
+
+/// The smallest error that is noticed, by connector: a plot against the rank.
+fn strip(report: &Report) -> String {
+    let sharp = |subject: &Subject| {
+        let is_it = |check: &&Check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check);
+        let scores = || subject.checks.iter().filter(is_it).map(|check| &check.score);
+        let most = |of: fn(&crate::audit::Score) -> f64| scores().map(of).fold(0.0, f64::max);
+        [most(|score| score.detectable_median), most(|score| score.detectable)]
+    };
+    let mut all: Vec<(String, [f64; 2])> = report
+        .subjects
+        .iter()
+        .map(|subject| (full_name(subject), sharp(subject)))
+        .filter(|x| x.1[0] > 0.0)
+        .collect();
+    if all.len() < 2 {
+        return String::new();
+    }
+    all.sort_by(|x, y| x.1[0].total_cmp(&y.1[0]).then(x.1[1].total_cmp(&y.1[1])));
+    figure::strip("The smallest relative error that is noticed", &all)
+}
+
+fn scores(report: &Report) -> Vec<ScoreRow> {
+    let mut by_check: BTreeMap<(bool, Against), ScoreRow> = BTreeMap::new();
+    for check in report.subjects.iter().flat_map(|subject| &subject.checks) {
+        let key = (matches!(check.against, Against::Law(_)), check.against);
+        let row = by_check.entry(key).or_insert_with(|| ScoreRow {
+            name: check.against.name(),
+            killed: 0,
+            decisive: 0,
+            survived: 0,
+            equivalent: 0,
+            below: 0,
+            share: 0.0,
+            percent: String::new(),
+        });
+        // What a law does not notice is no survivor.
+        row.killed += check.score.killed;
+        row.decisive += check.score.decisive();
+        row.survived += check.score.survived;
+        row.equivalent += check.score.equivalent;
+        row.below += check.score.below_resolution;
+    }
+    let mut rows: Vec<ScoreRow> = by_check.into_values().collect();
+    for row in &mut rows {
+        if row.decisive > 0 {
+            row.share = 100.0 * row.killed as f64 / row.decisive as f64;
+            row.percent = format!("{:.1} %", row.share);
+        }
+    }
+    rows.retain(|row| row.decisive + row.equivalent + row.below > 0);
+    rows
+}
+
+fn survivors(report: &Report) -> Vec<String> {
+    let mut lines = Vec::new();
+    for subject in &report.subjects {
+        for check in &subject.checks {
+            for (mistake, entry) in &check.score.survivors {
+                lines.push(format!(
+                    "{}, {}: {mistake} survived ({entry})",
+                    full_name(subject),
+                    check.against.name()
+                ));
+            }
+        }
+    }
+    lines
+}
+
+fn environment(report: &Report, supplement: &Supplement<'_>) -> Vec<(&'static str, String)> {
+    let settings = &report.settings;
+    let mut lines = vec![("pintle", report.version.to_string())];
+    if !supplement.command.is_empty() {
+        lines.push(("command", supplement.command.clone()));
+    }
+    lines.extend([
+        ("system", format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH)),
+        ("threads", rayon::current_num_threads().to_string()),
+        ("tolerance", format!("C·u·(conditioned scale) with C = {}, u = 2⁻⁵³", report.constant)),
+        (
+            "states per type",
+            format!(
+                "{} on doubles, {} near singular sets, {} on 237 bits",
+                settings.states, settings.near_singular_states, settings.wide_states
+            ),
+        ),
+        ("seed", settings.seed.clone()),
+        ("signs", crate::report::SIGNS.to_string()),
+    ]);
+    lines
+}
+
+fn oracles(report: &Report) -> Vec<OracleRow> {
+    let word = |shared: bool| if shared { "shared" } else { "own" };
+    report
+        .settings
+        .oracles
+        .iter()
+        .map(|oracle| {
+            let Shares { kinematics, elementary, mechanism } = oracle.shares();
+            OracleRow {
+                name: oracle.name(),
+                meaning: oracle.meaning(),
+                kinematics: word(kinematics),
+                elementary: word(elementary),
+                mechanism: word(mechanism),
+                decides: if oracle.is_independent() { "yes" } else { "" },
+            }
+        })
+        .collect()
+}

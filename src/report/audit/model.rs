@@ -1,0 +1,148 @@
+//! What is found in the models of an audit, for reading: findings, the assembly, coverage.
+
+use super::super::layout::{BOLD, CARE, DIM, styled, wrap};
+use super::summary::count;
+use crate::audit::assembly::{Assembly, Position};
+use crate::audit::coverage::{Coverage, Histogram};
+use crate::audit::model::{Finding, ModelReport};
+use crate::scene::Severity;
+use std::io::{self, Write};
+
+/// Writes every model: its findings, then what its assembly can do, then what its states exercised.
+pub(super) fn human(out: &mut dyn Write, models: &[ModelReport], width: usize) -> io::Result<()> {
+    for model in models {
+        writeln!(out, "\n{}", styled(BOLD, format!("model {}: {}", model.scene, headline(model))))?;
+        for found in &model.findings {
+            finding(out, found, width)?;
+        }
+        if let Some(assembled) = &model.assembly {
+            assembly(out, assembled, width)?;
+        }
+        coverage(out, &model.coverage, width)?;
+    }
+    Ok(())
+}
+
+/// The number of findings, in words.
+pub(super) fn headline(model: &ModelReport) -> String {
+    let counted = [Severity::Error, Severity::Warning, Severity::Note].map(|severity| model.count(severity));
+    let words: Vec<String> = counted
+        .into_iter()
+        .zip(["error", "warning", "note"])
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, noun)| count(n, noun))
+        .collect();
+    if words.is_empty() { "nothing found".to_string() } else { words.join(", ") }
+}
+
+/// `file:line`, as far as it is known.
+pub(super) fn place(finding: &Finding) -> String {
+    finding.line().map_or_else(|| finding.file().to_string(), |line| format!("{}:{line}", finding.file()))
+}
+
+/// The name of a severity.
+pub(super) const fn word(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Note => "note",
+        Severity::Warning => "warning",
+        Severity::Error => "error",
+    }
+}
+
+fn paragraph(out: &mut dyn Write, text: &str, indent: usize, width: usize) -> io::Result<()> {
+    for line in wrap(text, width.saturating_sub(indent)) {
+        writeln!(out, "{:indent$}{line}", "")?;
+    }
+    Ok(())
+}
+
+fn finding(out: &mut dyn Write, finding: &Finding, width: usize) -> io::Result<()> {
+    let severity = finding.severity();
+    let head = format!("{}[{}]", word(severity), finding.code());
+    let head = if severity == Severity::Note { head } else { styled(CARE, head) };
+    writeln!(out, "  {head} {}", styled(DIM, place(finding)))?;
+    paragraph(out, finding.message(), 4, width)?;
+    if !finding.reason().is_empty() {
+        paragraph(out, &format!("why: {}", finding.reason()), 4, width)?;
+    }
+    if !finding.remedy().is_empty() {
+        paragraph(out, &format!("help: {}", finding.remedy()), 4, width)?;
+    }
+    Ok(())
+}
+
+fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Result<()> {
+    let Some(first) = assembly.positions.first() else { return Ok(()) };
+    let of_step = match assembly.step {
+        0 => "before the first step".to_string(),
+        step => format!("with the boundary conditions of step {step}"),
+    };
+    let text = format!(
+        "assembly, {of_step}: {} degrees of freedom of connectors and MPCs, {} held; {}, rank {}: {} redundant. Mobility {} (by Grübler {}); {} \
+         leave {} that nothing drives. {}",
+        assembly.degrees_of_freedom,
+        assembly.held,
+        count(assembly.constraints, "constraint"),
+        first.rank,
+        first.redundant,
+        first.mobility,
+        assembly.gruebler,
+        count(assembly.drives, "drive"),
+        first.undriven,
+        gap(first)
+    );
+    paragraph(out, &text, 2, width)?;
+    let others: Vec<&Position> = assembly.positions.iter().skip(1).collect();
+    if let Some(most) = others.iter().map(|position| position.rank).max() {
+        let least = others.iter().map(|position| position.rank).min().unwrap_or(most);
+        let off = if assembly.off.is_empty() {
+            String::new()
+        } else {
+            format!(
+                "; {} not looked at, for not satisfying the constraints",
+                count(assembly.off.len(), "state")
+            )
+        };
+        let text =
+            format!("at {} of those given the rank is {least} to {most}{off}", count(others.len(), "state"));
+        paragraph(out, &text, 2, width)?;
+    }
+    Ok(())
+}
+
+/// How certain a rank is.
+fn gap(position: &Position) -> String {
+    let certainty = if position.decided { "The rank is certain" } else { "The rank is undecided" };
+    match position.gap.singular_values {
+        Some([nonzero, zero]) => {
+            format!("{certainty}: between singular values of {nonzero:.1e} and {zero:.1e} of the largest.")
+        }
+        None => format!(
+            "{certainty}: numbers that a relative change of {:.1e} makes zero count as zero, the next needs {:.1e}.",
+            position.gap.zero, position.gap.nonzero
+        ),
+    }
+}
+
+fn coverage(out: &mut dyn Write, coverage: &Coverage, width: usize) -> io::Result<()> {
+    if coverage.samples == 0 {
+        return Ok(());
+    }
+    let largest = |histogram: &Histogram| {
+        if histogram.samples() == 0 { "none".to_string() } else { format!("{:.3}", histogram.largest) }
+    };
+    let text = format!(
+        "coverage: {}; the largest rotation of a {} rad, of b {} rad, of b relative to a {} rad; both nodes turned in {} of {}, \
+         free components displaced in {} of {}",
+        count(usize::try_from(coverage.samples).unwrap_or(usize::MAX), "state")
+            .replace("state", "connector state"),
+        largest(&coverage.rotation_a),
+        largest(&coverage.rotation_b),
+        largest(&coverage.relative_rotation),
+        coverage.both_turned,
+        coverage.could_turn_both,
+        coverage.deformed,
+        coverage.could_deform
+    );
+    paragraph(out, &text, 2, width)
+}

@@ -1,0 +1,107 @@
+//! What every form of the report says of a subject, counted once.
+
+use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
+
+/// What the columns of the table of verdicts say.
+pub(super) const LEGEND: &str = "f … f̈: worst error in units of its tolerance; δ seen: the smallest relative error of an entry \
+     that is noticed, median";
+
+/// The line of a subject in the table of verdicts.
+pub(super) struct Row {
+    pub(super) name: String,
+    /// On derivative, formula, declaration.
+    pub(super) verdicts: [Verdict; 3],
+    pub(super) states: u64,
+    /// The worst error of the sharp oracles in units of the tolerance, by quantity.
+    pub(super) worst: [Option<f64>; Quantity::ALL.len()],
+}
+
+impl Row {
+    pub(super) fn of(subject: &Subject) -> Self {
+        Self {
+            name: subject.name.clone(),
+            verdicts: [subject.derivative, subject.formula, subject.declaration],
+            states: subject.cases,
+            worst: Quantity::ALL.map(|quantity| worst(subject, quantity)),
+        }
+    }
+}
+
+/// The worst error of the sharp oracles in units of the tolerance; `None` where none answered.
+pub(super) fn worst(subject: &Subject, quantity: Quantity) -> Option<f64> {
+    let of_it = subject.checks.iter().filter(|check| check.quantity == Some(quantity) && is_sharp(check));
+    of_it
+        .map(|check| check.largest)
+        .fold(None, |most: Option<f64>, x| Some(most.map_or(x, |most| most.max(x))))
+}
+
+/// Whether an independent oracle's word decides in this check.
+pub(super) const fn is_sharp(check: &Check) -> bool {
+    matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
+}
+
+/// The smallest relative error of a first derivative that the sharp oracles notice on every significant entry, at the median state.
+pub(super) fn detectable(subject: &Subject) -> Option<f64> {
+    let sharp = subject
+        .checks
+        .iter()
+        .filter(|check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check));
+    let most = sharp.map(|check| check.score.detectable_median).fold(0.0, f64::max);
+    (most > 0.0).then_some(most)
+}
+
+/// The checks that say something is wrong, lost or survived.
+pub(super) fn telling(subject: &Subject) -> impl Iterator<Item = &Check> {
+    subject.checks.iter().filter(|check| check.verdict > Verdict::IllConditioned || check.score.survived > 0)
+}
+
+/// How the mutants fared under the oracles.
+pub(super) struct SelfTest {
+    pub(super) noticed: u64,
+    pub(super) decisive: u64,
+    pub(super) equivalent: u64,
+    pub(super) below_resolution: u64,
+}
+
+/// How the mutants fared under the oracles.
+pub(super) fn self_test(report: &Report) -> SelfTest {
+    let mut found = SelfTest { noticed: 0, decisive: 0, equivalent: 0, below_resolution: 0 };
+    let checks = report.subjects.iter().flat_map(|subject| &subject.checks);
+    for check in checks.filter(|check| matches!(check.against, Against::Oracle(_))) {
+        found.noticed += check.score.killed;
+        found.decisive += check.score.decisive();
+        found.equivalent += check.score.equivalent;
+        found.below_resolution += check.score.below_resolution;
+    }
+    found
+}
+
+/// The outcome in a few words.
+pub(super) fn headline(report: &Report) -> String {
+    let numbers = of_numbers(report);
+    match report.failing_models() {
+        0 => numbers,
+        models => format!("{numbers}; {} with errors", count(models, "model")),
+    }
+}
+
+/// The outcome of the comparisons.
+fn of_numbers(report: &Report) -> String {
+    match (report.survivors(), report.mismatches(), report.undecided()) {
+        (survivors @ 1.., ..) => format!("self-test failed: {survivors} mutants survived"),
+        (0, 1, _) => "1 mismatch".into(),
+        (0, mismatches @ 2.., _) => format!("{mismatches} mismatches"),
+        (0, 0, undecided @ 1..) => format!("no mismatch; {} undecided", count(undecided, "subject")),
+        _ => "no mismatch".into(),
+    }
+}
+
+/// 1 connector, 2 connectors.
+pub(super) fn count(n: usize, noun: &str) -> String {
+    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+}
+
+/// The scene that a subject belongs to.
+pub(super) fn scene(subject: &Subject) -> Option<&str> {
+    subject.scene.as_deref()
+}

@@ -1,0 +1,334 @@
+//! Dual numbers in N directions as plain arrays.
+
+use super::super::{Real, Scalar, Seeded};
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// A value with its first derivatives in N directions.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstOrder<R, const N: usize> {
+    /// The value.
+    pub value: R,
+    /// The first derivatives.
+    pub first: [R; N],
+}
+
+/// A value with its first and second derivatives in N directions.
+#[derive(Clone, Copy, Debug)]
+pub struct SecondOrder<R, const N: usize> {
+    /// The value.
+    pub value: R,
+    /// The first derivatives.
+    pub first: [R; N],
+    /// The second derivatives, on and below the diagonal; what is above is not used.
+    pub second: [[R; N]; N],
+}
+
+macro_rules! first_order {
+    (|$($x:ident),+| $f:expr) => {{
+        let value = {
+            $(let $x = $x.value;)+
+            $f
+        };
+        let mut first = [value; N];
+        for i in 0..N {
+            $(let $x = $x.first[i];)+
+            first[i] = $f;
+        }
+        FirstOrder { value, first }
+    }};
+}
+
+macro_rules! second_order {
+    (|$($x:ident),+| $f:expr) => {{
+        let value = {
+            $(let $x = $x.value;)+
+            $f
+        };
+        let mut first = [value; N];
+        let mut second = [[R::integer(0); N]; N];
+        for i in 0..N {
+            for j in 0..=i {
+                $(let $x = $x.second[i][j];)+
+                second[i][j] = $f;
+            }
+            $(let $x = $x.first[i];)+
+            first[i] = $f;
+        }
+        SecondOrder { value, first, second }
+    }};
+}
+
+macro_rules! linear {
+    ($dual:ident, $each:ident) => {
+        impl<R: Real, const N: usize> Add for $dual<R, N> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                let (x, y) = (self, other);
+                $each!(|x, y| x + y)
+            }
+        }
+
+        impl<R: Real, const N: usize> Sub for $dual<R, N> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                let (x, y) = (self, other);
+                $each!(|x, y| x - y)
+            }
+        }
+
+        impl<R: Real, const N: usize> Neg for $dual<R, N> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn neg(self) -> Self {
+                let x = self;
+                $each!(|x| -x)
+            }
+        }
+    };
+}
+
+linear!(FirstOrder, first_order);
+linear!(SecondOrder, second_order);
+
+impl<R: Real, const N: usize> Mul for FirstOrder<R, N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let (x, y) = (self.value, other.value);
+        let mut first = self.first;
+        for i in 0..N {
+            first[i] = x.multiply_add(other.first[i], self.first[i] * y);
+        }
+        Self { value: x * y, first }
+    }
+}
+
+impl<R: Real, const N: usize> Mul for SecondOrder<R, N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let (x, y) = (self.value, other.value);
+        let (dx, dy) = (self.first, other.first);
+        let (mut first, mut second) = (dx, self.second);
+        for i in 0..N {
+            first[i] = x.multiply_add(dy[i], dx[i] * y);
+            for j in 0..=i {
+                let of_first = dx[i].multiply_add(dy[j], dx[j] * dy[i]);
+                second[i][j] =
+                    x.multiply_add(other.second[i][j], self.second[i][j].multiply_add(y, of_first));
+            }
+        }
+        Self { value: x * y, first, second }
+    }
+}
+
+impl<R: Real, const N: usize> Scalar for FirstOrder<R, N> {
+    type Real = R;
+    const ORDER: usize = 1;
+
+    #[inline(always)]
+    fn from_real(value: R) -> Self {
+        Self { value, first: [R::integer(0); N] }
+    }
+
+    #[inline(always)]
+    fn real(self) -> R {
+        self.value
+    }
+
+    #[inline(always)]
+    fn nilpotent(self) -> Self {
+        Self { value: R::integer(0), first: self.first }
+    }
+
+    #[inline(always)]
+    fn with_real(self, value: R) -> Self {
+        Self { value, ..self }
+    }
+
+    #[inline(always)]
+    fn nilpotent_product(self, _: Self) -> Self {
+        Self::zero()
+    }
+
+    #[inline(always)]
+    fn scale(self, factor: R) -> Self {
+        let x = self;
+        first_order!(|x| x * factor)
+    }
+
+    #[inline(always)]
+    fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        first_order!(|yes, no| R::select(mask, yes, no))
+    }
+
+    #[inline(always)]
+    fn multiply_add(self, y: Self, z: Self) -> Self {
+        let mut first = z.first;
+        for i in 0..N {
+            first[i] = self.value.multiply_add(y.first[i], self.first[i].multiply_add(y.value, z.first[i]));
+        }
+        Self { value: self.value.multiply_add(y.value, z.value), first }
+    }
+
+    #[inline(always)]
+    fn scale_add(self, factor: R, z: Self) -> Self {
+        let x = self;
+        first_order!(|x, z| x.multiply_add(factor, z))
+    }
+
+    /// f(x₀) + f′(x₀) e.
+    #[inline(always)]
+    fn lift(self, c: &super::super::Series<R>) -> Self {
+        let mut first = self.first;
+        for i in 0..N {
+            first[i] = self.first[i] * c[1];
+        }
+        Self { value: c[0], first }
+    }
+}
+
+impl<R: Real, const N: usize> Scalar for SecondOrder<R, N> {
+    type Real = R;
+    const ORDER: usize = 2;
+
+    #[inline(always)]
+    fn from_real(value: R) -> Self {
+        let zero = R::integer(0);
+        Self { value, first: [zero; N], second: [[zero; N]; N] }
+    }
+
+    #[inline(always)]
+    fn real(self) -> R {
+        self.value
+    }
+
+    #[inline(always)]
+    fn nilpotent(self) -> Self {
+        Self { value: R::integer(0), ..self }
+    }
+
+    #[inline(always)]
+    fn with_real(self, value: R) -> Self {
+        Self { value, ..self }
+    }
+
+    #[inline(always)]
+    fn nilpotent_product(self, other: Self) -> Self {
+        let (dx, dy) = (self.first, other.first);
+        let mut product = Self::zero();
+        for i in 0..N {
+            for j in 0..=i {
+                product.second[i][j] = dx[i].multiply_add(dy[j], dx[j] * dy[i]);
+            }
+        }
+        product
+    }
+
+    #[inline(always)]
+    fn scale(self, factor: R) -> Self {
+        let x = self;
+        second_order!(|x| x * factor)
+    }
+
+    #[inline(always)]
+    fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        second_order!(|yes, no| R::select(mask, yes, no))
+    }
+
+    #[inline(always)]
+    fn multiply_add(self, y: Self, z: Self) -> Self {
+        self * y + z
+    }
+
+    #[inline(always)]
+    fn scale_add(self, factor: R, z: Self) -> Self {
+        let x = self;
+        second_order!(|x, z| x.multiply_add(factor, z))
+    }
+
+    /// f(x₀) + f′(x₀) e + ½ f″(x₀) e².
+    #[inline(always)]
+    fn lift(self, c: &super::super::Series<R>) -> Self {
+        let twice = c[2] + c[2];
+        let mut lifted = self;
+        lifted.value = c[0];
+        for i in 0..N {
+            lifted.first[i] = self.first[i] * c[1];
+            for j in 0..=i {
+                let curved = (twice * self.first[i]) * self.first[j];
+                lifted.second[i][j] = c[1].multiply_add(self.second[i][j], curved);
+            }
+        }
+        lifted
+    }
+}
+
+/// ε_index as first derivatives.
+#[inline(always)]
+fn unit<R: Real, const N: usize>(index: usize) -> [R; N] {
+    let mut first = [R::integer(0); N];
+    for (i, entry) in first.iter_mut().enumerate() {
+        if i == index {
+            *entry = R::integer(1);
+        }
+    }
+    first
+}
+
+impl<R: Real, const N: usize> Seeded<N> for FirstOrder<R, N> {
+    #[inline(always)]
+    fn seed(value: R, index: usize) -> Self {
+        Self { value, first: unit(index) }
+    }
+
+    #[inline(always)]
+    fn assemble(value: R, first: [R; N], _: [[R; N]; N]) -> Self {
+        Self { value, first }
+    }
+
+    #[inline(always)]
+    fn gradient(self) -> [R; N] {
+        self.first
+    }
+
+    #[inline(always)]
+    fn hessian(self) -> [[R; N]; N] {
+        [[R::integer(0); N]; N]
+    }
+}
+
+impl<R: Real, const N: usize> Seeded<N> for SecondOrder<R, N> {
+    #[inline(always)]
+    fn seed(value: R, index: usize) -> Self {
+        Self { first: unit(index), ..Self::from_real(value) }
+    }
+
+    #[inline(always)]
+    fn assemble(value: R, first: [R; N], second: [[R; N]; N]) -> Self {
+        Self { value, first, second }
+    }
+
+    #[inline(always)]
+    fn gradient(self) -> [R; N] {
+        self.first
+    }
+
+    #[inline(always)]
+    fn hessian(self) -> [[R; N]; N] {
+        let mut hessian = self.second;
+        for i in 0..N {
+            for j in 0..i {
+                hessian[j][i] = hessian[i][j];
+            }
+        }
+        hessian
+    }
+}

@@ -1,0 +1,194 @@
+//! Where states are read from: a text, or a file that is never held as a whole.
+
+use super::{State, document, table};
+use crate::scene::diagnostic::{Code, Diagnostic, Result};
+use crate::scene::model::Scene;
+use crate::scene::span::Span;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// A text, or a file; bytes are counted after a byte order mark.
+#[derive(Clone, Copy)]
+pub(in crate::scene) enum Source<'a> {
+    Text(&'a str),
+    File(&'a Path),
+}
+
+impl<'a> Source<'a> {
+    /// The text from a byte on.
+    pub(super) fn reader(self, start: u64) -> io::Result<Box<dyn BufRead + 'a>> {
+        match self {
+            Self::Text(text) => {
+                let start = usize::try_from(start).unwrap_or(usize::MAX);
+                Ok(Box::new(text.as_bytes().get(start..).unwrap_or_default()))
+            }
+            Self::File(path) => {
+                let mut file = BufReader::with_capacity(1 << 16, File::open(path)?);
+                let mark = BYTE_ORDER_MARK.len_utf8();
+                let mut first = Vec::new();
+                file.by_ref().take(mark as u64).read_to_end(&mut first)?;
+                let mark = if first == BYTE_ORDER_MARK.to_string().as_bytes() { mark as u64 } else { 0 };
+                file.seek(SeekFrom::Start(mark + start))?;
+                Ok(Box::new(file))
+            }
+        }
+    }
+
+    /// The bytes of the first lines.
+    pub(super) fn length_of_lines(self, count: usize) -> u64 {
+        let Ok(mut reader) = self.reader(0) else { return 0 };
+        (0..count).map_while(|_| skip_line(&mut reader).ok()).sum()
+    }
+
+    /// The bytes of all.
+    pub(super) fn length(self) -> u64 {
+        match self {
+            Self::Text(text) => text.len() as u64,
+            Self::File(path) => path.metadata().map_or(0, |metadata| metadata.len()),
+        }
+    }
+}
+
+/// Passes over a line, however long, and gives its length in bytes.
+fn skip_line(reader: &mut impl BufRead) -> io::Result<u64> {
+    let mut length = 0;
+    loop {
+        let bytes = reader.fill_buf()?;
+        let (used, is_end) = match bytes.iter().position(|byte| *byte == b'\n') {
+            Some(at) => (at + 1, true),
+            None => (bytes.len(), bytes.is_empty()),
+        };
+        reader.consume(used);
+        length += used as u64;
+        if is_end {
+            return Ok(length);
+        }
+    }
+}
+
+/// A file of states that is read as often as it is asked for, one state at a time: it takes memory for one state, however many there
+/// are.
+///
+/// ```
+/// use pintle::scene::{Diagnostic, Scene, StateStream};
+/// # let path = std::env::temp_dir().join(format!("pintle-stream-{}.csv", std::process::id()));
+/// # std::fs::write(&path, "state,node,u1\n0,1,0.5\n1,1,0.75\n")?;
+/// let scene = Scene::parse("one.inp", "*NODE\n1, 0., 0., 0.\n")?;
+/// let mut last = 0.0;
+/// StateStream::open(&path)?.for_each(&scene, |state| {
+///     last = state.nodes.values().next().map_or(0.0, |node| node.displacement[0]);
+///     Ok::<(), Diagnostic>(())
+/// })?;
+/// assert_eq!(last, 0.75);
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct StateStream {
+    path: PathBuf,
+    is_json: bool,
+}
+
+impl StateStream {
+    /// A `.csv` or `.json` file. Nothing is read yet.
+    ///
+    /// # Errors
+    /// A name with another ending.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        Ok(Self { path: path.to_path_buf(), is_json: is_json(path, "states")? })
+    }
+
+    /// Whether the file can be read more than once: not so a pipe.
+    pub fn is_repeatable(&self) -> bool {
+        self.path.metadata().is_ok_and(|metadata| metadata.is_file())
+    }
+
+    /// Reads the file from its beginning and hands on its states, one after another. States before a place where something is wrong have
+    /// been handed on.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with the file, with its place and a remedy; the first error of `take`, after which nothing more is
+    /// read.
+    pub fn for_each<E: From<Diagnostic>>(
+        &self,
+        scene: &Scene,
+        mut take: impl FnMut(State) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut failure = None;
+        let source = Source::File(&self.path);
+        let mut each = |state| match take(state) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                failure = Some(error);
+                ControlFlow::Break(())
+            }
+        };
+        let read = match self.is_json {
+            true => document::states(source, scene, &mut each),
+            false => table::states(source, scene, &mut each),
+        };
+        if let Some(error) = failure {
+            return Err(error);
+        }
+        read.map_err(|error| E::from(self.located(error)))
+    }
+
+    /// The error with its place shown.
+    fn located(&self, error: Diagnostic) -> Diagnostic {
+        let name = self.path.display().to_string();
+        let mut errors = [error];
+        match Source::File(&self.path).reader(0) {
+            Ok(reader) => Diagnostic::attach(&mut errors, &name, reader),
+            Err(_) => Diagnostic::attach(&mut errors, &name, io::empty()),
+        }
+        let [error] = errors;
+        error
+    }
+}
+
+/// Whether a file of `what` is JSON rather than CSV, by its ending.
+fn is_json(path: &Path, what: &str) -> Result<bool> {
+    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    match ending.as_ref().and_then(|ending| ending.to_str()) {
+        Some("csv") => Ok(false),
+        Some("json") => Ok(true),
+        _ => {
+            let remedy = format!("name the file of {what} .csv or .json, as it is written");
+            let name = path.display().to_string();
+            Err(Diagnostic::error(Code::UnknownFormat, Span::default(), "neither .csv nor .json", "")
+                .help(remedy)
+                .in_file(&name))
+        }
+    }
+}
+
+/// A file that cannot be read.
+pub(super) fn unreadable(error: &io::Error) -> Diagnostic {
+    let message = format!("cannot be read: {error}");
+    Diagnostic::error(Code::Unreadable, Span::default(), message, "")
+        .help("check the path and its permissions")
+}
+
+/// The name and text of a file of `what`, and whether it is JSON rather than CSV.
+pub(in crate::scene) fn text_of(path: &Path, what: &str) -> Result<(String, String, bool)> {
+    let name = path.display().to_string();
+    let is_json = is_json(path, what)?;
+    let text = std::fs::read_to_string(path).map_err(|error| unreadable(&error).in_file(&name))?;
+    Ok((name, text, is_json))
+}
+
+pub(in crate::scene) fn without_mark(text: &str) -> &str {
+    text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)
+}
+
+pub(in crate::scene) fn located(error: Diagnostic, name: &str, text: &str) -> Diagnostic {
+    let mut errors = [error];
+    Diagnostic::attach(&mut errors, name, text.as_bytes());
+    let [error] = errors;
+    error
+}

@@ -1,0 +1,5 @@
+def _reciprocal(x):
+    """1/x, and 0 where that is infinite: the derivative of least norm at a point that has none."""
+    inverse = 1.0 / x
+    return jnp.where(jnp.isinf(inverse), 0.0, inverse)
+

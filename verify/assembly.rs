@@ -1,0 +1,415 @@
+//! What an assembly can do, for mechanisms whose mobility and redundancies are known.
+//!
+//! Each mechanism is built of hinges (5 constraints) and rigid links (connection type BEAM, 6 constraints) between nodes of 6 degrees of
+//! freedom, so that Grübler's mobility is 6 bodies − 5 hinges, whatever the geometry.
+
+use pintle::audit::assembly::{Assembly, Holds, analyse};
+use pintle::evaluate::Model;
+use pintle::scene::{Code, Scene};
+use std::fmt::Write;
+
+type Point = [f64; 3];
+
+/// A deck that is being written.
+#[derive(Default)]
+struct Deck {
+    nodes: Vec<Point>,
+    elements: String,
+    sections: String,
+    count: usize,
+    fixed: Vec<usize>,
+    more: String,
+}
+
+impl Deck {
+    fn node(&mut self, at: Point) -> usize {
+        self.nodes.push(at);
+        self.nodes.len()
+    }
+
+    fn ground(&mut self, at: Point) -> usize {
+        let node = self.node(at);
+        self.fixed.push(node);
+        node
+    }
+
+    /// A connector of this type whose first direction is `axis`; its number is 100 + its place.
+    fn joint(&mut self, kind: &str, a: usize, b: usize, axis: Point) -> usize {
+        self.count += 1;
+        let number = 100 + self.count;
+        // Any direction across.
+        let least = (0..3).min_by(|i, j| axis[*i].abs().total_cmp(&axis[*j].abs())).unwrap();
+        let mut across = [0.0; 3];
+        across[least] = 1.0;
+        let [x, y, z] = axis;
+        let [p, q, r] = across;
+        writeln!(self.elements, "*ELEMENT, TYPE=CONN3D2, ELSET=E{number}\n{number}, {a}, {b}").unwrap();
+        writeln!(self.sections, "*ORIENTATION, NAME=O{number}\n{x:?}, {y:?}, {z:?}, {p:?}, {q:?}, {r:?}")
+            .unwrap();
+        writeln!(self.sections, "*CONNECTOR SECTION, ELSET=E{number}\n{kind}\nO{number},").unwrap();
+        number
+    }
+
+    /// A rigid link.
+    fn link(&mut self, a: usize, b: usize) -> usize {
+        self.count += 1;
+        let number = 100 + self.count;
+        writeln!(self.elements, "*ELEMENT, TYPE=CONN3D2, ELSET=E{number}\n{number}, {a}, {b}").unwrap();
+        writeln!(self.sections, "*CONNECTOR SECTION, ELSET=E{number}\nBEAM").unwrap();
+        number
+    }
+
+    /// A hinge between two new nodes at one place.
+    fn hinge(&mut self, at: Point, axis: Point) -> [usize; 2] {
+        let ends = [self.node(at), self.node(at)];
+        self.joint("HINGE", ends[0], ends[1], axis);
+        ends
+    }
+
+    /// A closed loop of hinges, the link between the last and the first being the ground.
+    fn closed(&mut self, hinges: &[(Point, Point)]) -> Vec<[usize; 2]> {
+        let ends: Vec<[usize; 2]> = hinges.iter().map(|(at, axis)| self.hinge(*at, *axis)).collect();
+        for pair in ends.windows(2) {
+            self.link(pair[0][1], pair[1][0]);
+        }
+        self.fixed.push(ends[0][0]);
+        self.fixed.push(ends[ends.len() - 1][1]);
+        ends
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::from("*NODE\n");
+        for (i, [x, y, z]) in self.nodes.iter().enumerate() {
+            writeln!(text, "{}, {x:?}, {y:?}, {z:?}", i + 1).unwrap();
+        }
+        text += &self.elements;
+        text += &self.sections;
+        if !self.fixed.is_empty() {
+            text += "*BOUNDARY\n";
+            for node in &self.fixed {
+                writeln!(text, "{node}, 1, 6").unwrap();
+            }
+        }
+        text + &self.more
+    }
+
+    fn analyse(&self) -> Assembly {
+        let text = self.text();
+        let scene = Scene::parse("mechanism.inp", &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let model = Model::compile(&scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        analyse(&scene, &model, &scene.states, 1).unwrap()
+    }
+}
+
+/// Grübler's mobility, the true one, the number of redundant constraints, and where they hold.
+#[track_caller]
+fn is(assembly: &Assembly, gruebler: i64, mobility: usize, redundant: usize, holds: &[(Holds, usize)]) {
+    let position = &assembly.positions[0];
+    let counted = |wanted: Holds| assembly.redundant.iter().filter(|one| one.holds == wanted).count();
+    let seen: Vec<(Holds, usize)> =
+        [Holds::Throughout, Holds::Rigid, Holds::Here, Holds::Isolated, Holds::Unjudged]
+            .into_iter()
+            .map(|holds| (holds, counted(holds)))
+            .filter(|(_, count)| *count > 0)
+            .collect();
+    assert_eq!(
+        (assembly.gruebler, position.mobility, position.redundant, seen.as_slice()),
+        (gruebler, mobility, redundant, holds),
+        "{:#?}",
+        assembly.redundant
+    );
+    assert!(position.decided, "{position:#?}");
+    assert_eq!(assembly.redundant.len(), redundant);
+    if let Some([nonzero, zero]) = position.gap.singular_values {
+        assert!(nonzero > 1e-4 && zero < 1e-13, "{:?}", position.gap);
+    }
+}
+
+const Z: Point = [0.0, 0.0, 1.0];
+
+/// A link system turned as a whole, so that no direction is along an axis.
+fn turned([x, y, z]: Point) -> Point {
+    let (c, s) = (0.8, 0.6);
+    let [x, y] = [c * x - s * y, s * x + c * y];
+    let [y, z] = [c * y - s * z, s * y + c * z];
+    [x, y, z]
+}
+
+fn four_bar(at: impl Fn(Point) -> Point) -> Deck {
+    let mut deck = Deck::default();
+    let hinges: Vec<(Point, Point)> =
+        [[0.0, 0.0, 0.0], [0.5, 1.0, 0.0], [2.5, 1.5, 0.0], [3.0, 0.0, 0.0]].map(|p| (at(p), at(Z))).to_vec();
+    deck.closed(&hinges);
+    deck
+}
+
+/// A planar four-bar linkage of spatial hinges: −2 by Grübler, 1 in truth, 3 redundant wherever it stands.
+#[test]
+fn a_planar_four_bar() {
+    for assembly in [four_bar(|p| p).analyse(), four_bar(turned).analyse()] {
+        is(&assembly, -2, 1, 3, &[(Holds::Throughout, 3)]);
+        // Out of plane only, and named by connector and component.
+        for one in &assembly.redundant {
+            assert!(one.constraint.element.is_some(), "{one:?}");
+            assert!(["u1", "u2", "u3", "ur1", "ur2", "ur3"].contains(&one.constraint.component.as_str()));
+            assert!(one.from.len() >= 2, "{one:?}");
+        }
+        assert_eq!(assembly.modes.len(), 1);
+        // The crank, the coupler and the rocker move: nodes 2 to 7.
+        assert_eq!(assembly.modes[0].moving, Some(6));
+    }
+}
+
+/// The crank driven: nothing is left; driven twice: one too many.
+#[test]
+fn drives_come_on_top() {
+    let mut deck = four_bar(|p| p);
+    deck.more = "*STEP\n*STATIC\n0.1, 1.\n*CONNECTOR MOTION\n101, 4, 1.\n*END STEP\n".into();
+    let once = deck.analyse();
+    is(&once, -2, 1, 3, &[(Holds::Throughout, 3)]);
+    assert_eq!((once.drives, once.positions[0].undriven, once.positions[0].overdriven), (1, 0, 0));
+    deck.more = "*STEP\n*STATIC\n0.1, 1.\n*CONNECTOR MOTION\n101, 4, 1.\n104, 4, 1.\n*END STEP\n".into();
+    let twice = deck.analyse();
+    assert_eq!((twice.drives, twice.positions[0].undriven, twice.positions[0].overdriven), (2, 0, 1));
+    assert_eq!(twice.overdriven.len(), 1);
+    // Held instead of driven it is a constraint, and nothing moves.
+    deck.more = "*CONNECTOR MOTION\n101, 4\n".into();
+    is(&deck.analyse(), -3, 0, 3, &[(Holds::Rigid, 3)]);
+}
+
+/// A matrix of Denavit and Hartenberg: turned by θ about z, moved by a along x, turned by α about x.
+fn link([theta, length, alpha]: Point) -> [[f64; 4]; 4] {
+    let [(s, c), (sa, ca)] = [theta, alpha].map(f64::sin_cos);
+    [
+        [c, -s * ca, s * sa, length * c],
+        [s, c * ca, -c * sa, length * s],
+        [0.0, sa, ca, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ]
+}
+
+fn times(a: &[[f64; 4]; 4], b: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+/// Bennett's linkage: four hinges, neither parallel nor through one point, that move: −2 by Grübler, 1 in truth.
+#[test]
+fn a_bennett_linkage() {
+    let (a, alpha, beta) = (1.0, 0.6_f64, 1.1_f64);
+    let b = a * beta.sin() / alpha.sin();
+    let theta = 0.9_f64;
+    let ratio = ((beta + alpha) / 2.0).sin() / ((beta - alpha) / 2.0).sin();
+    let phi = 2.0 * (ratio / (theta / 2.0).tan()).atan();
+    let tau = std::f64::consts::TAU;
+    let links = [[theta, a, alpha], [phi, b, beta], [tau - theta, a, alpha], [tau - phi, b, beta]];
+    let mut frame: [[f64; 4]; 4] =
+        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    let mut hinges = Vec::new();
+    for parameters in links {
+        let column = |j: usize| [frame[0][j], frame[1][j], frame[2][j]];
+        hinges.push((column(3), column(2)));
+        frame = times(&frame, &link(parameters));
+    }
+    for i in 0..4 {
+        for j in 0..4 {
+            assert!((frame[i][j] - f64::from(u8::from(i == j))).abs() < 1e-14, "the loop is not closed");
+        }
+    }
+    let mut deck = Deck::default();
+    deck.closed(&hinges);
+    is(&deck.analyse(), -2, 1, 3, &[(Holds::Throughout, 3)]);
+    // With another length it is a structure: four hinges in general position.
+    hinges[1].0[0] += 0.1;
+    let mut deck = Deck::default();
+    deck.closed(&hinges);
+    is(&deck.analyse(), -2, 0, 2, &[(Holds::Rigid, 2)]);
+}
+
+/// Sarrus' linkage: two legs of three parallel hinges each guide a platform along a line: 0 by Grübler, 1 in truth.
+#[test]
+fn a_sarrus_linkage() {
+    let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut deck = Deck::default();
+    deck.closed(&[
+        ([1.0, 0.0, 0.0], y),
+        ([1.7, 0.0, 0.5], y),
+        ([1.0, 0.0, 1.0], y),
+        ([0.0, 1.0, 1.0], x),
+        ([0.0, 1.7, 0.5], x),
+        ([0.0, 1.0, 0.0], x),
+    ]);
+    is(&deck.analyse(), 0, 1, 1, &[(Holds::Throughout, 1)]);
+}
+
+/// A parallelogram with a third crank: −6 by Grübler, and it moves. With a third crank of half the length, parallel to the others, it
+/// moves to first order only; with one that points elsewhere not at all.
+#[test]
+fn a_parallelogram_with_an_extra_bar() {
+    let build = |third: Point| {
+        let mut deck = Deck::default();
+        let (crank, mut tips) = ([0.6, 0.8, 0.0], Vec::new());
+        for (x, crank) in [(0.0, crank), (1.0, third), (2.5, crank)] {
+            let low = deck.hinge([x, 0.0, 0.0], Z);
+            let high = deck.hinge([x + crank[0], crank[1], 0.0], Z);
+            deck.fixed.push(low[0]);
+            deck.link(low[1], high[0]);
+            tips.push(high[1]);
+        }
+        deck.link(tips[0], tips[1]);
+        deck.link(tips[0], tips[2]);
+        deck
+    };
+    is(&build([0.6, 0.8, 0.0]).analyse(), -6, 1, 7, &[(Holds::Throughout, 7)]);
+    is(&build([0.3, 0.4, 0.0]).analyse(), -6, 1, 7, &[(Holds::Isolated, 7)]);
+    is(&build([-0.6, 0.8, 0.0]).analyse(), -6, 0, 6, &[(Holds::Rigid, 6)]);
+}
+
+#[test]
+fn a_pendulum() {
+    let mut deck = Deck::default();
+    let pin = deck.hinge([0.0; 3], Z);
+    deck.fixed.push(pin[0]);
+    let mass = deck.node([1.0, 0.0, 0.0]);
+    deck.link(pin[1], mass);
+    let assembly = deck.analyse();
+    is(&assembly, 1, 1, 0, &[]);
+    assert_eq!((assembly.degrees_of_freedom, assembly.held, assembly.constraints), (18, 6, 11));
+    assert_eq!(assembly.modes[0].nodes.len(), 2);
+    // Without ground it moves as a rigid body besides.
+    deck.fixed.clear();
+    is(&deck.analyse(), 7, 7, 0, &[]);
+}
+
+fn slider_crank(pin: Point, slider: f64) -> Deck {
+    let mut deck = Deck::default();
+    let [low, mid] = [deck.hinge([0.0; 3], Z), deck.hinge(pin, Z)];
+    let high = deck.hinge([slider, 0.0, 0.0], Z);
+    deck.link(low[1], mid[0]);
+    deck.link(mid[1], high[0]);
+    let rail = deck.ground([0.0; 3]);
+    deck.joint("TRANSLATOR", rail, high[1], [1.0, 0.0, 0.0]);
+    deck.fixed.push(low[0]);
+    deck
+}
+
+#[test]
+fn a_slider_crank() {
+    is(&slider_crank([0.6, 0.8, 0.0], 2.4).analyse(), -2, 1, 3, &[(Holds::Throughout, 3)]);
+}
+
+/// Crank and rod of one length, upright, the slider at the centre: it can go on as a slider-crank, or turn about the centre. One of the four
+/// redundancies holds here only.
+#[test]
+fn a_slider_crank_where_it_branches() {
+    is(&slider_crank([0.0, 1.0, 0.0], 0.0).analyse(), -2, 2, 4, &[(Holds::Throughout, 3), (Holds::Here, 1)]);
+    // Turned on by itself about the centre, the slider at rest, it is at no singular position.
+    is(&slider_crank([0.6, 0.8, 0.0], 0.0).analyse(), -2, 1, 3, &[(Holds::Throughout, 3)]);
+}
+
+/// At the dead centre the slider cannot be driven: its motion is determined, to first order, and the crank is not.
+#[test]
+fn a_dead_centre() {
+    let mut deck = slider_crank([0.8, 0.0, 0.0], 2.4);
+    deck.more = "*STEP\n*STATIC\n0.1, 1.\n*CONNECTOR MOTION\n106, 1, 1.\n*END STEP\n".into();
+    let assembly = deck.analyse();
+    is(&assembly, -2, 1, 3, &[(Holds::Throughout, 3)]);
+    assert_eq!((assembly.positions[0].undriven, assembly.positions[0].overdriven), (1, 1));
+    deck = slider_crank([0.6, 0.8, 0.0], 2.4);
+    deck.more = "*STEP\n*STATIC\n0.1, 1.\n*CONNECTOR MOTION\n106, 1, 1.\n*END STEP\n".into();
+    let assembly = deck.analyse();
+    assert_eq!((assembly.positions[0].undriven, assembly.positions[0].overdriven), (0, 0));
+}
+
+/// Two rods in line between fixed pins: they can move sideways to first order, and nowhere.
+#[test]
+fn rods_in_line() {
+    let mut deck = Deck::default();
+    deck.closed(&[([0.0; 3], Z), ([1.0, 0.0, 0.0], Z), ([2.0, 0.0, 0.0], Z)]);
+    is(&deck.analyse(), -3, 1, 4, &[(Holds::Isolated, 4)]);
+}
+
+/// Three nodes welded in a triangle: one of the three links is too much, and nothing moves.
+#[test]
+fn a_welded_loop() {
+    let mut deck = Deck::default();
+    let [a, b] = [deck.ground([0.0; 3]), deck.node([1.0, 0.0, 0.0])];
+    let c = deck.node([0.3, 0.7, 0.2]);
+    for (a, b) in [(a, b), (b, c), (c, a)] {
+        deck.link(a, b);
+    }
+    is(&deck.analyse(), -6, 0, 6, &[(Holds::Rigid, 6)]);
+}
+
+/// Two BEAMs between the same nodes.
+#[test]
+fn a_pair_of_beams() {
+    let mut deck = Deck::default();
+    let [a, b] = [deck.ground([0.0; 3]), deck.node([1.0, 0.5, 0.0])];
+    deck.link(a, b);
+    deck.link(a, b);
+    let assembly = deck.analyse();
+    is(&assembly, -6, 0, 6, &[(Holds::Rigid, 6)]);
+    assert!(assembly.redundant.iter().all(|one| one.constraint.element.unwrap().to_string() == "102"));
+    // Between nodes that are both held, everything is redundant.
+    deck.fixed.push(b);
+    let assembly = deck.analyse();
+    is(&assembly, -12, 0, 12, &[(Holds::Rigid, 12)]);
+}
+
+/// Two shafts in bearings, bent by 0.3 rad and joined by a UJOINT: −2 by Grübler, and they turn.
+#[test]
+fn shafts_with_a_universal_joint() {
+    let (s, c) = 0.3_f64.sin_cos();
+    let mut deck = Deck::default();
+    let first = deck.hinge([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let second = deck.hinge([c, s, 0.0], [c, s, 0.0]);
+    let ends = [deck.node([0.0; 3]), deck.node([0.0; 3])];
+    deck.link(first[1], ends[0]);
+    deck.link(second[1], ends[1]);
+    // The cross: its axes are across the shafts, and across each other.
+    deck.joint("UJOINT", ends[0], ends[1], Z);
+    deck.fixed.extend([first[0], second[0]]);
+    let text = deck.text().replace("O105,", "O105, OB");
+    let text = text.replace(
+        "*CONNECTOR SECTION, ELSET=E105",
+        &format!("*ORIENTATION, NAME=OB\n0., 0., 1., {:?}, {:?}, 0.\n*CONNECTOR SECTION, ELSET=E105", c, s),
+    );
+    let scene = Scene::parse("shafts.inp", &text).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let assembly = analyse(&scene, &model, &[], 1).unwrap();
+    is(&assembly, -2, 1, 3, &[(Holds::Throughout, 3)]);
+}
+
+/// Digits that a deck does not have decide nothing: a four-bar whose hinges are off by 1e-9 rad.
+#[test]
+fn what_is_neither_zero_nor_not_is_undecided() {
+    let mut deck = Deck::default();
+    deck.closed(&[
+        ([0.0, 0.0, 0.0], Z),
+        ([0.5, 1.0, 0.0], [1e-9, 0.0, 1.0]),
+        ([2.5, 1.5, 0.0], [0.0, 2e-9, 1.0]),
+        ([3.0, 0.0, 0.0], Z),
+    ]);
+    let assembly = deck.analyse();
+    assert!(!assembly.positions[0].decided, "{:?}", assembly.positions[0]);
+    let scene = Scene::parse("off.inp", &deck.text()).unwrap();
+    let report = pintle::audit::model::audit_model(&scene, &[], &Default::default());
+    assert!(report.findings.iter().any(|finding| finding.code() == Code::AssemblyUndecided));
+}
+
+/// The unit of length does not matter, nor where the origin is.
+#[test]
+fn units_and_origin_do_not_matter() {
+    for (unit, origin) in [(1e3, 0.0), (1e-3, 0.0), (1.0, 1e5)] {
+        let mut deck = four_bar(turned);
+        for node in &mut deck.nodes {
+            *node = node.map(|x| x * unit + origin);
+        }
+        let assembly = deck.analyse();
+        assert_eq!(
+            (assembly.positions[0].mobility, assembly.positions[0].redundant),
+            (1, 3),
+            "{unit} {origin}"
+        );
+    }
+}

@@ -1,0 +1,167 @@
+//! `pintle audit` and `pintle replay` through the command line: every exit code, every format, counter-examples.
+
+use assert_cmd::Command;
+use assert_cmd::assert::Assert;
+use serde_json::Value;
+use std::fs;
+use std::path::PathBuf;
+
+fn pintle(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pintle"));
+    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "RUST_BACKTRACE"] {
+        command.env_remove(name);
+    }
+    command.args(arguments);
+    command
+}
+
+fn stdout(assert: &Assert) -> String {
+    String::from_utf8(assert.get_output().stdout.clone()).unwrap()
+}
+
+fn stderr(assert: &Assert) -> String {
+    String::from_utf8(assert.get_output().stderr.clone()).unwrap()
+}
+
+/// An audit that is done in a moment.
+fn brief<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&["audit", "gallery:hinge_pendulum", "--wide-states", "1", "--connector", "102"], more].concat()
+}
+
+fn folder(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    _ = fs::remove_dir_all(&path);
+    path
+}
+
+#[test]
+fn exit_codes_are_those_of_the_manual() {
+    // 0: all that was selected passed.
+    let page = stdout(&pintle(&brief(&[])).assert().code(0));
+    assert!(page.contains("BEAM 102") && page.trim_end().ends_with("no mismatch"), "{page}");
+    // 1: a number is wrong.
+    let wrong = pintle(&brief(&["--plant", "wrong-entry"])).assert().code(1);
+    assert!(stderr(&wrong).contains("verified to be wrong"), "{}", stderr(&wrong));
+    // 2: usage.
+    pintle(&["audit", "--oracles", "oracle-of-delphi"]).assert().code(2);
+    pintle(&["audit", "gallery:no_such_scene"]).assert().code(2);
+    pintle(&["audit", "--at", "states.csv"]).assert().code(2);
+    // 3: undecided, where that is asked to be an error. A HINGE's declaration could not be read in full.
+    let hinge = ["audit", "gallery:hinge_pendulum", "--wide-states", "1", "--connector", "101"];
+    pintle(&hinge).assert().code(0);
+    pintle(&[&hinge[..], &["--strict"]].concat()).assert().code(3);
+    // An oracle that shares the mechanism or the elementary functions is no witness.
+    for oracle in ["nodal-dual", "differences", "wide-dual"] {
+        let found = pintle(&brief(&["--oracles", oracle, "--strict"])).assert().code(3);
+        assert!(stdout(&found).contains("undecided"), "{oracle}: {}", stdout(&found));
+    }
+    // 4: nothing to check.
+    let deck = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("nodes-only.inp");
+    fs::write(&deck, "*NODE\n1, 0., 0., 0.\n").unwrap();
+    pintle(&["audit", deck.to_str().unwrap()]).assert().code(4);
+    // 5: what nobody compares cannot be noticed, and the self-test says so.
+    let blind = pintle(&brief(&["--plant", "lost-answer"])).assert().code(5);
+    assert!(stderr(&blind).contains("self-test failed"), "{}", stderr(&blind));
+    assert!(stdout(&blind).contains("survived:"), "{}", stdout(&blind));
+    // 6: bad input.
+    let missing = pintle(&["audit", "no/such.inp"]).assert().code(6);
+    assert!(stderr(&missing).contains("no/such.inp"), "{}", stderr(&missing));
+    let broken = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("broken.json");
+    fs::write(&broken, "{}").unwrap();
+    let refused = pintle(&["replay", broken.to_str().unwrap()]).assert().code(6);
+    assert!(stderr(&refused).contains("no counter-example"), "{}", stderr(&refused));
+}
+
+/// What fails is written as values, small ones; it fails again where the fault is, and passes where it is not.
+#[test]
+fn counter_examples_are_written_and_replayed() {
+    let folder = folder("counter-examples");
+    let path = folder.to_str().unwrap();
+    let found = pintle(&brief(&["--plant", "wrong-entry", "--counter-examples", path])).assert().code(1);
+    let page = stdout(&found);
+    assert!(page.contains("∂u1/∂x") && page.contains("wrong"), "{page}");
+    // The diagram of the matrix marks the entry.
+    assert!(page.contains("✗"), "{page}");
+    let files: Vec<PathBuf> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(!files.is_empty());
+    for file in &files {
+        let file = file.to_str().unwrap();
+        let text = fs::read_to_string(file).unwrap();
+        let document: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(document["schema"], "pintle-counterexample/1");
+        assert_eq!(document["version"], pintle::VERSION);
+        let fails = pintle(&["replay", file, "--plant", "wrong-entry"]).assert().code(1);
+        let page = stdout(&fails);
+        assert!(page.contains("  given ") && page.contains("0x") && page.contains("must be"), "{page}");
+        let passes = pintle(&["replay", file]).assert().code(0);
+        assert!(stdout(&passes).trim_end().ends_with("no mismatch"), "{}", stdout(&passes));
+    }
+    for format in ["json", "junit"] {
+        pintle(&["replay", files[0].to_str().unwrap(), "--format", format]).assert().code(0);
+    }
+}
+
+/// The JSON report obeys its schema, whatever it has to say; the copy in the repository is current.
+#[test]
+fn the_json_report_obeys_its_schema() {
+    let schema = pintle::report::audit::schema();
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/schema/pintle-audit-1.json");
+    let text = format!("{schema:#}\n");
+    if std::env::var_os("PINTLE_UPDATE").is_some() {
+        fs::write(path, &text).unwrap();
+    }
+    let copy = fs::read_to_string(path).unwrap();
+    assert!(
+        copy == text,
+        "{path} is not what `pintle schema audit` prints; run the test with PINTLE_UPDATE=1"
+    );
+    let printed: Value =
+        serde_json::from_str(&stdout(&pintle(&["schema", "audit"]).assert().success())).unwrap();
+    assert_eq!(printed, schema);
+    let validator = jsonschema::validator_for(&schema).unwrap();
+    let check = |document: &Value| {
+        let errors: Vec<String> =
+            validator.iter_errors(document).map(|e| format!("{}: {e}", e.instance_path())).collect();
+        assert!(errors.is_empty(), "{errors:#?}");
+    };
+    for (arguments, code) in [
+        (brief(&["--format", "json"]), 0),
+        (brief(&["--format", "json", "--plant", "wrong-entry"]), 1),
+        (brief(&["--format", "json", "--plant", "lost-answer"]), 5),
+    ] {
+        let report = stdout(&pintle(&arguments).assert().code(code));
+        let document: Value = serde_json::from_str(&report).unwrap();
+        check(&document);
+        assert_eq!(document["schema"], "pintle-audit/1");
+        let oracle = &document["oracles"][0];
+        assert!(oracle["shares"]["kinematics"].is_boolean(), "{oracle}");
+    }
+    let mut text = Vec::new();
+    pintle::report::audit::json(&mut text, &crate::reports::brief()).unwrap();
+    let mut document: Value = serde_json::from_slice(&text).unwrap();
+    check(&document);
+    assert!(!document["atlas"].as_array().unwrap().is_empty());
+    // And it is a schema that can refuse.
+    document["subjects"][0]["derivative"] = "fine".into();
+    assert!(!validator.is_valid(&document));
+}
+
+/// JUnit: a suite for each connector, a failure where a number is wrong, an error where a mutant survives.
+#[test]
+fn junit_tells_failures_from_errors() {
+    let of = |more: &[&str], code: i32| {
+        stdout(&pintle(&brief(&[&["--format", "junit"], more].concat())).assert().code(code))
+    };
+    let fine = of(&[], 0);
+    assert!(fine.contains("BEAM 102 of gallery:hinge_pendulum") && !fine.contains("<failure"), "{fine}");
+    let wrong = of(&["--plant", "wrong-entry"], 1);
+    assert!(wrong.contains("<failure") && wrong.contains("∂u1/∂x"), "{wrong}");
+    let blind = of(&["--plant", "lost-answer"], 5);
+    assert!(blind.contains("<error") && blind.contains("mutants survived"), "{blind}");
+}
+
+/// Progress goes to a terminal only, results to stdout: nothing is on stderr of a run that passes.
+#[test]
+fn results_and_progress_do_not_mix() {
+    pintle(&brief(&[])).assert().code(0).stderr("");
+}

@@ -1,0 +1,231 @@
+//! Why a matrix is wrong: every mistake of the catalogue is named as what it is, conventions too, and noise is not named at all.
+
+use crate::audit::{judged, named, spoiled};
+use pintle::audit::diagnosis::{Cause, Diagnosis, Symptoms, diagnose};
+use pintle::audit::mutant::{Mistake, Scene, mutants};
+use pintle::audit::sample::{Draw, Region, draw_case};
+use pintle::audit::{Bound, Case, Entries, Numbers, Quantity};
+use pintle::catalog::{ConnectionType, TABLE};
+use pintle::connector::NodalRow;
+use pintle::measure::Unit;
+use pintle::node::DOFS;
+use pintle::scene::Code;
+use pintle::vector::{apply_transposed, cross};
+
+/// A state at which both nodes are turned and moved, with its numbers and tolerances.
+fn drawn(connection: &ConnectionType, region: Region) -> (Case, Numbers<f64>, Bound) {
+    let case = draw_case(connection, region, &mut Draw::new(&connection.name)).unwrap();
+    let (numbers, bound, _) = judged(&case);
+    (case, numbers, bound)
+}
+
+fn said(diagnosis: &Diagnosis) -> String {
+    let lines = diagnosis.lines().into_iter().map(|(sentence, code)| format!("{sentence} [{code}]"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Every mutant of every quantity of every type is diagnosed as what it is, or as what makes the same numbers.
+#[test]
+fn every_mutant_is_diagnosed_as_itself() {
+    let mut tried = std::collections::BTreeMap::<String, usize>::new();
+    for connection in TABLE {
+        let regions = [Region::Misaligned, Region::ManyTurns(7.0)];
+        for region in regions {
+            if !Region::of(connection, pintle::audit::sample::extent(connection)).contains(&region) {
+                continue;
+            }
+            let (case, want, bound) = drawn(connection, region);
+            let connector = case.connector();
+            let units: [Option<Unit>; 6] =
+                std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
+            let step = case.last().unwrap();
+            let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
+            let turns = branch.turns.map(|turns| turns.turns);
+            for quantity in Quantity::ALL {
+                let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
+                let scene = Scene { numbers: &want, case: &case, units, turns, scale: &scale };
+                for (n, mutant) in mutants(quantity, &scene).into_iter().enumerate() {
+                    let single = mutant.changes.len() == 1;
+                    let skipped = match mutant.mistake {
+                        Mistake::Scaled(delta) => delta != 1e-1 && delta != 1e-6,
+                        _ => false,
+                    };
+                    // Of the 196 entries of a matrix of second derivatives, some.
+                    if skipped || (single && quantity.entries() > DOFS && n % 101 != 0) {
+                        continue;
+                    }
+                    let units = |(k, i, x): &(usize, usize, f64)| {
+                        (x - want.entries(quantity).get(*k, *i).unwrap()).abs()
+                            / bound.tolerance(quantity, *k, *i)
+                    };
+                    // What changes less than that cannot be told from chance.
+                    let largest = mutant.changes.iter().map(units).fold(0.0, f64::max);
+                    if largest < 1e6 {
+                        continue;
+                    }
+                    let got = mutant.applied(want.entries(quantity));
+                    let symptoms = Symptoms { quantity, got: &got, want: &want, case: &case, bound: &bound };
+                    let found = diagnose(&symptoms);
+                    let name = mutant.mistake.name();
+                    let found = found.unwrap_or_else(|| panic!("{}: {name}: nothing wrong", case.name));
+                    let cause = Cause::of(mutant.mistake).unwrap();
+                    let what = format!("{} {}, {name}:\n{}", case.name, quantity.name(), said(&found));
+                    assert_eq!((found.causes.len(), found.unexplained), (1, 0), "{what}");
+                    let codes: Vec<Code> = found
+                        .causes
+                        .iter()
+                        .flat_map(|one| one.also.iter().copied().chain([one.code]))
+                        .collect();
+                    assert!(codes.contains(&cause.code()), "{what}");
+                    *tried.entry(name).or_default() += 1;
+                }
+            }
+        }
+    }
+    // All mistakes were made, each in many places.
+    for (name, count) in &tried {
+        assert!(*count >= 10, "{name}: {count}");
+    }
+    assert!(tried.len() >= 18, "{tried:?}");
+}
+
+/// First derivatives of a type, changed; the lines of the diagnosis.
+fn of_changed(name: &str, change: impl Fn(&Case, &mut Entries<f64>)) -> String {
+    let (case, want, bound) = drawn(named(name), Region::Misaligned);
+    let mut got = want.entries(Quantity::FirstDerivatives).clone();
+    change(&case, &mut got);
+    let quantity = Quantity::FirstDerivatives;
+    let symptoms = Symptoms { quantity, got: &got, want: &want, case: &case, bound: &bound };
+    diagnose(&symptoms).map_or_else(|| "nothing wrong".into(), |found| said(&found))
+}
+
+fn each_row(entries: &mut Entries<f64>, mut change: impl FnMut(&mut [f64])) {
+    entries.0.iter_mut().flatten().for_each(|row| change(row));
+}
+
+fn local(row: &mut [f64], at: usize, triad: &[[f64; 3]; 3]) {
+    let block = apply_transposed(triad, [row[at], row[at + 1], row[at + 2]]);
+    row[at..at + 3].copy_from_slice(&block);
+}
+
+/// A convention changed throughout the matrix is one sentence.
+#[test]
+fn conventions_are_named_in_one_sentence() {
+    let both = of_changed("CARDAN", |case, entries| {
+        let pair = case.last().unwrap().state.pair;
+        each_row(entries, |row| {
+            local(row, 3, &pair.a.triad);
+            local(row, 10, &pair.b.triad);
+        });
+    });
+    assert_eq!(
+        both,
+        "∂ur1/∂θa1..3 and ∂θb1..3, ∂ur2/∂θa1..3 and ∂θb1..3, ∂ur3/∂θa1..3 and ∂θb1..3 equal Aᵀ and Bᵀ × expected: \
+         rotation degrees of freedom taken as local [diagnosis::rotation-as-local]"
+    );
+    let one = of_changed("REVOLUTE", |case, entries| {
+        let triad = case.last().unwrap().state.pair.a.triad;
+        local(entries.0[3].as_mut().unwrap(), 3, &triad);
+    });
+    assert_eq!(
+        one,
+        "∂ur1/∂θa1..3 equals Aᵀ × expected: rotation degrees of freedom taken as local \
+         [diagnosis::rotation-as-local]"
+    );
+    let lever = of_changed("CARTESIAN", |case, entries| {
+        let d = case.last().unwrap().state.pair.separation();
+        each_row(entries, |row| {
+            let lever = cross([row[7], row[8], row[9]], d);
+            (0..3).for_each(|i| row[3 + i] -= 2.0 * lever[i]);
+        });
+    });
+    assert!(lever.ends_with("[diagnosis::geometric-term-reversed]"), "{lever}");
+    let reversed =
+        of_changed("AXIAL", |_, entries| each_row(entries, |row| row.iter_mut().for_each(|x| *x = -*x)));
+    assert!(reversed.contains("[diagnosis::") && reversed.contains("diagnosis::sign"), "{reversed}");
+}
+
+/// Two mistakes are two sentences.
+#[test]
+fn two_mistakes_are_told_apart() {
+    let two = of_changed("CARTESIAN", |case, entries| {
+        let triad = case.last().unwrap().state.pair.a.triad;
+        local(entries.0[0].as_mut().unwrap(), 3, &triad);
+        entries.0[1].as_mut().unwrap().iter_mut().for_each(|x| *x = -*x);
+    });
+    let lines: Vec<&str> = two.lines().collect();
+    assert_eq!(lines.len(), 2, "{two}");
+    assert!(two.contains("rotation-as-local") && two.contains("diagnosis::"), "{two}");
+}
+
+/// A mistake is named although digits are lost besides, as by differences on doubles.
+#[test]
+fn lost_digits_do_not_hide_a_mistake() {
+    let found = of_changed("CARDAN", |case, entries| {
+        let triad = case.last().unwrap().state.pair.a.triad;
+        each_row(entries, |row| {
+            local(row, 3, &triad);
+            let draw = &mut Draw::new("lost digits");
+            row.iter_mut().for_each(|x| *x *= 1.0 + draw.between(-1e-11, 1e-11));
+        });
+    });
+    assert!(found.contains("rotation-as-local"), "{found}");
+}
+
+/// Noise, and a matrix of something else, are not explained by anything.
+#[test]
+fn nothing_matches_noise() {
+    for connection in TABLE {
+        for seed in 0..20 {
+            let found = of_changed(&connection.name, |_, entries| {
+                let draw = &mut Draw::new(&format!("noise {seed}"));
+                each_row(entries, |row| row.iter_mut().for_each(|x| *x += draw.between(-1.0, 1.0)));
+            });
+            assert!(found.starts_with("no known mistake explains"), "{}: {found}", connection.name);
+            assert!(found.ends_with("[diagnosis::unknown]"), "{found}");
+        }
+    }
+}
+
+/// A candidate's report says why, in every form.
+#[test]
+fn a_wrong_candidate_is_told_why() {
+    let turn = |state: &pintle::connector::State<f64>, rows: &mut [Option<NodalRow<f64>>; 6]| {
+        for row in rows.iter_mut().flatten() {
+            local(row, 3, &state.pair.a.triad);
+        }
+    };
+    let report = spoiled("UNIVERSAL", turn);
+    let sentence = "equal Aᵀ × expected: rotation degrees of freedom taken as local";
+    let mut human = Vec::new();
+    pintle::report::audit::human(&mut human, &report, 300, false).unwrap();
+    let human = anstream_free(&String::from_utf8(human).unwrap());
+    assert!(human.contains(sentence) && human.contains("diagnosis::rotation-as-local"), "{human}");
+    for write in [
+        pintle::report::audit::json
+            as fn(&mut dyn std::io::Write, &pintle::audit::Report) -> std::io::Result<()>,
+        pintle::report::audit::junit,
+        pintle::report::audit::markdown,
+        |out, report| pintle::report::audit::html(out, report, &Default::default()),
+    ] {
+        let mut page = Vec::new();
+        write(&mut page, &report).unwrap();
+        let page = String::from_utf8(page).unwrap();
+        assert!(page.contains(sentence) && page.contains("diagnosis::rotation-as-local"), "{page}");
+    }
+    assert_eq!(DOFS, 14);
+}
+
+/// A text without the codes of terminals.
+fn anstream_free(text: &str) -> String {
+    let mut shown = String::new();
+    let mut letters = text.chars();
+    while let Some(c) = letters.next() {
+        if c == '\u{1b}' {
+            letters.by_ref().find(|c| *c == 'm');
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}

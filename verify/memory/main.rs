@@ -1,0 +1,115 @@
+//! Memory does not grow with the number of states: they are read, evaluated and written one at a time.
+//!
+//! A binary of its own, because the counter of memory counts all of it.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "../scale/chain.rs"]
+mod chain;
+
+use peak_alloc::PeakAlloc;
+use pintle::connector::{Output, Request};
+use pintle::evaluate::{Item, Model, Plan, Selection, Sequence};
+use pintle::report::{Block, Format, Subject, csv::Csv, json::Json};
+use pintle::scene::{Diagnostic, NodeMotion, Rotation, Scene, State, StateStream};
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+const CONNECTORS: usize = 120;
+const FEW: u64 = 10;
+const MANY: u64 = 120;
+
+/// A file of states, written one at a time.
+fn file(states: u64, is_json: bool) -> PathBuf {
+    let ending = if is_json { "json" } else { "csv" };
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("memory-{states}.{ending}"));
+    let mut out = BufWriter::new(File::create(&path).unwrap());
+    match is_json {
+        true => out.write_all(b"{\"schema\": \"pintle-states/1\", \"states\": [").unwrap(),
+        false => out.write_all(b"state,time,node,u1,u2,u3,ur1,ur2,ur3,v1,v2,v3\n").unwrap(),
+    }
+    for number in 0..states {
+        let state = chain::state(number, CONNECTORS + 1);
+        if is_json {
+            out.write_all(if number > 0 { b",\n" } else { b"\n" }).unwrap();
+            serde_json::to_writer(&mut out, &state).unwrap();
+            continue;
+        }
+        let mut rows = String::new();
+        for (node, motion) in &state.nodes {
+            let NodeMotion { displacement: [u1, u2, u3], velocity: [v1, v2, v3], .. } = motion;
+            let Rotation::Vector([r1, r2, r3]) = motion.rotation else { panic!("{node}") };
+            let time = number as f64 * 0.125;
+            writeln!(rows, "{number},{time},{node},{u1},{u2},{u3},{r1},{r2},{r3},{v1},{v2},{v3}").unwrap();
+        }
+        out.write_all(rows.as_bytes()).unwrap();
+    }
+    if is_json {
+        out.write_all(b"]}").unwrap();
+    }
+    out.flush().unwrap();
+    path
+}
+
+/// The number of states in a file, and by how many bytes memory grew to evaluate and write them all.
+fn peak(path: &Path, scene: &Scene, plan: (&Model, &Plan), is_json: bool) -> (u64, usize) {
+    let (model, plan) = plan;
+    ALLOCATOR.reset_peak_usage();
+    let before = ALLOCATOR.current_usage();
+    let mut out: Box<dyn Write> = Box::new(io::sink());
+    let outputs = plan.request.outputs().collect();
+    let mut format: Box<dyn Format> = match is_json {
+        true => Box::new(Json::new(&mut out)),
+        false => Box::new(Csv::new(&mut out, outputs, 1)),
+    };
+    let mut sequence = Sequence::new(model, plan);
+    format.begin().unwrap();
+    format.scene(&Subject { scene, model, plan, states: 0, shown: &[], first: 0, last: 0 }).unwrap();
+    let stream = StateStream::open(path).unwrap();
+    let read = stream.for_each(scene, |state: State| -> Result<(), Diagnostic> {
+        format.state(sequence.states(), state.time).unwrap();
+        let render = format.renderer();
+        let digest = |item: Item| match item {
+            Item::Connector(result) => {
+                let block = Block::of_connector(model, &plan.request, &result);
+                (block.kind, render(&block).unwrap())
+            }
+            Item::Mpc(_) => panic!("there are no MPCs"),
+        };
+        let put = |(kind, text): (_, Vec<u8>)| format.rendered(kind, &text);
+        sequence.visit_digested(&state, digest, put).unwrap();
+        format.end_state().unwrap();
+        Ok(())
+    });
+    read.unwrap();
+    format.end().unwrap();
+    (sequence.states(), ALLOCATOR.peak_usage() - before)
+}
+
+/// Twelve times the states take no more memory, though a file of them is many times as large as what is taken.
+#[test]
+fn memory_does_not_grow_with_states() {
+    let deck = chain::deck(CONNECTORS, &chain::types(), "");
+    let scene = Scene::parse("chain.inp", &deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let request = Request::new(&[Output::CP, Output::CU, Output::CV, Output::RES], [true; 6], 1);
+    let plan = Plan::compile(&model, &Selection::All, request).unwrap();
+    for is_json in [false, true] {
+        let [few, many] = [FEW, MANY].map(|states| file(states, is_json));
+        // What is made once in the life of the program is made here.
+        peak(&few, &scene, (&model, &plan), is_json);
+        let (counted_few, of_few) = peak(&few, &scene, (&model, &plan), is_json);
+        let (counted_many, of_many) = peak(&many, &scene, (&model, &plan), is_json);
+        assert_eq!((counted_few, counted_many), (FEW, MANY));
+        let (held, bytes) = (of_many as f64 / of_few as f64, many.metadata().unwrap().len());
+        println!(
+            "json {is_json}: {of_few} bytes for {FEW} states, {of_many} for {MANY}, of a file of {bytes}"
+        );
+        assert!(held < 1.2, "{of_few} bytes for {FEW} states, {of_many} for {MANY}");
+        assert!((of_many as u64) < bytes / 2, "{of_many} bytes for a file of {bytes}");
+    }
+}

@@ -1,0 +1,96 @@
+//! Derivatives to the fourth order, the highest that a scalar carries, of functions whose derivatives are known in closed form.
+
+use num_dual::{Dual2, Dual2_64};
+use pintle::scalar::{Scalar, Wide, elementary};
+
+type Jet = Dual2<Dual2_64>;
+
+/// x₀ + ε, with four derivatives by ε.
+fn variable(x: f64) -> Jet {
+    Dual2::new(Dual2::new(x, 1.0, 0.0), Dual2::new(1.0, 0.0, 0.0), Dual2::new(0.0, 0.0, 0.0))
+}
+
+/// f, f′, f″, f‴, f⁗.
+fn derivatives(f: Jet) -> [f64; 5] {
+    [f.re.re, f.v1.re, f.v2.re, f.v2.v1, f.v2.v2]
+}
+
+#[track_caller]
+fn agree(name: &str, x: f64, found: [f64; 5], expected: [f64; 5]) {
+    for order in 0..5 {
+        let (found, expected) = (found[order], expected[order]);
+        let error = (found - expected).abs() / expected.abs().max(1.0);
+        assert!(error < 32.0 * super::U, "{name} at {x:e}, order {order}: {found:e} for {expected:e}");
+    }
+}
+
+const POINTS: [f64; 6] = [0.3, 0.75, 1.0, 1.7, 2.6, 5.5];
+
+#[test]
+fn functions_of_one_number() {
+    for x in POINTS {
+        let v = variable(x);
+        let (sine, cosine) = elementary::sin_cos(v);
+        let (s, c) = (x.sin(), x.cos());
+        agree("sin", x, derivatives(sine), [s, c, -s, -c, s]);
+        agree("cos", x, derivatives(cosine), [c, -s, -c, s, c]);
+        let e = x.exp();
+        agree("exp", x, derivatives(elementary::exp(v)), [e; 5]);
+        agree("exp_m1", x, derivatives(elementary::exp_m1(v)), [x.exp_m1(), e, e, e, e]);
+        let r = 1.0 / x;
+        let inverse = [r, -r * r, 2.0 * r.powi(3), -6.0 * r.powi(4), 24.0 * r.powi(5)];
+        agree("1/x", x, derivatives(elementary::recip(v)), inverse);
+        let powers = |p: f64| {
+            let mut factor = 1.0;
+            [0, 1, 2, 3, 4].map(|k| {
+                let left = p - f64::from(k);
+                let value = factor * x.powf(left);
+                factor *= left;
+                value
+            })
+        };
+        agree("√x", x, derivatives(elementary::sqrt(v)), powers(0.5));
+        agree("1/√x", x, derivatives(elementary::inverse_sqrt(v)), powers(-0.5));
+        for p in [0.5, 1.0, 2.0, 3.3, 5.0] {
+            agree("xᵖ", x, derivatives(elementary::power(v, p)), powers(p));
+        }
+    }
+}
+
+#[test]
+fn the_angle_of_a_point_on_the_circle_is_its_parameter() {
+    for x in [-3.0, -1.1, 0.0, 0.3, 0.75, 1.7, 2.6] {
+        let (s, c) = elementary::sin_cos(variable(x));
+        agree("atan2(sin, cos)", x, derivatives(elementary::atan2(s, c)), [x, 1.0, 0.0, 0.0, 0.0]);
+    }
+}
+
+/// |v₀ + ε w| with n = |v₀|, a the part of w along v₀ and p that across: √((n + aε)² + (pε)²).
+#[test]
+fn norms_and_directions() {
+    for (v, w) in [([3.0, 0.0, 4.0], [1.0, 2.0, -0.5]), ([-0.2, 0.7, 0.1], [0.3, 0.1, -0.9])] {
+        let jets = [0, 1, 2].map(|i| {
+            Dual2::new(Dual2::new(v[i], w[i], 0.0), Dual2::new(w[i], 0.0, 0.0), Dual2::new(0.0, 0.0, 0.0))
+        });
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let n: f64 = dot(v, v).sqrt();
+        let a = dot(v, w) / n;
+        let p = dot(w, w) - a * a; // p²
+        let expected = [n, a, p / n, -3.0 * a * p / (n * n), (12.0 * a * a * p - 3.0 * p * p) / (n * n * n)];
+        let (norm, direction) = elementary::norm_and_direction(jets);
+        agree("norm", n, derivatives(norm), expected);
+        agree("norm alone", n, derivatives(elementary::norm(jets)), expected);
+        for i in 0..3 {
+            let back = derivatives(direction[i] * norm);
+            agree("norm × direction", n, back, [v[i], w[i], 0.0, 0.0, 0.0]);
+        }
+    }
+}
+
+/// A number without derivatives has no nilpotent part.
+#[test]
+fn reals_have_no_nilpotent_part() {
+    assert_eq!(2.5_f64.nilpotent(), 0.0);
+    assert_eq!(Wide::from_real(pintle::scalar::Real::integer(7)).nilpotent().to_f64(), 0.0);
+    assert_eq!(variable(2.5).nilpotent().re.re, 0.0);
+}

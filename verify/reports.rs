@@ -1,0 +1,243 @@
+//! Reports of an audit: each shows what was found, and no text of the input becomes markup.
+
+use crate::audit::spoiled;
+use pintle::audit::model::{Levels, ModelReport, audit_model};
+use pintle::audit::{
+    Illustration, Quantity, Report, Settings, Target, Verdict, audit_catalogue, audit_scenes,
+    illustrate_catalogue, illustrate_scene,
+};
+use pintle::connector::Request;
+use pintle::evaluate::{Model, Plan, Selection};
+use pintle::report::audit::{self as report, Audited, Supplement};
+use pintle::scene::GALLERY;
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A name that is markup in every form that a report has.
+const HOSTILE: &str = "a|b <script>alert(1)</script> & *x* `y`";
+
+/// A report with a wrong entry, on a connector with a hostile name.
+pub(crate) fn wrong() -> Report {
+    let mut report = spoiled("REVOLUTE", |_, rows| rows[3].as_mut().unwrap()[10] = 0.0);
+    report.subjects[0].name = HOSTILE.to_string();
+    report
+}
+
+/// A brief audit of the catalogue.
+pub(crate) fn brief() -> Report {
+    let settings = Settings { states: 10, near_singular_states: 4, wide_states: 1, ..Settings::default() };
+    audit_catalogue(&settings, &|_| {})
+}
+
+fn text(write: impl Fn(&mut dyn std::io::Write, &Report) -> std::io::Result<()>, report: &Report) -> String {
+    let mut text = Vec::new();
+    write(&mut text, report).unwrap();
+    String::from_utf8(text).unwrap()
+}
+
+#[test]
+fn markdown_names_what_is_wrong() {
+    let page = text(report::markdown, &wrong());
+    assert!(page.starts_with("## ❌ pintle audit: 1 mismatch\n"), "{page}");
+    assert!(page.contains("∂ur1/∂θb1 is `0e0`, must be `"), "{page}");
+    assert!(!page.contains("<script>") && page.contains("a\\|b &lt;script&gt;"), "{page}");
+    // Every row of a table has as many cells as its heading.
+    let wide = 7 + Quantity::ALL.len();
+    let cells = |line: &str| line.replace("\\|", "").matches('|').count();
+    let rows: Vec<usize> = page.lines().filter(|line| line.starts_with('|')).map(cells).collect();
+    assert!(rows.iter().filter(|n| **n == wide).count() >= 3, "{rows:?}");
+    assert!(rows.iter().all(|n| [7, wide].contains(n)), "{rows:?}");
+}
+
+#[test]
+fn markdown_of_a_clean_audit() {
+    let report = brief();
+    let page = text(report::markdown, &report);
+    assert!(page.starts_with("## ✅ pintle audit: no mismatch"), "{page}");
+    for subject in &report.subjects {
+        assert!(page.contains(&format!("| {} | pass |", subject.name)), "{page}");
+    }
+    assert!(page.contains("<details>") && page.contains("</details>"));
+}
+
+/// The page of a report on the catalogue and one scene of the gallery, with one verdict spoiled so that something is to be said.
+fn page() -> (String, Report, Vec<(String, String)>, ModelReport) {
+    let example = GALLERY.iter().find(|example| example.name == "slider_crank").unwrap();
+    let scene = example.scene().unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let states = example.states(&scene).unwrap().states;
+    let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+    let target = Target { name: "gallery:slider_crank", model: &model, plan: &plan, states: &states };
+    let settings = Settings { wide_states: 1, ..Settings::default() };
+    let of_scene = audit_scenes(&settings, &[target], &|_| {});
+    let mut illustrations = illustrate_catalogue();
+    illustrations.extend(illustrate_scene(&target, &of_scene, 3));
+    illustrations[0].subject = HOSTILE.to_string();
+    illustrations[0].state = HOSTILE.to_string();
+    let mut report = brief().joined(of_scene).joined(wrong());
+    let crank = report.subjects.iter_mut().find(|subject| subject.name == "BEAM 104").unwrap();
+    crank.derivative = Verdict::Wrong;
+    let looked_at = audit_model(&scene, &states, &Levels::default());
+    report.models.push(looked_at.clone());
+    let supplement = Supplement {
+        scenes: vec![Audited { name: target.name, scene: &scene, model: &model }],
+        illustrations,
+        command: format!("pintle audit {HOSTILE}"),
+    };
+    let page = text(|out, report| report::html(out, report, &supplement), &report);
+    let figures = report::figures(&report, &supplement);
+    (page, report, figures, looked_at)
+}
+
+#[test]
+fn the_page_is_self_contained_and_escapes_its_input() {
+    let (page, report, figures, models) = page();
+    // Nothing is loaded from anywhere: the only addresses are names of the SVG namespace.
+    let addresses = page.matches("://").count();
+    assert_eq!(addresses, page.matches("http://www.w3.org/2000/svg").count());
+    for loading in ["src=", "@import", "url(", "<link rel=\"stylesheet\""] {
+        assert!(!page.contains(loading), "{loading}");
+    }
+    assert!(!page.contains("<script>alert"));
+    assert_eq!(page.matches("<script>").count(), 1);
+    for section in [
+        "problems",
+        "model",
+        "coverage",
+        "scene",
+        "verdicts",
+        "jacobians",
+        "steps",
+        "singular",
+        "self-test",
+        "environment",
+    ] {
+        assert!(page.contains(&format!("<section id=\"{section}\">")), "{section}");
+        assert!(page.contains(&format!("href=\"#{section}\"")), "{section}");
+    }
+    for subject in report.subjects.iter().filter(|subject| subject.name != HOSTILE) {
+        assert!(page.contains(&subject.name), "{}", subject.name);
+    }
+    for finding in &models.findings {
+        assert!(page.contains(&format!("<code>{}</code>", finding.code().as_str())), "{}", finding.message());
+    }
+    assert!(page.contains("<table class=\"map\">") && page.contains("rank of the constraints"));
+    // The wrong entry, in words.
+    assert!(page.contains("∂ur1/∂θb1: 0e0, must be "), "the finding");
+    // The spoiled connector is drawn as such, the others as what they are.
+    assert!(page.contains("<g class=\"link v-wrong\"><title>BEAM 104: wrong</title>"));
+    assert!(page.contains("<title>JOIN 103: pass</title>"));
+    // One for each Jacobian shown, and that of what is wrong, once.
+    let heat = pintle::catalog::TABLE.len() + 3;
+    assert_eq!(page.matches("class=\"heat\"").count(), heat + 1);
+    // The same figures as files, each one a document of its own.
+    let names: std::collections::BTreeSet<&String> = figures.iter().map(|(name, _)| name).collect();
+    assert_eq!(names.len(), figures.len());
+    assert_eq!(figures.len(), 2 * heat + report.atlas.len() + 1);
+    for (name, svg) in &figures {
+        assert!(
+            name.ends_with(".svg") && svg.starts_with("<svg xmlns=") && svg.contains("<style>"),
+            "{name}"
+        );
+        assert!(!svg.contains("var(--ink)") && !svg.contains("<script"), "{name}");
+    }
+}
+
+/// A wrong matrix has its wrong entries marked in the heat map.
+#[test]
+fn a_wrong_matrix_shows() {
+    let mut shown: Vec<Illustration> = illustrate_catalogue();
+    let row = shown[5].comparison.0.iter_mut().flatten().next().unwrap();
+    (row[0].got, row[0].units) = (7.0, 1e12);
+    let supplement = Supplement { illustrations: shown, ..Supplement::default() };
+    let page = text(|out, report| report::html(out, report, &supplement), &wrong());
+    // One in the gallery, one where the wrong matrix is explained.
+    assert_eq!(page.matches("<rect class=\"bad\"").count(), 2);
+    assert!(page.contains("= 7e0, must be"));
+}
+
+/// Chromium, if it is installed.
+fn chromium() -> Option<PathBuf> {
+    let folders = std::env::var_os("PATH").map(|path| std::env::split_paths(&path).collect::<Vec<_>>());
+    let named = |name: &'static str| folders.iter().flatten().map(move |folder| folder.join(name));
+    ["chromium", "chromium-browser", "google-chrome"].into_iter().flat_map(named).find(|path| path.is_file())
+}
+
+/// What a page is after its scripts have run, and what the console says.
+fn browsed(chromium: &PathBuf, name: &str, page: &str) -> (String, String) {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    let path = folder.join(name);
+    fs::write(&path, page).unwrap();
+    let profile = folder.join(format!("{name}.profile"));
+    let output = Command::new(chromium)
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-dev-shm-usage",
+            "--window-size=1280,1000",
+        ])
+        .args(["--enable-logging=stderr", "--log-level=0", "--virtual-time-budget=2000", "--dump-dom"])
+        .arg(format!("--user-data-dir={}", profile.display()))
+        .arg(format!("file://{}", path.display()))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8_lossy(&output.stderr);
+    let console: Vec<&str> = said.lines().filter(|line| line.contains("CONSOLE")).collect();
+    (String::from_utf8(output.stdout).unwrap(), console.join("\n"))
+}
+
+/// Asks the page, in the browser, what can be seen of it, and uses its tools.
+const PROBE: &str = r##"<script>
+const seen = (what, width, height) => [...document.querySelectorAll(what)].filter(e => {
+  const box = e.getBoundingClientRect(); return box.width > width && box.height > height; }).length;
+const body = document.body.dataset;
+body.plots = seen("svg.plot", 200, 100); body.heats = seen("svg.heat", 200, 20); body.scenes = seen("svg.scene", 600, 150);
+body.rows = seen("#verdict-table tbody tr", 300, 10); body.links = seen(".link.v-wrong", 20, 20);
+body.overflow = document.documentElement.scrollWidth > innerWidth;
+const heads = document.querySelectorAll("#verdict-table th");
+const first = () => document.querySelector("#verdict-table tbody tr td").textContent;
+heads[0].click(); body.up = first(); heads[0].click(); body.down = first();
+const input = document.querySelector("[data-count=verdict-count]");
+input.value = "cardan pass"; input.dispatchEvent(new Event("input")); body.filtered = seen("#verdict-table tbody tr", 300, 10);
+const ink = () => getComputedStyle(document.querySelector("h2")).color;
+const before = ink(); document.getElementById("theme").click(); body.themed = before !== ink();
+</script></body>"##;
+
+/// In a browser: nothing on the console, tables and pictures are there, tools work; and without scripts the rows are there too.
+#[test]
+fn a_browser_shows_the_page() {
+    let Some(chromium) = chromium() else {
+        println!(
+            "SKIPPED: no chromium in PATH, so no browser has looked at the page (Debian: apt install chromium)"
+        );
+        return;
+    };
+    let (page, report, ..) = page();
+    let page = page.replace("</body>", PROBE);
+    let (dom, console) = browsed(&chromium, "audit.html", &page);
+    assert_eq!(console, "");
+    let head: String = dom.chars().skip_while(|c| *c != '<').collect();
+    let body = head.split("<body").nth(1).and_then(|rest| rest.split('>').next()).unwrap();
+    let has = |name: &str, value: &str| {
+        assert!(body.contains(&format!("data-{name}=\"{value}\"")), "{name} {value}: {body}");
+    };
+    let heats = pintle::catalog::TABLE.len() + 3;
+    // Steps for each Jacobian, one plot for each singular set, and that of the smallest errors noticed.
+    has("plots", &(heats + report.atlas.len() + 1).to_string());
+    has("heats", &(heats + 1).to_string());
+    has("scenes", "1");
+    has("links", "1");
+    has("rows", &report.subjects.len().to_string());
+    has("overflow", "false");
+    has("up", "ACCELEROMETER");
+    has("down", "WELD");
+    has("filtered", "1");
+    has("themed", "true");
+    assert!(!dom.contains("<html lang=\"en\" class=\"no-script\""));
+    // The console would have spoken.
+    let (_, console) = browsed(&chromium, "broken.html", &page.replace("\"use strict\"", "missing()"));
+    assert!(console.contains("missing is not defined"), "{console}");
+}

@@ -1,0 +1,62 @@
+//! What is written does not depend on the number of threads, to the last byte.
+
+use super::chain;
+use crate::cli::{file, pintle};
+use pintle::scene::StateFile;
+use std::fs;
+
+const THREADS: [u16; 4] = [1, 2, 3, 7];
+
+/// The files of a chain and its history, and their names.
+fn files(name: &str, connectors: usize, states: u64) -> [String; 2] {
+    let deck = chain::deck(connectors, &chain::types(), "");
+    let states = (0..states).map(|number| chain::state(number, connectors + 1)).collect();
+    let states = StateFile { states }.to_json().unwrap();
+    [file(&format!("{name}.inp"), &deck), file(&format!("{name}.json"), &states)]
+}
+
+/// What a run writes: to its streams, and to files of the Jacobian and of the branches.
+fn written(arguments: &[&str], threads: Option<u16>, name: &str) -> [Vec<u8>; 4] {
+    let count = threads.map(|count| count.to_string());
+    let [jacobian, branches] = ["mtx", "branches"].map(|ending| file(&format!("{name}.{ending}"), ""));
+    let mut command = pintle(arguments);
+    command.args(["--jacobian", &jacobian, "--save-branches", &branches]);
+    if let Some(count) = &count {
+        command.args(["--threads", count]);
+    }
+    command.env("RAYON_NUM_THREADS", "5");
+    let output = command.assert().success().get_output().clone();
+    [output.stdout, output.stderr, fs::read(jacobian).unwrap(), fs::read(branches).unwrap()]
+}
+
+fn assert_same(arguments: &[&str], name: &str) {
+    let one = written(arguments, Some(1), name);
+    assert!(one.iter().all(|text| text.len() > 100), "{arguments:?}: {:?}", one.each_ref().map(Vec::len));
+    for threads in THREADS.into_iter().map(Some).chain([None]) {
+        let many = written(arguments, threads, name);
+        for (what, (one, many)) in
+            ["stdout", "stderr", "Jacobian", "branches"].iter().zip(one.iter().zip(&many))
+        {
+            assert!(one == many, "{arguments:?}: {what} differs with {threads:?} threads");
+        }
+    }
+}
+
+/// Everything of connectors of every type, in every format; then more connectors than are held at a time.
+#[test]
+fn threads_change_no_byte() {
+    let [deck, states] = files("threads", 3 * chain::types().len(), 3);
+    for format in ["human", "json", "csv"] {
+        let all =
+            ["eval", &deck, "--states", &states, "--format", format, "--outputs", "ALL", "--order", "2"];
+        assert_same(&all, &format!("threads-{format}"));
+    }
+    let [deck, states] = files("many-threads", 2600, 2);
+    assert_same(&["eval", &deck, "--states", &states, "--format", "csv", "--order", "1"], "many-threads");
+}
+
+/// A number of threads that there cannot be.
+#[test]
+fn no_threads_are_refused() {
+    pintle(&["eval", "--threads", "0"]).assert().code(2);
+}
