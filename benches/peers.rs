@@ -1,0 +1,369 @@
+//! Batches beside naive differentiation with num-dual, on the states that `scripts/measure.py` hands to JAX and CasADi too.
+//!
+//! Every variant is compared with the 237-bit scalar before it is timed. By itself it prints one round:
+//! `taskset -c 3 cargo bench --bench peers`. With `--export FILE` it writes the states and the truth; with `--serve` it runs a round
+//! for each line that it reads, for the script, which takes the rounds of all in turn.
+#![expect(clippy::disallowed_methods, reason = "num-dual as it comes is what is measured beside ours")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
+
+use num_dual::{DualNum, DualSVec};
+use pintle::batch::{Batch, History, Row, Section, Tile};
+use pintle::catalog::ConnectionType;
+use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
+use pintle::node::{DOFS, Node, Pair};
+use pintle::scalar::{Differentiable, Seeded, Wide};
+use pintle::{so3, vector};
+use serde_json::{Map, Value, json};
+use std::hint::black_box;
+use std::io::{BufRead, Write};
+use std::time::{Duration, Instant};
+
+const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
+/// States that differ; larger batches repeat them.
+const STATES: usize = 1000;
+/// States per call. The first stay in the first cache with their rows.
+const BATCHES: [usize; 4] = [32, 1000, 4096, 100_000];
+/// The time of one measurement, of which the least call counts.
+const BUDGET: Duration = Duration::from_millis(25);
+/// The largest error over the largest entry of the row: ours, and num-dual's.
+const BOUNDS: [f64; 2] = [1e-14, 1e-6];
+
+/// Numbers in [−1, 1] that look random.
+struct Draw(u64);
+
+impl Draw {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(&mut self) -> [f64; 3] {
+        [self.next(), self.next(), self.next()]
+    }
+
+    fn pair(&mut self) -> Pair<f64> {
+        let mut node = || Node {
+            displacement: self.vector(),
+            triad: so3::matrix(so3::exp(self.vector().map(|x| 2.0 * x))),
+            flow: 0.0,
+        };
+        let (a, b) = (node(), node());
+        Pair { reference: self.vector(), a, b }
+    }
+}
+
+fn states() -> Vec<Pair<f64>> {
+    let mut draw = Draw(7);
+    (0..STATES).map(|_| draw.pair()).collect()
+}
+
+/// The state as the peers read it: X_b − X_a, U_a, U_b, A and B by rows.
+fn numbers(pair: &Pair<f64>) -> Vec<f64> {
+    let vectors = [pair.reference, pair.a.displacement, pair.b.displacement];
+    let triads = [pair.a.triad, pair.b.triad];
+    vectors.iter().flatten().chain(triads.as_flattened().as_flattened()).copied().collect()
+}
+
+fn exact<R: Differentiable>(pair: &Pair<f64>) -> State<R> {
+    let node = |node: &Node<f64>| Node {
+        displacement: vector::exact(node.displacement),
+        triad: vector::exact_matrix(&node.triad),
+        flow: R::from_f64(node.flow),
+    };
+    State {
+        pair: Pair { reference: vector::exact(pair.reference), a: node(&pair.a), b: node(&pair.b) },
+        velocity: [R::integer(0); DOFS],
+        acceleration: [R::integer(0); DOFS],
+    }
+}
+
+/// A value and its derivatives by x_a, θ_a, x_b, θ_b.
+type Entry = (f64, [f64; 12]);
+
+struct Case {
+    name: &'static str,
+    connector: Connector<f64>,
+    batch: Batch,
+    /// The rows of each state, by the 237-bit scalar.
+    truth: Vec<Vec<Entry>>,
+}
+
+impl Case {
+    fn new(name: &'static str, states: &[Pair<f64>]) -> Self {
+        let still = Node { displacement: [0.0; 3], triad: vector::identity(), flow: 0.0 };
+        // Q₀ = I exactly, so that the peers need not know it.
+        let initial = Pair { reference: [0.5, -0.2, 0.3], a: still, b: still };
+        let definition = Definition::new(ConnectionType::named(name, None).unwrap(), initial);
+        let connector = Connector::<f64>::new(&definition);
+        let wide = Connector::<Wide>::new(&definition);
+        let batch = Batch::new(&connector, [true; 6]).unwrap();
+        let request = Request::new(&[Output::CP, Output::RES], [true; 6], 1);
+        let truth = states
+            .iter()
+            .map(|pair| {
+                let found = wide.evaluate(
+                    &exact(pair),
+                    &Increment::none(),
+                    &wide.initial_branch(),
+                    &request,
+                    &mut Tally::default(),
+                );
+                let of = |(k, _): &(usize, _)| {
+                    let value =
+                        if wide.is_printed_constraint(*k) { found.residual[*k] } else { found.position[*k] };
+                    let row = found.jacobian[*k].unwrap().map(Wide::to_f64);
+                    let mut columns = [0.0; 12];
+                    columns[..6].copy_from_slice(&row[..6]);
+                    columns[6..].copy_from_slice(&row[7..13]);
+                    (value.unwrap().to_f64(), columns)
+                };
+                batch.measures().iter().map(of).collect()
+            })
+            .collect();
+        Self { name, connector, batch, truth }
+    }
+
+    /// The largest error of the entries of the rows that `of` gives for a state and a row.
+    fn error(&self, of: impl Fn(usize, usize) -> Entry) -> f64 {
+        let mut worst: f64 = 0.0;
+        for (i, rows) in self.truth.iter().enumerate() {
+            for (r, (value, columns)) in rows.iter().enumerate() {
+                let (found, row) = of(i, r);
+                let scale = columns.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+                worst = worst.max((found - value).abs() / scale.max(value.abs()));
+                for (x, y) in row.iter().zip(columns) {
+                    let error = (x - y).abs() / scale;
+                    worst = worst.max(if error.is_nan() { f64::INFINITY } else { error });
+                }
+            }
+        }
+        worst
+    }
+}
+
+/// The input and output of batches.
+struct Lanes {
+    tiles: Vec<Tile>,
+    sections: Vec<Section>,
+    histories: Vec<History>,
+    rows: Vec<Row>,
+}
+
+impl Lanes {
+    fn new(case: &Case, states: &[Pair<f64>], count: usize) -> Self {
+        let fours: Vec<[Pair<f64>; 4]> = (0..count / 4)
+            .map(|tile| std::array::from_fn(|lane| states[(4 * tile + lane) % states.len()]))
+            .collect();
+        let branch = case.connector.initial_branch();
+        Self {
+            tiles: fours.iter().map(Tile::new).collect(),
+            sections: vec![Section::new(&[&case.connector; 4]); fours.len()],
+            histories: vec![History::new(&[branch; 4]); fours.len()],
+            rows: vec![Row::default(); fours.len() * case.batch.rows()],
+        }
+    }
+
+    fn run(&mut self, case: &Case) {
+        let Self { tiles, sections, histories, rows } = self;
+        case.batch.rows_of(black_box(tiles), sections, histories, black_box(rows)).unwrap();
+    }
+}
+
+/// num-dual with a seed for each nodal degree of freedom.
+type D = DualSVec<f64, 12>;
+
+fn dot(a: [D; 3], b: [D; 3]) -> D {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The columns of a triad turned by exp(θ^), to first order, θ = 0.
+fn turned(triad: &[f64], first: usize) -> [[D; 3]; 3] {
+    let theta: [D; 3] = std::array::from_fn(|i| Seeded::seed(0.0, first + i));
+    std::array::from_fn(|j| {
+        let e: [f64; 3] = std::array::from_fn(|i| triad[3 * i + j]);
+        [
+            theta[1] * e[2] - theta[2] * e[1] + e[0],
+            theta[2] * e[0] - theta[0] * e[2] + e[1],
+            theta[0] * e[1] - theta[1] * e[0] + e[2],
+        ]
+    })
+}
+
+/// Twice the vector of the skew part over twice the sine of the angle, times the angle: no branch near 0 and near π.
+fn rotation_vector(a: [[D; 3]; 3], b: [[D; 3]; 3]) -> [D; 3] {
+    let q = |i: usize, j: usize| dot(a[i], b[j]);
+    let v = [q(2, 1) - q(1, 2), q(0, 2) - q(2, 0), q(1, 0) - q(0, 1)];
+    let sine = dot(v, v).sqrt();
+    let cosine = q(0, 0) + q(1, 1) + q(2, 2) - 1.0;
+    let factor = sine.atan2(cosine) / sine;
+    v.map(|x| x * factor)
+}
+
+/// The rows as anyone would write them first.
+fn naive(name: &str, state: &[f64], put: &mut impl FnMut(usize, D)) {
+    let (a, b) = (turned(&state[9..18], 3), turned(&state[18..27], 9));
+    let coordinates = |put: &mut dyn FnMut(usize, D)| {
+        let d: [D; 3] = std::array::from_fn(|i| {
+            let (xa, xb): (D, D) = (Seeded::seed(state[3 + i], i), Seeded::seed(state[6 + i], 6 + i));
+            xb - xa + state[i]
+        });
+        (0..3).for_each(|i| put(i, dot(a[i], d)));
+    };
+    match name {
+        "SLIDE-PLANE" => coordinates(put),
+        "REVOLUTE" => {
+            put(0, (-dot(a[1], b[2])).atan2(dot(a[2], b[2])));
+            put(1, dot(a[0], b[2]));
+            put(2, dot(a[0], b[1]));
+        }
+        "TRANSLATOR" => {
+            coordinates(put);
+            rotation_vector(a, b).into_iter().enumerate().for_each(|(i, x)| put(3 + i, x));
+        }
+        "ROTATION" => rotation_vector(a, b).into_iter().enumerate().for_each(|(i, x)| put(i, x)),
+        "CARDAN" => {
+            let (y, x, s) = (-dot(a[1], b[2]), dot(a[2], b[2]), dot(a[0], b[2]));
+            put(0, y.atan2(x));
+            put(1, s.atan2((x * x + y * y).sqrt()));
+            put(2, (-dot(a[0], b[1])).atan2(dot(a[0], b[0])));
+        }
+        other => panic!("{other} is not written here"),
+    }
+}
+
+/// The least time of one call within the budget, in ns.
+fn time(count: usize, mut call: impl FnMut()) -> f64 {
+    let calls = 2048 / count.min(2048);
+    let (begin, mut least) = (Instant::now(), f64::INFINITY);
+    let mut samples = 0;
+    while samples < 3 || begin.elapsed() < BUDGET {
+        let start = Instant::now();
+        (0..calls).for_each(|_| call());
+        least = least.min(start.elapsed().as_secs_f64() / calls as f64);
+        samples += 1;
+    }
+    1e9 * least
+}
+
+struct Bench {
+    states: Vec<Pair<f64>>,
+    flat: Vec<Vec<f64>>,
+    cases: Vec<Case>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let states = states();
+        let cases = TYPES.iter().map(|name| Case::new(name, &states)).collect();
+        Self { flat: states.iter().map(numbers).collect(), states, cases }
+    }
+
+    fn export(&self) -> Value {
+        let types: Map<String, Value> = self
+            .cases
+            .iter()
+            .map(|case| {
+                let values: Vec<Vec<f64>> =
+                    case.truth.iter().map(|rows| rows.iter().map(|row| row.0).collect()).collect();
+                let rows: Vec<Vec<[f64; 12]>> =
+                    case.truth.iter().map(|rows| rows.iter().map(|row| row.1).collect()).collect();
+                (case.name.to_owned(), json!({ "values": values, "jacobian": rows }))
+            })
+            .collect();
+        json!({ "states": self.flat, "types": types })
+    }
+
+    /// Errors by variant and type; panics where one is not small.
+    fn errors(&self) -> Value {
+        let mut errors = [Map::new(), Map::new()];
+        for case in &self.cases {
+            let mut lanes = Lanes::new(case, &self.states, STATES);
+            lanes.run(case);
+            let n = case.batch.rows();
+            let ours = case.error(|i, r| {
+                let row = &lanes.rows[i / 4 * n + r];
+                (row.value[i % 4], row.columns.map(|four| four[i % 4]))
+            });
+            let by_dual: Vec<Vec<Entry>> = self
+                .flat
+                .iter()
+                .map(|state| {
+                    let mut rows = Vec::new();
+                    naive(case.name, state, &mut |_, x| rows.push((x.re, Seeded::gradient(x))));
+                    rows
+                })
+                .collect();
+            let found = [ours, case.error(|i, r| by_dual[i][r])];
+            for ((errors, error), bound) in errors.iter_mut().zip(found).zip(BOUNDS) {
+                assert!(error < bound, "{}: {error:e} where {bound:e} is allowed", case.name);
+                errors.insert(case.name.to_owned(), json!(error));
+            }
+        }
+        let [ours, by_dual] = errors;
+        json!({ "pintle": ours, "num-dual": by_dual })
+    }
+
+    /// ns per state, by variant, batch and type.
+    fn round(&self) -> Value {
+        let mut times = [Map::new(), Map::new()];
+        for count in BATCHES {
+            let mut of = [Map::new(), Map::new()];
+            for case in &self.cases {
+                let mut lanes = Lanes::new(case, &self.states, count);
+                let ours = time(count, || lanes.run(case)) / count as f64;
+                drop(lanes);
+                let n = case.batch.rows();
+                let states: Vec<f64> =
+                    (0..count).flat_map(|i| self.flat[i % STATES].iter().copied()).collect();
+                let mut rows = vec![(0.0, [0.0; 12]); n * count];
+                let by_dual = time(count, || {
+                    for (state, rows) in black_box(&states).chunks_exact(27).zip(rows.chunks_exact_mut(n)) {
+                        naive(case.name, state, &mut |r, x: D| rows[r] = (x.re, Seeded::gradient(x)));
+                    }
+                    black_box(&mut rows);
+                }) / count as f64;
+                for (of, ns) in of.iter_mut().zip([ours, by_dual]) {
+                    of.insert(case.name.to_owned(), json!(ns));
+                }
+            }
+            for (times, of) in times.iter_mut().zip(of) {
+                times.insert(count.to_string(), Value::Object(of));
+            }
+        }
+        let [ours, by_dual] = times;
+        json!({ "pintle": ours, "num-dual": by_dual })
+    }
+}
+
+fn main() {
+    let words: Vec<String> = std::env::args().collect();
+    let bench = Bench::new();
+    if let Some(at) = words.iter().position(|word| word == "--export") {
+        std::fs::write(&words[at + 1], bench.export().to_string()).unwrap();
+        return;
+    }
+    let errors = bench.errors();
+    if words.iter().any(|word| word == "--serve") {
+        let mut out = std::io::stdout().lock();
+        writeln!(out, "{}", json!({ "errors": errors, "versions": { "pintle": pintle::VERSION } })).unwrap();
+        out.flush().unwrap();
+        for line in std::io::stdin().lock().lines() {
+            line.unwrap();
+            writeln!(out, "{}", bench.round()).unwrap();
+            out.flush().unwrap();
+        }
+        return;
+    }
+    let times = bench.round();
+    println!("ns per state, value and 12 columns; largest error of an entry over the largest of its row");
+    for variant in ["pintle", "num-dual"] {
+        for name in TYPES {
+            let error = errors[variant][name].as_f64().unwrap();
+            print!("{variant:9} {name:12} {error:8.1e}");
+            for count in BATCHES {
+                print!("  {count}: {:8.2}", times[variant][&count.to_string()][name].as_f64().unwrap());
+            }
+            println!();
+        }
+    }
+}

@@ -1,0 +1,321 @@
+"""Measures speed and rewrites the tables in README.md and docs/ that tell it.
+
+Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 6] [--core N] [--python VENV/bin/python]
+       python3 scripts/measure.py --check
+
+Without a block, all of them. A block is the text between <!-- measured: NAME --> and <!-- end: NAME -->. What is compared is
+measured in rounds that take turns, on one core, and of each the least time counts, so that a busy machine disturbs all alike; every
+participant compares its numbers with the truth before it is timed. --check only verifies that the marks in the documents and the blocks here
+are the same. Needs gcc and, for the first time, a network: the peers are installed under target/peers.
+"""
+
+import argparse
+import datetime
+import json
+import math
+import os
+import pathlib
+import platform
+import re
+import subprocess
+import sys
+import venv
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+WORK = ROOT / "target" / "peers"
+DOCUMENTS = ("README.md", "docs/performance.md")
+OPEN, CLOSE = "<!-- measured: {} -->", "<!-- end: {} -->"
+OURS = "pintle"
+# The least speed over each peer that pintle aims at, and the batches for which it is compared.
+AIMS = {"JAX": 50, "JAX, relative": 10, "CasADi C": 4, "num-dual": 15}
+WHAT = {
+    OURS: "batch: four elements at a time, three relative derivatives",
+    "num-dual": "`DualSVec<f64, 12>`, a seed for each nodal degree of freedom",
+    "CasADi C": "generated C, twelve derivatives, `gcc -O3 -march=native`",
+    "JAX": "`jit(vmap(jacfwd))` by twelve degrees of freedom",
+    "JAX, relative": "`jacfwd` by three relative ones, maps to twelve by hand",
+}
+
+
+def run(*command, **options):
+    return subprocess.run(command, cwd=ROOT, check=True, text=True, stdout=subprocess.PIPE, **options).stdout
+
+
+# The machine
+
+
+def processor():
+    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.partition(":")[2].strip()
+    return platform.processor()
+
+
+def flags():
+    known = ("avx2", "fma", "avx512f")
+    text = pathlib.Path("/proc/cpuinfo").read_text()
+    return "/".join(flag.upper() for flag in known if re.search(rf"\b{flag}\b", text))
+
+
+def conditions(versions, rounds, loads):
+    load = f"load {min(loads):.1f} to {max(loads):.1f} on {os.cpu_count()} cores"
+    named = ", ".join(f"{name} {version}" for name, version in sorted(versions.items(), key=lambda item: item[0].lower()))
+    return (
+        f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), one core of {os.cpu_count()}, {load}; "
+        f"minima of {rounds} interleaved rounds; {named}."
+    )
+
+
+# Programs
+
+
+def executable(bench):
+    """Builds a bench; its program."""
+    messages = run("cargo", "bench", "--all-features", "--bench", bench, "--no-run", "--message-format=json")
+    for message in map(json.loads, messages.splitlines()):
+        if message["reason"] == "compiler-artifact" and message["target"]["name"] == bench and message["executable"]:
+            return message["executable"]
+    raise SystemExit(f"cargo built no program for the bench {bench}")
+
+
+def rust_version():
+    return run("rustc", "--version").split()[1]
+
+
+def python_of_peers():
+    wanted = ROOT / "scripts" / "peers" / "requirements.txt"
+    python, installed = WORK / "venv" / "bin" / "python", WORK / "installed.txt"
+    text = wanted.read_text() + (ROOT / "scripts" / "requirements.txt").read_text()
+    if not installed.exists() or installed.read_text() != text:
+        venv.create(WORK / "venv", with_pip=True)
+        run(python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement", wanted)
+        installed.write_text(text)
+    return str(python)
+
+
+def pinned(core):
+    return lambda: os.sched_setaffinity(0, {core})
+
+
+class Peer:
+    """A process that answers each line with the times of one round."""
+
+    def __init__(self, command, core):
+        self.process = subprocess.Popen(
+            command, cwd=ROOT, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE, preexec_fn=pinned(core)
+        )
+        self.command = command
+        self.greeting = self.answer()
+
+    def answer(self):
+        line = self.process.stdout.readline()
+        if not line:
+            raise SystemExit(f"{' '.join(map(str, self.command))}: ended with {self.process.wait()}")
+        return json.loads(line)
+
+    def round(self):
+        print("round", file=self.process.stdin, flush=True)
+        return self.answer()
+
+    def end(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
+# Tables
+
+
+def table(head, lines):
+    return "\n".join(["| " + " | ".join(line) + " |" for line in [head, ["---"] * len(head), *lines]])
+
+
+def mean(values):
+    values = list(values)
+    return math.exp(sum(map(math.log, values)) / len(values))
+
+
+def peers(arguments):
+    """pintle beside what a user would take instead."""
+    WORK.mkdir(parents=True, exist_ok=True)
+    python = arguments.python or python_of_peers()
+    program, states = executable("peers"), WORK / "states.json"
+    run(program, "--export", states)
+    folder = ROOT / "scripts" / "peers"
+    participants = [
+        Peer(command, arguments.core)
+        for command in (
+            [program, "--serve"],
+            [python, folder / "with_casadi.py", states],
+            [python, folder / "with_jax.py", states],
+        )
+    ]
+    errors, versions = {}, {"rustc": rust_version(), "num-dual": locked("num-dual")}
+    for peer in participants:
+        errors |= peer.greeting["errors"]
+        versions |= peer.greeting["versions"]
+    least, per_round, loads = {}, [], []
+    for number in range(arguments.rounds):
+        loads.append(os.getloadavg()[0])
+        # Each goes first as often as the others.
+        shift = number % len(participants)
+        times = {}
+        for peer in participants[shift:] + participants[:shift]:
+            times |= peer.round()
+        per_round.append(times)
+        for variant, batches in times.items():
+            for batch, types in batches.items():
+                for name, ns in types.items():
+                    key = (variant, batch, name)
+                    least[key] = min(least.get(key, math.inf), ns)
+        print(f"round {number + 1} of {arguments.rounds}, load {loads[-1]:.1f}", file=sys.stderr)
+    for peer in participants:
+        peer.end()
+    (WORK / "rounds.json").write_text(json.dumps({"rounds": per_round, "errors": errors, "loads": loads}))
+    told = conditions(versions, arguments.rounds, loads)
+    blocks = peer_tables(least, per_round, errors)
+    return {"peers": f"{told}\n\n{blocks}", "peers-summary": summary(least, errors, told)}
+
+
+def locked(crate):
+    found = re.search(rf'name = "{crate}"\nversion = "([^"]+)"', (ROOT / "Cargo.lock").read_text())
+    return found.group(1) if found else "?"
+
+
+def ratio(least, variant, batch, names):
+    return mean(least[variant, batch, name] / least[OURS, batch, name] for name in names)
+
+
+def peer_tables(least, per_round, errors):
+    names = list(errors[OURS])
+    batches = sorted({batch for _, batch, _ in least}, key=int)
+    lines = []
+    for variant in WHAT:
+        for batch in batches:
+            if (variant, batch, names[0]) in least:
+                cells = [f"{least[variant, batch, name]:.3g}" for name in names]
+                lines.append([variant, f"{int(batch):,}".replace(",", " "), *cells])
+    times = table(["ns per state", "batch", *names], lines)
+    lines = []
+    for variant, aim in AIMS.items():
+        for batch in batches:
+            if (variant, batch, names[0]) not in least:
+                continue
+            each = [least[variant, batch, name] / least[OURS, batch, name] for name in names]
+            found = mean(each)
+            rounds = [
+                mean(times[variant][batch][name] / times[OURS][batch][name] for name in names) for times in per_round
+            ]
+            lines.append([
+                variant,
+                f"{int(batch):,}".replace(",", " "),
+                *(f"{value:.3g}" for value in each),
+                f"**{found:.3g}**",
+                f"{min(rounds):.3g} … {max(rounds):.3g}",
+                f"{aim}: {'reached' if found >= aim else 'not reached'}",
+            ])
+    ratios = table(["times pintle's", "batch", *names, "geometric mean", "in single rounds", "aim"], lines)
+    lines = [[variant, what, *(f"{errors[variant][name]:.0e}" for name in names)] for variant, what in WHAT.items()]
+    accuracy = table(["largest error of 1000 states", "what it is", *names], lines)
+    return f"{times}\n\n{ratios}\n\n{accuracy}"
+
+
+def summary(least, errors, told):
+    names = list(errors[OURS])
+    parts = []
+    for variant, label in (
+        ("JAX", "JAX (`jit(vmap(jacfwd))`)"),
+        ("JAX, relative", "JAX by relative variations"),
+        ("CasADi C", "C generated by CasADi"),
+        ("num-dual", "num-dual with twelve seeds"),
+    ):
+        parts.append(f"{ratio(least, variant, '4096', names):.2g} × {label}")
+    worst = max(errors[OURS].values())
+    return (
+        f"Values and Jacobians of a batch of 4096, geometric means of five types, on one core: the speed of {', '.join(parts)},\n"
+        f"to within {worst:.0e} of the largest entry of a row ({told.partition(',')[0]}; [docs/performance.md](docs/performance.md))."
+    )
+
+
+def printed(bench):
+    """What a bench prints, which interleaves and checks by itself."""
+
+    def block(arguments):
+        before = os.getloadavg()[0]
+        text = run(executable(bench), preexec_fn=pinned(arguments.core)).rstrip()
+        load = f"load {before:.1f} to {os.getloadavg()[0]:.1f}"
+        machine = f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), one core of {os.cpu_count()}, {load}"
+        return {bench: f"{machine}; rustc {rust_version()}.\n\n```text\n{text}\n```"}
+
+    return block
+
+
+# The blocks that each measurement writes.
+MEASUREMENTS = {
+    peers: ("peers", "peers-summary"),
+    printed("lanes"): ("lanes",),
+    printed("demand"): ("demand",),
+}
+
+
+# Documents
+
+
+def marks(text):
+    return re.findall(r"<!-- measured: (\S+) -->", text), re.findall(r"<!-- end: (\S+) -->", text)
+
+
+def documents():
+    return [*sorted((ROOT / "docs").glob("*.md")), *sorted(ROOT.glob("*.md"))]
+
+
+def check():
+    known = {name for names in MEASUREMENTS.values() for name in names}
+    found, wrong = [], []
+    for path in documents():
+        opened, closed = marks(path.read_text())
+        where = path.relative_to(ROOT)
+        if opened != closed:
+            wrong.append(f"{where}: the marks {opened} are closed as {closed}")
+        if opened and str(where) not in DOCUMENTS:
+            wrong.append(f"{where}: holds marks, and is not in DOCUMENTS")
+        wrong += [f"{where}: nothing measures {name}" for name in opened if name not in known]
+        found += opened
+    wrong += [f"{name} is in no document" for name in sorted(known - set(found))]
+    wrong += [f"{name} is in more than one place" for name in sorted(set(found)) if found.count(name) > 1]
+    print("\n".join(wrong) or f"{len(found)} measured blocks, each known")
+    return not wrong
+
+
+def rewrite(blocks):
+    for document in DOCUMENTS:
+        path = ROOT / document
+        text = path.read_text()
+        for name in marks(text)[0]:
+            if name in blocks:
+                begin, end = OPEN.format(name), CLOSE.format(name)
+                before, rest = text.split(begin, 1)
+                after = rest.split(end, 1)[1]
+                text = f"{before}{begin}\n{blocks[name]}\n{end}{after}"
+        path.write_text(text)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    known = [name for names in MEASUREMENTS.values() for name in names]
+    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help=", ".join(known))
+    parser.add_argument("--rounds", type=int, default=6)
+    parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
+    parser.add_argument("--python", help="an interpreter that has what scripts/peers/requirements.txt names")
+    parser.add_argument("--check", action="store_true", help="verify the marks; measure nothing")
+    arguments = parser.parse_args()
+    if unknown := set(arguments.blocks) - set(known):
+        parser.error(f"no such block: {', '.join(sorted(unknown))}")
+    if not check():
+        sys.exit(1)
+    if not arguments.check:
+        for measure, names in MEASUREMENTS.items():
+            if not arguments.blocks or set(names) & set(arguments.blocks):
+                rewrite(measure(arguments))
+
+
+main()
