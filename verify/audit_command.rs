@@ -51,7 +51,7 @@ fn exit_codes_are_those_of_the_manual() {
     pintle(&hinge).assert().code(0);
     pintle(&[&hinge[..], &["--strict"]].concat()).assert().code(3);
     // An oracle that shares the mechanism or the elementary functions is no witness.
-    for oracle in ["nodal-dual", "differences", "wide-dual"] {
+    for oracle in ["nodal-dual", "nested-dual", "differences", "wide-dual"] {
         let found = pintle(&brief(&["--oracles", oracle, "--strict"])).assert().code(3);
         assert!(stdout(&found).contains("undecided"), "{oracle}: {}", stdout(&found));
     }

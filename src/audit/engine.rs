@@ -283,6 +283,9 @@ fn judge_numbers(
         Some(truth) if nearness == 0.0 => Some([truth.one_sided(-1), truth.one_sided(1)]),
         _ => None,
     };
+    // 196 second derivatives take about as long as all that is done on doubles besides.
+    let often = wide || index.is_multiple_of(SOMETIMES);
+    let nested = (often && asked(Oracle::NestedDual)).then(|| narrow.nested_dual());
     for quantity in Quantity::ALL {
         let mut made: Option<Vec<Mutant>> = None;
         let exact = answers.as_ref().map(|answers| answers.dual.entries(quantity));
@@ -299,6 +302,10 @@ fn judge_numbers(
                     answers.answer(oracle, quantity)
                 }
                 Oracle::NodalDual => Some(narrow.nodal_dual(&bound)),
+                Oracle::NestedDual => {
+                    let Some(nested) = &nested else { continue };
+                    Some(Answer::rounded(oracle, quantity, nested.entries(quantity), &bound))
+                }
                 Oracle::Symbolic => Some(narrow.symbolic(quantity, &bound)),
                 _ => Some(narrow.differences(&bound)),
             };
@@ -308,7 +315,7 @@ fn judge_numbers(
             }
             let got = numbers.entries(quantity);
             let judgement = judge(quantity, got, &answer, &around);
-            let proves = nearness > 0.0 && (wide || index.is_multiple_of(SOMETIMES));
+            let proves = nearness > 0.0 && often;
             let score = if proves {
                 let made = made.get_or_insert_with(|| make(quantity));
                 try_mutants(quantity, got, &answer, &bound, &|i| quantity.entry_size(i, case.length), made)
@@ -328,7 +335,7 @@ fn judge_numbers(
     if asked(Oracle::HyperDual) && nearness > 0.0 {
         checks.extend(hyper_dual(case, numbers, narrow, &bound, draw));
     }
-    if nearness > 0.0 && (wide || index.is_multiple_of(SOMETIMES)) {
+    if nearness > 0.0 && often {
         checks.extend(laws(case, numbers, &bound, wide, &make));
     }
     checks

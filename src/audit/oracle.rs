@@ -39,6 +39,8 @@ pub enum Oracle {
     NodalDual,
     /// Second derivatives along two random directions by hyper-dual numbers in the nodal degrees of freedom.
     HyperDual,
+    /// Dual numbers nested in dual numbers, in the nodal degrees of freedom: nothing of second order, no nodal map.
+    NestedDual,
     /// Central differences on doubles with an estimate of their own error.
     Differences,
     /// Derivatives of the traced formulas, evaluated on 237-bit numbers: no dual numbers, no steps.
@@ -49,13 +51,14 @@ pub enum Oracle {
 
 impl Oracle {
     /// Every oracle, the sharpest first.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::WideDifferences,
         Self::WideSymbolic,
         Self::WideDual,
         Self::Taylor,
         Self::NodalDual,
         Self::HyperDual,
+        Self::NestedDual,
         Self::Symbolic,
         Self::Differences,
     ];
@@ -68,6 +71,7 @@ impl Oracle {
             Self::Taylor => "taylor",
             Self::NodalDual => "nodal-dual",
             Self::HyperDual => "hyper-dual",
+            Self::NestedDual => "nested-dual",
             Self::Differences => "differences",
             Self::WideSymbolic => "wide-symbolic",
             Self::Symbolic => "symbolic",
@@ -86,6 +90,7 @@ impl Oracle {
             Self::Taylor => "order of the Taylor remainder along random directions, on 237-bit numbers",
             Self::NodalDual => "dual numbers in the nodal degrees of freedom, without the relative pair",
             Self::HyperDual => "hyper-dual numbers along random directions of the nodes",
+            Self::NestedDual => "dual numbers in dual numbers, in the nodal degrees of freedom",
             Self::Differences => "central differences on doubles, with an estimate of their error",
             Self::WideSymbolic => "derivatives of the traced formulas, on 237-bit numbers",
             Self::Symbolic => "derivatives of the traced formulas, on doubles",
@@ -97,7 +102,7 @@ impl Oracle {
         let (elementary, mechanism) = match self {
             Self::WideDifferences | Self::Taylor | Self::WideSymbolic => (false, false),
             Self::WideDual => (false, true),
-            Self::NodalDual | Self::HyperDual => (true, true),
+            Self::NodalDual | Self::HyperDual | Self::NestedDual => (true, true),
             Self::Differences | Self::Symbolic => (true, false),
         };
         Shares { kinematics: true, elementary, mechanism }
@@ -119,7 +124,7 @@ impl Oracle {
         match self {
             Self::WideDifferences | Self::WideDual => true,
             Self::NodalDual | Self::Differences => matches!(quantity, Quantity::FirstDerivatives),
-            Self::WideSymbolic | Self::Symbolic => {
+            Self::WideSymbolic | Self::Symbolic | Self::NestedDual => {
                 matches!(quantity, Quantity::FirstDerivatives | Quantity::SecondDerivatives)
             }
             Self::Taylor | Self::HyperDual => false,
@@ -142,6 +147,12 @@ impl Answer {
     /// Doubles that are taken for exact.
     pub fn of(oracle: Oracle, numbers: &Entries<f64>) -> Self {
         Self::sharp(oracle, numbers.map(|_, _, x| Wide::from_f64(x)))
+    }
+
+    /// Doubles as exact as the product's.
+    pub fn rounded(oracle: Oracle, quantity: Quantity, numbers: &Entries<f64>, bound: &Bound) -> Self {
+        let error = numbers.map(|k, i, _| bound.tolerance(quantity, k, i));
+        Self { error, ..Self::of(oracle, numbers) }
     }
 
     fn sharp(oracle: Oracle, numbers: Entries<Wide>) -> Self {
@@ -245,9 +256,22 @@ impl Narrow {
     /// of the same scale.
     pub fn symbolic(&self, quantity: Quantity, bound: &Bound) -> Answer {
         let traced = derivatives(&self.connector, &self.state.pair, &self.branch);
-        let numbers = traced.entries(quantity).map(|_, _, x| Wide::from_f64(x));
-        let error = numbers.map(|k, i, _| bound.tolerance(quantity, k, i));
-        Answer { oracle: Oracle::Symbolic, numbers, error }
+        Answer::rounded(Oracle::Symbolic, quantity, traced.entries(quantity), bound)
+    }
+
+    /// First and second derivatives by nested dual numbers in the nodal degrees of freedom. Their own error is as that of
+    /// [`Narrow::nodal_dual`].
+    pub fn nested_dual(&self) -> Numbers<f64> {
+        let (mut first, mut second) = (Entries::default(), Entries::default());
+        for (k, found) in self.connector.nested(&self.state, &self.branch).into_iter().enumerate() {
+            let Some((row, matrix)) = found else { continue };
+            first.0[k] = Some(row.to_vec());
+            second.0[k] = Some(matrix.as_flattened().to_vec());
+        }
+        let mut numbers = Numbers::default();
+        numbers.set(Quantity::FirstDerivatives, first);
+        numbers.set(Quantity::SecondDerivatives, second);
+        numbers
     }
 
     /// First derivatives by central differences on doubles: the best of a ladder of steps, none of which leads over a singular

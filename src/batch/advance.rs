@@ -74,6 +74,7 @@ fn branch(of: &Branch<Plain>, i: usize) -> Branch<f64> {
 /// [`Connector::advance`] of four connectors of one connection type at once: the branches after their states.
 ///
 /// Principal angles come from lanes, turns from them by the same rule; only the connectors' measures and section data are looked at.
+#[inline]
 pub fn advance(
     connectors: &[&Connector<f64>; LANES],
     states_of: &[State<f64>; LANES],

@@ -399,6 +399,7 @@ impl Batch {
     /// # Errors
     /// [`BatchError::Length`] unless there are as many sections and histories as tiles, and as many rows as [`Batch::rows`] for
     /// each tile.
+    #[inline]
     pub fn rows_of(
         &self,
         tiles: &[Tile],
@@ -413,6 +414,7 @@ impl Batch {
     ///
     /// # Errors
     /// As there.
+    #[inline]
     pub fn compact_rows_of(
         &self,
         tiles: &[Tile],
@@ -427,6 +429,7 @@ impl Batch {
     ///
     /// # Errors
     /// As there.
+    #[inline]
     pub fn hessians_of(
         &self,
         tiles: &[Tile],

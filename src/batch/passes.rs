@@ -26,7 +26,7 @@ pub(super) struct Pass {
 
 macro_rules! formulas {
     ($($count:literal: $($measure:ident $(($($index:literal),+))? by $method:ident),+;)*) => {
-        /// The measures of each formula: each measure is in one.
+        /// The measures of each formula. What stands first is preferred: longer formulas share more.
         const FORMULAS: &[&[Measure]] = &[$(&[$(formulas!(@measure $measure $($($index)+)?)),+]),*];
 
         impl Pass {
@@ -69,6 +69,8 @@ formulas! {
     1: RadialDistance by radius;
     1: Cosine(1, 2) by cosine;
     1: Cosine(1, 3) by cosine;
+    3: Cardan(1) by cardan, Cardan(2) by cardan, Cardan(3) by cardan;
+    3: Cardan(1) by cardan, Cosine(1, 2) by cosine, Cosine(1, 3) by cosine;
     1: Cardan(1) by cardan;
     1: Cardan(2) by cardan;
     1: Cardan(3) by cardan;
@@ -80,23 +82,28 @@ formulas! {
     1: Sweep by sweep;
 }
 
-/// The passes that compute `measures`, each formula that computes one of those that are left; or the row of one that none computes.
+/// The passes that compute `measures`, or the row of one that none computes: first formulas that are wanted whole, then each that
+/// computes one of those that are left.
 pub(super) fn cover(measures: &[Measure]) -> Result<Vec<Pass>, usize> {
     let mut left: Vec<(usize, Measure)> =
         measures.iter().copied().map(Measure::as_function).enumerate().collect();
     let mut passes = Vec::new();
-    for (number, formula) in FORMULAS.iter().enumerate() {
-        let mut pass = Pass { number, rows: [usize::MAX; 3] };
-        for (slot, measure) in pass.rows.iter_mut().zip(*formula) {
-            if let Some((row, _)) = left.iter().find(|(_, one)| one == measure) {
-                *slot = *row;
+    for whole in [true, false] {
+        for (number, formula) in FORMULAS.iter().enumerate() {
+            let mut pass = Pass { number, rows: [usize::MAX; 3] };
+            let mut found = 0;
+            for (slot, measure) in pass.rows.iter_mut().zip(*formula) {
+                if let Some((row, _)) = left.iter().find(|(_, one)| one == measure) {
+                    *slot = *row;
+                    found += 1;
+                }
             }
+            if found == 0 || whole && found < formula.len() {
+                continue;
+            }
+            left.retain(|(row, _)| !pass.rows.contains(row));
+            passes.push(pass);
         }
-        if pass.rows.iter().all(|row| *row == usize::MAX) {
-            continue;
-        }
-        left.retain(|(row, _)| !pass.rows.contains(row));
-        passes.push(pass);
     }
     match left.first() {
         Some((row, _)) => Err(*row),

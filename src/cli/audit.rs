@@ -106,7 +106,7 @@ pub(crate) struct Audit {
     #[arg(long, value_name = "WORD", default_value_t = Settings::default().seed)]
     seed: String,
     /// Only these oracles, separated by commas: wide-differences, wide-symbolic,
-    /// wide-dual, taylor, nodal-dual, hyper-dual, symbolic, differences
+    /// wide-dual, taylor, nodal-dual, hyper-dual, nested-dual, symbolic, differences
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = oracle)]
     oracles: Vec<Oracle>,
     /// Write a counter-example for every mismatch into this folder, for `pintle replay`

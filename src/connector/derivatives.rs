@@ -7,7 +7,7 @@ use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
 use crate::scalar::{Differentiable, Scalar, Seeded};
 use crate::vector::{self, Vector, column};
-use num_dual::HyperDual;
+use num_dual::{Dual, HyperDual};
 
 impl<R: Differentiable> Connector<R> {
     pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
@@ -371,6 +371,42 @@ impl Connector<f64> {
                 .filter(|_| !self.rows[k].is_some_and(|r| r.differentiated.is_one_form()))
                 .map(|x| x.eps1eps2)
         })
+    }
+
+    /// First and second derivatives by nesting first-order dual numbers in the fourteen nodal degrees of freedom: no dual number of
+    /// second order, no nodal map. Of a one-form its row, and how it changes.
+    pub(crate) fn nested(
+        &self,
+        state: &State<f64>,
+        branch: &Branch<f64>,
+    ) -> Components<(NodalRow<f64>, NodalMatrix<f64>)> {
+        type Inner = <f64 as Differentiable>::Gradient<DOFS>;
+        let mut found = self.rows.map(|row| row.map(|_| ([0.0; DOFS], Box::new([[0.0; DOFS]; DOFS]))));
+        for j in (0..DOFS).filter(|j| self.active[*j]) {
+            let seeds: [Dual<Inner>; DOFS] = std::array::from_fn(|i| {
+                let outer = if i == j { Inner::one() } else { Inner::zero() };
+                Dual::new(<Inner as Seeded<DOFS>>::seed(0.0, i), outer)
+            });
+            let values = self.on_moved_nodes(state, branch, &seeds);
+            for (k, found) in found.iter_mut().enumerate() {
+                let (Some((first, second)), Some(row), Some(value)) = (found, self.rows[k], values[k]) else {
+                    continue;
+                };
+                if row.differentiated.is_one_form() {
+                    let triad = state.pair.moved(&seeds).a.triad;
+                    let form = row.differentiated.one_form(&triad, &self.section);
+                    *first = self.active_only(form.map(Scalar::real));
+                    let change = self.active_only(form.map(|entry| entry.eps.real()));
+                    for (line, entry) in second.iter_mut().zip(change) {
+                        line[j] = entry;
+                    }
+                } else {
+                    *first = self.active_only(value.re.gradient());
+                    second[j] = self.active_only(value.eps.gradient());
+                }
+            }
+        }
+        found
     }
 
     fn on_moved_nodes<S: Scalar<Real = f64>>(

@@ -1,6 +1,6 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
-use super::dense::{made_of, singular_values};
+use super::dense::{least, made_of, singular_values};
 use super::eliminate::{Sparse, Task, eliminate};
 use super::order::minimum_degree;
 use crate::audit::sample::Draw;
@@ -85,6 +85,28 @@ fn rank_is_that_of_singular_values() {
             let made = made_of(&matrix, &outcome.dependent, *row);
             assert!(!made.is_empty() && !made.contains(row), "case {case}");
         }
+    }
+}
+
+/// Neither equations without columns, nor columns without equations, nor nothing at all have singular values.
+#[test]
+fn an_empty_matrix_has_no_singular_values() {
+    for (groups, rows) in [(0, 0), (0, 2), (2, 0)] {
+        let matrix = Sparse {
+            groups: (0..=groups).map(|group| 3 * group).collect(),
+            offsets: vec![0; rows + 1],
+            ..Sparse::default()
+        };
+        assert_eq!((matrix.rows(), matrix.width()), (rows, 3 * groups as usize));
+        assert!(singular_values(&matrix).is_empty());
+        let solution = least(&matrix, &vec![0.0; rows]);
+        assert_eq!(solution, Some(vec![0.0; matrix.width()]));
+        for row in 0..rows as u32 {
+            assert!(made_of(&matrix, &[row], row).is_empty());
+        }
+        let outcome = eliminate(&matrix, &order(&matrix), Task { keep: true, ..Task::default() });
+        assert_eq!((outcome.rank, outcome.free.len()), (0, matrix.width()));
+        assert_eq!(outcome.dependent.len(), rows);
     }
 }
 

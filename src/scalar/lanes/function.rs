@@ -7,6 +7,9 @@ use super::{Lanes, MAX_ORDER, Real, Scalar, Series};
 const QUARTER: f64 = f64::from_bits(std::f64::consts::FRAC_PI_4.to_bits() & !7);
 const QUARTER_REST: f64 = 6.123_233_995_736_766e-17 / 2.0 + (std::f64::consts::FRAC_PI_4 - QUARTER);
 
+/// The smallest number above 0, by which 0 may be divided.
+const SMALLEST: f64 = f64::from_bits(1);
+
 /// tan(π/8): beyond it an arctangent is taken from π/4.
 const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
 
@@ -56,30 +59,29 @@ fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) 
 /// The angle of (x, y), 1.5 u; signs of zeros as IEEE 754 asks.
 ///
 /// With t = smaller/larger of |x|, |y| in [0, 1]: atan t, or π/4 + atan((t − 1)/(t + 1)) beyond π/8, each by one division; then
-/// the octant as a multiple of π/4.
+/// the octant as a multiple of π/4. Which formula holds is a factor ±1 by the sign of a difference: masks do not vectorise.
 #[inline(always)]
 pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) -> Lanes<FUSED> {
-    let (zero, one, two) = (Lanes::splat(0.0), Lanes::splat(1.0), Lanes::splat(2.0));
+    let (one, two, half) = (Lanes::splat(1.0), Lanes::splat(2.0), Lanes::splat(0.5));
     let (across, along) = (y.magnitude(), x.magnitude());
-    let steep = along.less(across);
-    let smaller = Lanes::select(steep, along, across);
-    let larger = Lanes::select(steep, across, along);
-    let beyond = (larger * Lanes::splat(TAN_EIGHTH)).less(smaller);
-    let numerator = Lanes::select(beyond, smaller - larger, smaller);
-    let denominator = Lanes::select(beyond, smaller + larger, larger);
-    let t = Lanes::select(zero.less(denominator), numerator / denominator, zero);
+    // 1 where |x| ≥ |y|, −1 elsewhere.
+    let flat = one.with_sign_of(along - across);
+    let smaller = across.lesser(along);
+    let larger = across.greater(along);
+    // 1 beyond π/8, 0 elsewhere and at the origin.
+    let beyond = one.with_sign_of(larger * Lanes::splat(TAN_EIGHTH) - smaller).multiply_add(-half, half);
+    let numerator = smaller - beyond * larger;
+    let denominator = beyond.multiply_add(smaller, larger).greater(Lanes::splat(SMALLEST));
+    let t = numerator / denominator;
     let square = t * t;
     let angle = (polynomial(&ARCTANGENT, square) * square).multiply_add(t, t);
-    // The angle is quarters π/4 + turn·angle.
-    let mut quarters = Lanes::select(beyond, one, zero);
-    let mut turn = one;
-    quarters = Lanes::select(steep, two - quarters, quarters);
-    turn = Lanes::select(steep, -turn, turn);
-    let backwards = one.with_sign_of(x).less(zero);
-    quarters = Lanes::select(backwards, two + two - quarters, quarters);
-    turn = Lanes::select(backwards, -turn, turn);
+    // The angle is quarters π/4 + turn·angle; each mirror is exact.
+    let forwards = one.with_sign_of(x);
+    let quarters = flat.multiply_add(beyond - one, one);
+    let quarters = forwards.multiply_add(quarters - two, two);
+    let turn = flat * forwards;
     let rest = quarters.multiply_add(Lanes::splat(QUARTER_REST), turn * angle);
-    (quarters * Lanes::splat(QUARTER) + rest).with_sign_of(y)
+    quarters.multiply_add(Lanes::splat(QUARTER), rest).with_sign_of(y)
 }
 
 /// (sin x, cos x), 1 u.
@@ -113,25 +115,49 @@ pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, 
     (Lanes::select(below(quarter), -s, s), Lanes::select(below(quarter + one), -c, c))
 }
 
-/// A power of two p for each lane such that the squares of p v neither overflow nor lose digits to subnormals, and |p v|².
+/// The sum of the squares.
 #[inline(always)]
-pub(super) fn scaled_square<const FUSED: bool, const N: usize>(
-    v: [Lanes<FUSED>; N],
-) -> (Lanes<FUSED>, Lanes<FUSED>) {
+pub(super) fn square<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> Lanes<FUSED> {
     let mut square = v[0] * v[0];
     for component in v.iter().skip(1) {
         square = component.multiply_add(*component, square);
     }
-    // The largest square lies within a factor of N of the sum.
-    let usual = square.compare(square, |x, _| x > 1e-279 && x < 1e279);
-    if usual.all() {
-        return (Lanes::splat(1.0), square);
-    }
-    rescaled_square(v)
+    square
 }
 
+/// Whether squares, and reciprocals of squares, are below 1e279 in every lane: nothing overflows, or loses digits to subnormals.
+/// One comparison, of the sum.
+#[inline(always)]
+pub(super) fn is_usual<const FUSED: bool>(square: Lanes<FUSED>, inverse: Lanes<FUSED>) -> bool {
+    let [a, b, c, d] = (square + inverse).0;
+    (a + b) + (c + d) < 1e279
+}
+
+/// v/|v| and |v| of every magnitude.
 #[cold]
 #[inline(never)]
+pub(super) fn any_direction_and_norm<const FUSED: bool, const N: usize>(
+    v: [Lanes<FUSED>; N],
+) -> ([Lanes<FUSED>; N], Lanes<FUSED>) {
+    let (scale, square) = rescaled_square(v);
+    let norm = square.square_root();
+    let inverse = norm.reciprocal_or_zero();
+    (v.map(|component| component * scale * inverse), norm / scale)
+}
+
+/// v/|v|² of every magnitude, 0 where that overflows.
+#[cold]
+#[inline(never)]
+pub(super) fn any_inverted<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> [Lanes<FUSED>; N] {
+    let (scale, square) = rescaled_square(v);
+    let inverse = square.reciprocal_or_zero();
+    let inverted = v.map(|component| component * scale * inverse * scale);
+    let sum = inverted.iter().fold(Lanes::splat(0.0), |sum, component| sum + component.magnitude());
+    let infinite = Lanes::splat(f64::MAX).less(sum);
+    inverted.map(|component| Lanes::select(infinite, Lanes::splat(0.0), component))
+}
+
+/// A power of two p for each lane such that the squares of p v neither overflow nor lose digits to subnormals, and |p v|².
 fn rescaled_square<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> (Lanes<FUSED>, Lanes<FUSED>) {
     let mut largest = Lanes::splat(0.0);
     for component in v {

@@ -68,6 +68,18 @@ impl<const FUSED: bool> Lanes<FUSED> {
         Self([function(a, e), function(b, f), function(c, g), function(d, h)])
     }
 
+    /// The lesser of each pair of lanes that are not NaN: one instruction.
+    #[inline(always)]
+    fn lesser(self, other: Self) -> Self {
+        self.both(other, |x, y| if x < y { x } else { y })
+    }
+
+    /// The greater of each pair of lanes that are not NaN: one instruction.
+    #[inline(always)]
+    fn greater(self, other: Self) -> Self {
+        self.both(other, |x, y| if x > y { x } else { y })
+    }
+
     /// An answer for each pair of lanes.
     #[inline(always)]
     fn compare(self, other: Self, test: impl Fn(f64, f64) -> bool) -> LaneMask {
@@ -246,29 +258,29 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
 
     #[inline(always)]
     fn direction_and_norm<const N: usize>(v: [Self; N]) -> ([Self; N], Self) {
-        let (scale, square) = function::scaled_square(v);
+        let square = function::square(v);
         let norm = square.square_root();
-        let inverse = norm.reciprocal_or_zero();
+        let inverse = Self::splat(1.0) / norm;
+        if !function::is_usual(square, inverse * inverse) {
+            return function::any_direction_and_norm(v);
+        }
         let mut unit = v;
         for component in &mut unit {
-            *component = *component * scale * inverse;
+            *component = *component * inverse;
         }
-        (unit, norm / scale)
+        (unit, norm)
     }
 
     #[inline(always)]
     fn inverted<const N: usize>(v: [Self; N]) -> [Self; N] {
-        let (scale, square) = function::scaled_square(v);
-        let inverse = square.reciprocal_or_zero();
-        let mut inverted = v;
-        let mut sum = Self::splat(0.0);
-        for component in &mut inverted {
-            *component = *component * scale * inverse * scale;
-            sum = sum + component.magnitude();
+        let square = function::square(v);
+        let inverse = Self::splat(1.0) / square;
+        if !function::is_usual(square, inverse) {
+            return function::any_inverted(v);
         }
-        let infinite = Self::splat(f64::MAX).less(sum);
+        let mut inverted = v;
         for component in &mut inverted {
-            *component = Self::select(infinite, Self::splat(0.0), *component);
+            *component = *component * inverse;
         }
         inverted
     }
