@@ -3,10 +3,12 @@
 //! Every variant is compared with the 237-bit scalar before it is timed. By itself it prints one round:
 //! `taskset -c 3 cargo bench --bench peers`. With `--export FILE` it writes the states and the truth; with `--serve` it runs a round
 //! for each line that it reads, for the script, which takes the rounds of all in turn.
-#![expect(clippy::disallowed_methods, reason = "num-dual as it comes is what is measured beside ours")]
-#![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
+#![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
-use num_dual::{DualNum, DualSVec};
+#[path = "hand/naive.rs"]
+mod naive;
+
+use num_dual::DualSVec;
 use pintle::batch::{Batch, History, Row, Section, Tile};
 use pintle::catalog::ConnectionType;
 use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
@@ -172,65 +174,6 @@ impl Lanes {
 /// num-dual with a seed for each nodal degree of freedom.
 type D = DualSVec<f64, 12>;
 
-fn dot(a: [D; 3], b: [D; 3]) -> D {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The columns of a triad turned by exp(θ^), to first order, θ = 0.
-fn turned(triad: &[f64], first: usize) -> [[D; 3]; 3] {
-    let theta: [D; 3] = std::array::from_fn(|i| Seeded::seed(0.0, first + i));
-    std::array::from_fn(|j| {
-        let e: [f64; 3] = std::array::from_fn(|i| triad[3 * i + j]);
-        [
-            theta[1] * e[2] - theta[2] * e[1] + e[0],
-            theta[2] * e[0] - theta[0] * e[2] + e[1],
-            theta[0] * e[1] - theta[1] * e[0] + e[2],
-        ]
-    })
-}
-
-/// Twice the vector of the skew part over twice the sine of the angle, times the angle: no branch near 0 and near π.
-fn rotation_vector(a: [[D; 3]; 3], b: [[D; 3]; 3]) -> [D; 3] {
-    let q = |i: usize, j: usize| dot(a[i], b[j]);
-    let v = [q(2, 1) - q(1, 2), q(0, 2) - q(2, 0), q(1, 0) - q(0, 1)];
-    let sine = dot(v, v).sqrt();
-    let cosine = q(0, 0) + q(1, 1) + q(2, 2) - 1.0;
-    let factor = sine.atan2(cosine) / sine;
-    v.map(|x| x * factor)
-}
-
-/// The rows as anyone would write them first.
-fn naive(name: &str, state: &[f64], put: &mut impl FnMut(usize, D)) {
-    let (a, b) = (turned(&state[9..18], 3), turned(&state[18..27], 9));
-    let coordinates = |put: &mut dyn FnMut(usize, D)| {
-        let d: [D; 3] = std::array::from_fn(|i| {
-            let (xa, xb): (D, D) = (Seeded::seed(state[3 + i], i), Seeded::seed(state[6 + i], 6 + i));
-            xb - xa + state[i]
-        });
-        (0..3).for_each(|i| put(i, dot(a[i], d)));
-    };
-    match name {
-        "SLIDE-PLANE" => coordinates(put),
-        "REVOLUTE" => {
-            put(0, (-dot(a[1], b[2])).atan2(dot(a[2], b[2])));
-            put(1, dot(a[0], b[2]));
-            put(2, dot(a[0], b[1]));
-        }
-        "TRANSLATOR" => {
-            coordinates(put);
-            rotation_vector(a, b).into_iter().enumerate().for_each(|(i, x)| put(3 + i, x));
-        }
-        "ROTATION" => rotation_vector(a, b).into_iter().enumerate().for_each(|(i, x)| put(i, x)),
-        "CARDAN" => {
-            let (y, x, s) = (-dot(a[1], b[2]), dot(a[2], b[2]), dot(a[0], b[2]));
-            put(0, y.atan2(x));
-            put(1, s.atan2((x * x + y * y).sqrt()));
-            put(2, (-dot(a[0], b[1])).atan2(dot(a[0], b[0])));
-        }
-        other => panic!("{other} is not written here"),
-    }
-}
-
 /// The least time of one call within the budget, in ns.
 fn time(count: usize, mut call: impl FnMut()) -> f64 {
     let calls = 2048 / count.min(2048);
@@ -289,7 +232,7 @@ impl Bench {
                 .iter()
                 .map(|state| {
                     let mut rows = Vec::new();
-                    naive(case.name, state, &mut |_, x| rows.push((x.re, Seeded::gradient(x))));
+                    naive::rows(case.name, state, &mut |_, x: D| rows.push((x.re, Seeded::gradient(x))));
                     rows
                 })
                 .collect();
@@ -318,7 +261,7 @@ impl Bench {
                 let mut rows = vec![(0.0, [0.0; 12]); n * count];
                 let by_dual = time(count, || {
                     for (state, rows) in black_box(&states).chunks_exact(27).zip(rows.chunks_exact_mut(n)) {
-                        naive(case.name, state, &mut |r, x: D| rows[r] = (x.re, Seeded::gradient(x)));
+                        naive::rows(case.name, state, &mut |r, x: D| rows[r] = (x.re, Seeded::gradient(x)));
                     }
                     black_box(&mut rows);
                 }) / count as f64;

@@ -165,3 +165,27 @@ fn junit_tells_failures_from_errors() {
 fn results_and_progress_do_not_mix() {
     pintle(&brief(&[])).assert().code(0).stderr("");
 }
+
+/// A spring that depends on a field that is not given has no slope to judge: undecided, and not a pass of zeros.
+#[test]
+fn slopes_of_what_is_not_given_are_undecided() {
+    let verdict = |dependencies: &str, rows: &str| {
+        let deck = folder(&format!("slopes{}", dependencies.len()));
+        fs::create_dir_all(&deck).unwrap();
+        let deck = deck.join("spring.inp");
+        let text = format!(
+            "*NODE\n1, 0., 0., 0.\n2, 2., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+             *CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nAXIAL,\n*CONNECTOR BEHAVIOR, NAME=B\n\
+             *CONNECTOR ELASTICITY, COMPONENT=1{dependencies}\n{rows}\n"
+        );
+        fs::write(&deck, text).unwrap();
+        let brief = ["--drawn-states", "2", "--wide-states", "1", "--format", "json"];
+        let found = pintle(&[&["audit", deck.to_str().unwrap()], &brief[..]].concat()).assert().code(0);
+        let report: Value = serde_json::from_str(&stdout(&found)).unwrap();
+        let checks = report["subjects"][0]["checks"].as_array().unwrap();
+        let check = checks.iter().find(|check| check["quantity"] == "behavior-tangent").unwrap();
+        check["verdict"].as_str().unwrap().to_string()
+    };
+    assert_eq!(verdict("", "100."), "pass");
+    assert_eq!(verdict(", DEPENDENCIES=1", "100., 20., 1.\n200., 40., 2."), "undecided");
+}

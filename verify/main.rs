@@ -18,6 +18,7 @@ mod friction; // what sticks and slips
 mod fuzzing; // what holds of any bytes whatever
 mod golden; // what JAX computes by other formulas
 mod golden_mpc; // the same of multi-point constraints
+mod handover; // counter-examples in other forms, each one run
 mod laws; // what holds for every connection type
 mod manual; // the manual's summary tables, transcribed apart
 mod numerics; // how exact the elementary functions and the rotations are

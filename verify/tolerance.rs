@@ -50,6 +50,9 @@ pub(crate) const NUMERICS: &[Gate] = &[
 /// Exported programs against `eval`, in units of the audit's bound on either.
 pub(crate) const EXPORT: f64 = 2.0;
 
+/// Numbers of a counter-example written as a deck, absolute, over 1 + their size: triads to some roundings, times second derivatives.
+pub(crate) const HANDOVER: f64 = 1e-9;
+
 /// What a law allows.
 pub(crate) struct Law {
     /// Its name.

@@ -6,9 +6,9 @@ use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sheet::{Entry, Sheet};
-use super::verdict::Score;
+use super::verdict::{Judgement, Score, Verdict};
 use crate::behavior::state::Behavior;
-use crate::behavior::{Conditions, Motion};
+use crate::behavior::{Conditions, Motion, Unknown};
 use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{Output, Request};
 use crate::scalar::Wide;
@@ -16,7 +16,8 @@ use crate::scalar::Wide;
 /// The step of differences, in sizes of the motion.
 const STEP: f64 = 1e-25;
 
-/// The slopes at the end of a case; `None` where nothing acts, or on a kink of a table, where there are two slopes.
+/// The slopes at the end of a case; `None` where nothing acts or all of it is rigid, or on a kink of a table, where there are two
+/// slopes. Undecided where a force depends on what is not given.
 pub(super) fn audit_behavior(
     case: &Case,
     behavior: &Behavior,
@@ -42,6 +43,12 @@ pub(super) fn audit_behavior(
     if on_kink {
         return None;
     }
+    // Without temperature and fields some forces are not known: their slopes are not judged, and that is said.
+    let laws =
+        [behavior.elasticity.forces(&motion, &conditions), behavior.damping.forces(&motion, &conditions)];
+    let is_known = |i: usize| laws.iter().all(|law| law.unknown[i].is_none());
+    let lacks =
+        |law: &crate::behavior::Forces<f64>| law.unknown.iter().flatten().any(|why| *why != Unknown::Rigid);
     let tangent = behavior.tangent(&motion, &conditions, None, [false; 6]);
     let size = |k: usize, x: f64| x.abs().max(if k < 3 { case.length } else { 1.0 });
     let forces = |of_velocity: bool, j: usize, h: Wide| -> [Wide; 6] {
@@ -67,7 +74,7 @@ pub(super) fn audit_behavior(
             let size = size(j, x);
             let h = Wide::from_f64(STEP * size);
             let (plus, minus) = (forces(of_velocity, j, h), forces(of_velocity, j, -h));
-            for i in 0..6 {
+            for i in (0..6).filter(|i| is_known(*i)) {
                 let want = (plus[i] - minus[i]) / (h + h);
                 let variable = if of_velocity { "v" } else { "u" };
                 entries.push(Entry {
@@ -82,6 +89,12 @@ pub(super) fn audit_behavior(
     let sheet = Sheet { quantity: Quantity::BehaviorTangent, entries };
     let score = if proves { sheet.try_mistakes(&sheet.mistakes()) } else { Score::default() };
     let mut check = Check::new(Some(Quantity::BehaviorTangent), Against::Oracle(Oracle::WideDifferences));
-    check.add_at(sheet.judge(1.0), score, &case.name, Some(case));
-    Some(check)
+    if !sheet.entries.is_empty() {
+        check.add_at(sheet.judge(1.0), score, &case.name, Some(case));
+    }
+    if laws.iter().any(lacks) {
+        let undecided = Judgement { verdict: Verdict::Undecided, worst: None, compared: 0 };
+        check.add_at(undecided, Score::default(), &case.name, Some(case));
+    }
+    (!check.states.is_empty()).then_some(check)
 }

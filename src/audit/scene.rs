@@ -74,7 +74,7 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
     }
     // Walking needs every planned thing in the order of the plan.
     let nothing = Plan { request: Request::nothing(0), ..plan.clone() };
-    let mut walk = Sequence::new(model, &nothing);
+    let mut walk = walk(model, &nothing);
     let wide = spread(states.len(), wide_states);
     for (index, state) in states.iter().enumerate() {
         let mut place = 0;
@@ -170,6 +170,13 @@ fn own_length(model: &Model, initial: f64, present: f64) -> f64 {
     if own > COINCIDENT * model.length { own } else { model.length }
 }
 
+/// A walk that follows every history, though nothing is asked for: what is judged starts from where it leads.
+fn walk<'a>(model: &'a Model, plan: &'a Plan) -> Sequence<'a> {
+    let mut walk = Sequence::new(model, plan);
+    walk.follow_everything();
+    walk
+}
+
 fn case(model: &Model, placed: &ConnectorResult, number: u64) -> Case {
     let element = &model.connectors[placed.index];
     let state = placed.state;
@@ -240,7 +247,7 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
         request: Request::nothing(0),
         ..target.plan.clone()
     };
-    let mut walk = Sequence::new(model, &plan);
+    let mut walk = walk(model, &plan);
     let mut found = Vec::new();
     for (index, state) in states.iter().enumerate() {
         found.clear();

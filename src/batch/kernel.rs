@@ -393,6 +393,7 @@ impl<const FUSED: bool> Element<'_, FUSED> {
     }
 }
 
+// Inline, so that the loops are compiled by the crate that calls them, and only those: they take the compiler minutes.
 impl Batch {
     /// Values and rows: those of the first tile, then those of the second …
     ///

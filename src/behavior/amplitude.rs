@@ -95,8 +95,8 @@ impl Amplitude {
             }
             AmplitudeDefinition::Decay => {
                 let [mean, factor, start, time] = fixed(&items(4, "A0, A, t0, t_d")?);
-                if time == 0.0 || !time.recip().is_finite() {
-                    let message = "the time t_d of decay is zero".to_string();
+                if !(time > 0.0 && time.recip().is_finite()) {
+                    let message = format!("the time t_d of decay is {time}");
                     return Err(fail(Code::NumberOutOfRange, message, "give A0, A, t0, t_d with t_d > 0"));
                 }
                 Curve::Decay { mean, factor, start, time }

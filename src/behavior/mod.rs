@@ -107,6 +107,8 @@ pub enum Unknown {
     Part,
     /// The two belts at a ring do not run on, one from the other.
     OpposedBelts,
+    /// The angle of wrap is that between the segments of a belt, and changes as they move: the slope along it is not formed.
+    WrapAngle,
     /// What presses is the force of a component for which none is given.
     ContactForce,
     /// Friction was not known at an earlier state, so that what it left is not known.
@@ -131,6 +133,9 @@ impl Unknown {
             Self::External => "a subroutine, another program or the solution gives it",
             Self::Reaction => "motions do not tell a reaction, and no total force is given",
             Self::Part => "a part of it is not known",
+            Self::WrapAngle => {
+                "the angle of wrap is measured between the segments, and the slope of friction along it is not formed: give the contact angle"
+            }
             Self::OpposedBelts => "the two belts at the ring both end there: neither runs on in the other",
             Self::ContactForce => "what presses is the force of a component for which none is given",
             Self::FrictionHistory => {

@@ -29,6 +29,8 @@ pub struct Beyond {
     pub tension: Result<f64, Unknown>,
     /// The angle of wrap α (rad).
     pub angle: f64,
+    /// Whether that is the angle between the segments, so that it changes as they move.
+    pub is_measured: bool,
 }
 
 /// The components that slide.
@@ -132,7 +134,7 @@ impl Behavior {
                 (None, _) => Err(Unknown::FrictionHistory),
                 (Some(_), Some(_)) if pressing[0].is_none() => Err(Unknown::ContactForce),
                 (Some(_), Some(Beyond { tension: Err(why), .. })) => Err(why),
-                (Some(state), Some(Beyond { tension: Ok(tension), angle })) => {
+                (Some(state), Some(Beyond { tension: Ok(tension), angle, .. })) => {
                     let input = slip.belt_input((tension, angle), duration, conditions);
                     decided(belt.update(state, &input, friction::Branch::Decided))
                 }

@@ -139,13 +139,21 @@ impl Behavior {
         for (i, slip) in outcome.slips.iter().enumerate() {
             let slopes = self.slopes_of(i, slip, outcome, conditions);
             for (k, slopes) in slopes.into_iter().enumerate() {
-                let Some(Slopes { displacement, forces, duration, beyond }) = slopes else { continue };
+                let Some(Slopes { displacement, forces, duration, beyond, unknown: missing }) = slopes else {
+                    continue;
+                };
                 tangent.time[k] += duration;
                 tangent.beyond[k] += beyond;
                 for j in 0..6 {
                     tangent.displacement[k][j] += displacement[j];
                 }
-                // What presses is CEF + CVF + λ.
+                // What presses is CEF + CVF + λ; a slope that it has, and that is not known, leaves this one unknown.
+                let laws_of = [&outcome.elastic, &outcome.viscous];
+                let unknown = |p: usize| {
+                    laws_of.iter().find_map(|law| law.unknown[p].filter(|why| *why != Unknown::Rigid))
+                };
+                let lacking = (0..6).filter(|p| forces[*p] != 0.0 && !history.failed[*p]).find_map(unknown);
+                tangent.unknown[k] = tangent.unknown[k].or(missing).or(lacking);
                 for (p, force) in forces.into_iter().enumerate().filter(|(p, _)| !history.failed[*p]) {
                     if tangent.reacting[p] {
                         tangent.reaction[k][p] += force;
@@ -160,8 +168,8 @@ impl Behavior {
         }
         for k in 0..6 {
             let parts = [&outcome.elastic, &outcome.viscous, &outcome.friction];
-            tangent.unknown[k] =
-                parts.iter().find_map(|part| part.unknown[k].filter(|why| *why != Unknown::Rigid));
+            let own = parts.iter().find_map(|part| part.unknown[k].filter(|why| *why != Unknown::Rigid));
+            tangent.unknown[k] = own.or(tangent.unknown[k]);
             if outcome.failed[k] || tangent.unknown[k].is_some() {
                 tangent.clear(k);
             }
@@ -189,9 +197,10 @@ impl Behavior {
                     forces: of.forces,
                     duration: of.duration,
                     beyond: 0.0,
+                    unknown: None,
                 });
             }
-        } else if let (Some(belt), Some(Beyond { tension: Ok(tension), angle })) =
+        } else if let (Some(belt), Some(Beyond { tension: Ok(tension), angle, is_measured })) =
             (&self.friction.belt, slip.beyond)
         {
             let input = slip.belt_input((tension, angle), outcome.duration, conditions);
@@ -201,6 +210,7 @@ impl Behavior {
                 forces: [0.0; 6],
                 duration: tangent.duration,
                 beyond: tangent.tension[1],
+                unknown: (is_measured && tangent.angle != 0.0).then_some(Unknown::WrapAngle),
             };
             (slopes.displacement[FLOW], slopes.forces[0]) = (tangent.flow, tangent.tension[0]);
             found[FLOW] = Some(slopes);
@@ -218,4 +228,6 @@ struct Slopes {
     duration: f64,
     /// By the tension on the other side of the ring.
     beyond: f64,
+    /// Why they are not all that there are.
+    unknown: Option<Unknown>,
 }

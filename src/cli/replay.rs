@@ -1,12 +1,23 @@
 //! `pintle replay`.
 
-use super::Failure;
 use super::audit::{AuditFormat, Plant};
-use clap::Args;
-use pintle::audit::{Case, CounterExample, Planted, Settings, audit_cases};
+use super::{Failure, convert};
+use clap::{Args, ValueEnum};
+use pintle::audit::{Case, CounterExample, ExportError, Planted, Settings, audit_cases};
 use std::fs;
-use std::io::{BufWriter, Write};
-use std::path::PathBuf;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// The forms of counter-examples for others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Form {
+    /// A test in Rust that needs this crate
+    Rust,
+    /// A script for Python with JAX: the reference formulas at the same state
+    Jax,
+    /// A deck; its states in a file beside it, the ending replaced by .states.json
+    Inp,
+}
 
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
@@ -19,9 +30,41 @@ pub(crate) struct Replay {
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
     format: AuditFormat,
+    /// Write it in another form instead of judging it
+    #[arg(long, value_enum, value_name = "FORM", conflicts_with = "format")]
+    export: Option<Form>,
+    /// Where to write that form; without it, to standard output
+    #[arg(short, long, value_name = "FILE", requires = "export")]
+    output: Option<PathBuf>,
 }
 
-/// Judges the state of a counter-example again, by every oracle.
+/// Writes a counter-example in another form.
+fn export(form: Form, example: &CounterExample, name: &str, output: Option<&Path>) -> Result<(), Failure> {
+    let refused = |error: ExportError| Failure::Input(format!("{name} cannot be exported: {error}"));
+    let text = match form {
+        Form::Rust => example.rust().map_err(refused)?,
+        Form::Jax => example.jax().map_err(refused)?,
+        Form::Inp => {
+            let Some(output) = output else {
+                let message = "a deck has its states in a file beside it: say where by -o FILE.inp";
+                return Err(Failure::Usage(message.to_string()));
+            };
+            let deck = example.deck().map_err(refused)?;
+            convert::write(&output.with_extension("states.json"), &deck.states)?;
+            deck.text
+        }
+    };
+    match output {
+        Some(path) => convert::write(path, &text),
+        None => {
+            let mut out = BufWriter::new(io::stdout().lock());
+            out.write_all(text.as_bytes())?;
+            Ok(out.flush()?)
+        }
+    }
+}
+
+/// Judges the state of a counter-example again, by every oracle, or writes it in another form.
 pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
     let name = arguments.file.display();
     let text = fs::read_to_string(&arguments.file)
@@ -31,6 +74,9 @@ pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
     })?;
     let case: Case =
         example.case().map_err(|error| Failure::Input(format!("{name} cannot be replayed: {error}")))?;
+    if let Some(form) = arguments.export {
+        return export(form, &example, &name.to_string(), arguments.output.as_deref());
+    }
     if matches!(arguments.format, AuditFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());
         writeln!(

@@ -517,7 +517,13 @@ impl<'a> Sequence<'a> {
             self.mpcs[at] = result.evaluation.angles;
             let place = rest.split_off_mut(..jacobian.mpc_entries(at)).unwrap_or_default();
             jacobian.write_mpc(at, &result.evaluation.jacobian, place);
-            care.extend(result.flags.into_iter().map(|flag| (element.title(), flag)));
+            let rows = &result.evaluation.jacobian;
+            let broken = |row: &usize| rows[*row].is_some_and(|row| row.iter().any(|x| !x.is_finite()));
+            let broken = (0..rows.len()).filter(broken).map(|row| Flag::NotFinite {
+                component: element.constraint.kind().row_name(row),
+                quantity: "derivative",
+            });
+            care.extend(result.flags.into_iter().chain(broken).map(|flag| (element.title(), flag)));
         }
         self.states += 1;
         Ok(care)
@@ -564,7 +570,10 @@ impl<'a> Sequence<'a> {
             }
             let next = ring.next.and_then(|next| Some((next, model.connectors.get(next)?)));
             let Some((next, beyond)) = next else {
-                found.insert(index, Beyond { tension: Err(Unknown::OpposedBelts), angle: 0.0 });
+                found.insert(
+                    index,
+                    Beyond { tension: Err(Unknown::OpposedBelts), angle: 0.0, is_measured: false },
+                );
                 continue;
             };
             let angle = ring.angle.unwrap_or_else(|| {
@@ -580,7 +589,7 @@ impl<'a> Sequence<'a> {
             } else {
                 Err(Unknown::Part)
             };
-            found.insert(index, Beyond { tension, angle });
+            found.insert(index, Beyond { tension, angle, is_measured: ring.angle.is_none() });
         }
         found
     }

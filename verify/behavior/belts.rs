@@ -169,9 +169,18 @@ fn the_angle_of_wrap_is_that_of_the_solver() {
     assert_eq!(angle(&deck("", "0.06, 1.25")), Some(1.25));
     let model = Model::compile(&explicit).unwrap();
     let states = [state(0.0, 0.0, [0.0; 2]), state(1.0, 0.1, sliding(0.1))];
-    let results = walk(&model, &["CSF"], &states);
-    let slip = &of(&model, &results[1], FIRST).behavior.as_ref().unwrap().slips[0];
+    let results = walk(&model, &["CSF", "TANGENT", "KT"], &states);
+    let first = of(&model, &results[1], FIRST);
+    let slip = &first.behavior.as_ref().unwrap().slips[0];
     assert!((slip.beyond.unwrap().angle - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "{slip:?}");
+    // It changes as the segments move: a tangent without that would be another one.
+    assert_eq!(first.tangent.as_ref().unwrap().unknown[1], Some(Unknown::WrapAngle));
+    assert!(first.forces.as_ref().unwrap().tangent.is_none());
+    let model = Model::compile(&deck("", "0.06, 1.25")).unwrap();
+    let results = walk(&model, &["CSF", "TANGENT", "KT"], &states);
+    let first = of(&model, &results[1], FIRST);
+    assert_eq!(first.tangent.as_ref().unwrap().unknown[1], None);
+    assert!(first.forces.as_ref().unwrap().tangent.is_some());
 }
 
 /// One segment alone finds the tension of the other; histories continue; what is not known is said.

@@ -402,3 +402,34 @@ fn nodal_tangents_are_differences() {
         }
     });
 }
+
+/// Friction under a spring that is not known, and whose force is given, has a value; its slope would lack that of the spring, and is
+/// not known.
+#[test]
+fn slopes_of_friction_need_those_of_what_presses() {
+    let behavior = |dependencies: &str, rows: &str| {
+        format!(
+            "*CONNECTOR ELASTICITY, COMPONENT=2{dependencies}\n{rows}\n\
+             *CONNECTOR FRICTION, COMPONENT=1, CONTACT FORCE=2, STICK STIFFNESS=40.\n*FRICTION\n0.4\n"
+        )
+    };
+    let slopes = |behavior: &str| {
+        let model = model(("pressed", "CARTESIAN, CARDAN\nO,", behavior, ""));
+        let plan = Plan::compile(&model, &Selection::All, request(["CSF", "TANGENT"], 0).unwrap()).unwrap();
+        let moved = NodeMotion { displacement: [0.5, 0.25, 0.0], ..NodeMotion::default() };
+        let total = [0.0, 3.0, 0.0, 0.0, 0.0, 0.0].map(Some);
+        let state = SceneState {
+            nodes: [(2.into(), moved)].into(),
+            forces: [(7.into(), ElementForces { total, ..ElementForces::default() })].into(),
+            ..SceneState::default()
+        };
+        let result = Sequence::new(&model, &plan).step(&state).connectors.remove(0);
+        let slip = result.behavior.unwrap().slips[0].outcome.clone();
+        assert!(slip.unwrap().force[0] != 0.0);
+        result.tangent.unwrap()
+    };
+    let known = slopes(&behavior("", "8."));
+    assert!(known.unknown[0].is_none() && known.displacement[0][1] != 0.0, "{known:?}");
+    let unknown = slopes(&behavior(", DEPENDENCIES=1", "8., , 1.\n9., , 2."));
+    assert!(unknown.unknown[0].is_some() && unknown.displacement[0] == [0.0; 6], "{unknown:?}");
+}

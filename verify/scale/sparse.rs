@@ -210,3 +210,25 @@ fn matrix_market_reads_back() {
     }
     assert_eq!(lines.next(), None);
 }
+
+/// What is not finite is told, of a constraint as of a connector.
+#[test]
+fn entries_that_are_no_numbers_are_told() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 2., 0., 0.\n3, 0., 0., 0.\n4, 2., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 3, 4\n\
+                *CONNECTOR SECTION, ELSET=C\nLINK,\n*MPC\nLINK, 1, 2\n";
+    let scene = Scene::parse("far.inp", deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+    let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::none());
+    let far = |x: f64| pintle::scene::NodeMotion { displacement: [x, 1e308, 0.0], ..Default::default() };
+    let nodes = [(1, far(-1.5e308)), (2, far(1.5e308)), (3, far(-1.5e308)), (4, far(1.5e308))];
+    let nodes = nodes.map(|(node, motion)| (node.into(), motion)).into();
+    let state = pintle::scene::State { nodes, ..Default::default() };
+    let mut values = Vec::new();
+    let care = Sequence::new(&model, &plan).assemble(&state, &jacobian, &mut values).unwrap();
+    assert!(values.iter().any(|x| !x.is_finite()));
+    for title in ["LINK 7", "MPC LINK 1-2"] {
+        let is_it = |flag: &Flag| matches!(flag, Flag::NotFinite { quantity: "derivative", .. });
+        assert!(care.iter().any(|(of, flag)| of == title && is_it(flag)), "{title}: {values:?} {care:?}");
+    }
+}

@@ -105,6 +105,8 @@ pub(super) struct Outcome {
     pub(super) fill: usize,
     /// The largest front, in columns.
     pub(super) front: usize,
+    /// Whether an entry is no finite number, or so large that its uncertainty is none: nothing is then certain.
+    pub(super) overflows: bool,
     pivots: Vec<Pivot>,
     others: Vec<(u32, f64)>,
 }
@@ -148,9 +150,10 @@ fn random(seed: u64) -> Probes {
     })
 }
 
+/// The root mean square, in doubles: squares of narrow numbers would overflow or vanish.
 fn noise(probes: &Probes) -> f64 {
-    let sum: f32 = probes.iter().map(|probe| probe * probe).sum();
-    f64::from((sum / PROBES as f32).sqrt())
+    let sum: f64 = probes.iter().map(|probe| f64::from(*probe) * f64::from(*probe)).sum();
+    (sum / PROBES as f64).sqrt()
 }
 
 struct Elimination<'a> {
@@ -281,7 +284,12 @@ impl Elimination<'_> {
         if value == 0.0 {
             return None;
         }
-        let ratio = value.abs() / noise(probes);
+        let noise = noise(probes);
+        if !(value.is_finite() && noise.is_finite()) {
+            self.outcome.overflows = true;
+            return None;
+        }
+        let ratio = value.abs() / noise;
         if ratio > self.zero {
             return Some(ratio);
         }
@@ -471,7 +479,7 @@ impl Elimination<'_> {
 impl Outcome {
     /// Whether what counts as zero and what does not are well apart.
     pub(super) fn is_decided(&self) -> bool {
-        self.doubtful.is_empty()
+        self.doubtful.is_empty() && !self.overflows
     }
 
     /// Whether pivot rows were kept.

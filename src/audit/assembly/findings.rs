@@ -165,6 +165,16 @@ fn overdriven(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
 }
 
 fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    if assembly.positions.is_empty() && assembly.largest_front > 0 {
+        let message = format!(
+            "the rank of the constraints was not found: elimination would need dense matrices of {} columns",
+            assembly.largest_front
+        );
+        let reason =
+            "the nodes are joined so densely that the constraint Jacobian fills when it is eliminated";
+        let remedy = "audit parts of the model as scenes of their own";
+        return Some(Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy));
+    }
     let position = assembly.positions.iter().find(|position| !position.decided)?;
     let when = position.state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"));
     let doubtful: Vec<String> = position.doubtful.iter().map(ToString::to_string).collect();

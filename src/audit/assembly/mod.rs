@@ -198,9 +198,9 @@ pub struct Assembly {
     pub gruebler: i64,
     /// The number of parts that have no degree of freedom in common.
     pub parts: usize,
-    /// The largest front, in columns: what the elimination cost.
+    /// The largest front, in columns: what the elimination cost, or, where there are no positions, would have cost.
     pub largest_front: usize,
-    /// The initial state, then those given that were looked at.
+    /// The initial state, then those given that were looked at. None where the elimination would have taken too much memory.
     pub positions: Vec<Position>,
     /// Redundant constraints at the initial state.
     pub redundant: Vec<Redundant>,
@@ -271,6 +271,9 @@ pub fn analyse(scene: &Scene, model: &Model, states: &[State], step: usize) -> R
     if Sequence::new(model, &plan).assemble(&start, &system.jacobian, &mut values).is_err() {
         return Ok(Assembly::none(step));
     }
+    if let Some(largest_front) = system.too_large {
+        return Ok(Assembly { largest_front, parts: system.parts.len(), ..Assembly::none(step) });
+    }
     let found = look(&system, &values, &[], true);
     let drives = system.roles.iter().filter(|role| **role == Role::Driven).count();
     let all = Jacobian::new(model, &plan, &Fixed::none(), |_, _| false).columns();
@@ -322,7 +325,7 @@ impl Assembly {
 fn look(system: &System<'_>, values: &[f64], residuals: &[f64], keep: bool) -> Vec<Found> {
     let of_part = |part: &Part| {
         let worst = part.rows.iter().filter_map(|row| residuals.get(*row as usize));
-        let worst = worst.fold(0.0_f64, |most, x| most.max(x.abs()));
+        let worst = largest(worst);
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, values, |role| role != Role::Driven);
         let task =
@@ -548,7 +551,7 @@ fn along(system: &System<'_>, states: &[State], fixed: usize, assembly: &mut Ass
             continue;
         }
         let number = state.number.unwrap_or(index as u64);
-        let worst = residuals.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let worst = largest(&residuals);
         if worst.is_nan() || worst > SATISFIED {
             assembly.off.push(number);
             continue;
@@ -574,6 +577,12 @@ fn along(system: &System<'_>, states: &[State], fixed: usize, assembly: &mut Ass
             }
         }
     }
+}
+
+/// The largest magnitude; what is no number stays one.
+fn largest<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let larger = |most: f64, x: &f64| if most.is_nan() || x.is_nan() { f64::NAN } else { most.max(x.abs()) };
+    numbers.into_iter().fold(0.0, larger)
 }
 
 /// The relative change of the matrix that rounding explains: what is smaller counts as zero.

@@ -7,7 +7,7 @@
 
 use super::eliminate::{Outcome, Sparse, Task, eliminate};
 use super::system::{Part, Role, System};
-use super::{Holds, dense};
+use super::{Holds, dense, largest as largest_of};
 use crate::evaluate::Sequence;
 use crate::scene::State;
 
@@ -103,7 +103,7 @@ fn reach(
         2.0 * turn.fract() - 1.0
     };
     let mut change = here.solve(width, free, true);
-    let largest = change.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let largest = largest_of(&change);
     if largest.is_nan() || largest == 0.0 {
         return Reached::Lost;
     }
@@ -113,7 +113,7 @@ fn reach(
     let mut values = Vec::new();
     for _ in 0..CORRECTIONS {
         let residuals = system.residuals(part, sequence, &state);
-        let worst = residuals.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let worst = largest_of(&residuals);
         if worst.is_nan() || worst > 1e3 {
             return Reached::Lost;
         }
@@ -122,7 +122,7 @@ fn reach(
         }
         let (rows, matrix) = system.matrix(part, &values, is_constraint);
         if worst < HOLDS {
-            let moved = total.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let moved = largest_of(&total);
             if moved < MOVED * step {
                 return Reached::Stuck;
             }
@@ -133,7 +133,10 @@ fn reach(
         let right: Vec<f64> =
             rows.iter().map(|row| place(row).and_then(|at| residuals.get(at)).map_or(0.0, |x| -x)).collect();
         let Some(mut change) = solution(&matrix, &part.order, right, here, by) else { return Reached::Lost };
-        let largest = change.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let largest = largest_of(&change);
+        if !largest.is_finite() {
+            return Reached::Lost;
+        }
         if largest > step {
             change.iter_mut().for_each(|x| *x *= step / largest);
         }

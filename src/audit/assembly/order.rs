@@ -32,7 +32,10 @@ type Neighbours = HashSet<u32, BuildHasherDefault<Mix>>;
 
 /// The vertices of a graph, each after those of least degree at its turn (Markowitz; Tinney and Walker, scheme 2): what is eliminated
 /// leaves its neighbours joined to each other. `cliques` are sets of vertices that are joined to each other.
-pub(super) fn minimum_degree(count: usize, cliques: &[Vec<u32>]) -> Vec<u32> {
+///
+/// # Errors
+/// The number of neighbours of a vertex at its turn, where that is more than `most`: elimination would fill the matrix.
+pub(super) fn minimum_degree(count: usize, cliques: &[Vec<u32>], most: usize) -> Result<Vec<u32>, usize> {
     let mut neighbours: Vec<Neighbours> = vec![Neighbours::default(); count];
     for clique in cliques {
         for v in clique {
@@ -47,6 +50,9 @@ pub(super) fn minimum_degree(count: usize, cliques: &[Vec<u32>]) -> Vec<u32> {
     while let Some((_, v)) = queue.pop_first() {
         order.push(v);
         let joined: Vec<u32> = std::mem::take(&mut neighbours[v as usize]).into_iter().collect();
+        if joined.len() > most {
+            return Err(joined.len());
+        }
         for w in &joined {
             let set = &mut neighbours[*w as usize];
             queue.remove(&(set.len() as u32, *w));
@@ -55,7 +61,7 @@ pub(super) fn minimum_degree(count: usize, cliques: &[Vec<u32>]) -> Vec<u32> {
             queue.insert((set.len() as u32, *w));
         }
     }
-    order
+    Ok(order)
 }
 
 /// Sets of things that are joined, directly or through others.
@@ -94,8 +100,17 @@ mod tests {
     #[test]
     fn leaves_come_before_their_hub() {
         let star: Vec<Vec<u32>> = (1..6).map(|leaf| vec![0, leaf]).collect();
-        let order = minimum_degree(6, &star);
+        let order = minimum_degree(6, &star, 1).unwrap_or_default();
+        assert_eq!(order.len(), 6);
         let hub = order.iter().position(|v| *v == 0).unwrap_or_default();
         assert!(hub >= 4, "{order:?}");
+    }
+
+    /// In a complete graph the first vertex has all others for neighbours.
+    #[test]
+    fn what_would_be_filled_is_refused() {
+        let complete = [(0..9).collect::<Vec<u32>>()];
+        assert_eq!(minimum_degree(9, &complete, 7), Err(8));
+        assert_eq!(minimum_degree(9, &complete, 8).map(|order| order.len()), Ok(9));
     }
 }

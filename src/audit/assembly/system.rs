@@ -64,7 +64,13 @@ pub(super) struct System<'a> {
     /// Rows whose nodes are all fixed.
     pub(super) fixed_rows: Vec<u32>,
     hinges: HashSet<Label>,
+    /// The columns of a front that would be too large; nothing is eliminated then.
+    pub(super) too_large: Option<usize>,
 }
+
+/// A node that is eliminated has no more neighbours: fronts of at most some hundred megabytes. Loops, chains, trees and grids stay far
+/// below; what is joined at random does not.
+const NEIGHBOURS: usize = 600;
 
 /// What prescribed motions do in a step: components of connectors that are held or driven, degrees of freedom that are.
 #[derive(Clone, Debug, Default)]
@@ -154,6 +160,7 @@ impl<'a> System<'a> {
             parts: Vec::new(),
             fixed_rows: Vec::new(),
             hinges,
+            too_large: None,
         };
         system.divide();
         system
@@ -255,7 +262,11 @@ impl<'a> System<'a> {
                 .into_iter()
                 .map(|clique| clique.into_iter().filter_map(|node| local.get(&node).copied()).collect())
                 .collect();
-            part.order = minimum_degree(local.len(), &cliques);
+            match minimum_degree(local.len(), &cliques, NEIGHBOURS) {
+                Ok(order) => part.order = order,
+                // Six columns of each node.
+                Err(neighbours) => self.too_large = self.too_large.max(Some(6 * (neighbours + 1))),
+            }
         }
         self.parts = parts;
         self.fixed_rows = fixed_rows;
@@ -374,7 +385,8 @@ impl<'a> System<'a> {
             Source::Connector(index) => (true, index),
             Source::Mpc(index) => (false, index),
         };
-        let residual = of_source.get(&key).and_then(|of| of[equation.component]).unwrap_or_default();
+        // An equation whose residual is not known is not taken for satisfied.
+        let residual = of_source.get(&key).and_then(|of| of[equation.component]).unwrap_or(f64::NAN);
         residual / self.scale(part, row)
     }
 

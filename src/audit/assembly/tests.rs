@@ -1,9 +1,12 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
+use super::Assembly;
 use super::dense::{least, made_of, singular_values};
 use super::eliminate::{Sparse, Task, eliminate};
+use super::findings::findings;
 use super::order::minimum_degree;
 use crate::audit::sample::Draw;
+use crate::scene::{Code, Scene};
 
 /// Rows over two or three groups of three columns each; of the last `dependent` rows each is a sum of multiples of three others that
 /// share their groups.
@@ -48,7 +51,7 @@ fn order(matrix: &Sparse) -> Vec<u32> {
         groups
     };
     let cliques: Vec<Vec<u32>> = (0..matrix.rows()).map(clique).collect();
-    minimum_degree(matrix.groups.len() - 1, &cliques)
+    minimum_degree(matrix.groups.len() - 1, &cliques, usize::MAX).unwrap_or_default()
 }
 
 /// J q, without cancellation errors that matter.
@@ -130,4 +133,46 @@ fn a_right_hand_side_is_met() {
         let size = solution.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
         assert!(largest_product(&matrix, &difference) < 1e-10 * size, "case {case}");
     }
+}
+
+/// What is no finite number, or too large to tell its uncertainty, leaves the rank undecided; large and small numbers by themselves do
+/// not: only ratios count.
+#[test]
+fn what_is_not_finite_decides_nothing() {
+    let rank = |entry: f64| {
+        let values = vec![entry, 2.0 * entry, entry, -entry];
+        let matrix = Sparse { groups: vec![0, 2], offsets: vec![0, 2, 4], columns: vec![0, 1, 0, 1], values };
+        let outcome = eliminate(&matrix, &order(&matrix), Task::default());
+        (outcome.rank, outcome.is_decided())
+    };
+    for entry in [f64::NAN, f64::INFINITY, 1e300] {
+        assert!(!rank(entry).1, "{entry}");
+    }
+    for entry in [1.0, 1e25, 1e-25] {
+        assert_eq!(rank(entry), (2, true), "{entry}");
+    }
+    // Of rounding a pivot is not made, however small the entries.
+    let values = vec![0.3e-30, 0.1e-30, 0.9e-30, (0.1e-30 * 3.0) * (1.0 + 1e-15)];
+    let matrix = Sparse { groups: vec![0, 2], offsets: vec![0, 2, 4], columns: vec![0, 1, 0, 1], values };
+    assert_eq!(eliminate(&matrix, &order(&matrix), Task::default()).rank, 1);
+}
+
+/// A residual that is no number is the worst of all.
+#[test]
+fn the_largest_keeps_what_is_no_number() {
+    assert_eq!(super::largest(&[1.0, -3.0, 2.0]), 3.0);
+    assert!(super::largest(&[1.0, f64::NAN, 2.0]).is_nan());
+    assert!(super::largest(&[f64::NAN, 1.0]).is_nan());
+}
+
+/// An assembly that is too densely joined is told of, and has no ranks.
+#[test]
+fn what_is_too_large_is_undecided() {
+    let scene = Scene::parse("scene.inp", "*NODE\n1, 0., 0., 0.\n").unwrap();
+    let codes = |largest_front: usize| -> Vec<Code> {
+        let assembly = Assembly { largest_front, ..Assembly::none(1) };
+        findings(&scene, &assembly).iter().map(|finding| finding.code()).collect()
+    };
+    assert_eq!(codes(9000), [Code::AssemblyUndecided]);
+    assert_eq!(codes(0), []);
 }

@@ -26,7 +26,10 @@ pub(super) fn findings(
     states: &[State],
     seen: &mut dyn FnMut(&ConnectorResult),
 ) -> Vec<Finding> {
-    let mut walk = Walk { scene, model, lengths: lengths(model), gathered: Gathered::default(), state: None };
+    let evaluated = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some());
+    let spans = evaluated.map(|mpc| mpc.span).collect();
+    let gathered = Gathered::default();
+    let mut walk = Walk { scene, model, lengths: lengths(model), spans, gathered, state: None };
     let request = Request::new(&[Output::CP, Output::CU, Output::RES], ALL, 0);
     let Ok(plan) = Plan::compile(model, &Selection::All, request) else { return Vec::new() };
     let mut sequence = Sequence::new(model, &plan);
@@ -60,6 +63,8 @@ struct Walk<'a> {
     scene: &'a Scene,
     model: &'a Model,
     lengths: Vec<f64>,
+    /// Where each constraint of the model was read.
+    spans: Vec<Span>,
     gathered: Gathered,
     /// The number of the state; none for the initial one.
     state: Option<u64>,
@@ -100,7 +105,9 @@ impl Walk<'_> {
             let Some(Margin { distance, set }) = *margin else { continue };
             let size = if set.unit == Unit::Length { length } else { 1.0 };
             let is_told = found.iter().any(|told| told.component == COMPONENT[k]);
-            if distance >= NEAR * size || is_told || self.is_directed(element, k) {
+            // A distance that is no number is told of as the position that it is of.
+            let is_near = distance < NEAR * size;
+            if !is_near || is_told || self.is_directed(element, k) {
                 continue;
             }
             found.push(Found {
@@ -125,7 +132,8 @@ impl Walk<'_> {
             let Some(residual) = residual else { continue };
             let of_length = element.connector.differentiated(k).is_some_and(|m| m.unit() == Unit::Length);
             let size = if of_length { length } else { 1.0 };
-            if residual.abs() > VIOLATED * size {
+            // What is no finite number is told above.
+            if residual.is_finite() && residual.abs() > VIOLATED * size {
                 found.push(violated(COMPONENT[k], residual, of_length));
             }
         }
@@ -136,8 +144,7 @@ impl Walk<'_> {
 
     fn constraint(&mut self, result: &MpcResult) {
         let Some(element) = self.model.mpcs.get(result.index) else { return };
-        let place = self.scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some()).nth(result.index);
-        let span = place.map(|mpc| mpc.span).unwrap_or_default();
+        let span = self.spans.get(result.index).copied().unwrap_or_default();
         let title = element.title();
         let arm = norm(element.constraint.arm());
         let mut found: Vec<Found> = result.flags.iter().filter_map(|flag| flagged(flag, false)).collect();
@@ -145,8 +152,11 @@ impl Walk<'_> {
             let Some(residual) = *residual else { continue };
             let of_length = !(crate::mpc::RHO..crate::mpc::FLOW).contains(&row);
             let size = if of_length && arm > 0.0 { arm } else { 1.0 };
-            if residual.abs() > VIOLATED * size {
-                found.push(violated(element.constraint.kind().row_name(row), residual, of_length));
+            let component = element.constraint.kind().row_name(row);
+            if !residual.is_finite() {
+                found.extend(flagged(&Flag::NotFinite { component, quantity: "the residual" }, false));
+            } else if residual.abs() > VIOLATED * size {
+                found.push(violated(component, residual, of_length));
             }
         }
         for found in found {

@@ -12,7 +12,7 @@
 //! kink where T1 = T2.
 
 use super::coefficient::Coefficient;
-use super::criterion::{Derivatives, Point};
+use super::criterion::{Derivatives, Point, parts};
 use super::flags::{Flag, Flags};
 use super::update::{Branch, Outcome, State, Status, StickStiffness, THRESHOLD, first_root, sorted};
 use super::{Context, Ordered, capped, is_finite, is_zero};
@@ -121,15 +121,7 @@ impl Belt {
         let [first, second] = tension;
         let (point, flags) =
             self.at([seed(first, 0), seed(second, 1)], seed(angle, 2), Scalar::from_real(coefficient));
-        let parts =
-            |x: R::Hessian<6>| Derivatives { value: x.real(), gradient: x.gradient(), hessian: x.hessian() };
-        let point = Point {
-            tangential: parts(point.tangential),
-            contact: parts(point.contact),
-            normal: parts(point.normal),
-            criterion: parts(point.criterion),
-        };
-        (point, flags)
+        (parts::<R>(point), flags)
     }
 
     /// The increment from a state.

@@ -461,16 +461,15 @@ impl Criterion {
         let seeded = [0, 1, 2, 3, 4, 5].map(|k| R::Hessian::<6>::seed(forces[k], k));
         let constant = R::Hessian::<6>::from_real;
         let (point, flags) = self.at(&seeded, constant(coefficient), maximum, &context.map(constant));
-        let parts =
-            |x: R::Hessian<6>| Derivatives { value: x.real(), gradient: x.gradient(), hessian: x.hessian() };
-        let point = Point {
-            tangential: parts(point.tangential),
-            contact: parts(point.contact),
-            normal: parts(point.normal),
-            criterion: parts(point.criterion),
-        };
-        (point, flags)
+        (parts::<R>(point), flags)
     }
+}
+
+/// Values, gradients and Hessians.
+pub(super) fn parts<R: Differentiable>(point: Point<R::Hessian<6>>) -> Point<Derivatives<R>> {
+    let of = |x: R::Hessian<6>| Derivatives { value: x.real(), gradient: x.gradient(), hessian: x.hessian() };
+    let Point { tangential, contact, normal, criterion } = point;
+    Point { tangential: of(tangential), contact: of(contact), normal: of(normal), criterion: of(criterion) }
 }
 
 /// The names of components (from 0) as the outputs number them: CSF1 … CSM3, or CSFC for several.

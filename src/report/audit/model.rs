@@ -95,17 +95,13 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
     let others: Vec<&Position> = assembly.positions.iter().skip(1).collect();
     if let Some(most) = others.iter().map(|position| position.rank).max() {
         let least = others.iter().map(|position| position.rank).min().unwrap_or(most);
-        let off = if assembly.off.is_empty() {
-            String::new()
-        } else {
-            format!(
-                "; {} not looked at, for not satisfying the constraints",
-                count(assembly.off.len(), "state")
-            )
-        };
         let text =
-            format!("at {} of those given the rank is {least} to {most}{off}", count(others.len(), "state"));
+            format!("at {} of those given the rank is {least} to {most}", count(others.len(), "state"));
         paragraph(out, &text, 2, width)?;
+    }
+    if !assembly.off.is_empty() {
+        let states = count(assembly.off.len(), "state");
+        paragraph(out, &format!("{states} not looked at, for not satisfying the constraints"), 2, width)?;
     }
     Ok(())
 }

@@ -68,8 +68,8 @@ pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) ->
     let flat = one.with_sign_of(along - across);
     let smaller = across.lesser(along);
     let larger = across.greater(along);
-    // 1 beyond π/8, 0 elsewhere.
-    let beyond = one.with_sign_of(smaller - larger * Lanes::splat(TAN_EIGHTH)).multiply_add(half, half);
+    // 1 beyond π/8, 0 elsewhere and at the origin.
+    let beyond = one.with_sign_of(larger * Lanes::splat(TAN_EIGHTH) - smaller).multiply_add(-half, half);
     let numerator = smaller - beyond * larger;
     let denominator = beyond.multiply_add(smaller, larger).greater(Lanes::splat(SMALLEST));
     let t = numerator / denominator;

@@ -1,0 +1,418 @@
+"""Would the tests notice if the code were wrong? The mutants of `cargo mutants`, all compiled into one program.
+
+`cargo mutants` compiles the crate once for each mutant; here that would take days. This script takes its list of mutants,
+writes every one of them into a copy of the sources behind a switch, `if mutated::on(k) { mutant } else { original }`,
+compiles that once, and runs the tests once for each k, until the first test fails. What does not compile is left out and
+counted. A mutant that every test passes has survived: each must be explained in `verify/mutants.toml`.
+
+    pip install -r scripts/requirements-mutants.txt && cargo install cargo-mutants
+    python scripts/mutants.py build 'src/measure.rs' 'src/so3.rs' 'src/scalar/*.rs' 'src/behavior/**/*.rs'
+    python scripts/mutants.py run --jobs 4
+    python scripts/mutants.py report        # fails on a survivor without an explanation, or an explanation without survivor
+"""
+
+import argparse
+import collections
+import concurrent.futures
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+HOME = pathlib.Path(os.environ.get("PINTLE_MUTANTS", ROOT / "target" / "mutants"))
+TREE, LIST, RESULTS = HOME / "tree", HOME / "mutants.json", HOME / "results.jsonl"
+EXPLAINED = ROOT / "verify" / "mutants.toml"
+
+SWITCH = """//! Which mutant is on: the number in `PINTLE_MUTANT`, none if it is absent.
+use std::sync::atomic::{AtomicU32, Ordering};
+static ACTIVE: AtomicU32 = AtomicU32::new(u32::MAX);
+#[cold]
+fn read() -> u32 {
+    let k = std::env::var("PINTLE_MUTANT").ok().and_then(|k| k.parse().ok()).unwrap_or(0);
+    ACTIVE.store(k, Ordering::Relaxed);
+    k
+}
+/// Whether mutant `k` is on.
+#[inline]
+pub fn on(k: u32) -> bool {
+    let active = ACTIVE.load(Ordering::Relaxed);
+    (if active == u32::MAX { read() } else { active }) == k
+}
+"""
+
+# The tests that are tried first: those of numbers, without the slow ones. What they pass, all the others try.
+QUICK = ["numerics::", "golden", "wide::", "closed::", "laws::", "friction::", "behavior::", "manual::"]
+QUICK += [
+    f"--skip={slow}"
+    for slow in ["tangents::tangents", "product_agrees", "a_part_is_part", "_differences", "wide_agrees", "difference_of"]
+]
+
+# Tests that run other programs, or nothing of the mutated files.
+ELSEWHERE = ["export::", "reports::", "faults::", "scene::", "convert::", "fuzzing::", "cli::", "memory", "threads"]
+
+COMPARISONS = {"==", "!=", "<", ">", "<=", ">="}
+
+
+class Site:
+    """A place in a file and the mutants of it that are still believed to compile."""
+
+    def __init__(self, genre):
+        self.genre, self.mutants = genre, []
+
+
+def identify(mutants):
+    """Numbers that do not depend on line numbers as long as the function does not change: the order in the list from 1."""
+    for k, mutant in enumerate(mutants, 1):
+        mutant["k"] = k
+    return mutants
+
+
+def key(mutant):
+    """How `verify/mutants.toml` names a mutant: file, function and change, without line numbers."""
+    return re.sub(r"^([^:]+):\d+:\d+: ", r"\1: ", mutant["name"])
+
+
+def render(source, mutants, dropped):
+    """The text of a file with its mutants behind switches, and for each line of it the mutants that stand there."""
+    import tree_sitter
+    import tree_sitter_rust
+
+    parser = tree_sitter.Parser(tree_sitter.Language(tree_sitter_rust.language()))
+    lines = source.split(b"\n")
+
+    def byte(position):
+        line = lines[position["line"] - 1].decode()
+        return (position["line"] - 1, len(line[: position["column"] - 1].encode()))
+
+    sites = collections.defaultdict(lambda: None)
+    for mutant in mutants:
+        if mutant["k"] in dropped:
+            continue
+        place = byte(mutant["span"]["start"])
+        site = sites[place, mutant["genre"]]
+        if site is None:
+            site = sites[place, mutant["genre"]] = Site(mutant["genre"])
+        site.mutants.append(mutant)
+    used = set()
+
+    def take(genre, node):
+        site = sites[(node.start_point.row, node.start_point.column), genre]
+        if site:
+            used.update(m["k"] for m in site.mutants)
+            return site.mutants
+        return []
+
+    def text(node):
+        """The node, its children rendered."""
+        result, at = b"", node.start_byte
+        for child in node.children:
+            result += source[at : child.start_byte] + walk(child)
+            at = child.end_byte
+        return result + source[at : node.end_byte]
+
+    def choice(alternatives, original):
+        chain = b""
+        for k, alternative in alternatives:
+            chain += b"\n/*%d*/ if crate::mutated::on(%d) { %s } else " % (k, k, alternative)
+        return chain + b"\n{ " + original + b" }"
+
+    def walk(node):
+        kind = node.type
+        if kind == "binary_expression":
+            operator = node.child_by_field_name("operator")
+            found = take("BinaryOperator", operator)
+            if found:
+                left, right = walk(node.child_by_field_name("left")), walk(node.child_by_field_name("right"))
+                op = operator.text
+                if op in (b"&&", b"||"):
+                    k = found[0]["k"]
+                    stop = b"crate::mutated::on(%d)" % k if op == b"&&" else b"!crate::mutated::on(%d)" % k
+                    return b"({\n/*%d*/ let l__ = %s; if l__ == %s { l__ } else { %s } })" % (k, left, stop, right)
+                by = b"&" if op.decode() in COMPARISONS else b""
+                alternatives = [(m["k"], b"l__ %s r__" % m["replacement"].encode()) for m in found]
+                return b"({ let (l__, r__) = (%s(%s), %s(%s)); %s })" % (
+                    by, left, by, right, choice(alternatives, b"l__ %s r__" % op),
+                )
+        if kind == "compound_assignment_expr":
+            operator = node.child_by_field_name("operator")
+            found = take("BinaryOperator", operator)
+            if found:
+                left, right = node.child_by_field_name("left").text, walk(node.child_by_field_name("right"))
+                alternatives = [(m["k"], b"%s %s r__" % (left, m["replacement"].encode())) for m in found]
+                return b"{ let r__ = %s; %s }" % (right, choice(alternatives, b"%s %s r__" % (left, operator.text)))
+        if kind == "unary_expression":
+            found = take("UnaryOperator", node)
+            if found:
+                operand = walk(node.children[1])
+                return b"({ let x__ = %s; %s })" % (
+                    operand, choice([(found[0]["k"], b"x__")], node.children[0].text + b"x__"),
+                )
+        if kind == "match_arm":
+            found = take("MatchArm", node)
+            if found:
+                k = found[0]["k"]
+                pattern, value = node.child_by_field_name("pattern"), node.child_by_field_name("value")
+                condition = pattern.child_by_field_name("condition")
+                head = source[pattern.start_byte : condition.start_byte if condition else pattern.end_byte]
+                guard = b"\n/*%d*/ !crate::mutated::on(%d)" % (k, k)
+                if condition:
+                    return head + guard + b" && (" + guarded(condition) + b") => " + walk(value) + b","
+                return head + b" if" + guard + b" => " + walk(value) + b","
+        if kind == "match_pattern" and node.child_by_field_name("condition"):
+            condition = node.child_by_field_name("condition")
+            return source[node.start_byte : condition.start_byte] + guarded(condition)
+        if kind == "function_item" and node.child_by_field_name("body"):
+            body = node.child_by_field_name("body")
+            inner = [child for child in body.named_children if not child.type.endswith("comment")]
+            found = take("FnValue", inner[0]) if inner else []
+            result = source[node.start_byte : body.start_byte] + b"{"
+            for m in found:
+                result += b"\n/*%d*/ if crate::mutated::on(%d) { return %s; }\n" % (
+                    m["k"], m["k"], m["replacement"].encode(),
+                )
+            return result + text(body)[1:]
+        return text(node)
+
+    def guarded(condition):
+        found = take("MatchArmGuard", condition)
+        result = walk(condition)
+        for m in found:
+            result = (
+                b"\n/*%d*/ (crate::mutated::on(%d) || (%s))\n" if m["replacement"] == "true"
+                else b"\n/*%d*/ (!crate::mutated::on(%d) && (%s))\n"
+            ) % (m["k"], m["k"], result)
+        return result
+
+    rendered = walk(parser.parse(source).root_node)
+    # The module's own documentation stays first; the switch is reached by its path.
+    places = collections.defaultdict(list)
+    for number, line in enumerate(rendered.split(b"\n"), 1):
+        for k in re.findall(rb"/\*(\d+)\*/", line):
+            places[number].append(int(k))
+    return rendered, places, used
+
+
+def build(patterns):
+    """Writes the tree and compiles it, leaving out what does not compile."""
+    listing = ["cargo", "mutants", "--list", "--json"]
+    for pattern in patterns:
+        listing += ["--file", pattern]
+    mutants = identify(json.loads(subprocess.check_output(listing, cwd=ROOT)))
+    for mutant in mutants:
+        del mutant["diff"]
+    HOME.mkdir(parents=True, exist_ok=True)
+    for name in subprocess.check_output(["git", "ls-files"], cwd=ROOT, text=True).split("\n"):
+        if name:
+            (TREE / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, TREE / name)
+    (TREE / "src" / "mutated.rs").write_text(SWITCH)
+    library = TREE / "src" / "lib.rs"
+    text = library.read_text().replace("pub mod audit;", "#[doc(hidden)]\npub mod mutated;\npub mod audit;")
+    # Batches compile every measure for every vector unit: with all the switches that takes hours, and they test nothing new.
+    library.write_text(text.replace("pub mod batch;\n", ""))
+    tests = TREE / "verify" / "main.rs"
+    tests.write_text(re.sub(r"\nmod batch;[^\n]*", "", tests.read_text()))
+    files = collections.defaultdict(list)
+    for mutant in mutants:
+        files[mutant["file"]].append(mutant)
+    genres = {mutant["k"]: mutant["genre"] for mutant in mutants}
+    constant, dropped, changed = set(), {}, dict.fromkeys(files)
+    while True:
+        places, used = {}, set()
+        for file, its in files.items():
+            source = (ROOT / file).read_bytes()
+            if changed[file] is None:
+                changed[file] = strip(source, constant)
+            rendered, places[file], here = render(changed[file], its, dropped)
+            used |= here
+            if (TREE / file).read_bytes() != rendered:
+                (TREE / file).write_bytes(rendered)
+        bad = errors()
+        if bad is None:
+            break
+        before = len(dropped) + len(constant)
+        for file, line, message in bad:
+            names = re.findall(r"`(?:[\w:<>, ]*::)?(\w+)`", message)
+            if "non-const" in message and file not in files:
+                constant.update(names)
+                changed = dict.fromkeys(files)
+                continue
+            for k in blamed(places.get(file, {}), line, message, genres):
+                dropped.setdefault(k, message)
+        if len(dropped) + len(constant) == before:
+            sys.exit("cannot tell which mutant does not compile:\n" + "\n".join(map(str, bad[:20])))
+        print(f"{len(dropped)} of {len(mutants)} left out so far", flush=True)
+    for mutant in mutants:
+        if mutant["k"] in dropped:
+            mutant["left_out"] = dropped[mutant["k"]]
+        elif mutant["k"] not in used:
+            mutant["left_out"] = "no place found for it"
+    LIST.write_text(json.dumps(mutants, indent=1))
+    compiled = subprocess.run(
+        ["cargo", "test", "--all-features", "--no-run", "--lib", "--test", "verify", "--message-format=json"],
+        cwd=TREE, stdout=subprocess.PIPE, check=True, text=True,
+    )
+    programs = [
+        artifact["executable"]
+        for artifact in map(json.loads, compiled.stdout.splitlines())
+        if artifact.get("executable") and artifact.get("profile", {}).get("test")
+    ]
+    (HOME / "programs.json").write_text(json.dumps(programs))
+    left = sum("left_out" in m for m in mutants)
+    print(f"{len(mutants)} mutants, {left} left out (they do not compile); programs: {programs}")
+
+
+def blamed(places, line, message, genres):
+    """The mutants that an error at a line is laid to: those of the line; the arms of a match; else the nearest above."""
+    if "non-exhaustive" in message:
+        arms = [k for n in range(line, line + 80) for k in places.get(n, []) if genres[k] == "MatchArm"]
+        return arms[:1] or [
+            k for n in range(line, line + 40) for k in places.get(n, []) if genres[k] == "MatchArmGuard"
+        ][:2]
+    for n in (line, line - 1, line + 1, line - 2, line - 3, line - 4):
+        if places.get(n):
+            return places[n]
+    return []
+
+
+def strip(source, constant):
+    """`const fn` becomes `fn`, but for those that constants call."""
+    return re.sub(
+        rb"\bconst fn (\w+)", lambda m: m[0] if m[1].decode() in constant else b"fn " + m[1], source
+    )
+
+
+def errors():
+    """The errors of the compiler, each with its places, or None."""
+    checked = subprocess.run(
+        ["cargo", "check", "--all-features", "--lib", "--message-format=json"], cwd=TREE, stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL, text=True,
+    )
+    if checked.returncode == 0:
+        return None
+    found = []
+    for line in checked.stdout.splitlines():
+        message = json.loads(line).get("message")
+        if isinstance(message, dict) and message["level"] == "error":
+            for span in message["spans"]:
+                if span["is_primary"]:
+                    found.append((span["file_name"], span["line_start"], message["message"]))
+    return found
+
+
+def test(k, programs, timeout, filters, threads=1):
+    """The name of the first test that fails with mutant k on, `timeout`, `crash`, or None."""
+    environment = dict(os.environ, PINTLE_MUTANT=str(k), INSTA_UPDATE="no", RUST_BACKTRACE="0")
+    for program in programs:
+        chosen = filters.get(program, [])
+        if chosen is None:
+            continue
+        start = time.monotonic()
+        process = subprocess.Popen(
+            [program, *chosen, f"--test-threads={threads}"], cwd=TREE, env=environment, stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL, text=True, start_new_session=True,
+        )
+        timer = __import__("threading").Timer(timeout, lambda: stop(process))
+        timer.start()
+        caught, ended = None, False
+        for line in process.stdout:
+            if line.rstrip().endswith("... FAILED"):
+                caught = line.split()[1]
+                break
+            ended |= line.startswith("test result: ok")
+        stop(process)
+        timer.cancel()
+        process.wait()
+        if caught:
+            return caught
+        if not ended:
+            return "timeout" if time.monotonic() - start >= timeout else "crash"
+    return None
+
+
+def stop(process):
+    try:
+        os.killpg(process.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+
+
+def run(jobs, timeout, only, stride):
+    """Runs the tests for every mutant that has no result yet: the quick ones before all the others."""
+    mutants, programs = json.loads(LIST.read_text()), json.loads((HOME / "programs.json").read_text())
+    done = {json.loads(line)["k"] for line in RESULTS.read_text().splitlines()} if RESULTS.exists() else set()
+    verify = next(p for p in programs if pathlib.Path(p).name.startswith("verify"))
+    quick = {p: [] if p != verify else QUICK for p in programs}
+    rest = {p: None if p != verify else [f"--skip={elsewhere}" for elsewhere in ELSEWHERE] for p in programs}
+    open_ones = [
+        m for m in mutants
+        if "left_out" not in m and m["k"] not in done and m["k"] % stride == 0 and (not only or m["file"].startswith(tuple(only)))
+    ]
+    print("without a mutant:", failed := test(0, programs, 3600, rest, threads=jobs), flush=True)
+    if failed:
+        sys.exit("the tests fail without any mutant")
+
+    def judge(mutant):
+        started = time.monotonic()
+        caught = test(mutant["k"], programs, timeout, quick) or test(mutant["k"], programs, 4 * timeout, rest)
+        return mutant, caught, time.monotonic() - started
+
+    count = collections.Counter()
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool, RESULTS.open("a") as file:
+        for mutant, caught, seconds in pool.map(judge, open_ones):
+            file.write(json.dumps({"k": mutant["k"], "name": mutant["name"], "caught": caught, "seconds": seconds}) + "\n")
+            file.flush()
+            count[bool(caught)] += 1
+            if not caught:
+                print("SURVIVED", mutant["k"], mutant["name"], flush=True)
+    print(f"{count[True]} noticed, {count[False]} survived")
+
+
+def report():
+    """Compares the survivors with the explained list."""
+    mutants = {m["k"]: m for m in json.loads(LIST.read_text())}
+    results = [json.loads(line) for line in RESULTS.read_text().splitlines()]
+    survivors = collections.Counter(key(mutants[r["k"]]) for r in results if not r["caught"])
+    explained = tomllib.loads(EXPLAINED.read_text())["survivor"]
+    listed = {entry["mutant"]: entry.get("count", 1) for entry in explained}
+    missing = {name: n for name, n in survivors.items() if listed.get(name, 0) < n}
+    stale = sorted(set(listed) - set(survivors))
+    left = collections.Counter(m["left_out"][:60] for m in mutants.values() if "left_out" in m)
+    print(f"{len(mutants)} mutants: {sum(left.values())} do not compile, {len(results)} were run, "
+          f"{sum(bool(r['caught']) for r in results)} noticed, {sum(survivors.values())} survived")
+    for name, n in sorted(missing.items()):
+        print(f"not explained: {name} ({n})")
+    for name in stale:
+        print(f"explained, but noticed: {name}")
+    sys.exit(bool(missing or stale))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    building = commands.add_parser("build", help="write the mutants into a copy of the sources and compile it")
+    building.add_argument("file", nargs="+", help="patterns of `cargo mutants --file`")
+    running = commands.add_parser("run", help="run the tests for each mutant")
+    running.add_argument("--jobs", type=int, default=os.cpu_count())
+    running.add_argument("--timeout", type=float, default=60.0, help="seconds for the tests that are tried first")
+    running.add_argument("--only", nargs="*", default=[], help="files whose mutants are run")
+    running.add_argument("--stride", type=int, default=1, help="run one mutant in so many, for a sample")
+    commands.add_parser("report", help="compare the survivors with the explained list")
+    arguments = parser.parse_args()
+    if arguments.command == "build":
+        build(arguments.file)
+    elif arguments.command == "run":
+        run(arguments.jobs, arguments.timeout, arguments.only, arguments.stride)
+    else:
+        report()
+
+
+if __name__ == "__main__":
+    main()

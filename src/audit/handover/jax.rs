@@ -1,0 +1,146 @@
+//! A counter-example as a script for JAX: the reference formulas, and the state.
+
+use super::{Entry, ExportError, comment, entry, list, matrix, number, vector};
+use crate::audit::case::Case;
+use crate::audit::counterexample::CounterExample;
+use crate::audit::quantity::{Numbers, Quantity, request};
+use crate::connector::Branch;
+use crate::node::{DOFS, Node, Pair};
+use crate::scalar::elementary::norm;
+use crate::so3;
+use crate::vector::{Vector, dot};
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+/// The formulas, a second time: they know nothing of the Rust source.
+const FORMULAS: &str = include_str!("../../../scripts/reference_formulas.py");
+
+/// What the script does with the state, after formulas and values.
+const JUDGES: &str = include_str!("judge.py");
+
+/// The number of whole turns by which a rotation vector is longer than its principal one, along it.
+fn sheet(pair: &Pair<f64>, continued: Vector<f64>) -> f64 {
+    let principal = so3::log(&pair.relative().q);
+    let size = norm(principal);
+    if size == 0.0 { 0.0 } else { ((dot(principal, continued) / size - size) / TAU).round() }
+}
+
+/// A Python string.
+fn text(text: &str) -> String {
+    serde_json::Value::from(comment(text)).to_string()
+}
+
+fn nodes(name: &str, pair: &Pair<f64>) -> String {
+    let node = |node: &Node<f64>| {
+        format!("({}, {}, {})", vector(&node.displacement), matrix(&node.triad), number(node.flow))
+    };
+    format!("{name} = ({}, {}, {})\n", vector(&pair.reference), node(&pair.a), node(&pair.b))
+}
+
+impl CounterExample {
+    /// A script for Python with JAX and NumPy, and nothing else: formulas of the connection types that share nothing with this crate,
+    /// differentiated by JAX, at the same state. It prints what they give beside what was given and what must be, and ends with exit
+    /// code 1 unless they confirm what must be.
+    ///
+    /// What a history decides (whole turns, the sheet of the rotation vector, the side of Euler angles) is handed over with the state;
+    /// the script does not follow histories. What a FLOW-CONVERTER has accumulated it sums up by itself.
+    ///
+    /// # Errors
+    /// What cannot be replayed; a mismatch of a law, or of a kind of number that the formulas do not have.
+    pub fn jax(&self) -> Result<String, ExportError> {
+        let case = self.case()?;
+        let connector = case.connector();
+        let (Some((evaluation, _)), Some(last)) = (case.evaluation(&request()), case.last()) else {
+            return Err(ExportError::Lost("it has no state".to_string()));
+        };
+        let found = match self.quantity {
+            Some(Quantity::NodalForces | Quantity::GeometricStiffness) => {
+                let message = format!(
+                    "{}: the JAX formulas have values, derivatives, rates and accelerations, and no forces; export a Rust test",
+                    self.entry
+                );
+                return Err(ExportError::Lost(message));
+            }
+            _ => entry(self, &Numbers::of(&evaluation))?,
+        };
+        let mut script = String::from(FORMULAS);
+        script.push_str("\n\n# The state of the counter-example\n\n");
+        self.describe(&mut script, &case, found);
+        script.push_str(&nodes("INITIAL", &case.definition.initial));
+        script.push_str(&nodes("STATE", &last.state.pair));
+        history(&mut script, &case, &evaluation.branch);
+        let active: Vec<&str> =
+            connector.active().iter().map(|active| if *active { "True" } else { "False" }).collect();
+        let written = writeln!(
+            script,
+            "RATES = {}\nACCELERATIONS = {}\nACTIVE = [{}]\nBETA = {}",
+            list(&last.state.velocity),
+            list(&last.state.acceleration),
+            active.join(", "),
+            number(case.definition.flow_scale)
+        );
+        debug_assert!(written.is_ok());
+        script.push_str("\n\n");
+        script.push_str(JUDGES);
+        Ok(script)
+    }
+
+    fn describe(&self, script: &mut String, case: &Case, Entry { quantity, k, i }: Entry) {
+        let (field, place) = match quantity {
+            Quantity::FirstDerivatives => ("jacobian", format!("({k}, {i})")),
+            Quantity::SecondDerivatives => ("hessian", format!("({k}, {}, {})", i / DOFS, i % DOFS)),
+            Quantity::Rate => ("velocity", format!("({k},)")),
+            Quantity::Acceleration => ("acceleration", format!("({k},)")),
+            _ => ("measure", format!("({k},)")),
+        };
+        // A pair is two connectors side by side: translations of the first, rotations of the second.
+        let half = case.definition.connection.halves[usize::from(k >= 3)].map(|half| half.name);
+        let kind = half.unwrap_or(&case.definition.connection.name);
+        let words = format!(
+            "{} by {}: {} against {}, written by pintle {}",
+            case.definition.connection.name, self.subject, self.entry, self.against, self.version
+        );
+        let written = write!(
+            script,
+            "ABOUT = {}\nTYPE = {}\nFIELD, PLACE = {}, {place}\nGIVEN = float({:?})\nWANTED = float({:?})\nTOLERANCE = float({:?})\n",
+            text(&words),
+            text(kind),
+            text(field),
+            number(self.got.0),
+            number(self.want.0),
+            number(self.tolerance.0)
+        );
+        debug_assert!(written.is_ok());
+    }
+}
+
+/// What the history decided, and the increments of the path.
+fn history(script: &mut String, case: &Case, branch: &Branch<f64>) {
+    let turns = branch.turns.map(|turns| turns.turns);
+    let sheet = case.last().map_or(0.0, |last| sheet(&last.state.pair, branch.rotation_vector));
+    let start = case.start.map_or(0.0, |start| start.accumulated + start.accumulated_rest);
+    let written = write!(
+        script,
+        "TURNS = {}\nSHEET, SIDE, TWIST, START = {}, {}, {}, {}\nINCREMENTS = [\n",
+        list(&turns),
+        number(sheet),
+        number(branch.euler_sign),
+        number(branch.torsion.turns),
+        number(start)
+    );
+    debug_assert!(written.is_ok());
+    for step in &case.path {
+        let (a, increment) = (&step.state.pair.a, &step.increment);
+        let [turn_a, turn_b] = &increment.rotation;
+        let written = writeln!(
+            script,
+            "    ({}, {}, {}, {}),",
+            matrix(&a.triad),
+            vector(turn_a),
+            vector(turn_b),
+            number(increment.flow[1])
+        );
+        debug_assert!(written.is_ok());
+    }
+    script.push_str("]\n");
+}

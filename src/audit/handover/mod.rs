@@ -1,0 +1,73 @@
+//! A counter-example in a form for others: a Rust test, a JAX script, a deck with its states.
+
+mod deck;
+mod jax;
+mod rust;
+
+use super::counterexample::{CounterExample, ReplayError};
+use super::quantity::{Numbers, Quantity};
+use crate::scene::Diagnostic;
+use crate::vector::{Matrix, Vector};
+
+pub use deck::{Deck, Difference};
+
+/// Why a counter-example cannot be written in another form.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ExportError {
+    /// It is no counter-example that can be replayed.
+    #[error("cannot be replayed: {0}")]
+    Replay(#[from] ReplayError),
+    /// The form has no place for something in it.
+    #[error("{0}")]
+    Lost(String),
+    /// A deck of it is refused.
+    #[error("it cannot be a deck: {0}")]
+    Deck(#[from] Diagnostic),
+}
+
+/// One number of an evaluation: its kind, component (0-based) and place.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    quantity: Quantity,
+    k: usize,
+    i: usize,
+}
+
+/// The entry that a counter-example is about.
+fn entry(example: &CounterExample, numbers: &Numbers<f64>) -> Result<Entry, ExportError> {
+    let found = example.quantity.and_then(|quantity| {
+        let mut all = numbers.entries(quantity).iter();
+        let (k, i, _) = all.find(|(k, i, _)| quantity.entry_name(*k, *i) == example.entry)?;
+        Some(Entry { quantity, k, i })
+    });
+    found.ok_or_else(|| {
+        let what = if example.entry.is_empty() { "it names no entry" } else { &example.entry };
+        let message = format!(
+            "{what}: only a value or derivative becomes a Rust test or a JAX script; export its state as a deck, or judge it by \
+             `pintle replay` alone"
+        );
+        ExportError::Lost(message)
+    })
+}
+
+/// A double as Rust, Python and decks read it, to the last bit.
+fn number(x: f64) -> String {
+    format!("{x:?}")
+}
+
+fn list(all: &[f64]) -> String {
+    format!("[{}]", all.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", "))
+}
+
+fn vector(v: &Vector<f64>) -> String {
+    list(v)
+}
+
+fn matrix(m: &Matrix<f64>) -> String {
+    format!("[{}]", m.iter().map(vector).collect::<Vec<_>>().join(", "))
+}
+
+/// Text of a file that cannot end the comment it is put into.
+fn comment(text: &str) -> String {
+    text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
+}

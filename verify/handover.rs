@@ -1,0 +1,349 @@
+//! Counter-examples in other forms, each one run: Rust tests are compiled against the crate, scripts go to Python, decks to `pintle
+//! eval`.
+
+use crate::audit::{named, spoiled};
+use crate::cli::pintle;
+use crate::tolerance::HANDOVER;
+use pintle::audit::oracle::Narrow;
+use pintle::audit::sample::{Draw, Region, draw_case, extent};
+use pintle::audit::{Against, Bound, Case, CounterExample, Hex, Oracle, Quantity, product};
+use pintle::catalog::{COMPONENT, TABLE};
+use pintle::node::{DOF, DOFS};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn folder() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("handover");
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// The library that these tests were built with: the newest of that name beside the program.
+fn library() -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_BIN_EXE_pintle")).parent().unwrap().join("deps");
+    let is_library = |path: &PathBuf| {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        name.starts_with("libpintle-") && path.extension().is_some_and(|ending| ending == "rlib")
+    };
+    let all = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(is_library);
+    all.max_by_key(|path| path.metadata().and_then(|data| data.modified()).unwrap()).unwrap()
+}
+
+/// Compiles tests against the library, each in a module of its own, and runs them; the names of those that fail, and what was said.
+fn run_tests(name: &str, texts: &[(String, String)]) -> (Vec<String>, String) {
+    let (source, program) = (folder().join(format!("{name}.rs")), folder().join(name));
+    let modules: String = texts.iter().map(|(name, text)| format!("mod {name} {{\n{text}}}\n")).collect();
+    fs::write(&source, modules).unwrap();
+    let library = library();
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let compiled = Command::new(rustc)
+        .args(["--edition", "2024", "--test", "-D", "warnings", "-o"])
+        .arg(&program)
+        .arg(&source)
+        .arg("--extern")
+        .arg(format!("pintle={}", library.display()))
+        .arg("-L")
+        .arg(format!("dependency={}", library.parent().unwrap().display()))
+        .output()
+        .unwrap();
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    let found = Command::new(&program).output().unwrap();
+    let said = String::from_utf8_lossy(&found.stdout).into_owned();
+    assert!(said.contains(&format!("running {} test", texts.len())), "{said}");
+    let failed =
+        texts.iter().filter(|(name, _)| said.contains(&format!("test {name}::counter_example ... FAILED")));
+    let failed: Vec<String> = failed.map(|(name, _)| name.clone()).collect();
+    assert_eq!(found.status.success(), failed.is_empty(), "{said}");
+    (failed, said)
+}
+
+/// A counter-example of one entry of a case, which wants what the product gives, with no tolerance at all.
+fn exact(case: &Case, quantity: Quantity, k: usize, i: usize) -> CounterExample {
+    let x = product(case).unwrap().entries(quantity).get(k, i).unwrap();
+    CounterExample {
+        quantity: Some(quantity),
+        entry: quantity.entry_name(k, i),
+        got: Hex(x),
+        want: Hex(x),
+        ..CounterExample::record(case, Against::Oracle(Oracle::WideDifferences))
+    }
+}
+
+/// A case of each of some types, wound up where the type counts turns.
+fn wound(name: &str) -> Case {
+    let connection = named(name);
+    let winds = Region::of(connection, extent(connection)).contains(&Region::ManyTurns(7.0));
+    let region = if winds { Region::ManyTurns(7.0) } else { Region::Misaligned };
+    draw_case(connection, region, &mut Draw::new(name)).unwrap()
+}
+
+/// The exported test evaluates the same state bit for bit, through a history of turns: with no tolerance it passes, and one digit
+/// away it fails.
+#[test]
+fn a_rust_test_gives_the_same_bits() {
+    let (mut right, mut wrong) = (Vec::new(), Vec::new());
+    for (name, k, i, quantity) in [
+        ("CARDAN", 3, 11, Quantity::FirstDerivatives),
+        ("RETRACTOR", 5, 13, Quantity::FirstDerivatives),
+        ("FLEXION-TORSION", 4, 0, Quantity::Value),
+        ("BEAM", 4, 3 * DOFS + 11, Quantity::SecondDerivatives),
+        ("EULER", 3, 0, Quantity::Rate),
+        ("BUSHING", 1, 0, Quantity::Acceleration),
+        ("UJOINT", 4, 10, Quantity::NodalForces),
+        ("CYLINDRICAL", 3, 4 * DOFS + 11, Quantity::GeometricStiffness),
+    ] {
+        let example = exact(&wound(name), quantity, k, i);
+        assert!(example.want.0 != 0.0, "{name}");
+        let module = format!("case_{}", right.len());
+        right.push((module.clone(), example.rust().unwrap()));
+        let other = CounterExample { want: Hex(example.want.0.next_up()), ..example };
+        wrong.push((module, other.rust().unwrap()));
+    }
+    let (failed, said) = run_tests("right", &right);
+    assert!(failed.is_empty(), "{said}");
+    let (failed, said) = run_tests("wrong", &wrong);
+    assert_eq!(failed.len(), wrong.len(), "{said}");
+    assert_eq!(said.matches("must be").count(), wrong.len(), "{said}");
+}
+
+/// The Python of the witnesses, where it has JAX.
+fn python() -> Option<PathBuf> {
+    let made = Path::new(env!("CARGO_MANIFEST_DIR")).join(".venv/bin/python");
+    let python = std::env::var_os("PINTLE_PYTHON")
+        .map_or_else(|| if made.exists() { made } else { "python3".into() }, PathBuf::from);
+    let has = Command::new(&python).args(["-I", "-c", "import jax"]).output();
+    if has.is_ok_and(|output| output.status.success()) {
+        return Some(python);
+    }
+    eprintln!(
+        "SKIPPED: {} has no jax, so scripts for it are not tested; scripts/test.sh sets one up",
+        python.display()
+    );
+    None
+}
+
+fn run_script(python: &Path, name: &str, text: &str) -> (bool, String) {
+    let path = folder().join(format!("{name}.py"));
+    fs::write(&path, text).unwrap();
+    let output = Command::new(python).arg("-I").arg(&path).output().unwrap();
+    let said =
+        [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned()).concat();
+    (output.status.success(), said)
+}
+
+/// The script confirms what is right, within the bound of the state and after turns, and does not confirm what is wrong.
+#[test]
+fn a_script_confirms_what_is_right() {
+    let Some(python) = python() else { return };
+    for (n, (name, k, i, quantity)) in [
+        ("CARDAN", 3, 0, Quantity::Value),
+        ("EULER", 5, 11, Quantity::FirstDerivatives),
+        ("ROTATION", 4, 3 * DOFS + 11, Quantity::SecondDerivatives),
+        ("BUSHING", 1, 0, Quantity::Acceleration),
+        ("RETRACTOR", 5, 0, Quantity::Value),
+        ("FLEXION-TORSION", 4, 0, Quantity::Value),
+        ("UNIVERSAL", 4, 0, Quantity::Rate),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let case = wound(name);
+        let mut example = exact(&case, quantity, k, i);
+        let nearness = Narrow::of(&case).unwrap().nearness();
+        let last = case.last().unwrap().state;
+        let bound =
+            Bound::new(&product(&case).unwrap(), &last.velocity, &last.acceleration, case.length, nearness);
+        example.tolerance = Hex(bound.tolerance(quantity, k, i));
+        let (passes, said) = run_script(&python, &format!("right_{n}"), &example.jax().unwrap());
+        assert!(passes && said.contains("JAX confirms"), "{name}: {said}");
+        if n < 2 {
+            let far = example.want.0 + 100.0 * example.tolerance.0;
+            let wrong = CounterExample { want: Hex(far), ..example };
+            let (passes, said) = run_script(&python, &format!("wrong_{n}"), &wrong.jax().unwrap());
+            assert!(!passes && said.contains("JAX does not confirm"), "{name}: {said}");
+        }
+    }
+}
+
+/// The numbers that `pintle eval` gives at the last state, as the product's are held.
+fn evaluated(deck: &Path, states: &Path) -> Vec<(Quantity, usize, usize, f64)> {
+    let [deck, states] = [deck, states].map(|path| path.to_str().unwrap());
+    let outputs = "CU,CV,CA,RES,RESV,RESA";
+    let arguments =
+        ["eval", deck, "--states", states, "--outputs", outputs, "--order", "2", "--format", "json"];
+    let output = pintle(&arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let last = document["scenes"][0]["states"].as_array().unwrap().last().unwrap();
+    let connector = &last["connectors"][0];
+    let mut found = Vec::new();
+    for (k, component) in COMPONENT.iter().enumerate() {
+        let numbers = &connector["components"][component];
+        for (quantity, residual, other) in [
+            (Quantity::Value, "RES", "CU"),
+            (Quantity::Rate, "RESV", "CV"),
+            (Quantity::Acceleration, "RESA", "CA"),
+        ] {
+            let number = numbers[residual].as_f64().or(numbers[other].as_f64());
+            found.extend(number.map(|x| (quantity, k, 0, x)));
+        }
+        let dofs = connector["jacobian"]["dofs"].as_array().unwrap();
+        let place = |dof: &Value| DOF.iter().position(|name| dof["name"] == *name).unwrap();
+        let columns: Vec<usize> = dofs.iter().map(place).collect();
+        let row =
+            |row: &Value| row.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect::<Vec<f64>>();
+        if let Some(of) = connector["jacobian"]["rows"].get(component) {
+            let entries = columns.iter().zip(row(of));
+            found.extend(entries.map(|(j, x)| (Quantity::FirstDerivatives, k, *j, x)));
+        }
+        if let Some(of) = connector["hessian"].get(component) {
+            for (i, of) in columns.iter().zip(of.as_array().unwrap()) {
+                let entries = columns.iter().zip(row(of));
+                found.extend(entries.map(|(j, x)| (Quantity::SecondDerivatives, k, i * DOFS + j, x)));
+            }
+        }
+    }
+    found
+}
+
+/// A deck and its states give the numbers of the counter-example: the same bits where no node is turned, and otherwise within what
+/// the deck says itself.
+#[test]
+fn a_deck_gives_the_same_numbers() {
+    let (mut same, mut near, mut count) = (0, 0, 0);
+    let mut refused = Vec::new();
+    for connection in TABLE {
+        for region in Region::of(connection, extent(connection)) {
+            let chosen = matches!(
+                region,
+                Region::Aligned
+                    | Region::Misaligned
+                    | Region::ManyTurns(_)
+                    | Region::Cube(0 | 9)
+                    | Region::Coincident
+            );
+            let Some(case) = draw_case(connection, region, &mut Draw::new("deck")).filter(|_| chosen) else {
+                continue;
+            };
+            let what = format!("{} {}", connection.name, region.name());
+            let example = CounterExample::record(&case, Against::Own);
+            let deck = match example.deck() {
+                Ok(deck) => deck,
+                Err(error) => {
+                    let refusal = format!("{what}: {error}");
+                    refused.push(refusal);
+                    continue;
+                }
+            };
+            let [path, states] = ["inp", "states.json"].map(|ending| folder().join(format!("deck.{ending}")));
+            fs::write(&path, &deck.text).unwrap();
+            fs::write(&states, &deck.states).unwrap();
+            let numbers = product(&case).unwrap();
+            count += 1;
+            let bits = deck.text.contains("bit for bit");
+            let triads_are_exact = deck.differences.iter().all(|difference| difference.largest == 0.0);
+            assert_eq!(bits, triads_are_exact, "{what}");
+            if bits {
+                same += 1
+            } else {
+                near += 1
+            }
+            let all = evaluated(&path, &states);
+            for quantity in [Quantity::Value, Quantity::FirstDerivatives, Quantity::SecondDerivatives] {
+                assert!(all.iter().any(|(of, ..)| *of == quantity), "{what}");
+            }
+            for (quantity, k, i, x) in all {
+                let want = numbers.entries(quantity).get(k, i).unwrap();
+                let line = format!("**   {}: ", quantity.name());
+                let said = deck.text.lines().find_map(|text| text.strip_prefix(&line));
+                let most: f64 = said.map_or(0.0, |said| said.parse().unwrap());
+                assert!(
+                    (x - want).abs() <= most,
+                    "{what}: {} {x:e}, not {want:e} within {most:e}",
+                    COMPONENT[k]
+                );
+                if bits {
+                    assert!(
+                        x.to_bits() == want.to_bits() || x == 0.0,
+                        "{what}: {} {x:e}, {want:e}",
+                        COMPONENT[k]
+                    );
+                }
+                // What is said is rounding, not another state.
+                let size = HANDOVER * (1.0 + want.abs().max(case.length));
+                let is_regular = matches!(region, Region::Aligned | Region::Misaligned);
+                assert!(!is_regular || most <= size, "{what}: {most:e}");
+            }
+        }
+    }
+    println!("{count} decks: {same} to the bit, {near} near");
+    assert!(same >= 20 && near >= 20, "{same} {near}");
+    assert!(refused.is_empty(), "{refused:#?}");
+}
+
+/// A pair, by the command line, in every form: the counter-example of a wrong candidate.
+#[test]
+fn the_command_line_exports() {
+    let report = spoiled("REVOLUTE", |_, rows| rows[3].as_mut().unwrap()[10] = 0.0);
+    let check = report.subjects[0].checks.iter().find(|check| check.verdict.is_mismatch()).unwrap();
+    let example = CounterExample::of(check, "a \"candidate\"\n*/ '''\u{7}").unwrap();
+    assert_eq!(example.entry, format!("∂ur1/∂{}", DOF[10]));
+    let file = folder().join("counter-example.json");
+    fs::write(&file, serde_json::to_string(&example).unwrap()).unwrap();
+    let replay = |form: &str, more: &[&str]| {
+        let arguments = [&["replay", file.to_str().unwrap(), "--export", form], more].concat();
+        let output = pintle(&arguments).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    };
+    let (code, text, said) = replay("rust", &[]);
+    assert_eq!((code, text.as_str()), (Some(0), example.rust().unwrap().as_str()), "{said}");
+    // The product is right, only the candidate was wrong.
+    let (failed, said) = run_tests("candidate", &[("candidate".to_string(), text)]);
+    assert!(failed.is_empty(), "{said}");
+    let (code, text, said) = replay("jax", &[]);
+    assert_eq!((code, text.as_str()), (Some(0), example.jax().unwrap().as_str()), "{said}");
+    if let Some(python) = python() {
+        let (passes, said) = run_script(&python, "candidate", &text);
+        assert!(passes && said.contains("JAX confirms"), "{said}");
+    }
+    let deck = folder().join("candidate.inp");
+    let (code, text, said) = replay("inp", &["-o", deck.to_str().unwrap()]);
+    assert_eq!((code, text.as_str()), (Some(0), ""), "{said}");
+    assert!(!evaluated(&deck, &folder().join("candidate.states.json")).is_empty());
+    let (code, _, said) = replay("inp", &[]);
+    assert!(code == Some(2) && said.contains("-o FILE.inp"), "{said}");
+    let (code, _, said) = replay("rust", &["-o", "no/such/folder/test.rs"]);
+    assert!(code == Some(6) && said.contains("no/such/folder/test.rs cannot be written"), "{said}");
+    let (code, _, said) = replay("fortran", &[]);
+    assert!(code == Some(2) && said.contains("possible values"), "{said}");
+}
+
+/// What a form has no place for is refused in one sentence.
+#[test]
+fn what_cannot_be_exported_is_said() {
+    let case = wound("BEAM");
+    let law = CounterExample::record(&case, Against::Own);
+    assert!(law.rust().unwrap_err().to_string().contains("names no entry"));
+    assert!(law.jax().unwrap_err().to_string().contains("names no entry"));
+    let force = exact(&case, Quantity::NodalForces, 0, 0);
+    assert!(force.jax().unwrap_err().to_string().contains("no forces"));
+    // Turns that no state tells of.
+    let mut turned = CounterExample::record(&wound("CARDAN"), Against::Own);
+    let case = turned.case().unwrap();
+    let mut branch = case.branch_before(&case.connector());
+    branch.turns.iter_mut().skip(3).for_each(|turns| turns.turns += 5.0);
+    let short = Case { start: Some(branch), path: case.path.last().copied().into_iter().collect(), ..case };
+    turned = CounterExample::record(&short, Against::Own);
+    let said = turned.deck().unwrap_err().to_string();
+    assert!(said.contains("another number of whole turns"), "{said}");
+    let mut displaced = CounterExample::record(&wound("BEAM"), Against::Own);
+    displaced.connector.initial.flow[0] = Hex(1.0);
+    assert!(displaced.deck().unwrap_err().to_string().contains("initial state is displaced"));
+    let other = CounterExample { schema: "pintle-eval/1".to_string(), ..displaced };
+    for refused in [other.rust().err(), other.jax().err(), other.deck().err()] {
+        assert!(refused.unwrap().to_string().contains("pintle-counterexample/1"));
+    }
+}
