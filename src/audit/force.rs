@@ -9,7 +9,7 @@ use super::case::Case;
 use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::{Truth, bracket};
 use crate::catalog::Loading;
-use crate::connector::{Branch, Components, Connector, NodalRow, Output, Request, State, Tally};
+use crate::connector::{Branch, Components, Connector, Increment, NodalRow, Output, Request, State, Tally};
 use crate::force::Want;
 use crate::node::{self, DOFS, Pair};
 use crate::scalar::elementary::norm;
@@ -64,7 +64,9 @@ impl Truth {
             let state = self.state_at(by);
             let want = Want::default();
             let tally = &mut Tally::default();
-            let found = self.connector().force_rows(&state, self.branch(), [true; 6], want, tally);
+            // What moved through half a torsion goes on, as it does where positions are evaluated.
+            let branch = self.connector().advance(&state, &Increment::none(), self.branch());
+            let found = self.connector().force_rows(&state, &branch, [true; 6], want, tally);
             std::array::from_fn::<_, 6, _>(|k| found.row(k).map(|row| (row.row, row.is_gradient)))
         };
         let at_rest = rows(&[Wide::zero(); DOFS]);
