@@ -5,9 +5,15 @@
 //! vector units with fused products (AVX2 + FMA on x86-64, NEON on AArch64), one of which is chosen at run time. Results of the two
 //! differ by roundings, and from those of [`crate::connector`] by a few.
 //!
-//! States come in [`Tile`]s: each number of a state as an array of four, one for each lane. Rows go to arrays of the same kind.
+//! States come in [`Tile`]s: each number of a state as an array of four, one for each lane. Rows go to arrays of the same kind. The
+//! loops are made to be optimised: without optimisation they need a stack of more than 8 MB (here a thread that the page hides).
 //!
 //! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let thread = std::thread::Builder::new().stack_size(256 << 20);
+//! # Ok(thread.spawn(|| example().map_err(|error| error.to_string()))?.join().expect("no panic")?)
+//! # }
+//! # fn example() -> Result<(), Box<dyn std::error::Error>> {
 //! use pintle::batch::{Batch, History, Row, Section, Tile};
 //! use pintle::catalog::ConnectionType;
 //! use pintle::connector::{Connector, Definition};
@@ -31,7 +37,8 @@
 //! batch.rows_of(&[tile], &[constants], &[history], &mut rows)?;
 //! assert_eq!(rows[0].value, [0.0, 0.5, 1.0, 1.5]); // ur1
 //! assert_eq!(rows[0].columns[9], [1.0; 4]); // ∂ur1/∂θb1
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok(())
+//! # }
 //! ```
 
 mod advance;
