@@ -43,7 +43,7 @@ pub enum FrictionTraceError {
 }
 
 /// A double that stands for the i-th parameter while formulas are traced: any that data of the program do not hold.
-fn placeholder(i: usize) -> f64 {
+fn stand_in(i: usize) -> f64 {
     f64::from_bits(0x3ff7_1e5a_c0de_0000 + 0x1357 * (i as u64 + 1))
 }
 
@@ -87,8 +87,8 @@ impl FrictionModel {
             groups.push(inputs.add([name, symbol, meaning], Shape::Scalar, InputUnit::OfParameter));
         }
         let mut graph = Graph::default();
-        let numbers: Vec<f64> = (0..groups.len()).map(placeholder).collect();
-        let placeholders: Vec<(f64, Id)> = numbers
+        let numbers: Vec<f64> = (0..groups.len()).map(stand_in).collect();
+        let stand_ins: Vec<(f64, Id)> = numbers
             .iter()
             .zip(&groups)
             .map(|(number, group)| {
@@ -99,7 +99,7 @@ impl FrictionModel {
         let parameters: Vec<Option<f64>> = parameters.iter().copied().map(Some).collect();
         let criteria = Criterion::predefined(friction, &parameters, constants, false)?;
         let criterion = criteria.get(which).ok_or(ParameterError::Belt)?;
-        let (graph, point) = extend(graph, &placeholders, || {
+        let (graph, point) = extend(graph, &stand_ins, || {
             let mut context = Context::default();
             (context.position[3], context.position[4]) = (inputs.entry(angles, 0), inputs.entry(angles, 1));
             let f = [0, 1, 2, 3, 4, 5].map(|k| inputs.entry(forces, k));

@@ -48,7 +48,7 @@ struct Explorer {
 struct Tracer {
     graph: Graph,
     explorers: Vec<Explorer>,
-    placeholders: HashMap<u64, Id>,
+    stand_ins: HashMap<u64, Id>,
     is_overrun: bool,
 }
 
@@ -87,15 +87,15 @@ pub fn trace<const N: usize>(formula: impl Fn() -> [Symbol; N]) -> Result<(Graph
     extend(Graph::default(), &[], formula)
 }
 
-/// As [`trace`], into an existing graph. `placeholders` are doubles that stand for expressions: where the formula takes its data
+/// As [`trace`], into an existing graph. `stand_ins` are doubles that stand for expressions: where the formula takes its data
 /// as doubles, these give them names.
 pub(super) fn extend<const N: usize>(
     graph: Graph,
-    placeholders: &[(f64, Id)],
+    stand_ins: &[(f64, Id)],
     formula: impl Fn() -> [Symbol; N],
 ) -> Result<(Graph, [Id; N]), TraceError> {
-    let placeholders = placeholders.iter().map(|(x, id)| (x.to_bits(), *id)).collect();
-    let fresh = Tracer { graph, placeholders, ..Tracer::default() };
+    let stand_ins = stand_ins.iter().map(|(x, id)| (x.to_bits(), *id)).collect();
+    let fresh = Tracer { graph, stand_ins, ..Tracer::default() };
     let mut restore = Restore(Some(TRACER.replace(fresh)));
     let found = joined(formula);
     let traced = TRACER.replace(restore.0.take().unwrap_or_default());
@@ -255,7 +255,7 @@ impl Real for Symbol {
     }
 
     fn from_f64(x: f64) -> Self {
-        let known = with(|tracer| tracer.placeholders.get(&x.to_bits()).copied());
+        let known = with(|tracer| tracer.stand_ins.get(&x.to_bits()).copied());
         known.map_or_else(|| Self::build(|graph| graph.constant(Number::double(x))), Self)
     }
 
