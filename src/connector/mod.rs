@@ -9,14 +9,17 @@ mod branch;
 mod compact;
 mod derivatives;
 mod flags;
+mod linear;
 mod request;
 
 pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
 pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
+use derivatives::Seeds;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
+pub use linear::Linear;
 pub use request::{Mask, Output, Request, Tally};
 
 use crate::catalog::{Condition, ConnectionType, PLANE, Slot};
@@ -98,6 +101,8 @@ struct Row<R> {
     initial: R,
     /// What is differentiated: the residual of a constrained component, else the position.
     differentiated: Measure,
+    /// The relative variations along which it has derivatives.
+    seeds: Seeds,
     /// The initial value of what is differentiated, or 0 where the printed function vanishes.
     offset: R,
 }
@@ -120,6 +125,8 @@ pub struct Connector<R: Differentiable> {
     references: Components<R>,
     stops: Components<Stop>,
     active: [bool; DOFS],
+    /// Whether all of them are active, but for those of material flow.
+    is_free: bool,
     reach: [bool; DOFS],
     is_planar: bool,
     initial: Branch<R>,
@@ -222,7 +229,8 @@ impl<R: Differentiable> Connector<R> {
             if position.winds() {
                 turns[k].principal = start;
             }
-            rows[k] = Some(Row { slot, position, initial: start, differentiated, offset });
+            let seeds = Seeds::of(differentiated);
+            rows[k] = Some(Row { slot, position, initial: start, differentiated, seeds, offset });
             references[k] = definition.references[k].map(|reference| match position.unit() {
                 Unit::Angle => R::from_f64(reference) * R::pi() / R::integer(180),
                 _ => R::from_f64(reference),
@@ -248,6 +256,7 @@ impl<R: Differentiable> Connector<R> {
             references,
             stops: definition.stops,
             active,
+            is_free: (0..DOFS).all(|j| active[j] || DOF_NUMBER[j] == 10),
             reach,
             is_planar: definition.planar,
             initial: branch,
@@ -421,11 +430,12 @@ impl Connector<Lanes<false>> {
         Self {
             connection: Arc::clone(&one.connection),
             rows: one.rows.map(|row| {
-                row.map(|Row { slot, position, initial, differentiated, offset }| Row {
+                row.map(|Row { slot, position, initial, differentiated, seeds, offset }| Row {
                     slot,
                     position,
                     initial: Lanes::splat(initial),
                     differentiated,
+                    seeds,
                     offset: Lanes::splat(offset),
                 })
             }),
@@ -438,6 +448,7 @@ impl Connector<Lanes<false>> {
             references: one.references.map(|reference| reference.map(Lanes::splat)),
             stops: one.stops,
             active: one.active,
+            is_free: one.is_free,
             reach: one.reach,
             is_planar: one.is_planar,
             initial: Branch {
