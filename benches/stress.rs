@@ -37,7 +37,8 @@ impl Curve {
     }
 
     fn worst(&self) -> f64 {
-        self.points.iter().fold(0.0, |worst, (_, error)| worst.max(*error))
+        let worse = |worst: f64, error: f64| if error.is_nan() { f64::INFINITY } else { worst.max(error) };
+        self.points.iter().fold(0.0, |worst, (_, error)| worse(worst, *error))
     }
 }
 
@@ -256,7 +257,7 @@ const CARDAN: Lock = Lock {
     title: "∂β/∂θ of a CARDAN towards its lock, α = 0.3",
     rotations: |distance| [[0.3, 0.0, 0.0], [0.0, FRAC_PI_2 - distance, 0.0]],
     axis: 11,
-    other_is: "num-dual: asin of the entry",
+    other_is: "num-dual: asin of the entry (at the top: no number)",
     by_entry: |turned| Dual64::new(turned[0][2], turned[2][2]).asin().eps,
 };
 
@@ -266,7 +267,7 @@ const EULER: Lock = Lock {
     title: "∂β/∂θ of an EULER towards its lock, α = 0.3",
     rotations: |distance| [[0.0, 0.0, 0.3], [distance, 0.0, 0.0]],
     axis: 10,
-    other_is: "num-dual: acos of the entry",
+    other_is: "num-dual: acos of the entry (at the top: no number)",
     by_entry: |turned| Dual64::new(turned[2][2], turned[1][2]).acos().eps,
 };
 
@@ -328,11 +329,11 @@ fn increments() -> Result<Panel> {
 /// The common logarithm at which no error is drawn.
 const EXACT: f64 = -18.0;
 
-/// Beyond this, errors are not told apart.
+/// Beyond this, errors are not told apart, and what is no number is drawn here.
 const HOPELESS: f64 = 3.0;
 
 fn logarithm(error: f64) -> f64 {
-    error.log10().clamp(EXACT, HOPELESS)
+    if error.is_nan() { HOPELESS } else { error.log10().clamp(EXACT, HOPELESS) }
 }
 
 /// 10 to a whole power; nothing for what is none.
