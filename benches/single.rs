@@ -202,7 +202,11 @@ impl Case {
 }
 
 /// Values and rows by evaluation.
-fn values<R: Differentiable>(connector: &Connector<R>, state: &State<R>, components: &[usize]) -> Vec<(f64, [f64; 12])>
+fn values<R: Differentiable>(
+    connector: &Connector<R>,
+    state: &State<R>,
+    components: &[usize],
+) -> Vec<(f64, [f64; 12])>
 where
     f64: From<Narrow<R>>,
 {
@@ -250,7 +254,9 @@ fn main() {
             }
         }
     }
-    println!("ns per state, value and Jacobian; minima of {ROUNDS} interleaved rounds, in brackets the largest error");
+    println!(
+        "ns per state, value and Jacobian; minima of {ROUNDS} interleaved rounds, in brackets the largest error"
+    );
     println!("{:12} {:>18} {:>26} {:>26}", "", "by hand", "linearize", "evaluate");
     let mut logs = [0.0; 2];
     for ((case, [hand, linear, whole]), errors) in cases.iter().zip(&least).zip(errors) {

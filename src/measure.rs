@@ -561,12 +561,6 @@ impl Measure {
 
     /// The principal value on any scalar. Angles that wind are in (−π, π]; a one-form, which has no function, gives 0.
     pub(crate) fn evaluate<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
-        self.evaluate_here(shared)
-    }
-
-    /// As [`Measure::evaluate`], compiled where it is called, where most measures may be known not to occur.
-    #[inline(always)]
-    pub(crate) fn evaluate_here<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
         match self {
             Self::Position(i) | Self::PositionAtB(i) => shared.coordinate(i),
             Self::ProjectedPosition(i) => shared.projected(i),
@@ -584,6 +578,15 @@ impl Measure {
             Self::RotationVector(i) | Self::RotationVectorAtB(i) => shared.rotation(i),
             Self::Misalignment(i) => shared.misaligned(i),
             Self::FlowConversion => S::zero(),
+        }
+    }
+
+    /// As [`Measure::evaluate`]; what depends on the separation alone is compiled where it is called, to a few instructions.
+    #[inline(always)]
+    pub(crate) fn evaluate_position<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
+        match self {
+            Self::Position(i) | Self::PositionAtB(i) => shared.coordinate(i),
+            other => other.evaluate(shared),
         }
     }
 

@@ -51,13 +51,12 @@ impl Environment {
     /// In one line.
     pub fn line(&self) -> String {
         let load = self.load.map_or_else(String::new, |load| format!(", load {load:.1}"));
-        let features = if self.features.is_empty() {
-            String::new()
-        } else {
-            format!(" ({})", self.features.join("/"))
-        };
+        let features =
+            if self.features.is_empty() { String::new() } else { format!(" ({})", self.features.join("/")) };
         let Self { date, processor, cores, system, rustc, pintle, .. } = self;
-        format!("{date}, {processor}{features}, one of {cores} cores{load}, {system}; pintle {pintle}, {rustc}")
+        format!(
+            "{date}, {processor}{features}, one of {cores} cores{load}, {system}; pintle {pintle}, {rustc}"
+        )
     }
 }
 

@@ -4,7 +4,7 @@ use super::complex::Complex;
 use super::subject::{Element, Order, Subject};
 use crate::connector::{Connector, Linear, Mask, Request, Tally};
 use crate::measure::Measure;
-use crate::node::{DOFS, Pair};
+use crate::node::{DOFS, Node, Pair};
 use crate::scalar::Scalar;
 use crate::so3;
 use crate::vector::product;
@@ -264,9 +264,7 @@ impl Place<'_> {
     fn complex_step(&self, h: f64, out: &mut [f64]) {
         let Element { connector, state, branch } = self.element;
         for j in self.active() {
-            let mut dofs = [Complex::from_real(0.0); DOFS];
-            dofs[j].im = h;
-            let values = connector.on_moved_nodes(state, branch, &dofs);
+            let values = connector.on_nodes(&stepped(&state.pair, j, h), &state.pair.a.triad, branch);
             for (row, k) in out.chunks_exact_mut(DOFS).zip(&self.subject.components) {
                 row[j] = values[*k].map_or(f64::NAN, |value| value.im / h);
             }
@@ -291,4 +289,31 @@ impl Place<'_> {
             }
         }
     }
+}
+
+/// The pair with a degree of freedom moved by ih: a rotation about a global axis e turns a triad C to C + ih e × C.
+fn stepped(pair: &Pair<f64>, dof: usize, h: f64) -> Pair<Complex> {
+    let end = |node: &Node<f64>, dof: Option<usize>| {
+        let mut moved = Node {
+            displacement: node.displacement.map(Complex::from_real),
+            triad: node.triad.map(|row| row.map(Complex::from_real)),
+            flow: Complex::from_real(node.flow),
+        };
+        match dof {
+            Some(i @ 0..3) => moved.displacement[i].im = h,
+            Some(i @ 3..6) => {
+                let (j, k) = ((i - 2) % 3, (i - 1) % 3);
+                for column in 0..3 {
+                    moved.triad[j][column].im = -h * node.triad[k][column];
+                    moved.triad[k][column].im = h * node.triad[j][column];
+                }
+            }
+            Some(_) => moved.flow.im = h,
+            None => {}
+        }
+        moved
+    };
+    let (own, of_b) = (dof % (DOFS / 2), dof >= DOFS / 2);
+    let (a, b) = (end(&pair.a, (!of_b).then_some(own)), end(&pair.b, of_b.then_some(own)));
+    Pair { reference: pair.reference, a, b }
 }

@@ -64,13 +64,21 @@ pub struct Point {
     /// Its step, of a way that has one.
     pub step: Option<f64>,
     /// The error of the median state: the largest of an entry over the largest number of its row.
+    #[serde(deserialize_with = "or_infinite")]
     pub median_error: f64,
     /// The error of the worst state.
+    #[serde(deserialize_with = "or_infinite")]
     pub largest_error: f64,
     /// The least time of one state, all rows (ns).
+    #[serde(deserialize_with = "or_infinite")]
     pub nanoseconds: f64,
     /// The least time of the slowest round: how noisy the machine was.
     pub slowest_round: f64,
+}
+
+/// JSON has no infinity: it is null there.
+fn or_infinite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::INFINITY))
 }
 
 impl Point {
@@ -190,26 +198,60 @@ pub fn measure_subjects(
     subjects: &[Subject],
     methods: &[&dyn Method],
 ) -> Result<Vec<Point>, Wrong> {
-    let mut trials = Vec::new();
-    for subject in subjects {
-        for method in methods {
-            let Some(prepared) = method.prepare(subject) else { continue };
-            trials.push(Trial::new(settings, subject, *method, prepared)?);
-        }
-    }
+    let mut session = Session::new(settings, subjects, methods)?;
     for _ in 0..settings.rounds {
-        let mut timed: Option<(Point, [f64; 2])> = None;
-        for trial in &mut trials {
-            // Ways that differ in their steps alone take the same time.
-            let known = timed.as_ref().filter(|(point, _)| {
-                trial.point.step.is_some() && point.is_beside(&trial.point) && point.method == trial.point.method
-            });
-            let time = known.map_or_else(|| trial.time(settings.budget), |(_, [time, _])| *time);
-            trial.take(time);
-            timed = Some((trial.point.clone(), [time, time]));
-        }
+        session.round();
     }
-    Ok(trials.into_iter().map(|trial| trial.point).collect())
+    Ok(session.points())
+}
+
+/// Ways whose errors are known, timed round by round.
+pub struct Session<'s> {
+    trials: Vec<Trial<'s>>,
+    budget: Duration,
+}
+
+impl<'s> Session<'s> {
+    /// Every method for every subject that it is a way for.
+    ///
+    /// # Errors
+    /// [`Wrong`] where pintle's own numbers are not those of the 237-bit scalar.
+    pub fn new(settings: &Settings, subjects: &'s [Subject], methods: &[&dyn Method]) -> Result<Self, Wrong> {
+        let mut trials = Vec::new();
+        for subject in subjects {
+            for method in methods {
+                let Some(prepared) = method.prepare(subject) else { continue };
+                trials.push(Trial::new(settings, subject, *method, prepared)?);
+            }
+        }
+        Ok(Self { trials, budget: settings.budget })
+    }
+
+    /// Times each way once; the times of this round (ns per state), in the order of the points.
+    pub fn round(&mut self) -> Vec<f64> {
+        let mut times: Vec<f64> = Vec::with_capacity(self.trials.len());
+        for i in 0..self.trials.len() {
+            let (before, rest) = self.trials.split_at_mut(i);
+            let Some(trial) = rest.first_mut() else { continue };
+            // Ways that differ in their steps alone take the same time.
+            let same = before.last().filter(|known| {
+                let (point, known) = (&trial.point, &known.point);
+                point.step.is_some() && known.is_beside(point) && known.method == point.method
+            });
+            let time = match (same, times.last()) {
+                (Some(_), Some(time)) => *time,
+                _ => trial.time(self.budget),
+            };
+            trial.take(time);
+            times.push(time);
+        }
+        times
+    }
+
+    /// What is known after the rounds up to now.
+    pub fn points(&self) -> Vec<Point> {
+        self.trials.iter().map(|trial| trial.point.clone()).collect()
+    }
 }
 
 /// One way for one subject.

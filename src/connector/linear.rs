@@ -63,7 +63,7 @@ impl<R: Differentiable> Connector<R> {
         let mut measures = [Measure::Distance; 6];
         let (mut count, mut present) = (0, 0);
         for k in 0..6 {
-            let (Some(row), true) = (&self.rows[k], wanted[k]) else { continue };
+            let (Some(row), true) = (&self.kind.rows[k], wanted[k]) else { continue };
             present |= row.seeds.bit();
             measures[count] = row.differentiated;
             out[count].component = k;
@@ -72,21 +72,21 @@ impl<R: Differentiable> Connector<R> {
         let (measures, out) = (&measures[..count], &mut out[..count]);
         let from = (self, pair, &history);
         if present & Seeds::Translation.bit() != 0 {
-            Seeds::Translation.linearize::<R, 3>(from, measures, out);
+            Seeds::Translation.linearize::<R, 3>(from, Measure::evaluate_position, measures, out);
         }
         if present & Seeds::Rotation.bit() != 0 {
-            Seeds::Rotation.linearize::<R, 3>(from, measures, out);
+            Seeds::Rotation.linearize::<R, 3>(from, Measure::evaluate, measures, out);
         }
         if present & Seeds::Motion.bit() != 0 {
-            Seeds::Motion.linearize::<R, 6>(from, measures, out);
+            Seeds::Motion.linearize::<R, 6>(from, Measure::evaluate, measures, out);
         }
         if present & Seeds::All.bit() != 0 {
-            Seeds::All.linearize::<R, 8>(from, measures, out);
+            Seeds::All.linearize::<R, 8>(from, Measure::evaluate, measures, out);
         }
         if present & Seeds::None.bit() != 0 {
             for (measure, out) in measures.iter().zip(out).filter(|(measure, _)| measure.is_one_form()) {
                 out.value = branch.accumulated + branch.accumulated_rest;
-                out.row = measure.one_form(&pair.a.triad, &self.section);
+                out.row = measure.one_form(&pair.a.triad, &self.kind.section);
                 self.mask(*measure, &mut out.row);
             }
         }
@@ -97,15 +97,15 @@ impl<R: Differentiable> Connector<R> {
     pub fn values(&self, pair: &Pair<R>, branch: &Branch<R>, wanted: Mask) -> Components<R> {
         let history = branch.history();
         let mut needed = Dependence::default();
-        for (row, _) in self.rows.iter().zip(wanted).filter(|(_, wanted)| *wanted) {
+        for (row, _) in self.kind.rows.iter().zip(wanted).filter(|(_, wanted)| *wanted) {
             if let Some(row) = row {
                 needed = needed.or(row.differentiated.dependence());
             }
         }
         let relative = self.relative(pair, needed);
-        let mut shared = Shared::new(&relative, &pair.a.triad, &self.section, &history);
+        let mut shared = Shared::new(&relative, &pair.a.triad, &self.kind.section, &history);
         let mut values = [None; 6];
-        for (k, row) in self.rows.iter().enumerate() {
+        for (k, row) in self.kind.rows.iter().enumerate() {
             let (Some(row), true) = (row, wanted[k]) else { continue };
             values[k] = Some(match row.seeds {
                 Seeds::None => branch.accumulated + branch.accumulated_rest,

@@ -32,7 +32,7 @@ fn nodal_maps_equal_naive_seeding() {
         let dofs = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13].map(|i| zero + Naive::seed(0.0, i));
         let moved = state.pair.moved(&dofs).relative();
         let history = branch.history();
-        let mut shared = Shared::new(&moved, &state.pair.a.triad, &connector.section, &history);
+        let mut shared = Shared::new(&moved, &state.pair.a.triad, &connector.kind.section, &history);
         for k in 0..6 {
             let Some(measure) = connector.differentiated(k) else { continue };
             if measure.is_one_form() {
@@ -54,6 +54,55 @@ fn nodal_maps_equal_naive_seeding() {
             }
         }
     }
+}
+
+/// The short way gives the numbers of the long one, also where degrees of freedom are fixed, and leaves alone what is not wanted.
+#[test]
+fn linearized_is_evaluated() {
+    let free = |entry: &std::sync::Arc<ConnectionType>| Definition {
+        flow_scale: 50.0,
+        ..Definition::new(entry.clone(), pair(0.2))
+    };
+    let alterations: [fn(&mut Definition); 3] = [
+        |_| {},
+        |definition| definition.moves = [false, true],
+        |definition| definition.rotates = [true, false],
+    ];
+    let mut compared = 0;
+    for entry in crate::catalog::TABLE {
+        let entry = std::sync::Arc::new(entry.clone());
+        for alter in alterations {
+            let mut definition = free(&entry);
+            alter(&mut definition);
+            let connector = Connector::<f64>::new(&definition);
+            let mut state = State { pair: pair(0.25), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+            state.pair.reference = definition.initial.reference;
+            let branch = connector.advance(&state, &Increment::none(), &connector.initial_branch());
+            let request = Request::new(&[Output::CP, Output::RES], [true; 6], 1);
+            let found = connector.evaluate_on(&state, branch, &request, &mut Tally::default());
+            for wanted in [[true; 6], [false, true, false, true, true, false]] {
+                let mut rows = [Linear::default(); 6];
+                let count = connector.linearize(&state.pair, &branch, wanted, &mut rows);
+                let values = connector.values(&state.pair, &branch, wanted);
+                let components: Vec<usize> =
+                    (0..6).filter(|k| wanted[*k] && connector.differentiated(*k).is_some()).collect();
+                let of_rows: Vec<usize> = rows[..count].iter().map(|row| row.component).collect();
+                assert_eq!(of_rows, components, "{}", entry.name);
+                for row in &rows[..count] {
+                    let k = row.component;
+                    assert_eq!(Some(row.row), found.jacobian[k], "{} {k}", entry.name);
+                    assert_eq!(Some(row.value), values[k], "{} {k}", entry.name);
+                    if connector.differentiated(k) == connector.position_measure(k) {
+                        assert_eq!(Some(row.value), found.position[k], "{} {k}", entry.name);
+                    } else {
+                        assert_eq!(Some(row.value), found.residual[k], "{} {k}", entry.name);
+                    }
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 300, "{compared}");
 }
 
 /// A node b that turns, from the initial state, by `angle` about a global axis, whole turns included.

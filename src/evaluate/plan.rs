@@ -3,7 +3,7 @@
 use super::model::Model;
 use crate::connector::Request;
 use crate::scene::Label;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 /// The connectors of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,8 +47,10 @@ impl Plan {
         match selection {
             Selection::All => chosen.extend(0..model.connectors.len()),
             Selection::Named(names) => {
+                let labels = model.connectors.iter().enumerate();
+                let labels = labels.map(|(index, connector)| (connector.label, index)).collect();
                 for name in names {
-                    chosen.extend(find(model, name)?);
+                    chosen.extend(find(model, &labels, name)?);
                 }
             }
         }
@@ -71,11 +73,11 @@ impl Plan {
     }
 }
 
-fn find(model: &Model, name: &str) -> Result<Vec<usize>, SelectionError> {
+fn find(model: &Model, labels: &HashMap<Label, usize>, name: &str) -> Result<Vec<usize>, SelectionError> {
     if let Ok(label) = name.trim().parse::<Label>()
-        && let Some(index) = model.connectors.iter().position(|connector| connector.label == label)
+        && let Some(index) = labels.get(&label)
     {
-        return Ok(vec![index]);
+        return Ok(vec![*index]);
     }
     let found = model.sets.iter().find(|(known, _)| known.eq_ignore_ascii_case(name.trim()));
     found.map(|(_, members)| members.clone()).ok_or_else(|| {

@@ -18,7 +18,8 @@ impl<'a> Diagram<'a> {
     fn all(report: &'a Report) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for point in &report.points {
-            let own = all.iter_mut().find(|diagram| diagram.points.iter().any(|known| known.is_beside(point)));
+            let own =
+                all.iter_mut().find(|diagram| diagram.points.iter().any(|known| known.is_beside(point)));
             match own {
                 Some(diagram) => diagram.points.push(point),
                 None => all.push(Self { points: vec![point] }),
