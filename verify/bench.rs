@@ -40,10 +40,9 @@ fn ways_have_the_errors_of_theory() {
         between("complex step", Order::Jacobian, -1.0, 1e-14);
         between("dual numbers by node", Order::Jacobian, -1.0, 1e-14);
         between("nested dual numbers by node", Order::Hessian, -1.0, 1e-13);
-        let coarse = |method: &str| {
-            points.iter().find(|p| p.method == method && p.step == Some(0.1)).unwrap().largest_error
-        };
-        assert!(coarse("forward differences") > 1e-3 && coarse("complex step") > 1e-5, "{name}");
+        let coarse =
+            points.iter().find(|p| p.method == "forward differences" && p.step == Some(0.1)).unwrap();
+        assert!(coarse.largest_error > 1e-3, "{name}: {coarse:?}");
     }
 }
 

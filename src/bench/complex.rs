@@ -6,8 +6,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 /// re + i·im.
 ///
 /// Elementary functions of it are their Taylor polynomials about the real part up to (i·im)², so that their branches are decided on the
-/// real part, and a type whose formulas choose between branches has a complex step too. Beside the exact complex functions that
-/// leaves out terms of the size im³, which the complex step itself counts as error.
+/// real part, and a type whose formulas choose between branches has a complex step too. Beside exact complex functions that leaves out
+/// terms of the size im³: at large steps it errs less than a complex step elsewhere. Cost and rounding are the same.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Complex {
     pub(super) re: f64,
@@ -86,9 +86,9 @@ mod tests {
         let h = 1e-30;
         let angle = atan2(Complex::from_real(1.0), Complex { re: 0.0, im: h });
         assert_eq!((angle.re, angle.im / h), (std::f64::consts::FRAC_PI_2, -1.0));
-        // With a large step the error is that of the complex step, h²/6 of the third derivative: cos of atan2's t.
-        let h = 1e-3;
-        let angle = atan2(Complex { re: 0.5, im: h }, Complex::from_real(1.0));
-        assert!((angle.im / h - 0.8).abs() < 1e-5 && angle.im / h != 0.8);
+        // A product has the error of the complex step, h².
+        let x = Complex { re: 0.5, im: 1e-3 };
+        let slope = (x * x * x).im / 1e-3;
+        assert!((slope - 0.75 + 1e-6).abs() < 1e-15, "{slope}");
     }
 }
