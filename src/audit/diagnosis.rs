@@ -10,7 +10,7 @@
 
 use super::bound::Bound;
 use super::case::Case;
-use super::mutant::{Mistake, Scene, mutants};
+use super::mutant::{Changes, Mistake, Scene, mutants};
 use super::quantity::{Entries, Numbers, Quantity};
 use crate::catalog::COMPONENT;
 use crate::measure::Unit;
@@ -180,7 +180,7 @@ impl Explained {
 /// What a mistake would make of the numbers.
 struct Hypothesis {
     cause: Cause,
-    changes: Vec<(usize, usize, f64)>,
+    changes: Changes,
 }
 
 /// Wrong numbers, and what they must be.
@@ -266,15 +266,15 @@ impl Symptoms<'_> {
         let mut found: Vec<Hypothesis> = made.filter(|made| !made.cause.is_of_an_entry()).collect();
         for (k, entries) in self.wanted().0.iter().enumerate() {
             let Some(entries) = entries else { continue };
-            let changes = entries.iter().enumerate().map(|(i, x)| (k, i, -x)).collect();
-            found.push(Hypothesis { cause: Cause::Reversed, changes });
+            let changes: Vec<_> = entries.iter().enumerate().map(|(i, x)| (k, i, -x)).collect();
+            found.push(Hypothesis { cause: Cause::Reversed, changes: changes.into() });
             if matches!(self.quantity, Quantity::FirstDerivatives | Quantity::NodalForces) {
                 found.extend(self.conventions(k, entries));
             }
         }
         for (k, i, x) in self.wanted().iter().filter(|(_, _, x)| *x != 0.0) {
-            found.push(Hypothesis { cause: Cause::Dropped, changes: vec![(k, i, 0.0)] });
-            found.push(Hypothesis { cause: Cause::Sign, changes: vec![(k, i, -x)] });
+            found.push(Hypothesis { cause: Cause::Dropped, changes: Changes::One([(k, i, 0.0)]) });
+            found.push(Hypothesis { cause: Cause::Sign, changes: Changes::One([(k, i, -x)]) });
         }
         found
     }
@@ -285,7 +285,7 @@ impl Symptoms<'_> {
         let part = |at: usize| [0, 1, 2].map(|i| row.get(at + i).copied().unwrap_or(0.0));
         let put = |cause: Cause, at: usize, block: [f64; 3]| Hypothesis {
             cause,
-            changes: block.into_iter().enumerate().map(|(i, x)| (k, at + i, x)).collect(),
+            changes: Changes::Many(block.into_iter().enumerate().map(|(i, x)| (k, at + i, x)).collect()),
         };
         let mut found = Vec::new();
         for (at, triad) in [(node::THETA_A, &pair.a.triad), (node::THETA_B, &pair.b.triad)] {

@@ -87,12 +87,24 @@ pub(super) fn headline(report: &Report) -> String {
 
 /// The outcome of the comparisons.
 fn of_numbers(report: &Report) -> String {
-    match (report.survivors(), report.mismatches(), report.undecided()) {
-        (survivors @ 1.., ..) => format!("self-test failed: {survivors} mutants survived"),
-        (0, 1, _) => "1 mismatch".into(),
-        (0, mismatches @ 2.., _) => format!("{mismatches} mismatches"),
-        (0, 0, undecided @ 1..) => format!("no mismatch; {} undecided", count(undecided, "subject")),
-        _ => "no mismatch".into(),
+    let survivors = match report.survivors() {
+        0 => String::new(),
+        1 => "self-test failed: 1 mutant survived".into(),
+        survivors => format!("self-test failed: {survivors} mutants survived"),
+    };
+    match (report.mismatches(), survivors.is_empty(), report.undecided()) {
+        (1.., false, _) => format!("{}; {survivors}", mismatches(report)),
+        (1.., true, _) => mismatches(report),
+        (0, false, _) => survivors,
+        (0, true, 0) => "no mismatch".into(),
+        (0, true, undecided) => format!("no mismatch; {} undecided", count(undecided, "subject")),
+    }
+}
+
+fn mismatches(report: &Report) -> String {
+    match report.mismatches() {
+        1 => "1 mismatch".into(),
+        mismatches => format!("{mismatches} mismatches"),
     }
 }
 
