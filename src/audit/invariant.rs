@@ -699,11 +699,8 @@ pub fn try_mutants(
         asked.sort_unstable();
         asked.dedup();
         let of = |n: &usize| demands.get(*n).is_some_and(|demand| demand.units_of(demand.sum(number)) > 1.0);
-        if asked.iter().any(of) {
-            score.killed += 1;
-        } else {
-            score.equivalent += 1;
-        }
+        // What a law does not notice counts as nothing.
+        score.count(mutant.mistake, asked.iter().any(of), || 0.0, String::new);
         for (k, i, _) in mutant.changes.iter() {
             if let Some(entry) = changed.get_mut(place(*k, *i)) {
                 *entry = None;
