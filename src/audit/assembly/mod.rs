@@ -26,6 +26,7 @@
 //! | `system` | what are the equations, and which belong together? |
 //! | `order` | in which order are nodes eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
+//! | `noise` | what of that is rounding? |
 //! | `dense` | singular values of small parts |
 //! | `moving` | does a redundancy hold elsewhere? |
 //! | `findings` | what is said of it? |
@@ -34,7 +35,9 @@ mod dense;
 mod eliminate;
 pub(super) mod findings;
 mod moving;
+mod noise;
 mod order;
+mod sparse;
 mod system;
 #[cfg(test)]
 mod tests;

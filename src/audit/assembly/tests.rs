@@ -43,7 +43,12 @@ fn random(groups: usize, independent: usize, dependent: usize, draw: &mut Draw) 
 }
 
 fn order(matrix: &Sparse) -> Vec<u32> {
-    let of = matrix.group_of();
+    let of: Vec<u32> = matrix
+        .groups
+        .windows(2)
+        .zip(0..)
+        .flat_map(|(ends, group)| (ends[0]..ends[1]).map(move |_| group))
+        .collect();
     let clique = |row: usize| -> Vec<u32> {
         let mut groups: Vec<u32> =
             matrix.columns[matrix.range(row)].iter().map(|column| of[*column as usize]).collect();
@@ -141,7 +146,13 @@ fn a_right_hand_side_is_met() {
 fn what_is_not_finite_decides_nothing() {
     let rank = |entry: f64| {
         let values = vec![entry, 2.0 * entry, entry, -entry];
-        let matrix = Sparse { groups: vec![0, 2], offsets: vec![0, 2, 4], columns: vec![0, 1, 0, 1], values };
+        let matrix = Sparse {
+            groups: vec![0, 2],
+            offsets: vec![0, 2, 4],
+            columns: vec![0, 1, 0, 1],
+            values,
+            ..Sparse::default()
+        };
         let outcome = eliminate(&matrix, &order(&matrix), Task::default());
         (outcome.rank, outcome.is_decided())
     };
@@ -153,7 +164,13 @@ fn what_is_not_finite_decides_nothing() {
     }
     // Of rounding a pivot is not made, however small the entries.
     let values = vec![0.3e-30, 0.1e-30, 0.9e-30, (0.1e-30 * 3.0) * (1.0 + 1e-15)];
-    let matrix = Sparse { groups: vec![0, 2], offsets: vec![0, 2, 4], columns: vec![0, 1, 0, 1], values };
+    let matrix = Sparse {
+        groups: vec![0, 2],
+        offsets: vec![0, 2, 4],
+        columns: vec![0, 1, 0, 1],
+        values,
+        ..Sparse::default()
+    };
     assert_eq!(eliminate(&matrix, &order(&matrix), Task::default()).rank, 1);
 }
 
