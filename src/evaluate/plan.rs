@@ -43,20 +43,21 @@ impl Plan {
     /// # Errors
     /// A name that is neither a connector's number nor an element set with connectors.
     pub fn compile(model: &Model, selection: &Selection, request: Request) -> Result<Self, SelectionError> {
+        let Selection::Named(names) = selection else { return Ok(Self::everything(model, request)) };
         let mut chosen = BTreeSet::new();
-        match selection {
-            Selection::All => chosen.extend(0..model.connectors.len()),
-            Selection::Named(names) => {
-                for name in names {
-                    chosen.extend(find(model, name)?);
-                }
-            }
+        for name in names {
+            chosen.extend(find(model, name)?);
         }
-        let connectors: Vec<usize> = chosen.into_iter().collect();
-        let mpcs: Vec<usize> = match selection {
-            Selection::All => (0..model.mpcs.len()).collect(),
-            Selection::Named(_) => Vec::new(),
-        };
+        Ok(Self::of(model, chosen.into_iter().collect(), Vec::new(), request))
+    }
+
+    /// Compiles a request for every connector and multi-point constraint of a model.
+    pub fn everything(model: &Model, request: Request) -> Self {
+        Self::of(model, (0..model.connectors.len()).collect(), (0..model.mpcs.len()).collect(), request)
+    }
+
+    /// Of these connectors and multi-point constraints, by index.
+    fn of(model: &Model, connectors: Vec<usize>, mpcs: Vec<usize>, request: Request) -> Self {
         let mut nodes = BTreeSet::new();
         for index in &connectors {
             nodes.extend(model.connectors[*index].nodes.iter().flatten());
@@ -67,7 +68,7 @@ impl Plan {
         for index in &mpcs {
             nodes.extend(&model.mpcs[*index].nodes);
         }
-        Ok(Self { connectors, mpcs, nodes, request })
+        Self { connectors, mpcs, nodes, request }
     }
 }
 
