@@ -254,6 +254,7 @@ MEASUREMENTS = {
     peers: ("peers", "peers-summary"),
     printed("lanes"): ("lanes",),
     printed("demand"): ("demand",),
+    printed("scale"): ("scale",),
 }
 
 

@@ -141,7 +141,7 @@ fn certificates_follow_from_the_tests() {
     );
 }
 
-fn at_rest(name: &str) -> Definition {
+pub(crate) fn at_rest(name: &str) -> Definition {
     let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
     Definition::new(named(name).clone(), Pair { reference: [0.7, -0.4, 0.9], a: node, b: node })
 }

@@ -13,6 +13,7 @@ use super::oracle::{Answer, Narrow, Oracle, WideAnswers, remainders};
 use super::outcome::{Against, Check, Report, Subject};
 use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
+use super::sheet::Sheet;
 use super::truth::Truth;
 use super::verdict::{Finding, Judgement, Score, Surroundings, Verdict, judge, try_mutants};
 use crate::catalog::{ConnectionType, Slot, TABLE};
@@ -50,7 +51,8 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Planted {
-    /// The largest first derivative of the first component is multiplied by 1 + 1e-6.
+    /// The largest first derivative of the first component of a connector, of a constraint, of a friction's forces, or the largest slope
+    /// of a behaviour is multiplied by 1 + 1e-6.
     WrongEntry,
     /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
     LostAnswer,
@@ -68,6 +70,17 @@ impl Planted {
             *entry *= 1.0 + 1e-6;
         }
         numbers.set(Quantity::FirstDerivatives, rows);
+    }
+
+    /// The same of a sheet.
+    pub(super) fn spoil_sheet(self, sheet: &mut Sheet) {
+        let has_first = [Quantity::FirstDerivatives, Quantity::FrictionGradient, Quantity::BehaviorTangent];
+        if self == Self::WrongEntry
+            && has_first.contains(&sheet.quantity)
+            && let Some(entry) = sheet.entries.iter_mut().max_by(|x, y| x.got.abs().total_cmp(&y.got.abs()))
+        {
+            entry.got *= 1.0 + 1e-6;
+        }
     }
 
     /// The answer with the fault in it.
@@ -188,12 +201,8 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
             -demand.offset - 1e-6,
         ] {
             let mutated = invariant::Demand { offset: wrong, ..demand.clone() };
-            if mutated.units(&none, &[]) > 1.0 {
-                check.score.killed += 1;
-            } else {
-                check.score.survived += 1;
-                check.score.survivors.insert(Mistake::WrongParity.name(), demand.what.clone());
-            }
+            let noticed = mutated.units(&none, &[]) > 1.0;
+            check.score.count(Mistake::WrongParity, noticed, f64::INFINITY, || demand.what.clone());
         }
     }
     check

@@ -642,11 +642,8 @@ pub fn try_mutants(
             .iter()
             .filter(|demand| touches(demand))
             .any(|demand| demand.units(numbers, &changed) > 1.0);
-        if noticed {
-            score.killed += 1;
-        } else {
-            score.equivalent += 1;
-        }
+        // What a law does not notice counts as nothing.
+        score.count(mutant.mistake, noticed, 0.0, String::new);
     }
     score
 }

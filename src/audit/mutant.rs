@@ -35,9 +35,9 @@ pub enum Mistake {
     BlockTransposed,
     /// The rotation degrees of freedom of a node are taken as local: its block is multiplied by its triad.
     RotationTakenAsLocal,
-    /// The blocks of a and b are exchanged.
+    /// The blocks of the nodes are exchanged.
     NodesSwapped,
-    /// The block of a has the sign of b's.
+    /// The block of the first node has the sign of the second's.
     SameSignForBoth,
     /// The rotation block of a node is halved.
     RotationHalved,
@@ -51,7 +51,7 @@ pub enum Mistake {
     WrongParity,
     /// The turns counted up to now are forgotten.
     TurnForgotten,
-    /// The rates of node a are ignored.
+    /// The rates of the first node are ignored.
     RatesOfAIgnored,
     /// The part quadratic in the rates is missing.
     QuadraticPartMissing,
@@ -63,6 +63,10 @@ pub enum Mistake {
     StickForSlip,
     /// What presses is held while a tangent is taken.
     CouplingMissing,
+    /// The slopes by displacements and by velocities are exchanged.
+    ElasticForViscous,
+    /// F/u in place of ∂F/∂u.
+    SecantForTangent,
 }
 
 impl Mistake {
@@ -78,19 +82,21 @@ impl Mistake {
             Self::BlockTransposed => "block transposed".into(),
             Self::RotationTakenAsLocal => "rotation taken as local".into(),
             Self::NodesSwapped => "nodes swapped".into(),
-            Self::SameSignForBoth => "sign of node a".into(),
+            Self::SameSignForBoth => "sign of the first node".into(),
             Self::RotationHalved => "rotation block halved".into(),
             Self::DegreesForRadians => "degrees for radians".into(),
             Self::GeometricTermMissing => "geometric term missing".into(),
             Self::BracketKept => "second derivatives not symmetrised".into(),
             Self::WrongParity => "nπ of the wrong parity".into(),
             Self::TurnForgotten => "previous turns forgotten".into(),
-            Self::RatesOfAIgnored => "rates of node a ignored".into(),
+            Self::RatesOfAIgnored => "rates of the first node ignored".into(),
             Self::QuadraticPartMissing => "quadratic part missing".into(),
             Self::NumberLeftOut => "β = 2/L without the 2".into(),
             Self::MultipliedInsteadOfDivided => "R_r multiplied instead of divided".into(),
             Self::StickForSlip => "stick for slip".into(),
             Self::CouplingMissing => "contact force held".into(),
+            Self::ElasticForViscous => "elastic for viscous slopes".into(),
+            Self::SecantForTangent => "secant for tangent".into(),
         }
     }
 }
@@ -157,24 +163,21 @@ pub fn mutants(quantity: Quantity, scene: &Scene<'_>) -> Vec<Mutant> {
     found
 }
 
+/// The mistakes that can be made in a number by itself, each with what it makes of it; `scale` is its conditioned scale.
+pub fn of_number(x: f64, scale: f64) -> impl Iterator<Item = (Mistake, f64)> {
+    let spurious = (x.abs() <= NOTHING * scale).then_some((Mistake::Spurious, x + 1e-3 * scale));
+    let others = [(Mistake::Dropped, 0.0), (Mistake::Sign, -x)].into_iter();
+    let others =
+        others.chain(LADDER.into_iter().map(move |delta| (Mistake::Scaled(delta), x * (1.0 + delta))));
+    spurious.into_iter().chain(others.filter(move |_| x != 0.0))
+}
+
 fn entry_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
-    let mut found = Vec::new();
-    for (k, i, x) in entries.iter() {
-        let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
-        let scale = (scene.scale)(k, i);
-        if x.abs() <= NOTHING * scale {
-            one(Mistake::Spurious, x + 1e-3 * scale);
-        }
-        if x == 0.0 {
-            continue;
-        }
-        one(Mistake::Dropped, 0.0);
-        one(Mistake::Sign, -x);
-        for delta in LADDER {
-            one(Mistake::Scaled(delta), x * (1.0 + delta));
-        }
-    }
-    found
+    let of = |(k, i, x)| {
+        let made = of_number(x, (scene.scale)(k, i));
+        made.map(move |(mistake, x)| Mutant { mistake, changes: vec![(k, i, x)] })
+    };
+    entries.iter().flat_map(of).collect()
 }
 
 fn value_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {

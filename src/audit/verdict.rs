@@ -1,6 +1,7 @@
 //! Judging numbers against an answer: which entry, by how much, and how small an error would have been seen.
 
 use super::bound::Bound;
+use super::diagnosis::Cause;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
 use super::quantity::{Entries, Quantity};
@@ -237,10 +238,10 @@ fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Ve
     if proven && error <= LOST_DIGITS * scale { Verdict::UnstableFormula } else { Verdict::Wrong }
 }
 
-/// How mutants of the same numbers fared.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Score {
-    /// By mistake: noticed.
+/// How mutants with one kind of mistake fared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+pub struct Fared {
+    /// Noticed.
     pub killed: u64,
     /// Changed nothing.
     pub equivalent: u64,
@@ -248,6 +249,37 @@ pub struct Score {
     pub below_resolution: u64,
     /// Not noticed, though the change exceeds twice what is allowed.
     pub survived: u64,
+}
+
+impl Fared {
+    /// Adds others.
+    pub const fn add(&mut self, other: Self) {
+        self.killed += other.killed;
+        self.equivalent += other.equivalent;
+        self.below_resolution += other.below_resolution;
+        self.survived += other.survived;
+    }
+
+    /// Mutants that had to be noticed.
+    pub const fn decisive(self) -> u64 {
+        self.killed + self.survived
+    }
+}
+
+/// How mutants of the same numbers fared.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Score {
+    /// Noticed.
+    pub killed: u64,
+    /// Changed nothing.
+    pub equivalent: u64,
+    /// Changed less than twice what is allowed.
+    pub below_resolution: u64,
+    /// Not noticed, though the change exceeds twice what is allowed.
+    pub survived: u64,
+    /// By kind of mistake, by the code that explains it.
+    #[schemars(with = "BTreeMap<String, Fared>")]
+    pub by_mistake: BTreeMap<Cause, Fared>,
     /// The mistakes that survived, with an entry each.
     pub survivors: BTreeMap<String, String>,
     /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states.
@@ -270,16 +302,18 @@ impl Score {
         change: f64,
         entry: impl FnOnce() -> String,
     ) {
-        if noticed {
-            self.killed += 1;
+        let of_kind = self.by_mistake.entry(Cause::of(mistake)).or_default();
+        let (all, kind) = if noticed {
+            (&mut self.killed, &mut of_kind.killed)
         } else if change == 0.0 {
-            self.equivalent += 1;
+            (&mut self.equivalent, &mut of_kind.equivalent)
         } else if change < 2.0 {
-            self.below_resolution += 1;
+            (&mut self.below_resolution, &mut of_kind.below_resolution)
         } else {
-            self.survived += 1;
             self.survivors.insert(mistake.name(), entry());
-        }
+            (&mut self.survived, &mut of_kind.survived)
+        };
+        (*all, *kind) = (*all + 1, *kind + 1);
     }
 
     /// Adds another score.
@@ -288,6 +322,9 @@ impl Score {
         self.equivalent += other.equivalent;
         self.below_resolution += other.below_resolution;
         self.survived += other.survived;
+        for (cause, fared) in other.by_mistake {
+            self.by_mistake.entry(cause).or_default().add(fared);
+        }
         for (mistake, entry) in other.survivors {
             self.survivors.entry(mistake).or_insert(entry);
         }

@@ -122,16 +122,16 @@ pub(crate) struct Audit {
     #[arg(long, value_enum, hide = true)]
     plant: Option<Plant>,
     /// Findings of this code, of this group (model, assembly, coverage, rule …), all notes or all warnings, are errors: exit 1
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     deny: Vec<String>,
     /// … are warnings
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     warn: Vec<String>,
     /// … are notes
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     note: Vec<String>,
     /// … are not shown
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     allow: Vec<String>,
     /// Exit with 3 where something is undecided
     #[arg(long)]
@@ -164,7 +164,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     };
     let loaded = sources
         .iter()
-        .map(|source| load(*source, arguments.at.as_deref(), None))
+        .map(|source| load(*source, arguments.at.as_deref()))
         .collect::<Result<Vec<Loaded>, Failure>>()?;
     let selection = match arguments.connector.as_slice() {
         [] => Selection::All,
@@ -210,10 +210,8 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         Some(of_catalogue) => of_catalogue.joined(of_scenes),
         None => of_scenes,
     };
-    if !is_catalogue {
-        let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
-        report.models = loaded.iter().map(of_model).collect();
-    }
+    let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
+    report.models = loaded.iter().map(of_model).collect();
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
         let scenes: Vec<&Scene> = loaded.iter().map(|loaded| &loaded.scene).collect();

@@ -3,7 +3,7 @@
 use super::model::Model;
 use crate::connector::Request;
 use crate::scene::Label;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 /// The connectors of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,8 +45,10 @@ impl Plan {
     pub fn compile(model: &Model, selection: &Selection, request: Request) -> Result<Self, SelectionError> {
         let Selection::Named(names) = selection else { return Ok(Self::everything(model, request)) };
         let mut chosen = BTreeSet::new();
+        let labels = model.connectors.iter().enumerate();
+        let labels = labels.map(|(index, connector)| (connector.label, index)).collect();
         for name in names {
-            chosen.extend(find(model, name)?);
+            chosen.extend(find(model, &labels, name)?);
         }
         Ok(Self::of(model, chosen.into_iter().collect(), Vec::new(), request))
     }
@@ -72,11 +74,11 @@ impl Plan {
     }
 }
 
-fn find(model: &Model, name: &str) -> Result<Vec<usize>, SelectionError> {
+fn find(model: &Model, labels: &HashMap<Label, usize>, name: &str) -> Result<Vec<usize>, SelectionError> {
     if let Ok(label) = name.trim().parse::<Label>()
-        && let Some(index) = model.connectors.iter().position(|connector| connector.label == label)
+        && let Some(index) = labels.get(&label)
     {
-        return Ok(vec![index]);
+        return Ok(vec![*index]);
     }
     let found = model.sets.iter().find(|(known, _)| known.eq_ignore_ascii_case(name.trim()));
     found.map(|(_, members)| members.clone()).ok_or_else(|| {

@@ -201,7 +201,7 @@ impl Walk<'_> {
     /// Whether an orientation stands in for the line of the nodes where they coincide.
     fn is_directed(&self, element: &ConnectorElement, k: usize) -> bool {
         element.connector.position_measure(k) == Some(Measure::Distance)
-            && element.definition.fixed_direction != [0.0; 3]
+            && element.connector.section().fixed_direction != [0.0; 3]
     }
 
     fn flag(&self, element: &ConnectorElement, flag: &Flag) -> Option<Found> {
