@@ -255,6 +255,7 @@ MEASUREMENTS = {
     printed("lanes"): ("lanes",),
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
+    printed("scale"): ("scale",),
 }
 
 

@@ -303,7 +303,7 @@ impl Narrow {
     }
 
     /// The nodal degrees of freedom that the connector has.
-    pub const fn active(&self) -> &[bool; DOFS] {
+    pub fn active(&self) -> &[bool; DOFS] {
         self.connector.active()
     }
 }

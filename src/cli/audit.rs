@@ -167,7 +167,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     };
     let loaded = sources
         .iter()
-        .map(|source| load(*source, arguments.at.as_deref(), None))
+        .map(|source| load(*source, arguments.at.as_deref()))
         .collect::<Result<Vec<Loaded>, Failure>>()?;
     let selection = match arguments.connector.as_slice() {
         [] => Selection::All,
