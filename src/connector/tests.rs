@@ -59,7 +59,7 @@ fn nodal_maps_equal_naive_seeding() {
 /// The short way gives the numbers of the long one, also where degrees of freedom are fixed, and leaves alone what is not wanted.
 #[test]
 fn linearized_is_evaluated() {
-    let free = |entry: &std::sync::Arc<ConnectionType>| Definition {
+    let free = |entry: &Arc<ConnectionType>| Definition {
         flow_scale: 50.0,
         ..Definition::new(entry.clone(), pair(0.2))
     };
@@ -70,7 +70,7 @@ fn linearized_is_evaluated() {
     ];
     let mut compared = 0;
     for entry in crate::catalog::TABLE {
-        let entry = std::sync::Arc::new(entry.clone());
+        let entry = Arc::new(entry.clone());
         for alter in alterations {
             let mut definition = free(&entry);
             alter(&mut definition);
