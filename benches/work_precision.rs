@@ -89,7 +89,8 @@ struct ByNumDual<'s> {
 impl Prepared for ByNumDual<'_> {
     fn run(&mut self) {
         let [first, second] = &mut self.found;
-        (first.clear(), second.clear());
+        first.clear();
+        second.clear();
         for state in &self.flat {
             match self.order {
                 Order::Jacobian => naive::rows(self.name, state, &mut |_, x: DualSVec<f64, 12>| {
