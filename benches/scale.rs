@@ -70,7 +70,7 @@ impl Meter {
 }
 
 fn temporary(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-{name}", std::process::id()))
 }
 
 /// The files of a chain and of one state of it.
@@ -182,6 +182,7 @@ fn measure(connectors: usize) -> Meter {
             assert_eq!(written, connectors);
         }
     }
+    [deck, states].iter().for_each(|path| std::fs::remove_file(path).unwrap());
     meter
 }
 
