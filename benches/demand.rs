@@ -124,6 +124,7 @@ fn first(count: usize) -> Mask {
 
 fn main() {
     let count: usize = std::env::args().filter_map(|word| word.parse().ok()).next().unwrap_or(4000);
+    let count = count.next_multiple_of(8);
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
     let only = std::env::args().skip(1).find(|word| !word.starts_with('-') && word.parse::<usize>().is_err());
     let models = [
