@@ -273,33 +273,8 @@ def work_precision(arguments):
     return {"work-precision": f"{text}\n\nJAX {jax}: `jit(vmap(…))`, the same states repeated to a batch of 4096."}
 
 
-def audit_throughput(arguments):
-    """Cases per second of each oracle of the audit, as criterion prints them."""
-    say("audit: throughput of each oracle")
-    options = ["--quick"] if arguments.quick else ["--warm-up-time", "0.5", "--measurement-time", "1.5"]
-    text = run(executable("audit"), "--bench", "--noplot", *options, preexec_fn=pinned(arguments.core))
-    pattern = r"^audit/([^/\n]+)/(\S+)\s+time:.*?\n\s+thrpt:\s+\[\S+ \S+ (\S+) (\S+) "
-    factor = {"elem/s": 1, "Kelem/s": 1e3, "Melem/s": 1e6}
-    found = {(o, t): float(x) * factor[unit] for o, t, x, unit in re.findall(pattern, text, re.MULTILINE)}
-    if not found:
-        raise SystemExit(f"the audit's bench printed no throughput:\n{text[:500]}")
-    names = list(dict.fromkeys(name for _, name in found))
-    lines = [
-        [oracle, *(f"{found[oracle, name]:,.0f}".replace(",", " ") if (oracle, name) in found else "" for name in names)]
-        for oracle in dict.fromkeys(oracle for oracle, _ in found)
-    ]
-    return {"audit": f"{machine()}\n\n{table(['states per second', *names], lines)}"}
-
-
 def say(text):
     print(f"{datetime.datetime.now():%H:%M:%S} {text}", file=sys.stderr, flush=True)
-
-
-def machine():
-    return (
-        f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), one core of {os.cpu_count()}, "
-        f"load {os.getloadavg()[0]:.1f}; rustc {rust_version()}."
-    )
 
 
 def printed(bench):
@@ -326,7 +301,6 @@ MEASUREMENTS = {
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
     printed("scale"): ("scale",),
-    audit_throughput: ("audit",),
 }
 
 
