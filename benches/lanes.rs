@@ -28,9 +28,8 @@ const BOUND: f64 = 1e-14;
 const BOUND_OF_SECOND: f64 = 1e-13;
 
 fn drawn(draw: &mut Draw) -> Pair<f64> {
-    let mut node = || Node { displacement: draw.vector(1.0), triad: draw.triad(), flow: 0.0 };
-    let (a, b) = (node(), node());
-    Pair { reference: draw.vector(1.0), a, b }
+    let node = |draw: &mut Draw| Node { displacement: draw.vector(1.0), triad: draw.triad(), flow: 0.0 };
+    Pair { reference: draw.vector(1.0), a: node(draw), b: node(draw) }
 }
 
 fn at_rest(pair: &Pair<f64>) -> State<f64> {

@@ -515,7 +515,7 @@ pub fn cardan_first<S: Scalar>(r: &Matrix<S>) -> S {
 /// β of [`cardan`].
 #[inline(always)]
 pub fn cardan_second<S: Scalar>(r: &Matrix<S>) -> S {
-    atan2(r[0][2], norm([r[2][2], r[1][2]]))
+    atan2(r[0][2], norm([r[1][2], r[2][2]]))
 }
 
 /// γ of [`cardan`].

@@ -95,7 +95,10 @@ fn differentiate<F: Formula<M>, L: Put<FUSED>, const M: usize, const FUSED: bool
 ) {
     // Mostly rotation vectors are principal: whether they are need be known in the end only, so that nothing waits for it.
     let is_final = Element::<FUSED>::load(tile, section, history).rows::<F, L, M>(out, true);
-    if !is_final {
+    if const { continues_log(&F::MEASURES) } {
+        if is_final {
+            return;
+        }
         // Of other numbers, as far as the compiler knows: else it would keep those above for this, lane by lane.
         let element = Element::<FUSED>::load(black_box(tile), black_box(section), black_box(history));
         element.rows::<F, L, M>(out, false);
@@ -111,6 +114,18 @@ const fn needed<const M: usize>(measures: &[Measure; M]) -> Dependence {
         i += 1;
     }
     sum
+}
+
+/// Whether a measure is a component of the rotation vector that continues the history.
+const fn continues_log<const M: usize>(measures: &[Measure; M]) -> bool {
+    let mut i = 0;
+    while i < M {
+        if matches!(measures[i], Measure::RotationVector(_)) {
+            return true;
+        }
+        i += 1;
+    }
+    false
 }
 
 /// Four elements.
@@ -130,22 +145,18 @@ impl<const FUSED: bool> Element<FUSED> {
     #[inline(always)]
     fn rows<F: Formula<M>, L: Put<FUSED>, const M: usize>(&self, out: &mut [L; M], principal: bool) -> bool {
         // Constants, so that only one of these is compiled for each formula.
-        let needed = const { needed::<M>(&F::MEASURES) };
-        match L::ORDER {
-            1 if needed.of_position() => {
-                self.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 0, principal)
-            }
-            1 if needed.of_rotation() => {
-                self.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 3, principal)
-            }
-            1 => self.differentiate::<F, FirstOrder<_, 6>, L, M, 6>(out, 0, principal),
-            _ if needed.of_position() => {
-                self.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 0, principal)
-            }
-            _ if needed.of_rotation() => {
-                self.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 3, principal)
-            }
-            _ => self.differentiate::<F, SecondOrder<_, 6>, L, M, 6>(out, 0, principal),
+        if const { L::ORDER == 1 && needed::<M>(&F::MEASURES).of_position() } {
+            self.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 0, principal)
+        } else if const { L::ORDER == 1 && needed::<M>(&F::MEASURES).of_rotation() } {
+            self.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 3, principal)
+        } else if const { L::ORDER == 1 } {
+            self.differentiate::<F, FirstOrder<_, 6>, L, M, 6>(out, 0, principal)
+        } else if const { needed::<M>(&F::MEASURES).of_position() } {
+            self.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 0, principal)
+        } else if const { needed::<M>(&F::MEASURES).of_rotation() } {
+            self.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 3, principal)
+        } else {
+            self.differentiate::<F, SecondOrder<_, 6>, L, M, 6>(out, 0, principal)
         }
     }
 

@@ -119,9 +119,9 @@ pub fn atan2_opposite<S: Scalar>(y: S, x: S) -> S {
     if !S::Real::HAS_LANES || S::ORDER != 1 {
         return atan2(S::zero() - y, x);
     }
-    // Without the opposite of y, whose square is that of y, lanes take its reciprocal once for this and for |(x, y)|.
+    // Without the opposite of y, whose square is that of y, lanes take its reciprocal once for this and for |(y, x)|.
     let value = (S::Real::integer(0) - y.real()).arctangent(x.real());
-    let [c, s] = S::Real::inverted([x.real(), y.real()]);
+    let [s, c] = S::Real::inverted([y.real(), x.real()]);
     y.scale_add(-c, x.scale(s)).with_real(value)
 }
 

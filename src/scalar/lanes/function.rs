@@ -64,7 +64,7 @@ fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) 
 pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) -> Lanes<FUSED> {
     let (one, two) = (Lanes::splat(1.0), Lanes::splat(2.0));
     let (across, along) = (y.magnitude(), x.magnitude());
-    let (smaller, larger) = (across.lesser(along), across.greater(along));
+    let (smaller, larger) = (across.lesser(along), along.greater(across));
     // Negative beyond π/8, and beyond π/4.
     let eighth = larger * Lanes::splat(TAN_EIGHTH) - smaller;
     let quarter = along - across;
@@ -149,13 +149,14 @@ fn opposite_power<const FUSED: bool>(x: Lanes<FUSED>) -> Lanes<FUSED> {
     x.each(|lane| f64::from_bits(SUM.wrapping_sub(lane.to_bits() & EXPONENT)))
 }
 
-/// |p v|², and 1/|p v|² of a v ≠ 0: the square is at least 1 then, and any factor will do for v = 0.
+/// |p v|², and 1/|p v|²: the square is at least 1, but for v = 0, where any factor will do, and for subnormal numbers, whose
+/// reciprocals would overflow.
 #[inline(always)]
 fn square_and_inverse<const FUSED: bool, const N: usize>(
     scaled: [Lanes<FUSED>; N],
 ) -> (Lanes<FUSED>, Lanes<FUSED>) {
     let square = square(scaled);
-    (square, Lanes::splat(1.0) / square.greater(Lanes::splat(0.5)))
+    (square, Lanes::splat(1.0) / square.greater(Lanes::splat(1.0)))
 }
 
 /// v/|v| and |v|. The division is that of [`inverted`], beside the square root.
