@@ -4,15 +4,13 @@
 //! Central differences of values with h = s·1e-25 give first, with h = s·1e-18 second derivatives: no dual number enters them.
 //! s is the largest force, or the largest moment.
 
-use super::case::Case;
 use super::engine::Settings;
 use super::mutant::Mistake;
 use super::oracle::Oracle;
-use super::outcome::{Against, Check};
+use super::outcome::Check;
 use super::quantity::Quantity;
 use super::sample::Draw;
 use super::sheet::{Change, Entry, Sheet};
-use super::verdict::Score;
 use crate::behavior::friction::{
     Branch, Coefficient, Context, Criterion, Derivatives, FactorMistake, Friction, Input, Partial, Point,
     State, Status, StickStiffness,
@@ -80,24 +78,28 @@ pub fn friction_cases(connection: &ConnectionType, settings: &Settings, count: u
 }
 
 impl FrictionCase {
+    /// The criterion and the state, in words.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// All checks at this state, with mutants.
     pub fn audit(&self, settings: &Settings) -> Vec<Check> {
         if !settings.oracles.contains(&Oracle::WideDifferences) {
             return Vec::new();
         }
+        let mut sheets = self.sheets();
+        if let Some(planted) = settings.planted {
+            sheets.iter_mut().for_each(|sheet| planted.spoil_sheet(sheet));
+        }
+        sheets.iter().map(|sheet| sheet.check(1.0, true, &self.name, None)).collect()
+    }
+
+    /// The numbers at this state, and what they must be: the criterion, its first and second derivatives, the tangent.
+    pub fn sheets(&self) -> Vec<Sheet> {
         let mut sheets = self.criterion_sheets();
         sheets.extend(self.tangent_sheet());
         sheets
-            .into_iter()
-            .map(|(sheet, mistakes)| {
-                let mut all = sheet.mistakes();
-                all.extend(mistakes);
-                let score: Score = sheet.try_mistakes(&all);
-                let mut check = Check::new(Some(sheet.quantity), Against::Oracle(Oracle::WideDifferences));
-                check.add_at(sheet.judge(1.0), score, &self.name, None::<&Case>);
-                check
-            })
-            .collect()
     }
 
     fn context<R: Real>(&self) -> Context<'static, R> {
@@ -129,7 +131,7 @@ impl FrictionCase {
         [tangential, contact, normal, criterion]
     }
 
-    fn criterion_sheets(&self) -> Vec<(Sheet, Vec<Change>)> {
+    fn criterion_sheets(&self) -> Vec<Sheet> {
         let got = self.derivatives(&self.criterion);
         let sizes = self.sizes();
         let along = |k: usize, h: Wide| {
@@ -173,7 +175,12 @@ impl FrictionCase {
             (Quantity::FrictionHessian, |part| part.hessian.as_flattened().to_vec()),
         ];
         for (order, (quantity, pick)) in kinds.into_iter().enumerate() {
-            let mut entries = Vec::new();
+            let mut sheet = Sheet::new(quantity);
+            let prefix = ["", "∂", "∂²"][order];
+            sheet.rows = PARTS.map(|part| format!("{prefix}{part}")).into();
+            if order == 1 {
+                sheet.columns = FORCE.map(String::from).into();
+            }
             for (p, part) in PARTS.iter().enumerate() {
                 let sum = |k: usize| (0..6).map(|l| second[k][l][p].to_f64().abs() * sizes[l]).sum::<f64>();
                 // Φ is a difference: what counts is what it is formed from.
@@ -192,17 +199,18 @@ impl FrictionCase {
                             f2 / (sizes[k] * sizes[l] * near),
                         ),
                     };
-                    entries.push(Entry { name, got, want, scale });
+                    let class = [(0, 0, 0), (0, i / 3, 0), (0, k / 3, l / 3)][order];
+                    sheet.entries.push(Entry { name, got, want, scale, class });
                 }
             }
-            let changes = mistaken
+            sheet.mistakes = mistaken
                 .iter()
                 .map(|(mistake, wrong)| Change {
                     mistake: *mistake,
                     changes: wrong.iter().flat_map(pick).enumerate().collect(),
                 })
                 .collect();
-            sheets.push((Sheet { quantity, entries }, changes));
+            sheets.push(sheet);
         }
         sheets
     }
@@ -251,7 +259,7 @@ impl FrictionCase {
     }
 
     /// The tangent of the increment from rest; nothing within a hair of the threshold, where there are two.
-    fn tangent_sheet(&self) -> Option<(Sheet, Vec<Change>)> {
+    fn tangent_sheet(&self) -> Option<Sheet> {
         const HAIR: f64 = 1e-6;
         let friction = self.friction();
         let (outcome, tangent) =
@@ -308,31 +316,32 @@ impl FrictionCase {
             }
         }
         let got = partials(&tangent);
-        let mut entries = Vec::new();
+        let mut sheet = Sheet::new(Quantity::FrictionTangent);
+        sheet.rows = names.iter().map(|name| format!("∂{name}")).collect();
+        sheet.columns = inputs;
+        // Kinds of results and inputs, numbers of one kind having one unit.
+        let kind = |i: usize| if i < 6 { i / 3 } else { i };
+        let kind_of_input = |j: usize| j / 3;
         for (i, partial) in got.iter().enumerate() {
             // The forces share what they are returned from: each is as uncertain as the largest of its kind.
-            let kind = match i {
-                0..3 => 0..3,
-                3..6 => 3..6,
-                _ => i..i + 1,
-            };
+            let alike = (0..names.len()).filter(|other| kind(*other) == kind(i));
             let size = |i: usize| {
                 still[i].to_f64().abs() + (0..13).map(|j| slopes[j][i].to_f64().abs() * sizes[j]).sum::<f64>()
             };
-            let f = kind.map(size).fold(0.0, f64::max);
+            let f = alike.map(size).fold(0.0, f64::max);
             for (j, got) in flat(partial).into_iter().enumerate() {
-                entries.push(Entry {
-                    name: format!("∂{}/∂{}", names[i], inputs[j]),
+                sheet.entries.push(Entry {
+                    name: format!("∂{}/∂{}", names[i], sheet.columns[j]),
                     got,
                     want: slopes[j][i],
                     scale: f / sizes[j] + bent[i][j],
+                    class: (kind(i), kind_of_input(j), 0),
                 });
             }
         }
-        let mut changes = Vec::new();
         let mut other = |mistake, wrong: Vec<Partial<f64>>| {
-            let numbers = wrong.iter().flat_map(flat).enumerate().collect();
-            changes.push(Change { mistake, changes: numbers });
+            let changes = wrong.iter().flat_map(flat).enumerate().collect();
+            sheet.mistakes.push(Change { mistake, changes });
         };
         let branch = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
         let (_, wrong) = friction.tangent(&State::default(), &self.input(None), branch);
@@ -344,7 +353,7 @@ impl FrictionCase {
             let (_, wrong) = friction.tangent(&State::default(), &self.input(None), Branch::Decided);
             other(Mistake::from(mistake), partials(&wrong));
         }
-        Some((Sheet { quantity: Quantity::FrictionTangent, entries }, changes))
+        Some(sheet)
     }
 }
 

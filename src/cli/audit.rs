@@ -64,6 +64,8 @@ pub(crate) enum AuditFormat {
 pub(crate) enum Plant {
     /// A derivative is wrong
     WrongEntry,
+    /// A derivative has the wrong sign
+    WrongSign,
     /// Answers of the oracles are lost
     LostAnswer,
 }
@@ -72,6 +74,7 @@ impl From<Plant> for Planted {
     fn from(plant: Plant) -> Self {
         match plant {
             Plant::WrongEntry => Self::WrongEntry,
+            Plant::WrongSign => Self::WrongSign,
             Plant::LostAnswer => Self::LostAnswer,
         }
     }
@@ -122,16 +125,16 @@ pub(crate) struct Audit {
     #[arg(long, value_enum, hide = true)]
     plant: Option<Plant>,
     /// Findings of this code, of this group (model, assembly, coverage, rule …), all notes or all warnings, are errors: exit 1
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     deny: Vec<String>,
     /// … are warnings
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     warn: Vec<String>,
     /// … are notes
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     note: Vec<String>,
     /// … are not shown
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     allow: Vec<String>,
     /// Exit with 3 where something is undecided
     #[arg(long)]
@@ -164,7 +167,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     };
     let loaded = sources
         .iter()
-        .map(|source| load(*source, arguments.at.as_deref(), None))
+        .map(|source| load(*source, arguments.at.as_deref()))
         .collect::<Result<Vec<Loaded>, Failure>>()?;
     let selection = match arguments.connector.as_slice() {
         [] => Selection::All,
@@ -210,10 +213,8 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         Some(of_catalogue) => of_catalogue.joined(of_scenes),
         None => of_scenes,
     };
-    if !is_catalogue {
-        let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
-        report.models = loaded.iter().map(of_model).collect();
-    }
+    let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
+    report.models = loaded.iter().map(of_model).collect();
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
         let scenes: Vec<&Scene> = loaded.iter().map(|loaded| &loaded.scene).collect();
@@ -305,13 +306,13 @@ pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Resul
     }
 }
 
-/// The exit code of a report.
+/// The exit code of a report. What is wrong comes before what would not have been noticed.
 pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
-    if report.survivors() > 0 {
-        return Err(Failure::SelfTest);
-    }
     if report.mismatches() > 0 {
         return Err(Failure::Mismatch);
+    }
+    if report.survivors() > 0 {
+        return Err(Failure::SelfTest);
     }
     if report.failing_models() > 0 {
         return Err(Failure::Findings);
