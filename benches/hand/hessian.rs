@@ -212,7 +212,7 @@ fn put_log(v: V3, turn: &RelativeTurn, out: &mut [HessianRow]) {
         q[0].fma(a[0][1], q[1].fma(a[1][1], q[2] * a[2][1])),
         q[0].fma(a[0][2], q[1].fma(a[1][2], q[2] * a[2][2])),
     ];
-    let mut shared = symmetric(v, scaled(u, curve * half), u);
+    let mut shared = symmetric(v, scaled(u, curve * quarter), u);
     let level = slope.fma(w, k) * quarter;
     for i in 0..3 {
         shared[i][i] = shared[i][i] - level;
