@@ -22,11 +22,11 @@ pub(crate) fn pintle(arguments: &[&str]) -> Command {
     command
 }
 
-fn stdout(assert: &Assert) -> String {
+pub(crate) fn stdout(assert: &Assert) -> String {
     String::from_utf8(assert.get_output().stdout.clone()).unwrap()
 }
 
-fn stderr(assert: &Assert) -> String {
+pub(crate) fn stderr(assert: &Assert) -> String {
     String::from_utf8(assert.get_output().stderr.clone()).unwrap()
 }
 
@@ -809,6 +809,9 @@ fn completions_and_manual_pages() {
             assert!(text.contains(command), "{shell} {command}");
         }
     }
+    let script = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pintle.bash");
+    fs::write(&script, output(&["completions", "bash"])).unwrap();
+    Command::new("bash").arg("-n").arg(&script).assert().success().stderr("");
     assert!(output(&["man"]).contains("pintle\\-eval(1)"));
     assert!(output(&["man", "eval"]).contains("pintle eval"));
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("man");
