@@ -3,6 +3,8 @@
 //! Each mechanism is built of hinges (5 constraints) and rigid links (connection type BEAM, 6 constraints) between nodes of 6 degrees of
 //! freedom, so that Grübler's mobility is 6 bodies − 5 hinges, whatever the geometry.
 
+mod linkages;
+
 use pintle::audit::assembly::{Assembly, Holds, analyse};
 use pintle::evaluate::Model;
 use pintle::scene::{Code, Scene};
@@ -11,7 +13,7 @@ use std::fmt::Write;
 type Point = [f64; 3];
 
 /// A deck that is being written.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Deck {
     nodes: Vec<Point>,
     elements: String,
@@ -400,7 +402,7 @@ fn what_is_neither_zero_nor_not_is_undecided() {
 /// The unit of length does not matter, nor where the origin is.
 #[test]
 fn units_and_origin_do_not_matter() {
-    for (unit, origin) in [(1e3, 0.0), (1e-3, 0.0), (1.0, 1e5)] {
+    for (unit, origin) in [(1e3, 0.0), (1e-3, 0.0), (1.0, 1e5), (1.0, 12_345.678), (1e3, 1e9)] {
         let mut deck = four_bar(turned);
         for node in &mut deck.nodes {
             *node = node.map(|x| x * unit + origin);
@@ -411,5 +413,7 @@ fn units_and_origin_do_not_matter() {
             (1, 3),
             "{unit} {origin}"
         );
+        // Coordinates far away are rounded, and that is known.
+        assert!(assembly.positions[0].decided, "{unit} {origin}: {:?}", assembly.positions[0]);
     }
 }

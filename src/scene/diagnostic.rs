@@ -253,6 +253,8 @@ codes! {
     AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts on what the constraints or other prescribed motions determine already. A warning.";
     AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents and no prescribed motion drives. A note.";
     AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant. A warning.";
+    AssemblyNearSingular = "assembly::near-singular": "The digits of a state do not tell whether it is a singular position (a change point, say), or close to one: the constraints nearly depend on each other there, and at other states they do not. A warning.";
+    AssemblyNotAssembled = "assembly::not-assembled": "The Jacobian of the constraints could not be assembled at a state, so that the assembly is not judged from there on: a mistake of this program. A warning.";
 
     CoverageIdentity = "coverage::identity": "The states saw only the neighbourhood of the initial one: an error in terms that vanish there would not show. A warning.";
     CoverageOneNode = "coverage::one-node": "In no state were both nodes of a connector rotated: terms in which the rotations of both meet were never exercised. A note.";

@@ -88,7 +88,8 @@ fn of_behaviors() -> Vec<(String, Sheet)> {
     let model = Model::compile(&scene).unwrap();
     let element = &model.connectors[0];
     let draw = &mut Draw::new("slopes");
-    let cases = (1..6).filter_map(|i| about_initial(&element.definition, i, 2.0, format!("state {i}"), draw));
+    let cases =
+        (1..6).filter_map(|i| about_initial(&element.definition(), i, 2.0, format!("state {i}"), draw));
     cases
         .filter_map(|case| Some((case.name.clone(), slopes(&case, &element.behavior.behavior)?.sheet)))
         .collect()

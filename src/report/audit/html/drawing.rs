@@ -110,7 +110,7 @@ impl Drawing {
                 title,
                 is_constraint: false,
                 ends: [end(End::A), end(End::B)],
-                triads: Some(element.triads),
+                triads: Some(element.triads().map(|triad| *triad)),
                 nodes: element.nodes,
             });
         }
