@@ -404,7 +404,7 @@ fn margins_are_the_distances_to_singular_sets() {
     for connection in TABLE {
         let measures = connection.slots.iter().filter_map(|slot| slot.position());
         for measure in measures.filter(|measure| measure.singular_set().is_some()) {
-            for distance in [0.3, -0.3, 1e-3, -1e-3, 1e-7] {
+            for distance in [0.3_f64, -0.3, 1e-3, -1e-3, 1e-7] {
                 // A strain has no other side.
                 let distance = if measure == Measure::Strain { distance.abs() } else { distance };
                 let draw = &mut Draw::new("margins");
