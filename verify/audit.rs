@@ -203,6 +203,24 @@ fn assert_ok_names_the_entry() {
     spoiled("REVOLUTE", |_, rows| rows[3].as_mut().unwrap()[10] = 0.0).assert_ok();
 }
 
+/// Mutants of a routine's numbers are tried too; of wrong numbers they do not count, for one of them is right.
+#[test]
+fn a_mutant_of_what_is_wrong_is_no_survivor() {
+    let derivatives = |report: &Report| {
+        let check = report.subjects[0].checks.iter().find(|check| {
+            check.quantity == Some(Quantity::FirstDerivatives)
+                && check.against == Against::Oracle(Oracle::WideDifferences)
+        });
+        check.unwrap().clone()
+    };
+    let right = derivatives(&spoiled("REVOLUTE", |_, _| {}));
+    assert!(right.score.killed > 1000 && right.score.survived == 0, "{:?}", right.score);
+    let reversed = spoiled("REVOLUTE", |_, rows| rows[3].as_mut().unwrap()[10] *= -1.0);
+    assert_eq!((reversed.mismatches(), reversed.survivors()), (1, 0));
+    assert_eq!(derivatives(&reversed).score.decisive(), 0);
+    assert!(std::panic::catch_unwind(|| reversed.assert_ok()).is_err());
+}
+
 /// Bound, numbers and truth of a case.
 pub(crate) fn judged(case: &Case) -> (Numbers<f64>, Bound, f64) {
     let numbers = product(case).unwrap();
@@ -368,7 +386,7 @@ fn nothing_compared_is_undecided() {
         let demands = context.demands(law);
         let (demand, units) = invariant::worst(&numbers, &demands).unwrap();
         assert!(units > 1.0, "{law:?}");
-        assert!(demand.what.contains("ur2"), "{}", demand.what);
+        assert!(demand.what.to_string().contains("ur2"), "{}", demand.what);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The self-test: the same numbers with one mistake in them, as people make them, on which every check must speak.
 
 use super::case::Case;
-use super::quantity::{Entries, Numbers, Quantity};
+use super::quantity::{Entries, Numbers, OneOrMany, Quantity};
 use crate::measure::Unit;
 use crate::node::{self, DOFS, Pair};
 use crate::vector::{Vector, apply_transposed, cross};
@@ -101,20 +101,29 @@ impl Mistake {
     }
 }
 
-/// One mistake made once: the entries that it changes.
+/// The entries that a mistake changes: (component, entry, changed number).
+pub type Changes = OneOrMany<(usize, usize, f64)>;
+
+/// One mistake made once.
 #[derive(Clone, Debug)]
 pub struct Mutant {
     /// The mistake.
     pub mistake: Mistake,
-    /// (component, entry, changed number).
-    pub changes: Vec<(usize, usize, f64)>,
+    /// What it changes.
+    pub changes: Changes,
+}
+
+impl Mutant {
+    const fn of_entry(mistake: Mistake, k: usize, i: usize, x: f64) -> Self {
+        Self { mistake, changes: Changes::One([(k, i, x)]) }
+    }
 }
 
 impl Mutant {
     /// The numbers with the mistake in them.
     pub fn applied(&self, entries: &Entries<f64>) -> Entries<f64> {
         let mut changed = entries.clone();
-        for (k, i, x) in &self.changes {
+        for (k, i, x) in self.changes.iter() {
             if let Some(entry) =
                 changed.0.get_mut(*k).and_then(Option::as_mut).and_then(|all| all.get_mut(*i))
             {
@@ -175,7 +184,7 @@ pub fn of_number(x: f64, scale: f64) -> impl Iterator<Item = (Mistake, f64)> {
 fn entry_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     let of = |(k, i, x)| {
         let made = of_number(x, (scene.scale)(k, i));
-        made.map(move |(mistake, x)| Mutant { mistake, changes: vec![(k, i, x)] })
+        made.map(move |(mistake, x)| Mutant { mistake, changes: Changes::One([(k, i, x)]) })
     };
     entries.iter().flat_map(of).collect()
 }
@@ -186,7 +195,7 @@ fn value_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
         if scene.units[k] != Some(Unit::Angle) {
             continue;
         }
-        let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
+        let mut one = |mistake, x| found.push(Mutant::of_entry(mistake, k, i, x));
         one(Mistake::WrongParity, x + PI);
         one(Mistake::DegreesForRadians, x.to_degrees());
         if scene.turns[k] != 0.0 {
@@ -203,7 +212,7 @@ fn swapped_components(entries: &Entries<f64>, width: usize) -> Vec<Mutant> {
     for (k, l) in [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5)] {
         if let (Some(x), Some(y)) = (&entries.0[k], &entries.0[l]) {
             let changes = (0..width).flat_map(|i| [(k, i, y[i]), (l, i, x[i])]).collect();
-            found.push(Mutant { mistake: Mistake::RowsSwapped, changes });
+            found.push(Mutant { mistake: Mistake::RowsSwapped, changes: Changes::Many(changes) });
         }
     }
     found
@@ -224,7 +233,7 @@ fn row_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     let pair = scene.case.last().map(|step| step.state.pair);
     for (k, row) in entries.0.iter().enumerate() {
         let Some(row) = row else { continue };
-        let mut add = |mistake, changes| found.push(Mutant { mistake, changes });
+        let mut add = |mistake, changes| found.push(Mutant { mistake, changes: Changes::Many(changes) });
         for at in BLOCKS {
             for i in 0..2 {
                 let (x, y) = (row[at + i], row[at + i + 1]);
@@ -269,7 +278,7 @@ fn row_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
         for at in BLOCKS {
             let block = [part(x, at), part(y, at), part(z, at)];
             let changes = (0..9).map(|n| (first + n / 3, at + n % 3, block[n % 3][n / 3])).collect();
-            found.push(Mutant { mistake: Mistake::BlockTransposed, changes });
+            found.push(Mutant { mistake: Mistake::BlockTransposed, changes: Changes::Many(changes) });
         }
     }
     found
@@ -304,7 +313,7 @@ fn matrix_mistakes(entries: &Entries<f64>, first: &Entries<f64>, scene: &Scene<'
     for (k, matrix) in entries.0.iter().enumerate() {
         let Some(matrix) = matrix else { continue };
         let at = |i: usize, j: usize| matrix[i * DOFS + j];
-        let mut add = |mistake, changes| found.push(Mutant { mistake, changes });
+        let mut add = |mistake, changes| found.push(Mutant { mistake, changes: Changes::Many(changes) });
         let all = |f: &dyn Fn(usize, usize) -> f64| -> Vec<(usize, usize, f64)> {
             (0..DOFS * DOFS).map(|n| (k, n, f(n / DOFS, n % DOFS))).collect()
         };
@@ -347,7 +356,7 @@ fn rate_mistakes(quantity: Quantity, entries: &Entries<f64>, scene: &Scene<'_>) 
         let Some(row) = &rows.0[k] else { continue };
         let linear: f64 = row.iter().zip(along).map(|(r, v)| r * v).sum();
         let of_a: f64 = row.iter().zip(along).take(DOFS / 2).map(|(r, v)| r * v).sum();
-        let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
+        let mut one = |mistake, x| found.push(Mutant::of_entry(mistake, k, i, x));
         one(Mistake::RatesOfAIgnored, x - of_a);
         if quantity == Quantity::Acceleration {
             one(Mistake::QuadraticPartMissing, linear);

@@ -8,7 +8,7 @@ use super::mutant::{Mistake, of_number};
 use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
-use super::verdict::{COARSE, Finding, Judgement, SIGNIFICANT, Score, Verdict, units};
+use super::verdict::{COARSE, Finding, Judgement, SIGNIFICANT, Score, Verdict, Wanted, units};
 use crate::scalar::Wide;
 
 /// One number.
@@ -149,15 +149,16 @@ impl Sheet {
     pub fn try_mistakes(&self, mistakes: &[Change]) -> Score {
         let mut score = Score::default();
         let (mut missed, mut smallest) = (0.0_f64, f64::INFINITY);
+        let wanted: Vec<Wanted> = self.entries.iter().map(|entry| entry.want.into()).collect();
         for Change { mistake, changes } in mistakes {
-            let (mut change, mut noticed) = (0.0_f64, false);
-            for (i, x) in changes {
-                let Some(entry) = self.entries.get(*i) else { continue };
-                let tolerance = self.tolerance(*i);
-                let moved = (x - entry.got).abs();
-                change = change.max(if moved == 0.0 { 0.0 } else { moved / tolerance });
-                noticed |= units(*x, entry.want, tolerance) > 1.0;
-            }
+            let noticed = changes.iter().any(|(i, x)| {
+                let want = wanted.get(*i);
+                want.is_some_and(|want| want.units(*x, self.tolerance(*i)) > 1.0)
+            });
+            let change = |(i, x): &(usize, f64)| {
+                let moved = self.entries.get(*i).map_or(0.0, |entry| (x - entry.got).abs());
+                if moved == 0.0 { 0.0 } else { moved / self.tolerance(*i) }
+            };
             if let (Mistake::Scaled(delta), Some((i, _))) = (mistake, changes.first())
                 && let Some(entry) = self.entries.get(*i)
             {
@@ -167,6 +168,7 @@ impl Sheet {
                 }
             }
             let entry = changes.first().and_then(|(i, _)| self.entries.get(*i));
+            let change = || changes.iter().map(change).fold(0.0_f64, f64::max);
             score.count(*mistake, noticed, change, || entry.map(|e| e.name.clone()).unwrap_or_default());
         }
         if smallest.is_finite() {

@@ -64,6 +64,8 @@ pub(crate) enum AuditFormat {
 pub(crate) enum Plant {
     /// A derivative is wrong
     WrongEntry,
+    /// A derivative has the wrong sign
+    WrongSign,
     /// Answers of the oracles are lost
     LostAnswer,
 }
@@ -72,6 +74,7 @@ impl From<Plant> for Planted {
     fn from(plant: Plant) -> Self {
         match plant {
             Plant::WrongEntry => Self::WrongEntry,
+            Plant::WrongSign => Self::WrongSign,
             Plant::LostAnswer => Self::LostAnswer,
         }
     }
@@ -303,13 +306,13 @@ pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Resul
     }
 }
 
-/// The exit code of a report.
+/// The exit code of a report. What is wrong comes before what would not have been noticed.
 pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
-    if report.survivors() > 0 {
-        return Err(Failure::SelfTest);
-    }
     if report.mismatches() > 0 {
         return Err(Failure::Mismatch);
+    }
+    if report.survivors() > 0 {
+        return Err(Failure::SelfTest);
     }
     if report.failing_models() > 0 {
         return Err(Failure::Findings);

@@ -4,7 +4,7 @@ use super::matching::{Class, Datum, Hypothesis, Matching, Place, Words, ranges};
 use super::{Cause, Diagnosis};
 use crate::audit::bound::Bound;
 use crate::audit::case::Case;
-use crate::audit::mutant::{Scene, mutants};
+use crate::audit::mutant::{Changes, Scene, mutants};
 use crate::audit::quantity::{Entries, Numbers, Quantity};
 use crate::catalog::COMPONENT;
 use crate::measure::Unit;
@@ -84,7 +84,7 @@ impl Symptoms<'_> {
         for (k, entries) in self.wanted().0.iter().enumerate() {
             let Some(entries) = entries else { continue };
             let changes = entries.iter().enumerate().map(|(i, x)| (k, i, -x)).collect();
-            found.push(Hypothesis { cause: Cause::Reversed, changes });
+            found.push(Hypothesis { cause: Cause::Reversed, changes: Changes::Many(changes) });
             if matches!(self.quantity, Quantity::FirstDerivatives | Quantity::NodalForces) {
                 found.extend(self.conventions(k, entries));
             }
@@ -98,7 +98,7 @@ impl Symptoms<'_> {
         let part = |at: usize| [0, 1, 2].map(|i| row.get(at + i).copied().unwrap_or(0.0));
         let put = |cause: Cause, at: usize, block: [f64; 3]| Hypothesis {
             cause,
-            changes: block.into_iter().enumerate().map(|(i, x)| (k, at + i, x)).collect(),
+            changes: Changes::Many(block.into_iter().enumerate().map(|(i, x)| (k, at + i, x)).collect()),
         };
         let mut found = Vec::new();
         for (at, triad) in [(node::THETA_A, &pair.a.triad), (node::THETA_B, &pair.b.triad)] {

@@ -2,7 +2,7 @@
 
 use super::{Cause, Diagnosis, Explained};
 use crate::audit::bound::{C, U};
-use crate::audit::mutant::NOTHING;
+use crate::audit::mutant::{Changes, NOTHING};
 use crate::scene::Code;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,12 +24,12 @@ pub(super) struct Datum {
 /// What a mistake would make of the numbers.
 pub(super) struct Hypothesis {
     pub(super) cause: Cause,
-    pub(super) changes: Vec<(usize, usize, f64)>,
+    pub(super) changes: Changes,
 }
 
 impl Hypothesis {
     pub(super) fn one(cause: Cause, (k, i): Place, x: f64) -> Self {
-        Self { cause, changes: vec![(k, i, x)] }
+        Self { cause, changes: Changes::One([(k, i, x)]) }
     }
 }
 

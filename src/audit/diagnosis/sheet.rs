@@ -2,6 +2,7 @@
 
 use super::matching::{Datum, Hypothesis, Matching, Place, Words, ranges};
 use super::{Cause, Diagnosis};
+use crate::audit::mutant::Changes;
 use crate::audit::sheet::Sheet;
 use std::collections::BTreeSet;
 
@@ -15,17 +16,17 @@ pub fn diagnose_sheet(sheet: &Sheet) -> Option<Diagnosis> {
     });
     let known = sheet.mistakes.iter().map(|change| Hypothesis {
         cause: Cause::of(change.mistake),
-        changes: change.changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect(),
+        changes: Changes::Many(change.changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect()),
     });
     let mut hypotheses: Vec<Hypothesis> = known.collect();
     for row in 0..sheet.rows.len() {
         let changes = sheet.entries.iter().enumerate().skip(row * width).take(width);
         let changes = changes.map(|(i, entry)| (row, i % width, -entry.want.to_f64())).collect();
-        hypotheses.push(Hypothesis { cause: Cause::Reversed, changes });
+        hypotheses.push(Hypothesis { cause: Cause::Reversed, changes: Changes::Many(changes) });
     }
     hypotheses.extend(sheet.conventions.iter().map(|(cause, changes)| Hypothesis {
         cause: *cause,
-        changes: changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect(),
+        changes: Changes::Many(changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect()),
     }));
     let words = Named { sheet, width };
     let mut matching = Matching { data: data.collect(), hypotheses, words: &words };

@@ -116,11 +116,14 @@ pub(super) fn headline(report: &Report) -> String {
 
 /// The outcome of the comparisons.
 fn of_numbers(report: &Report) -> String {
-    match (report.survivors(), report.mismatches(), report.undecided()) {
-        (survivors @ 1.., ..) => format!("self-test failed: {} survived", count(survivors, "mutant")),
-        (0, mismatches @ 1.., _) => count(mismatches, "mismatch"),
-        (0, 0, undecided @ 1..) => format!("no mismatch; {} undecided", count(undecided, "subject")),
-        _ => "no mismatch".into(),
+    let (mismatches, survivors) = (report.mismatches(), report.survivors());
+    let failed = format!("self-test failed: {} survived", count(survivors, "mutant"));
+    match (mismatches, survivors, report.undecided()) {
+        (1.., 0, _) => count(mismatches, "mismatch"),
+        (1.., 1.., _) => format!("{}; {failed}", count(mismatches, "mismatch")),
+        (0, 1.., _) => failed,
+        (0, 0, 0) => "no mismatch".into(),
+        (0, 0, undecided) => format!("no mismatch; {} undecided", count(undecided, "subject")),
     }
 }
 
