@@ -809,6 +809,9 @@ fn completions_and_manual_pages() {
             assert!(text.contains(command), "{shell} {command}");
         }
     }
+    let script = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pintle.bash");
+    fs::write(&script, output(&["completions", "bash"])).unwrap();
+    Command::new("bash").arg("-n").arg(&script).assert().success().stderr("");
     assert!(output(&["man"]).contains("pintle\\-eval(1)"));
     assert!(output(&["man", "eval"]).contains("pintle eval"));
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("man");
