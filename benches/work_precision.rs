@@ -210,7 +210,7 @@ impl Prepared for ByLanes {
     fn run(&mut self) {
         let Self { order, batch, tiles, sections, histories, rows, second } = self;
         match order {
-            Order::Hessian => batch.hessians_of(tiles, sections, histories, second).unwrap(),
+            Order::Hessian => batch.rows_of(tiles, sections, histories, second).unwrap(),
             _ => batch.rows_of(tiles, sections, histories, rows).unwrap(),
         }
     }
