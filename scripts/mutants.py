@@ -51,8 +51,8 @@ pub fn on(k: u32) -> bool {
 # Tests are run in groups, the short ones first: those of up to so many seconds.
 GROUPS = [0.1, 1.0, 10.0, float("inf")]
 
-# Tests that run other programs, or nothing of the mutated files.
-ELSEWHERE = ["export::", "reports::", "faults::", "scene::", "convert::", "fuzzing::", "cli::", "memory", "threads"]
+# Tests that compile or run other programs, or run very long.
+ELSEWHERE = ["export::", "reports::", "handover::", "fuzzing::", "scale::"]
 
 COMPARISONS = {"==", "!=", "<", ">", "<=", ">="}
 
@@ -333,26 +333,29 @@ def test(k, program, names, timeout):
 def durations(programs):
     """How long every test takes that may notice something, without a mutant: {program: {test: seconds}}."""
     kept = HOME / "durations.json"
-    if kept.exists():
-        return json.loads(kept.read_text())
-    found = {program: {} for program in programs}
+    found = json.loads(kept.read_text()) if kept.exists() else {}
     for program in programs:
-        skipped = [f"--skip={elsewhere}" for elsewhere in ELSEWHERE]
+        known = found.setdefault(program, {})
+        listed = subprocess.check_output([program, "--list"], cwd=TREE, text=True).splitlines()
+        names = [line.removesuffix(": test") for line in listed if line.endswith(": test")]
+        names = [name for name in names if name not in known and not name.startswith(tuple(ELSEWHERE))]
+        if not names:
+            continue
         process = subprocess.Popen(
-            [program, *skipped, "--test-threads=1"], cwd=TREE, env=dict(os.environ, PINTLE_MUTANT="0", INSTA_UPDATE="no"),
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+            [program, "--exact", *names, "--test-threads=1"], cwd=TREE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            env=dict(os.environ, PINTLE_MUTANT="0", INSTA_UPDATE="no"), text=True,
         )
         last = time.monotonic()
         for line in process.stdout:
             name = re.match(r"test (\S+).* \.\.\. ok$", line.rstrip())
             now = time.monotonic()
             if name:
-                found[program][name[1]] = now - last
+                known[name[1]] = now - last
             elif line.rstrip().endswith("FAILED"):
                 sys.exit("the tests fail without any mutant: " + line)
             last = now
         process.wait()
-    kept.write_text(json.dumps(found, indent=1))
+        kept.write_text(json.dumps(found, indent=1))
     return found
 
 
