@@ -77,12 +77,12 @@ pub(super) fn audit_behavior(
             for i in (0..6).filter(|i| is_known(*i)) {
                 let want = (plus[i] - minus[i]) / (h + h);
                 let variable = if of_velocity { "v" } else { "u" };
-                entries.push(Entry {
-                    name: format!("∂{}/∂{variable}({})", FORCE[i], COMPONENT[j]),
-                    got: slopes[i][j],
+                entries.push(Entry::new(
+                    format!("∂{}/∂{variable}({})", FORCE[i], COMPONENT[j]),
+                    slopes[i][j],
                     want,
-                    scale: still[i].to_f64().abs() / size + want.to_f64().abs(),
-                });
+                    still[i].to_f64().abs() / size + want.to_f64().abs(),
+                ));
             }
         }
     }

@@ -52,6 +52,8 @@ pub struct Settings {
 pub enum Planted {
     /// The largest first derivative of the first component is multiplied by 1 + 1e-6.
     WrongEntry,
+    /// The largest slope of a friction force is multiplied by 1 + 1e-6.
+    WrongFriction,
     /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
     LostAnswer,
 }
@@ -68,6 +70,15 @@ impl Planted {
             *entry *= 1.0 + 1e-6;
         }
         numbers.set(Quantity::FirstDerivatives, rows);
+    }
+
+    /// The slopes of friction with the fault in them.
+    pub(super) fn spoil_friction(self, slopes: &mut [Vec<f64>]) {
+        let all = slopes.iter_mut().take(6).flatten();
+        let largest = all.max_by(|x, y| x.abs().total_cmp(&y.abs()));
+        if let Some(entry) = largest.filter(|_| self == Self::WrongFriction) {
+            *entry *= 1.0 + 1e-6;
+        }
     }
 
     /// The answer with the fault in it.

@@ -163,7 +163,7 @@ impl MpcCase {
                         Quantity::Acceleration => format!("d²{name}/dt²"),
                         _ => name.to_string(),
                     };
-                    sheet.entries.push(Entry { name, got, want, scale });
+                    sheet.entries.push(Entry::new(name, got, want, scale));
                 }
             }
         }

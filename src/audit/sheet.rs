@@ -18,6 +18,31 @@ pub struct Entry {
     pub want: Wide,
     /// Its conditioned scale; the tolerance is C u times it.
     pub scale: f64,
+    /// How far what it must be may be off by itself; on top of the tolerance.
+    pub error: f64,
+    /// On a kink: the derivatives from below and from above. Any number between them may stand for the derivative there.
+    pub sides: Option<[Wide; 2]>,
+}
+
+impl Entry {
+    /// A number that has a reference without an error of its own.
+    pub const fn new(name: String, got: f64, want: Wide, scale: f64) -> Self {
+        Self { name, got, want, scale, error: 0.0, sides: None }
+    }
+
+    /// What a number must be: on a kink, what of the interval between both derivatives is nearest to it.
+    fn target(&self, got: f64) -> Wide {
+        let Some([below, above]) = self.sides else { return self.want };
+        let got = Wide::from_f64(got);
+        let (low, high) = if below < above { (below, above) } else { (above, below) };
+        if got < low {
+            low
+        } else if got > high {
+            high
+        } else {
+            got
+        }
+    }
 }
 
 /// One mistake made once: the places that it changes, with the changed numbers.
@@ -40,7 +65,7 @@ pub struct Sheet {
 
 impl Sheet {
     fn tolerance(&self, i: usize) -> f64 {
-        self.entries.get(i).map_or(0.0, |entry| C * U * entry.scale)
+        self.entries.get(i).map_or(0.0, |entry| C * U * entry.scale + entry.error)
     }
 
     /// Judges every number; `nearness` is 0 on a singular set.
@@ -48,25 +73,30 @@ impl Sheet {
         let mut worst: Option<Finding> = None;
         let largest = self.entries.iter().fold(0.0_f64, |most, entry| most.max(entry.got.abs()));
         let mut coarse = false;
-        for (i, Entry { name, got, want, .. }) in self.entries.iter().enumerate() {
-            let tolerance = self.tolerance(i);
-            let units = units(*got, *want, tolerance);
-            coarse |= self.quantity != Quantity::Value && largest > 0.0 && tolerance > COARSE * largest;
+        let mut kink: Option<Finding> = None;
+        for (i, entry) in self.entries.iter().enumerate() {
+            let Entry { name, got, scale, sides, .. } = entry;
+            let (tolerance, want) = (self.tolerance(i), entry.target(*got));
+            let units = units(*got, want, tolerance);
+            coarse |= self.quantity != Quantity::Value && largest > 0.0 && C * U * scale > COARSE * largest;
+            let one_sided = sides.map(|sides| sides.map(|side| side.to_f64()));
+            let found = || {
+                let (entry, want) = (name.clone(), want.to_f64());
+                Finding { entry, at: None, got: *got, want, tolerance, units, one_sided }
+            };
             let is_worse = worst.as_ref().is_none_or(|worst| units > worst.units || !got.is_finite());
+            if kink.is_none() && sides.is_some() {
+                kink = Some(found());
+            }
             if is_worse {
-                worst = Some(Finding {
-                    entry: name.clone(),
-                    at: None,
-                    got: *got,
-                    want: want.to_f64(),
-                    tolerance,
-                    units,
-                    one_sided: None,
-                });
+                worst = Some(found());
             }
             if !got.is_finite() {
                 return Judgement { verdict: Verdict::Invalid, worst, compared: self.entries.len() };
             }
+        }
+        if let (Some(kink), Some(true)) = (kink, worst.as_ref().map(|worst| worst.units <= 1.0)) {
+            return Judgement { verdict: Verdict::Kink, worst: Some(kink), compared: self.entries.len() };
         }
         let verdict = match &worst {
             None => Verdict::Undecided,
@@ -81,7 +111,7 @@ impl Sheet {
     /// The mistakes that can be made in single entries.
     pub fn mistakes(&self) -> Vec<Change> {
         let mut found = Vec::new();
-        for (i, entry) in self.entries.iter().enumerate() {
+        for (i, entry) in self.entries.iter().enumerate().filter(|(_, entry)| entry.sides.is_none()) {
             let x = entry.got;
             let mut one = |mistake, x| found.push(Change { mistake, changes: vec![(i, x)] });
             if x.abs() <= NOTHING * entry.scale {
@@ -110,7 +140,7 @@ impl Sheet {
                 let tolerance = self.tolerance(*i);
                 let moved = (x - entry.got).abs();
                 change = change.max(if moved == 0.0 { 0.0 } else { moved / tolerance });
-                noticed |= units(*x, entry.want, tolerance) > 1.0;
+                noticed |= units(*x, entry.target(*x), tolerance) > 1.0;
             }
             if let (Mistake::Scaled(delta), Some((i, _))) = (mistake, changes.first())
                 && let Some(entry) = self.entries.get(*i)

@@ -126,11 +126,7 @@ pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
 
 /// A scene with its states, or the initial one, and its forces.
 fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
-    let sign = match arguments.force_sign {
-        Sign::Internal => ForceSign::Internal,
-        Sign::ConstraintsOnB => ForceSign::ConstraintsOnB,
-    };
-    let forces = arguments.forces.as_deref().map(|file| (file, sign));
+    let forces = arguments.forces.as_deref().map(|file| (file, arguments.force_sign.into()));
     let Loaded { scene, mut states, forces, model } = load(source, None, forces)?;
     let history = match &arguments.states {
         Some(file) => History::open(file, &scene)?,
@@ -176,6 +172,30 @@ pub(crate) fn load(
         show_diagnostic(&with_source(warning));
     }
     Ok(Loaded { scene, states, forces, model })
+}
+
+impl From<Sign> for ForceSign {
+    fn from(sign: Sign) -> Self {
+        match sign {
+            Sign::Internal => Self::Internal,
+            Sign::ConstraintsOnB => Self::ConstraintsOnB,
+        }
+    }
+}
+
+impl Loaded {
+    /// Gives the forces of the file to the states that they belong to.
+    pub(crate) fn attach(&mut self) -> Result<(), Diagnostic> {
+        self.forces.take().map_or(Ok(()), |forces| forces.attach(&mut self.states, 0))
+    }
+}
+
+/// A diagnostic with the text of its file.
+pub(crate) fn show(file: &Path, diagnostic: Diagnostic) -> Diagnostic {
+    match File::open(file) {
+        Ok(text) => diagnostic.with_source(BufReader::new(text)),
+        Err(_) => diagnostic,
+    }
 }
 
 /// The request: the outputs named, or what the scenes suggest.
@@ -231,10 +251,6 @@ type Assigned<'a> = BTreeMap<usize, &'a StateForces>;
 
 /// Finds the states, the first of which has the number `first`, that the forces of a file belong to, and checks all forces.
 fn assign<'a>(run: &'a Run, first: u64, arguments: &Eval) -> Result<Assigned<'a>, Failure> {
-    let show = |file: &Path, diagnostic: Diagnostic| match File::open(file) {
-        Ok(text) => diagnostic.with_source(BufReader::new(text)),
-        Err(_) => diagnostic,
-    };
     let Run { scene, history, survey, forces, model } = run;
     let file = arguments.forces.as_deref().or(arguments.states.as_deref());
     let file = file.or(arguments.scene.as_deref().map(Path::new)).unwrap_or(Path::new(""));

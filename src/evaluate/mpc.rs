@@ -354,7 +354,12 @@ impl MpcElement {
         let given = if scene_state.mpc_forces.is_empty() {
             None
         } else {
-            scene_state.mpc_forces.get(&self.label()).and_then(|given| given_forces(self, given).ok())
+            scene_state.mpc_forces.get(&self.label()).map(|given| given_forces(self, given))
+        };
+        let (given, refused) = match given {
+            Some(Err((code, ..))) => (None, Some(Flag::refused(code))),
+            Some(Ok(given)) => (Some(given), None),
+            None => (None, None),
         };
         let given = given.filter(|_| request.outputs().any(asks_for_forces));
         let needed = given.map(|_| {
@@ -365,6 +370,7 @@ impl MpcElement {
         let mut evaluation =
             constraint.evaluate(&state, before, &turning, needed.as_ref().unwrap_or(request), tally);
         let mut flags = constraint.flags(&state, before, &turning, &evaluation);
+        flags.extend(refused);
         let margins = constraint.margins(&state, &evaluation);
         let misalignment = constraint.misalignment(&state);
         let moments = [0, 1].map(|i| {

@@ -13,7 +13,7 @@ const FIRST: Label = Label::of(None, 103);
 const SECOND: Label = Label::of(None, 104);
 
 /// The belt of the gallery with the friction that its deck has in comments.
-fn deck(stick: &str, angle: &str) -> Scene {
+pub(crate) fn deck(stick: &str, angle: &str) -> Scene {
     let example = GALLERY.iter().find(|example| example.name == "seat_belt").unwrap();
     let with = |text: &str, from: &str, to: &str| {
         assert!(text.contains(from), "{from}");
@@ -28,14 +28,14 @@ fn deck(stick: &str, angle: &str) -> Scene {
     Scene::parse("belt.inp", &with(&text, "0.06, 1.5707963", angle)).unwrap()
 }
 
-const STIFFNESS: f64 = 1e9;
+pub(crate) const STIFFNESS: f64 = 1e9;
 /// As the deck gives it, to eight digits.
 #[expect(clippy::approx_constant, reason = "the number of the deck")]
-const ALPHA: f64 = 1.5707963;
+pub(crate) const ALPHA: f64 = 1.5707963;
 
 /// Ψ10 and Ψ20 of the belt at a pull p, sliding over the ring: 12500 Ψ10 = T1 = 1e5 (1/l1 − 1), T2 = 1e5 ((1 + p)/l2 − 1) = T1 e^(μα),
 /// l1 = 1 + Ψ10 − Ψ20, l2 = 1 + Ψ20; by bisection on Ψ10.
-fn sliding(pull: f64) -> [f64; 2] {
+pub(crate) fn sliding(pull: f64) -> [f64; 2] {
     let ratio = (0.2 * ALPHA).exp();
     let flows = |psi10: f64| {
         let tension = 12_500.0 * psi10;
@@ -50,7 +50,7 @@ fn sliding(pull: f64) -> [f64; 2] {
     flows(0.5 * (low + high))
 }
 
-fn state(time: f64, pull: f64, [psi10, psi20]: [f64; 2]) -> State {
+pub(crate) fn state(time: f64, pull: f64, [psi10, psi20]: [f64; 2]) -> State {
     let flow = |flow: f64| NodeMotion { flow, ..NodeMotion::default() };
     let drum = NodeMotion { rotation: Rotation::Vector([0.0, 0.0, 50.0 * psi10]), ..NodeMotion::default() };
     let end = NodeMotion { displacement: [pull, 0.0, 0.0], ..NodeMotion::default() };

@@ -330,7 +330,7 @@ impl Friction {
     }
 
     /// R_k of each sliding component (from 0): K_k = K_s R_k².
-    fn radii(&self) -> Vec<(usize, f64)> {
+    pub(crate) fn radii(&self) -> Vec<(usize, f64)> {
         match &self.criterion.tangential {
             Tangential::Norm(components) => components.clone(),
             Tangential::Potential(potential) => {
@@ -338,6 +338,20 @@ impl Friction {
                 potential.components().into_iter().map(|k| (k, radius(k))).collect()
             }
         }
+    }
+
+    /// F_N and the limit after the slip Δγ, at the contact force of an increment.
+    pub(crate) fn limit_after<R: Ordered + Differentiable>(
+        &self,
+        state: &State<R>,
+        input: &Input<'_, R>,
+        increment: R,
+    ) -> [R; 2] {
+        let flags = &mut Flags::default();
+        let contact = self.criterion.pressing.evaluate(&input.forces, &input.context, flags);
+        let Limit { normal, limit, .. } =
+            self.limit(contact, state.accumulated_slip, input, increment, flags);
+        [normal, limit]
     }
 
     /// F_N, μ and the limit after the slip Δγ.

@@ -1,7 +1,7 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
-use super::summary::{LEGEND, Row, detectable, headline, self_test, telling};
-use crate::audit::{Check, Quantity, Report, Subject};
+use super::summary::{LEGEND, Row, detectable, headline, self_test, symbols, telling};
+use crate::audit::{Check, Report, Subject};
 use std::io::{self, Write};
 
 /// Rows of a table that are shown at once; a longer table is folded.
@@ -106,7 +106,7 @@ fn table(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     if folded {
         writeln!(out, "<details><summary>All {} connectors and types</summary>\n", report.subjects.len())?;
     }
-    let symbols = Quantity::ALL.map(Quantity::symbol);
+    let symbols = symbols();
     writeln!(
         out,
         "| connector | derivative | formula | declaration | states | {} | δ seen |",
