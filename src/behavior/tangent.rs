@@ -145,7 +145,7 @@ impl Behavior {
             tangent.reaction[k][k] = 1.0;
         }
         for (i, slip) in outcome.slips.iter().enumerate() {
-            let slopes = self.slopes_of(i, slip, outcome, conditions);
+            let slopes = self.slopes_of(i, slip, outcome, (conditions, history));
             for (k, slopes) in slopes.into_iter().enumerate() {
                 let Some(slopes) = slopes else { continue };
                 let Slopes { displacement, forces, duration, beyond, angle, wrap, unknown: missing } = slopes;
@@ -192,13 +192,13 @@ impl Behavior {
         i: usize,
         slip: &Slip,
         outcome: &Outcome,
-        conditions: &Conditions,
+        (conditions, history): (&Conditions, &History),
     ) -> Components<Slopes> {
         let mut found = [None; 6];
         let (Some(state), Ok(_)) = (&slip.before, &slip.outcome) else { return found };
         if let Some(friction) = self.friction.frictions.get(i) {
             let input = slip.input(state, outcome.duration, &outcome.motion, conditions);
-            let (_, tangent) = friction.tangent(state, &input, Branch::Decided);
+            let (_, tangent) = friction.tangent_while(state, &input, Branch::Decided, history.failed);
             for k in (0..6).filter(|k| slip.components[*k]) {
                 let of = tangent.force[k];
                 found[k] = Some(Slopes {

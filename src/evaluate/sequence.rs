@@ -15,6 +15,7 @@ use crate::connector::{
     Tally, Turns,
 };
 use crate::measure::Margin;
+use crate::mpc::Dofs;
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::scene::{Label, NodeMotion, Rotation, State as SceneState};
@@ -483,8 +484,10 @@ impl<'a> Sequence<'a> {
                     element.connector.compact_rows(&result.state, branch, jacobian.wanted(at), &mut tally);
                 jacobian.write(at, &rows, place);
                 let mut flags = result.flags;
-                let broken =
-                    |k: &usize| rows[*k].as_ref().is_some_and(|row: &CompactRow<f64>| !row.is_finite());
+                let wanted = jacobian.wanted(at);
+                let broken = |k: &usize| {
+                    wanted[*k] && rows[*k].as_ref().is_none_or(|row: &CompactRow<f64>| !row.is_finite())
+                };
                 flags.extend(
                     (0..6)
                         .filter(broken)
@@ -517,7 +520,9 @@ impl<'a> Sequence<'a> {
             let place = rest.split_off_mut(..jacobian.mpc_entries(at)).unwrap_or_default();
             jacobian.write_mpc(at, &result.evaluation.jacobian, place);
             let rows = &result.evaluation.jacobian;
-            let broken = |row: &usize| rows[*row].is_some_and(|row| row.iter().any(|x| !x.is_finite()));
+            let has = element.constraint.rows();
+            let is_broken = |row: &Dofs<f64>| row.iter().any(|x| !x.is_finite());
+            let broken = |row: &usize| has[*row] && rows[*row].as_ref().is_none_or(is_broken);
             let broken = (0..rows.len()).filter(broken).map(|row| Flag::NotFinite {
                 component: element.constraint.kind().row_name(row),
                 quantity: "derivative",

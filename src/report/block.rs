@@ -7,7 +7,9 @@ use crate::behavior::state::Outcome;
 use crate::behavior::{Forces, Tangent, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Connector, Flag, NodalMatrix, Output, Request, StopStatus, Turns};
-use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcElement, MpcForces, MpcResult};
+use crate::evaluate::{
+    ConnectorResult, ForceResult, HingeMoments, Model, MpcElement, MpcForces, MpcResult, MpcSlopes,
+};
 use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc::{self, DOFS as MPC_DOFS, ROWS as MPC_ROWS};
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
@@ -127,6 +129,18 @@ impl Nodal {
         }
         let forces = if wants(Output::NF) { kept.iter().map(force).collect() } else { Vec::new() };
         Self { forces, derivatives }
+    }
+
+    /// Of an MPC without forces, by the degrees of freedom that it has.
+    fn of_springs(slopes: &MpcSlopes, kept: &[usize]) -> Self {
+        let rows = |of: &mpc::force::DofMatrix<f64>| {
+            kept.iter().map(|i| kept.iter().map(|j| of[*i][*j]).collect()).collect()
+        };
+        let square = [(Output::KT, &slopes.tangent), (Output::CT, &slopes.damping)];
+        let derivatives = square
+            .into_iter()
+            .filter_map(|(output, of)| Some(NodalDerivative { output, by: None, rows: rows(of.as_ref()?) }));
+        Self { forces: Vec::new(), derivatives: derivatives.collect() }
     }
 
     fn is_empty(&self) -> bool {
@@ -464,6 +478,7 @@ impl<'a> Block<'a> {
             Some(HingeFacts { name, given, axis: evaluation.axes[i]?, moments, constraint })
         });
         let nodal = result.forces.as_deref().map(|forces| Nodal::of_mpc(element, forces, request, &kept));
+        let nodal = nodal.or_else(|| result.slopes.as_deref().map(|slopes| Nodal::of_springs(slopes, &kept)));
         let mut flags = result.flags.clone();
         flags.extend(not_known_of_hinges(request, result, entry.angles));
         Self {

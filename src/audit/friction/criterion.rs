@@ -1,6 +1,6 @@
 //! P, F_C, F_N and Φ at given forces, with first and second derivatives.
 
-use super::{FrictionCase, Judged, force_sizes, reach};
+use super::{FrictionCase, Judged, group_sizes, reach};
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::oracle::Oracle;
@@ -46,6 +46,12 @@ impl FrictionCase {
         parts(at.0)
     }
 
+    /// The sizes of tractions, and of what presses.
+    fn point_sizes(&self) -> [f64; 6] {
+        let sliding = self.friction.criterion.tangential.components();
+        group_sizes(&self.point, [0, 1, 2, 3, 4, 5].map(|k| sliding.contains(&k)), self.length)
+    }
+
     /// The forces after one has moved.
     fn moved<R: Real>(&self, k: usize, h: R) -> [R; 6] {
         let mut forces = self.point.map(R::from_f64);
@@ -73,7 +79,7 @@ impl FrictionCase {
 
     pub(super) fn criterion_sheets(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
         let criterion = &self.friction.criterion;
-        let sizes = force_sizes(&self.point, self.length);
+        let sizes = self.point_sizes();
         let got = self.derivatives(criterion, &self.point);
         let mistaken: Vec<(Mistake, [Derivatives<f64>; 4])> = criterion
             .factor_mistakes()
@@ -141,7 +147,7 @@ impl FrictionCase {
         scales: &[f64],
     ) -> Vec<Judged> {
         let criterion = &self.friction.criterion;
-        let sizes = force_sizes(&self.point, self.length);
+        let sizes = self.point_sizes();
         let hessian_of = |all: &[Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
             smooth.iter().flat_map(|p| all[*p].hessian.map(|row| row.to_vec())).collect()
         };

@@ -3,7 +3,7 @@
 //! The equations are typed here a second time, and solved on 237 bits by Newton's method with differences for all derivatives:
 //! f_k = f_tr,k − K_k Δγ ∂P/∂f_k and P(f) = L(Δγ), from the product's solution on. Of the product they share P, F_N and L.
 
-use super::{FrictionCase, Judged, force_sizes, reach};
+use super::{FrictionCase, Judged, force_sizes, group_sizes, reach};
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::oracle::Oracle;
@@ -88,7 +88,8 @@ impl FrictionCase {
     fn input_sizes(&self, outcome: &Outcome<f64>) -> [f64; INPUTS] {
         /// An increment that has no size of its own: a part of the connector's length, or of a radian.
         const LEAST: f64 = 1e-9;
-        let forces = force_sizes(&self.forces, self.length);
+        let presses = self.friction.criterion.pressing_components();
+        let forces = group_sizes(&self.forces, presses, self.length);
         let slip = outcome.stick_stiffness.map_or(0.0, |stiffness| (outcome.limit / stiffness).abs());
         std::array::from_fn(|j| match j {
             0..6 => {

@@ -169,6 +169,18 @@ fn force_sizes(forces: &[f64; 6], length: f64) -> [f64; 6] {
     [force, force, force, moment, moment, moment]
 }
 
+/// The sizes of two groups of forces apart, those chosen and the others: tractions and what presses are of sizes of their own. A group
+/// that is all zero has the sizes of both.
+fn group_sizes(forces: &[f64; 6], chosen: [bool; 6], length: f64) -> [f64; 6] {
+    let overall = force_sizes(forces, length);
+    let of = |group: bool| {
+        let own: [f64; 6] = std::array::from_fn(|k| if chosen[k] == group { forces[k] } else { 0.0 });
+        if own == [0.0; 6] { overall } else { force_sizes(&own, length) }
+    };
+    let (inside, outside) = (of(true), of(false));
+    std::array::from_fn(|k| if chosen[k] { inside[k] } else { outside[k] })
+}
+
 /// How far each number may go before something else than its slope is seen: to zero, and where it is zero, as far as the smallest of
 /// the others.
 fn reach(of: &[f64], sizes: &[f64]) -> Vec<f64> {

@@ -4,7 +4,7 @@
 //! What friction makes of a reaction, ∂CSF/∂λ, has no counterpart ∂CRF/∂u: the tangent is not symmetric.
 
 use super::increment::{branch_of, exact_state, forced};
-use super::{Judged, force_sizes, reach};
+use super::{Judged, group_sizes, reach};
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::quantity::Quantity;
@@ -88,9 +88,9 @@ impl Total<'_> {
         })
     }
 
-    fn displacement<R: Real>(slip: &Slip, j: usize, h: R) -> [R; 6] {
+    fn displacement<R: Real>(&self, slip: &Slip, j: usize, h: R) -> [R; 6] {
         let mut displacement = slip.displacement.map(R::from_f64);
-        if j < VELOCITY && slip.components[j] {
+        if j < VELOCITY && slip.components[j] && !self.outcome.failed[j] {
             displacement[j] = displacement[j] + h;
         }
         displacement
@@ -99,7 +99,7 @@ impl Total<'_> {
     fn input<R: Real>(&self, slip: &Slip, before: &friction::State<f64>, j: usize, h: R) -> Input<'_, R> {
         let motion = self.motion(j, h);
         Input {
-            displacement: Self::displacement(slip, j, h),
+            displacement: self.displacement(slip, j, h),
             forces: self.pressing(slip, j, h),
             duration: self.duration(j, h),
             context: Context {
@@ -117,7 +117,7 @@ impl Total<'_> {
         let by = |place: usize| if j == place { h } else { zero };
         let angle = if moves { by(ANGLE) } else { zero };
         BeltInput {
-            flow: Self::displacement(slip, j, h)[FLOW],
+            flow: self.displacement(slip, j, h)[FLOW],
             tension: [self.pressing(slip, j, h)[0], R::from_f64(beyond.tension.unwrap_or(0.0)) + by(BEYOND)],
             angle: R::from_f64(beyond.angle) + angle,
             duration: self.duration(j, h),
@@ -166,7 +166,8 @@ impl Total<'_> {
             // By Δu, what presses, Δt, T2, α.
             let mut rows: Vec<(usize, [R; 6], [R; 6], R, R, R)> = Vec::new();
             if let Some(friction) = frictions.frictions.get(i) {
-                let tangent = friction.tangent(&state, &self.input(slip, before, j, h), on(outcome)).1;
+                let input = self.input(slip, before, j, h);
+                let tangent = friction.tangent_while(&state, &input, on(outcome), self.outcome.failed).1;
                 for k in (0..6).filter(|k| slip.components[*k]) {
                     let of = tangent.force[k];
                     rows.push((k, of.displacement, of.forces, of.duration, zero, zero));
@@ -221,7 +222,13 @@ impl Total<'_> {
                 (beyond, angle) = (beyond.max(tension.abs()), angle.max(wrap.abs()));
             }
         }
-        let forces = force_sizes(&presses, self.length);
+        let mut chosen = [false; 6];
+        for friction in &self.behavior.friction.frictions {
+            let own = friction.criterion.pressing_components();
+            (0..6).for_each(|k| chosen[k] |= own[k]);
+        }
+        chosen[0] |= self.behavior.friction.belt.is_some();
+        let forces = group_sizes(&presses, chosen, self.length);
         let unit = |k: usize| if k < 3 { self.length } else { 1.0 };
         let mut sizes = Vec::with_capacity(INPUTS);
         for k in 0..6 {

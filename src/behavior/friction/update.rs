@@ -301,11 +301,24 @@ impl Friction {
         input: &Input<'_, R>,
         branch: Branch,
     ) -> (Outcome<R>, Tangent<R>) {
+        self.tangent_while(state, input, branch, [false; 6])
+    }
+
+    /// The same where some components slide no more: their positions and motions move, and no slip follows.
+    pub(crate) fn tangent_while<R: Ordered + Differentiable>(
+        &self,
+        state: &State<R>,
+        input: &Input<'_, R>,
+        branch: Branch,
+        failed: [bool; 6],
+    ) -> (Outcome<R>, Tangent<R>) {
         let constant = R::Gradient::<INPUTS>::from_real;
         let mut seeded = input.map(constant);
         for k in 0..6 {
             let moved = R::Gradient::<INPUTS>::seed(R::integer(0), k);
-            seeded.displacement[k] = seeded.displacement[k] + moved;
+            if !failed[k] {
+                seeded.displacement[k] = seeded.displacement[k] + moved;
+            }
             seeded.context.position[k] = seeded.context.position[k] + moved;
             seeded.context.motion[k] = seeded.context.motion[k] + moved;
             seeded.forces[k] = R::Gradient::seed(input.forces[k], 6 + k);
