@@ -1,11 +1,12 @@
 //! Cost follows the request: the time of a state beside the counter of work, as outputs, connectors, the order of derivatives and the
-//! nodes on the ground vary: `taskset -c 3 cargo bench --bench demand [CONNECTORS]`.
+//! nodes on the ground vary: `taskset -c 3 cargo bench --bench demand [CONNECTORS] [-- LINE]`.
 //!
-//! Times are the least of rounds that take turns; the counts are asserted, the times are for reading.
+//! Times are the least of rounds that take turns; the counts are asserted, the times are for reading. With the name of a line that alone
+//! is done, for counters of instructions: `valgrind --tool=callgrind --toggle-collect='*Line*round*' PROGRAM 200 "CU, with rows"`.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
 
 use pintle::connector::{Mask, Output, Request, Tally};
-use pintle::evaluate::{Fixed, Jacobian, Model, Plan, Selection, Sequence};
+use pintle::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence};
 use pintle::scene::{Label, NodeMotion, Rotation, Scene, State};
 use std::fmt::Write;
 use std::hint::black_box;
@@ -14,12 +15,23 @@ use std::time::Instant;
 const ROUNDS: usize = 7;
 const STATES: usize = 3;
 
-/// Springs, dampers, friction and a stop on every HINGE.
+/// A spring, a damper and a stop on every HINGE.
 const BEHAVIOR: &str = "*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=4\n10.\n*CONNECTOR DAMPING, COMPONENT=4\n1.\n\
-                        *CONNECTOR FRICTION, COMPONENT=4\n, 5.\n*FRICTION\n0.1\n*CONNECTOR STOP, COMPONENT=4\n-9., 9.\n";
+                        *CONNECTOR STOP, COMPONENT=4\n-9., 9.\n";
+
+/// Friction besides.
+const FRICTION: &str = "*CONNECTOR FRICTION, COMPONENT=4\n, 5.\n*FRICTION\n0.1\n";
+
+/// What acts on the connectors.
+#[derive(Clone, Copy, PartialEq)]
+enum Laden {
+    Not,
+    WithoutFriction,
+    WithFriction,
+}
 
 /// A chain of HINGEs in which every node turns; of `grounded` in eight the first end is the ground.
-fn scene(connectors: usize, grounded: usize, is_laden: bool) -> Scene {
+fn scene(connectors: usize, grounded: usize, laden: Laden) -> Scene {
     let mut text = String::from("*NODE\n");
     (1..=connectors + 1).for_each(|node| writeln!(text, "{node}, {node}., 0.1, 0.2").unwrap());
     text.push_str("*ORIENTATION, NAME=A\n0.6, 0.8, 0., -0.8, 0.6, 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n");
@@ -30,8 +42,13 @@ fn scene(connectors: usize, grounded: usize, is_laden: bool) -> Scene {
             writeln!(text, "{number}, {number}, {}", number + 1).unwrap();
         }
     }
-    let (option, data) = if is_laden { (", BEHAVIOR=B", BEHAVIOR) } else { ("", "") };
-    writeln!(text, "*CONNECTOR SECTION, ELSET=E{option}\nHINGE\nA,\n{data}").unwrap();
+    let option = if laden == Laden::Not { "" } else { ", BEHAVIOR=B" };
+    writeln!(text, "*CONNECTOR SECTION, ELSET=E{option}\nHINGE\nA,").unwrap();
+    match laden {
+        Laden::Not => {}
+        Laden::WithoutFriction => text.push_str(BEHAVIOR),
+        Laden::WithFriction => text.extend([BEHAVIOR, FRICTION]),
+    }
     Scene::parse("demand.inp", &text).unwrap_or_else(|error| panic!("{}", error.render(100, false)))
 }
 
@@ -55,8 +72,14 @@ fn state(number: usize, nodes: usize) -> State {
 #[derive(Clone, Copy)]
 enum Work {
     Evaluate,
-    /// The sparse constraint Jacobian and nothing else.
-    Assemble,
+    /// The sparse constraint Jacobian and nothing else, of nodes of which one in so many is fixed; 0 is none.
+    Assemble(usize),
+}
+
+/// All degrees of freedom of one in so many nodes.
+fn fixed(plan: &Plan, each: usize) -> Fixed {
+    let chosen = plan.nodes.iter().enumerate().filter(|(at, _)| each > 0 && at % each == 0);
+    chosen.flat_map(|(_, node)| (1..=6).map(|number| Freedom { node: *node, number })).collect()
 }
 
 struct Line<'a> {
@@ -73,7 +96,7 @@ impl<'a> Line<'a> {
         let plan = Plan::compile(model, selection, request).unwrap();
         let jacobian = match work {
             Work::Evaluate => None,
-            Work::Assemble => Some(Jacobian::of_constraints(model, &plan, &Fixed::none())),
+            Work::Assemble(each) => Some(Jacobian::of_constraints(model, &plan, &fixed(&plan, each))),
         };
         Self { what: what.to_owned(), model, plan, jacobian, least: f64::INFINITY, tally: Tally::default() }
     }
@@ -102,9 +125,16 @@ fn first(count: usize) -> Mask {
 fn main() {
     let count: usize = std::env::args().filter_map(|word| word.parse().ok()).next().unwrap_or(4000);
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
-    let models = [(0, false), (4, false), (8, false), (0, true)]
-        .map(|(grounded, is_laden)| Model::compile(&scene(count, grounded, is_laden)).unwrap());
-    let [plain, half, all, laden] = &models;
+    let only = std::env::args().skip(1).find(|word| !word.starts_with('-') && word.parse::<usize>().is_err());
+    let models = [
+        (0, Laden::Not),
+        (4, Laden::Not),
+        (8, Laden::Not),
+        (0, Laden::WithoutFriction),
+        (0, Laden::WithFriction),
+    ];
+    let models = models.map(|(grounded, laden)| Model::compile(&scene(count, grounded, laden)).unwrap());
+    let [plain, half, all, laden, sliding] = &models;
     let states: Vec<State> = (1..=STATES).map(|number| state(number, count + 1)).collect();
     let named = |part: usize| Selection::Named((1..=count / part).map(|number| number.to_string()).collect());
     let whole = Selection::All;
@@ -113,6 +143,8 @@ fn main() {
         Line::new(what, model, selection, request, Work::Evaluate)
     };
     let cu = |components, order| Request::new(&[Output::CU], components, order);
+    let elastic = || Request::new(&[Output::CU, Output::CEF], [true; 6], 1);
+    let friction = [Output::CU, Output::CEF, Output::CSF];
     let mut lines = vec![
         evaluate("nothing", plain, &whole, Request::nothing(0)),
         evaluate("CU of u1", plain, &whole, cu(first(1), 0)),
@@ -126,12 +158,24 @@ fn main() {
         evaluate("CU, with rows and second derivatives", plain, &whole, cu([true; 6], 2)),
         evaluate("CU, with rows, half on the ground", half, &whole, cu([true; 6], 1)),
         evaluate("CU, with rows, all on the ground", all, &whole, cu([true; 6], 1)),
-        evaluate("CU, with behaviours unasked for", laden, &whole, cu([true; 6], 1)),
-        evaluate("CU and CEF", laden, &whole, Request::new(&[Output::CU, Output::CEF], [true; 6], 1)),
+        evaluate("CU, with behaviours unasked for", sliding, &whole, cu([true; 6], 1)),
+        evaluate("CU and CEF", laden, &whole, elastic()),
+        evaluate("CU and CEF, friction unasked for", sliding, &whole, elastic()),
+        evaluate("CU, CEF and CSF", sliding, &whole, Request::new(&friction, [true; 6], 1)),
     ];
-    for (what, model) in [("none", plain), ("half", half), ("all", all)] {
-        let title = format!("Jacobian alone, {what} on the ground");
-        lines.push(Line::new(&title, model, &whole, Request::new(&[], [true; 6], 1), Work::Assemble));
+    for (what, model, each) in [
+        ("none on the ground", plain, 0),
+        ("half on the ground", half, 0),
+        ("all on the ground", all, 0),
+        ("half of the nodes fixed", plain, 2),
+        ("all nodes fixed", plain, 1),
+    ] {
+        let title = format!("Jacobian alone, {what}");
+        lines.push(Line::new(&title, model, &whole, Request::new(&[], [true; 6], 1), Work::Assemble(each)));
+    }
+    if let Some(only) = only {
+        let line = lines.iter_mut().find(|line| line.what == only);
+        return line.unwrap_or_else(|| panic!("there is no line {only:?}")).round(&states);
     }
     for _ in 0..ROUNDS {
         lines.iter_mut().for_each(|line| line.round(&states));
@@ -155,10 +199,41 @@ fn main() {
         }
         println!();
     }
-    let tally = |what: &str| lines.iter().find(|line| line.what == what).unwrap().tally;
+    let line = |what: &str| lines.iter().find(|line| line.what == what).unwrap();
+    let tally = |what: &str| line(what).tally;
     let (rows, unasked) = (tally("CU, with rows"), tally("CU, with behaviours unasked for"));
     assert_eq!(unasked, rows, "a behaviour that nobody asks about is work");
-    assert_eq!(tally("CU, of an eighth").gradients * 8, rows.gradients);
-    assert_eq!([tally("nothing").values, tally("CU of all six").gradients], [0; 2]);
-    assert_eq!(rows.hessians, 0);
+    assert_eq!(
+        tally("CU and CEF, friction unasked for"),
+        tally("CU and CEF"),
+        "friction that nobody asks about is work"
+    );
+    assert!(
+        tally("CU, CEF and CSF").values > tally("CU and CEF").values,
+        "friction that is asked for is followed"
+    );
+    for (what, part) in
+        [("CU, of an eighth", 8), ("CU, of a quarter", 4), ("CU, of half of the connectors", 2)]
+    {
+        let part_of = tally(what);
+        assert_eq!(
+            [part_of.values, part_of.gradients].map(|count| count * part),
+            [rows.values, rows.gradients],
+            "{what}"
+        );
+    }
+    // A HINGE has three positions along which it measures, and three angles of which the first winds and is counted.
+    let values = ["nothing", "CU of u1", "CU of u1 to u3", "CU of all six"].map(|what| tally(what).values);
+    assert!(values.is_sorted() && values[0] == 0 && values[2] == 3 * values[1], "{values:?}");
+    assert_eq!([tally("nothing").gradients, tally("CU of all six").gradients, rows.hessians], [0; 3]);
+    assert!(tally("CU, with rows and second derivatives").hessians > 0);
+    // The ground is turned by nobody, and has no columns; neither have nodes that are fixed.
+    let grounded = tally("CU, with rows, all on the ground");
+    assert_eq!(grounded.rotations, rows.rotations - STATES as u64);
+    let entries = |what: &str| line(what).jacobian.as_ref().unwrap().entries();
+    let [none, all] =
+        ["none on the ground", "all on the ground"].map(|what| entries(&format!("Jacobian alone, {what}")));
+    assert!(all < none && entries("Jacobian alone, half of the nodes fixed") < none);
+    assert_eq!(entries("Jacobian alone, all nodes fixed"), 0);
+    assert_eq!(tally("Jacobian alone, all nodes fixed").gradients, 0);
 }

@@ -21,14 +21,38 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// u, the unit of rounding.
 const U: f64 = 1.0 / 9_007_199_254_740_992.0;
 
-/// A picture: what is swept, and the errors of ours and of the other.
+/// What was swept, and the errors found.
+struct Curve {
+    of: &'static str,
+    points: Vec<(f64, f64)>,
+}
+
+impl Curve {
+    const fn new(of: &'static str) -> Self {
+        Self { of, points: Vec::new() }
+    }
+
+    fn add(&mut self, swept: f64, error: f64) {
+        self.points.push((swept, error));
+    }
+
+    fn worst(&self) -> f64 {
+        let worse = |worst: f64, error: f64| if error.is_nan() { f64::INFINITY } else { worst.max(error) };
+        self.points.iter().fold(0.0, |worst, (_, error)| worse(worst, *error))
+    }
+}
+
+/// A picture: what is swept, the errors of ours and of others.
 struct Panel {
     title: &'static str,
     swept: &'static str,
-    ours: Vec<(f64, f64)>,
-    other: Vec<(f64, f64)>,
-    other_is: &'static str,
+    unit: &'static str,
+    ours: Vec<Curve>,
+    others: Vec<Curve>,
 }
+
+/// What nalgebra gives to those who add up.
+const SUM: &str = "nalgebra: sum of scaled_axis of increments";
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -87,13 +111,7 @@ fn drift() -> Result<Panel> {
     let (connector, definition) = connector("HINGE", [0.0; 3])?;
     let mut branch = connector.initial_branch();
     let (mut before, mut sum) = (Rotation3::identity(), 0.0);
-    let mut panel = Panel {
-        title: "a million increments of 0.7 rad",
-        swept: "increments",
-        ours: Vec::new(),
-        other: Vec::new(),
-        other_is: "nalgebra: sum of scaled_axis of increments",
-    };
+    let (mut ours, mut summed) = (Curve::new("pintle"), Curve::new(SUM));
     let mut next = 1;
     for step in 1..=STEPS {
         let (turns, rest) = principal(Wide::from_f64(STEP) * Wide::from_f64(step as f64));
@@ -110,24 +128,19 @@ fn drift() -> Result<Panel> {
             let of_ours = error(got, want);
             // One rounding of the angle, and those of the triad.
             assert!(of_ours <= U * (want.to_f64() + 8.0), "{step}: {of_ours}");
-            panel.ours.push((step as f64, of_ours));
-            panel.other.push((step as f64, error(sum, want)));
+            ours.add(step as f64, of_ours);
+            summed.add(step as f64, error(sum, want));
         }
     }
-    Ok(panel)
+    let title = "a million increments of 0.7 rad, of a HINGE";
+    Ok(Panel { title, swept: "increments", unit: "rad", ours: vec![ours], others: vec![summed] })
 }
 
 /// A billion turns, continued from a saved branch: the angle within its turn keeps all its digits.
 fn turns() -> Result<Panel> {
     let (connector, definition) = connector("HINGE", [0.0; 3])?;
     let (first, second) = (2.5, 2.9);
-    let mut panel = Panel {
-        title: "a tenth of a turn after 10^k turns, from a saved branch",
-        swept: "turns",
-        ours: Vec::new(),
-        other: Vec::new(),
-        other_is: "one double for the angle",
-    };
+    let (mut ours, mut one_double) = (Curve::new("pintle"), Curve::new("one double for the angle"));
     for turns in (0..=36).map(|k| 10_f64.powf(f64::from(k) / 4.0).round()) {
         let mut branch =
             evaluate(&connector, &at(&definition, about_x(first), [0.0; 3]), &connector.initial_branch(), 0)
@@ -144,22 +157,17 @@ fn turns() -> Result<Panel> {
         assert!(error(value, total(turns, second)) <= U * (value.abs() + 8.0));
         let row = result.jacobian[3].ok_or("a HINGE has a row of ur1")?;
         assert!((row[10] - 1.0).abs() <= 4.0 * U, "{row:?}");
-        panel.ours.push((turns, of_ours));
+        ours.add(turns, of_ours);
         let one = |angle: f64| angle + TAU * turns;
-        panel.other.push((turns, error(one(second) - one(first), want)));
+        one_double.add(turns, error(one(second) - one(first), want));
     }
-    Ok(panel)
+    let title = "0.4 rad of a HINGE after many turns, from a saved branch";
+    Ok(Panel { title, swept: "turns before", unit: "rad", ours: vec![ours], others: vec![one_double] })
 }
 
 /// Far from the origin: initial positions and displacements are kept apart.
 fn origin() -> Result<Panel> {
-    let mut panel = Panel {
-        title: "displacement of a CARTESIAN, 10^k from the origin",
-        swept: "distance / length",
-        ours: Vec::new(),
-        other: Vec::new(),
-        other_is: "nalgebra: current positions",
-    };
+    let (mut ours, mut by_positions) = (Curve::new("pintle"), Curve::new("nalgebra: current positions"));
     let moved = 0.012_345_678_9;
     for far in (0..=36).map(|k| 10_f64.powf(f64::from(k) / 4.0)) {
         // Coordinates as a deck has them.
@@ -176,32 +184,28 @@ fn origin() -> Result<Panel> {
         assert!(of_ours <= 2.0 * U, "{far}: {of_ours}");
         let by_displacement = evaluate(&connector, &state, &connector.initial_branch(), 0).displacement[0];
         assert!(error(by_displacement.ok_or("a CARTESIAN has u1")?, want) <= 2.0 * U);
-        panel.ours.push((far, of_ours));
+        ours.add(far, of_ours);
         let [a, b] = [Vector3::new(far, 0.0, 0.0), Vector3::new(far + 0.1, 0.2, 0.3)];
         let now = b + Vector3::new(moved, 0.0, 0.0);
-        panel.other.push((far, error((now - a).x - (b - a).x, Wide::from_f64(moved))));
+        by_positions.add(far, error((now - a).x - (b - a).x, Wide::from_f64(moved)));
     }
-    Ok(panel)
+    let title = "displacement of a CARTESIAN far from the origin";
+    let swept = "distance from the origin / length";
+    Ok(Panel { title, swept, unit: "length", ours: vec![ours], others: vec![by_positions] })
 }
 
-/// Towards the Cardan lock: ∂ur2 by the turn about the global 2-axis.
-fn lock() -> Result<Panel> {
-    let (connector, definition) = connector("CARDAN", [0.0; 3])?;
+/// Towards a lock of successive rotations, where the second angle β makes the axes of the first and third one line: ∂β by the turn of b
+/// about the global axis of β.
+fn lock(of: Lock) -> Result<Panel> {
+    let Lock { name, title, rotations, axis, other_is, by_entry } = of;
+    let (connector, definition) = connector(name, [0.0; 3])?;
     let wide = Connector::<Wide>::new(&definition);
-    let mut panel = Panel {
-        title: "∂β/∂θ of a CARDAN, 10^-k from its lock, α = 0.3",
-        swept: "distance to the lock (rad)",
-        ours: Vec::new(),
-        other: Vec::new(),
-        other_is: "num-dual: asin of the entry",
-    };
+    let (mut ours, mut other) = (Curve::new("pintle"), Curve::new(other_is));
     for distance in (4..=44).map(|k| 10_f64.powf(-f64::from(k) / 4.0)) {
-        let turned = vector::product(
-            &so3::matrix(so3::exp([0.3, 0.0, 0.0])),
-            &so3::matrix(so3::exp([0.0, FRAC_PI_2 - distance, 0.0])),
-        );
+        let [first, second] = rotations(distance).map(|angles| so3::matrix(so3::exp(angles)));
+        let turned = vector::product(&first, &second);
         let state = at(&definition, turned, [0.0; 3]);
-        let ours = evaluate(&connector, &state, &connector.initial_branch(), 1);
+        let found = evaluate(&connector, &state, &connector.initial_branch(), 1);
         let exact = |node: &Node<f64>| Node {
             displacement: vector::exact(node.displacement),
             triad: vector::exact_matrix(&node.triad),
@@ -221,35 +225,63 @@ fn lock() -> Result<Panel> {
             &mut Tally::default(),
         );
         let [row, want] = [
-            ours.jacobian[4].ok_or("ur2 has a row")?[11],
-            truth.jacobian[4].ok_or("ur2 has a row")?[11].to_f64(),
+            found.jacobian[4].ok_or("ur2 has a row")?[axis],
+            truth.jacobian[4].ok_or("ur2 has a row")?[axis].to_f64(),
         ];
         let of_ours = (row - want).abs();
         // One rounding of the triad turns the row by u/distance.
-        assert!(of_ours <= 8.0 * U, "{distance}: {of_ours}");
-        panel.ours.push((distance, of_ours));
-        // The entry e1a·e3b and how it changes as b turns about the global 2-axis.
-        let entry = Dual64::new(turned[0][2], turned[2][2]);
-        let beta = entry.asin();
-        panel.other.push((distance, (beta.eps - want).abs().min(1e3)));
+        assert!(of_ours <= 8.0 * U, "{name}, {distance}: {of_ours}");
+        ours.add(distance, of_ours);
+        other.add(distance, (by_entry(&turned) - want).abs());
     }
-    Ok(panel)
+    let swept = "distance to the lock (rad)";
+    Ok(Panel { title, swept, unit: "rad/rad", ours: vec![ours], others: vec![other] })
 }
 
-/// Large increments of a ROTATION: each is recognised by itself, and beyond 0.9 π it is said not to be certain.
+/// A lock of successive rotations.
+struct Lock {
+    name: &'static str,
+    title: &'static str,
+    /// The first and the second rotation, at a distance.
+    rotations: fn(f64) -> [[f64; 3]; 2],
+    /// The nodal degree of freedom that turns b about the axis of β, when the first rotation is left out.
+    axis: usize,
+    other_is: &'static str,
+    /// The same derivative by the one entry that β is a function of.
+    by_entry: fn(&Matrix<f64>) -> f64,
+}
+
+/// sin β = e1a·e3b: near ±1 the arcsine loses what is left.
+const CARDAN: Lock = Lock {
+    name: "CARDAN",
+    title: "∂β/∂θ of a CARDAN towards its lock, α = 0.3",
+    rotations: |distance| [[0.3, 0.0, 0.0], [0.0, FRAC_PI_2 - distance, 0.0]],
+    axis: 11,
+    other_is: "num-dual: asin of the entry (at the top: no number)",
+    by_entry: |turned| Dual64::new(turned[0][2], turned[2][2]).asin().eps,
+};
+
+/// cos β = e3a·e3b: likewise the arccosine.
+const EULER: Lock = Lock {
+    name: "EULER",
+    title: "∂β/∂θ of an EULER towards its lock, α = 0.3",
+    rotations: |distance| [[0.0, 0.0, 0.3], [distance, 0.0, 0.0]],
+    axis: 10,
+    other_is: "num-dual: acos of the entry (at the top: no number)",
+    by_entry: |turned| Dual64::new(turned[2][2], turned[1][2]).acos().eps,
+};
+
+/// Large increments of a ROTATION and a HINGE: each is recognised by itself, and beyond 0.9 π it is said not to be certain.
 fn increments() -> Result<Panel> {
     const STEPS: u32 = 1000;
-    let (connector, definition) = connector("ROTATION", [0.0; 3])?;
-    let mut panel = Panel {
-        title: "a thousand increments of f π of a ROTATION",
-        swept: "f",
-        ours: Vec::new(),
-        other: Vec::new(),
-        other_is: "nalgebra: scaled_axis",
-    };
+    let (rotation, definition) = connector("ROTATION", [0.0; 3])?;
+    let (hinge, of_hinge) = connector("HINGE", [0.0; 3])?;
+    let [mut of_rotation, mut counted] = ["pintle, ROTATION", "pintle, HINGE"].map(Curve::new);
+    let mut summed = Curve::new(SUM);
     for fraction in (1..=99).step_by(2).map(|percent| f64::from(percent) / 100.0) {
-        let mut branch = connector.initial_branch();
-        let (mut worst, mut worst_other) = (0.0_f64, 0.0_f64);
+        let [mut branch, mut hinged] = [rotation.initial_branch(), hinge.initial_branch()];
+        let [mut worst, mut worst_counted, mut worst_sum] = [0.0_f64; 3];
+        let (mut before, mut sum) = (Rotation3::identity(), 0.0);
         let mut turned_before = 0.0;
         for step in 1..=STEPS {
             let (turns, rest) = principal(Wide::from_f64(fraction * PI) * Wide::from_f64(f64::from(step)));
@@ -261,8 +293,8 @@ fn increments() -> Result<Panel> {
             };
             turned_before = want.to_f64();
             let request = Request::new(&[Output::CU], [true; 6], 0);
-            let result = connector.evaluate(&state, &increment, &branch, &request, &mut Tally::default());
-            let flags = connector.flags(&[None; 6], &increment, &state, &branch, &result.branch);
+            let result = rotation.evaluate(&state, &increment, &branch, &request, &mut Tally::default());
+            let flags = rotation.flags(&[None; 6], &increment, &state, &branch, &result.branch);
             let is_told = flags.iter().any(|flag| matches!(flag, Flag::LargeIncrement { .. }));
             // Near whole turns, to 0.1 rad, increments are measured from these.
             assert!(
@@ -272,65 +304,119 @@ fn increments() -> Result<Panel> {
             branch = result.branch;
             let got = result.displacement[3].ok_or("a ROTATION has ur1")?;
             worst = worst.max(error(got, want));
-            worst_other = worst_other.max(error(of_nalgebra(&state.pair.b.triad).scaled_axis().x, want));
+            let turned = evaluate(&hinge, &at(&of_hinge, state.pair.b.triad, [0.0; 3]), &hinged, 0);
+            hinged = turned.branch;
+            worst_counted = worst_counted.max(error(turned.displacement[3].ok_or("a HINGE has ur1")?, want));
+            let now = of_nalgebra(&state.pair.b.triad);
+            sum += (now * before.inverse()).scaled_axis().x;
+            before = now;
+            worst_sum = worst_sum.max(error(sum, want));
         }
         // The gate of the continued log, 4 u of the whole angle. Beyond 0.97 π turns can be lost near whole turns, where the
         // sheet is that of the state before: as has been told.
         let bound = 4.0 * U * f64::from(STEPS) * PI * fraction;
         assert!(worst <= bound || fraction > 0.97, "{fraction}: {worst}");
-        panel.ours.push((fraction, worst));
-        panel.other.push((fraction, worst_other));
+        assert!(worst_counted <= bound, "{fraction}: {worst_counted}");
+        of_rotation.add(fraction, worst);
+        counted.add(fraction, worst_counted);
+        summed.add(fraction, worst_sum);
     }
-    Ok(panel)
+    let title = "a thousand increments of a part of half a turn";
+    let swept = "increment / π; beyond 0.9 it is flagged";
+    Ok(Panel { title, swept, unit: "rad", ours: vec![of_rotation, counted], others: vec![summed] })
 }
 
-/// Below this, errors are drawn on the axis.
-const FLOOR: f64 = 1e-18;
+/// The common logarithm at which no error is drawn.
+const EXACT: f64 = -18.0;
+
+/// Beyond this, errors are not told apart, and what is no number is drawn here.
+const HOPELESS: f64 = 3.0;
+
+fn logarithm(error: f64) -> f64 {
+    if error.is_nan() { HOPELESS } else { error.log10().clamp(EXACT, HOPELESS) }
+}
+
+/// 10 to a whole power; nothing for what is none.
+fn power_of_ten(exponent: f64) -> String {
+    if exponent.fract() != 0.0 {
+        return String::new();
+    }
+    let digit = |c| match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        '4'..='9' | '0' => char::from_u32(0x2070 + c as u32 - '0' as u32).unwrap_or(c),
+        other => other,
+    };
+    format!("10{}", format!("{exponent:.0}").chars().map(digit).collect::<String>())
+}
+
+const OF_OURS: [RGBColor; 2] = [RGBColor(0, 70, 200), RGBColor(0, 150, 130)];
+const OF_OTHERS: RGBColor = RGBColor(205, 40, 40);
 
 fn draw(panels: &[Panel], path: &str) -> Result<()> {
-    let area = SVGBackend::new(path, (1200, 360 * panels.len().div_ceil(2) as u32)).into_drawing_area();
+    let area = SVGBackend::new(path, (1240, 380 * panels.len().div_ceil(2) as u32)).into_drawing_area();
     area.fill(&WHITE)?;
     for (panel, area) in panels.iter().zip(area.split_evenly((panels.len().div_ceil(2), 2))) {
-        let all = || panel.ours.iter().chain(&panel.other);
-        let low = all().fold(f64::INFINITY, |low, (x, _)| low.min(*x));
-        let high = all().fold(0.0_f64, |high, (x, _)| high.max(*x));
-        let top = all().fold(FLOOR, |top, (_, y)| top.max(*y)) * 10.0;
+        let curves = || panel.ours.iter().chain(&panel.others);
+        let swept = || curves().flat_map(|curve| &curve.points).map(|(x, _)| *x);
+        let [low, high] = [swept().fold(f64::INFINITY, f64::min), swept().fold(0.0, f64::max)];
+        // A part of one is swept evenly.
+        let is_even = low > 1e-3 && high < 1.0 && panel.ours.len() > 1;
+        let across = |x: f64| if is_even { x } else { x.log10() };
+        let top = curves().fold(EXACT, |top, curve| top.max(logarithm(curve.worst()))).ceil();
         let mut builder = ChartBuilder::on(&area);
         builder
-            .caption(panel.title, ("sans-serif", 18))
-            .margin(12)
-            .x_label_area_size(36)
-            .y_label_area_size(64);
-        let mut chart = builder.build_cartesian_2d((low..high).log_scale(), (FLOOR..top).log_scale())?;
-        let format = |value: &f64| format!("{value:.0e}");
+            .caption(panel.title, ("sans-serif", 17))
+            .margin(14)
+            .x_label_area_size(44)
+            .y_label_area_size(70);
+        // Room for the legend above the curves.
+        let room = 0.2 * (top - EXACT);
+        let from = if is_even { 0.0 } else { across(low) };
+        let to = if is_even { 1.0 } else { across(high) };
+        let mut chart = builder.build_cartesian_2d(from..to, EXACT..top + room)?;
         chart
             .configure_mesh()
             .x_desc(panel.swept)
-            .y_desc("absolute error")
-            .x_label_formatter(&|value| {
-                if low < 1e-2 || high > 1e2 { format(value) } else { format!("{value:.2}") }
-            })
-            .y_label_formatter(&format)
+            .y_desc(format!("absolute error ({})", panel.unit))
+            .axis_desc_style(("sans-serif", 14))
+            .label_style(("sans-serif", 13))
+            .x_labels(11)
+            .y_labels(12)
+            .x_label_formatter(&|x| if is_even { format!("{x:.1}") } else { power_of_ten(*x) })
+            .y_label_formatter(&|y| if *y == EXACT { "0".to_string() } else { power_of_ten(*y) })
             .light_line_style(WHITE)
+            .bold_line_style(RGBColor(225, 225, 225))
             .draw()?;
-        for (points, colour, label) in [(&panel.other, RED, panel.other_is), (&panel.ours, BLUE, "pintle")] {
-            let points: Vec<_> = points.iter().map(|(x, y)| (*x, y.max(FLOOR))).collect();
+        let colours =
+            panel.ours.iter().zip(OF_OURS).chain(panel.others.iter().map(|other| (other, OF_OTHERS)));
+        for (Curve { of, points }, colour) in colours {
+            let points: Vec<_> = points.iter().map(|(x, y)| (across(*x), logarithm(*y))).collect();
             chart
                 .draw_series(LineSeries::new(points, colour.stroke_width(2)))?
-                .label(label)
+                .label(*of)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
         }
-        chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK).draw()?;
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperMiddle)
+            .label_font(("sans-serif", 13))
+            .background_style(WHITE.mix(0.9))
+            .border_style(RGBColor(150, 150, 150))
+            .draw()?;
     }
     area.present()?;
     Ok(())
 }
 
 fn main() -> Result<()> {
-    let panels = [increments()?, turns()?, origin()?, lock()?, drift()?];
-    let worst = |points: &[(f64, f64)]| points.iter().fold(0.0_f64, |worst, (_, error)| worst.max(*error));
-    for Panel { title, ours, other, other_is, .. } in &panels {
-        println!("{title}: worst {:.1e}; {other_is}: worst {:.1e}", worst(ours), worst(other));
+    let panels = [increments()?, turns()?, origin()?, drift()?, lock(CARDAN)?, lock(EULER)?];
+    for Panel { title, ours, others, unit, .. } in &panels {
+        let worst = |curve: &Curve| format!("{} {:.1e} {unit}", curve.of, curve.worst());
+        let all: Vec<String> = ours.iter().chain(others).map(worst).collect();
+        println!("{title}: worst of {}", all.join("; of "));
     }
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/stress.svg");
     draw(&panels, path)?;

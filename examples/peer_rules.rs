@@ -8,10 +8,11 @@
 
 use pintle::audit::case::{dof_size, moved};
 use pintle::audit::mutant::{Mistake, Scene, mutants};
-use pintle::audit::oracle::{Narrow, Oracle, WideAnswers};
+use pintle::audit::oracle::Narrow;
 
 use pintle::audit::sample::{Draw, Region, draw_case};
 use pintle::audit::truth::Truth;
+use pintle::audit::verdict::Wanted;
 use pintle::audit::{Bound, Case, Entries, Quantity, atlas, product};
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Branch, Components, Connector, Increment, Output, Request, State, Tally};
@@ -83,7 +84,7 @@ const RULES: [&str; 6] = [
 /// Whether each rule calls the Jacobian wrong.
 struct Judges<'a> {
     subject: &'a Subject,
-    truth: Entries<pintle::scalar::Wide>,
+    truth: Entries<Wanted>,
     bound: &'a Bound,
     slow: Vec<[f64; DOFS]>,
     relative: Vec<[f64; DOFS]>,
@@ -98,10 +99,7 @@ impl Judges<'_> {
         let entries: Vec<(usize, usize, f64)> = rows.iter().collect();
         let ours = entries.iter().any(|(k, i, x)| {
             let Some(want) = self.truth.get(*k, *i) else { return false };
-            exceeds(
-                (pintle::scalar::Wide::from_f64(*x) - want).abs().to_f64(),
-                self.bound.tolerance(quantity, *k, *i),
-            )
+            exceeds(want.error(*x), self.bound.tolerance(quantity, *k, *i))
         });
         // torch.autograd.gradcheck: eps 1e-6, |a − n| > atol + rtol |n| with atol 1e-5, rtol 1e-3, entry by entry.
         let slow = entries.iter().any(|(k, i, x)| {
@@ -147,8 +145,7 @@ impl Judges<'_> {
 
 fn judges<'a>(case: &Case, subject: &'a Subject, bound: &'a Bound, draw: &mut Draw) -> Option<Judges<'a>> {
     let truth = Truth::of(case)?;
-    let answers = WideAnswers::of(&truth);
-    let numbers = answers.answer(Oracle::WideDifferences, Quantity::FirstDerivatives)?.numbers;
+    let numbers = truth.first().map(|_, _, x| Wanted::from(x));
     let mut unit = || {
         let mut v: [f64; DOFS] = std::array::from_fn(|_| draw.between(-1.0, 1.0));
         let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();

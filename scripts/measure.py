@@ -23,7 +23,7 @@ import venv
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORK = ROOT / "target" / "peers"
-DOCUMENTS = ("README.md", "docs/performance.md")
+DOCUMENTS = ("README.md", "docs/audit.md", "docs/performance.md")
 OPEN, CLOSE = "<!-- measured: {} -->", "<!-- end: {} -->"
 OURS = "pintle"
 # The least speed over each peer that pintle aims at, and the batches for which it is compared.
@@ -254,6 +254,8 @@ MEASUREMENTS = {
     peers: ("peers", "peers-summary"),
     printed("lanes"): ("lanes",),
     printed("demand"): ("demand",),
+    printed("audit"): ("audit",),
+    printed("scale"): ("scale",),
 }
 
 

@@ -358,10 +358,19 @@ def run(jobs, timeout, only, stride):
     print("without a mutant:", failed := test(0, programs, 3600, rest, threads=jobs), flush=True)
     if failed:
         sys.exit("the tests fail without any mutant")
+    killers = collections.defaultdict(collections.Counter)
 
     def judge(mutant):
+        """Tries the tests that noticed the neighbours of a mutant first: those of its function, then those of its file."""
         started = time.monotonic()
-        caught = test(mutant["k"], programs, timeout, quick) or test(mutant["k"], programs, 4 * timeout, rest)
+        places = (mutant["file"], (mutant.get("function") or {}).get("function_name")), (mutant["file"], None)
+        likely = {name for place in places for name, _ in killers[place].most_common(3)}
+        first = {p: ["--exact", *sorted(likely)] for p in programs}
+        caught = likely and test(mutant["k"], programs, timeout, first)
+        caught = caught or test(mutant["k"], programs, timeout, quick) or test(mutant["k"], programs, 4 * timeout, rest)
+        if caught and "::" in caught:
+            for place in places:
+                killers[place][caught] += 1
         return mutant, caught, time.monotonic() - started
 
     count = collections.Counter()

@@ -86,6 +86,7 @@ pub mod catalog;
 pub mod connector;
 pub mod evaluate;
 pub mod force;
+mod grammar;
 pub mod measure;
 pub mod mpc;
 pub mod node;

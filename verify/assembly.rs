@@ -3,6 +3,8 @@
 //! Each mechanism is built of hinges (5 constraints) and rigid links (connection type BEAM, 6 constraints) between nodes of 6 degrees of
 //! freedom, so that Grübler's mobility is 6 bodies − 5 hinges, whatever the geometry.
 
+mod linkages;
+
 use pintle::audit::assembly::{Assembly, Holds, analyse};
 use pintle::evaluate::Model;
 use pintle::scene::{Code, Scene};
@@ -11,7 +13,7 @@ use std::fmt::Write;
 type Point = [f64; 3];
 
 /// A deck that is being written.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Deck {
     nodes: Vec<Point>,
     elements: String,

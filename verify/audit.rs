@@ -141,7 +141,7 @@ fn certificates_follow_from_the_tests() {
     );
 }
 
-fn at_rest(name: &str) -> Definition {
+pub(crate) fn at_rest(name: &str) -> Definition {
     let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
     Definition::new(named(name).clone(), Pair { reference: [0.7, -0.4, 0.9], a: node, b: node })
 }
@@ -201,6 +201,24 @@ fn a_right_candidate_passes_and_a_wrong_one_is_named() {
 #[should_panic(expected = "∂ur1/∂θb1")]
 fn assert_ok_names_the_entry() {
     spoiled("REVOLUTE", |_, rows| rows[3].as_mut().unwrap()[10] = 0.0).assert_ok();
+}
+
+/// Mutants of a routine's numbers are tried too; of wrong numbers they do not count, for one of them is right.
+#[test]
+fn a_mutant_of_what_is_wrong_is_no_survivor() {
+    let derivatives = |report: &Report| {
+        let check = report.subjects[0].checks.iter().find(|check| {
+            check.quantity == Some(Quantity::FirstDerivatives)
+                && check.against == Against::Oracle(Oracle::WideDifferences)
+        });
+        check.unwrap().clone()
+    };
+    let right = derivatives(&spoiled("REVOLUTE", |_, _| {}));
+    assert!(right.score.killed > 1000 && right.score.survived == 0, "{:?}", right.score);
+    let reversed = spoiled("REVOLUTE", |_, rows| rows[3].as_mut().unwrap()[10] *= -1.0);
+    assert_eq!((reversed.mismatches(), reversed.survivors()), (1, 0));
+    assert_eq!(derivatives(&reversed).score.decisive(), 0);
+    assert!(std::panic::catch_unwind(|| reversed.assert_ok()).is_err());
 }
 
 /// Bound, numbers and truth of a case.
@@ -368,7 +386,7 @@ fn nothing_compared_is_undecided() {
         let demands = context.demands(law);
         let (demand, units) = invariant::worst(&numbers, &demands).unwrap();
         assert!(units > 1.0, "{law:?}");
-        assert!(demand.what.contains("ur2"), "{}", demand.what);
+        assert!(demand.what.to_string().contains("ur2"), "{}", demand.what);
     }
 }
 

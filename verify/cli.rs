@@ -22,11 +22,11 @@ pub(crate) fn pintle(arguments: &[&str]) -> Command {
     command
 }
 
-fn stdout(assert: &Assert) -> String {
+pub(crate) fn stdout(assert: &Assert) -> String {
     String::from_utf8(assert.get_output().stdout.clone()).unwrap()
 }
 
-fn stderr(assert: &Assert) -> String {
+pub(crate) fn stderr(assert: &Assert) -> String {
     String::from_utf8(assert.get_output().stderr.clone()).unwrap()
 }
 
@@ -699,7 +699,7 @@ fn what_needs_care_is_said() {
     let deck = file("edge.inp", AT_THE_EDGE);
     let states = file(
         "edge.csv",
-        "state,node,u1,ur1,ur2,flow\n0,2,,,1.5707963267948966,\n1,1,,,,-1\n2,2,,3.1,,\n3,1,-1e308,3.1,,\n3,2,1e308,3.1,,\n",
+        "state,node,u1,ur1,ur2,flow\n0,2,,,1.5707963267948966,\n1,1,,,,-1\n2,2,,3.1,,\n3,1,-1e308,3.1,,\n3,2,1e308,3.1,,\n4,2,-1,,,\n",
     );
     let arguments = ["eval", &deck, "--states", &states, "--order", "1", "--format"];
     let assert = pintle(&[&arguments[..], &["json"]].concat()).assert().success();
@@ -717,6 +717,7 @@ fn what_needs_care_is_said() {
     let belt = at(&document, 0, 3, 102);
     assert!(belt["u1"]["CP"].is_null() && belt["u2"]["CP"].is_number(), "{belt}");
     assert_eq!(flags(2, 0), [r#""large-increment" "ur1""#]);
+    assert_eq!(flags(4, 1), [r#""singular" "u1""#]);
     let page = stdout(&pintle(&[&arguments[..], &["human"]].concat()).assert().success());
     let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
@@ -724,6 +725,7 @@ fn what_needs_care_is_said() {
         "! ur1, ur3 are ill-conditioned, ",
         "! derivative of ur1, ur2, ur3 is not finite",
         "! u1 is singular, at no material left, l0 + Ψa − Ψb ≤ 0",
+        "! u1 is singular, at coincident nodes, d = 0",
         "! ur1 moved by 3.100000 rad since the previous state, more than 0.9 π: its turns are not certain",
         "! CP of u1 is not finite",
         "! derivative of u1 is not finite",

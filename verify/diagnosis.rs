@@ -1,5 +1,8 @@
 //! Why a matrix is wrong: every mistake of the catalogue is named as what it is, conventions too, and noise is not named at all.
 
+mod candidates;
+mod sheets;
+
 use crate::audit::{judged, named, spoiled};
 use pintle::audit::diagnosis::{Cause, Diagnosis, Symptoms, diagnose};
 use pintle::audit::mutant::{Mistake, Scene, mutants};
@@ -68,7 +71,7 @@ fn every_mutant_is_diagnosed_as_itself() {
                     let found = diagnose(&symptoms);
                     let name = mutant.mistake.name();
                     let found = found.unwrap_or_else(|| panic!("{}: {name}: nothing wrong", case.name));
-                    let cause = Cause::of(mutant.mistake).unwrap();
+                    let cause = Cause::of(mutant.mistake);
                     let what = format!("{} {}, {name}:\n{}", case.name, quantity.name(), said(&found));
                     assert_eq!((found.causes.len(), found.unexplained), (1, 0), "{what}");
                     let codes: Vec<Code> = found

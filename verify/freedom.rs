@@ -33,8 +33,8 @@ fn rotates(text: &str) -> [bool; 2] {
         assert!(active[at] == active[at + 1] && active[at] == active[at + 2], "{text}");
         active[at]
     };
-    assert_eq!([of(3), of(10)], element.definition.rotates, "{text}");
-    element.definition.rotates
+    assert_eq!([of(3), of(10)], element.definition().rotates, "{text}");
+    element.definition().rotates
 }
 
 /// The nodes that each type gives rotations, from the pages: where an orientation is permitted, but for JOIN, AXIAL and LINK.
@@ -295,5 +295,5 @@ fn connectors_on_one_pair_of_nodes_add_up() {
 
 /// The directions of a at the state of [`connectors_on_one_pair_of_nodes_add_up`].
 fn current_triad(model: &Model, i: usize) -> Matrix<f64> {
-    vector::product(&crate::states::turn([0.3, 0.4, -0.2]), &model.connectors[i].triads[0])
+    vector::product(&crate::states::turn([0.3, 0.4, -0.2]), model.connectors[i].triads()[0])
 }

@@ -9,7 +9,7 @@ mod forces; // nodal forces are transposed rows times component forces
 mod hinges; // what acts on the angles of hinges
 mod histories; // turns are counted and saved branches continue
 mod motion; // rigid motions, frames, units, rates, the initial state, exchanged nodes
-mod mpc; // the laws of multi-point constraints
+pub(crate) mod mpc; // the laws of multi-point constraints
 mod mpc_forces; // what they transmit, and what they leave to be solved for
 mod requests; // a part is part of the whole, and nothing else is computed
 

@@ -1,7 +1,7 @@
 //! Reports of an audit: each shows what was found, and no text of the input becomes markup.
 
 use crate::audit::spoiled;
-use pintle::audit::model::{Levels, ModelReport, audit_model};
+use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
 use pintle::audit::{
     Illustration, Quantity, Report, Settings, Target, Verdict, audit_catalogue, audit_scenes,
     illustrate_catalogue, illustrate_scene,
@@ -9,10 +9,11 @@ use pintle::audit::{
 use pintle::connector::Request;
 use pintle::evaluate::{Model, Plan, Selection};
 use pintle::report::audit::{self as report, Audited, Supplement};
-use pintle::scene::GALLERY;
+use pintle::scene::{GALLERY, Scene};
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
+use std::sync::OnceLock;
 
 /// A name that is markup in every form that a report has.
 const HOSTILE: &str = "a|b <script>alert(1)</script> & *x* `y`";
@@ -26,8 +27,9 @@ pub(crate) fn wrong() -> Report {
 
 /// A brief audit of the catalogue.
 pub(crate) fn brief() -> Report {
+    static FOUND: OnceLock<Report> = OnceLock::new();
     let settings = Settings { states: 10, near_singular_states: 4, wide_states: 1, ..Settings::default() };
-    audit_catalogue(&settings, &|_| {})
+    FOUND.get_or_init(|| audit_catalogue(&settings, &|_| {})).clone()
 }
 
 fn text(write: impl Fn(&mut dyn std::io::Write, &Report) -> std::io::Result<()>, report: &Report) -> String {
@@ -59,6 +61,74 @@ fn markdown_of_a_clean_audit() {
         assert!(page.contains(&format!("| {} | pass |", subject.name)), "{page}");
     }
     assert!(page.contains("<details>") && page.contains("</details>"));
+}
+
+/// Never longer than a comment may be; what is wrong comes first, and what is left out is counted.
+#[test]
+fn markdown_fits_into_a_comment() {
+    let limit = report::MARKDOWN_LIMIT;
+    let mut found = brief();
+    let whole = text(report::markdown, &found);
+    assert!(whole.chars().count() < limit && !whole.contains("left out"), "{}", whole.chars().count());
+    let spoiled = wrong();
+    for n in 0..900 {
+        let mut subject = found.subjects[n % 31].clone();
+        subject.name = format!("{} {n}", subject.name);
+        found.subjects.push(subject);
+    }
+    found.subjects.extend(spoiled.subjects.clone());
+    let page = text(report::markdown, &found);
+    assert!(
+        page.chars().count() <= limit && page.chars().count() > limit - 2_000,
+        "{}",
+        page.chars().count()
+    );
+    assert!(page.contains("∂ur1/∂θb1 is `0e0`"), "what is wrong");
+    let first = page.find("\n| a\\|b").unwrap();
+    assert!(first < page.find("\n| ALIGN |").unwrap_or(usize::MAX), "the wrong one is first");
+    assert!(page.contains("subjects left out here") && page.ends_with('\n') && page.contains("</details>"));
+    // As many wrong ones as no comment can hold.
+    for n in 0..900 {
+        let mut subject = spoiled.subjects[0].clone();
+        subject.name = format!("{} {n}", subject.name);
+        found.subjects.push(subject);
+    }
+    let page = text(report::markdown, &found);
+    assert!(page.chars().count() <= limit, "{}", page.chars().count());
+    assert!(page.contains("items left out here") && page.contains("subjects left out here"));
+    assert!(page.contains("pintle ") && page.contains("oracles: wide-differences"));
+}
+
+/// Findings in models: one that is an error fails, others are told.
+#[test]
+fn junit_has_the_findings() {
+    let deck = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("verify/findings/stop-violated.inp");
+    let scene = Scene::read(&deck).unwrap();
+    let of = |level: Option<Level>| {
+        let mut levels = Levels::default();
+        if let Some(level) = level {
+            levels.set("model::stop-violated", level).unwrap();
+        }
+        let mut report = brief();
+        report.models = vec![audit_model(&scene, &[], &levels)];
+        text(report::junit, &report)
+    };
+    let warned = of(None);
+    let case = "<testcase name=\"model::stop-violated at ";
+    let has = |page: &str, what: &[&str]| {
+        what.iter().for_each(|what| assert!(page.contains(what), "{what}: {page}"))
+    };
+    assert!(!warned.contains("<failure"), "{warned}");
+    let told = "<system-out>warning[model::stop-violated]";
+    has(&warned, &[case, "line=\"17\"", "classname=\"model::stop-violated\"", told, "help: move the stop"]);
+    let denied = of(Some(Level::Deny));
+    has(&denied, &[case, "<failure message=\"", "type=\"model::stop-violated\"", "failures=\"1\""]);
+    assert!(!denied.contains(told), "{denied}");
+    let allowed = of(Some(Level::Allow));
+    assert!(
+        !allowed.contains("model::stop-violated") && allowed.contains("stop-violated.inp\""),
+        "{allowed}"
+    );
 }
 
 /// The page of a report on the catalogue and one scene of the gallery, with one verdict spoiled so that something is to be said.
@@ -195,6 +265,18 @@ const seen = (what, width, height) => [...document.querySelectorAll(what)].filte
   const box = e.getBoundingClientRect(); return box.width > width && box.height > height; }).length;
 const body = document.body.dataset;
 body.plots = seen("svg.plot", 200, 100); body.heats = seen("svg.heat", 200, 20); body.scenes = seen("svg.scene", 600, 150);
+body.mutants = seen("#mutants tbody tr", 300, 10); body.maps = seen("table.map", 300, 30); body.bins = seen("table.map td", 20, 15);
+body.findings = seen("#model table tbody tr", 300, 15); body.facts = seen("#model .facts div", 40, 20);
+body.environment = seen("#environment tbody tr", 300, 10); body.problems = seen(".problem", 300, 40);
+body.triads = seen(".scene line.triad", -1, 8); body.dots = seen(".scene .node circle", 3, 3);
+body.names = seen(".scene text.label", 20, 5);
+const boxes = [...document.querySelectorAll(".scene text.label, .scene text.minor")].map(e => e.getBoundingClientRect());
+const apart = (a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top + 3 || b.bottom <= a.top + 3;
+body.collisions = boxes.filter((a, i) => boxes.slice(0, i).some(b => !apart(a, b))).length;
+const cut = e => { const box = e.getBoundingClientRect(), svg = e.closest("svg").getBoundingClientRect();
+  return box.left < svg.left - 1 || box.right > svg.right + 1 || box.top < svg.top - 1 || box.bottom > svg.bottom + 1; };
+body.cut = [...document.querySelectorAll("svg text")].filter(cut).length;
+body.empty = [...document.querySelectorAll("section, figure, .card")].filter(e => e.getBoundingClientRect().height < 30).length;
 body.rows = seen("#verdict-table tbody tr", 300, 10); body.links = seen(".link.v-wrong", 20, 20);
 body.overflow = document.documentElement.scrollWidth > innerWidth;
 const heads = document.querySelectorAll("#verdict-table th");
@@ -206,6 +288,13 @@ const ink = () => getComputedStyle(document.querySelector("h2")).color;
 const before = ink(); document.getElementById("theme").click(); body.themed = before !== ink();
 </script></body>"##;
 
+/// The histograms of coverage that have samples.
+fn models_maps(model: &ModelReport) -> usize {
+    let of = &model.coverage;
+    let all = [&of.rotation_a, &of.rotation_b, &of.relative_rotation, &of.stretch, &of.margin];
+    all.iter().filter(|histogram| histogram.samples() > 0).count()
+}
+
 /// In a browser: nothing on the console, tables and pictures are there, tools work; and without scripts the rows are there too.
 #[test]
 fn a_browser_shows_the_page() {
@@ -215,7 +304,7 @@ fn a_browser_shows_the_page() {
         );
         return;
     };
-    let (page, report, ..) = page();
+    let (page, report, _, models) = page();
     let page = page.replace("</body>", PROBE);
     let (dom, console) = browsed(&chromium, "audit.html", &page);
     assert_eq!(console, "");
@@ -232,6 +321,22 @@ fn a_browser_shows_the_page() {
     has("links", "1");
     has("rows", &report.subjects.len().to_string());
     has("overflow", "false");
+    has("collisions", "0");
+    has("cut", "0");
+    has("empty", "0");
+    has("findings", &models.findings.len().to_string());
+    has("facts", "7");
+    let number = |name: &str| -> usize {
+        let value = body.split(&format!("data-{name}=\"")).nth(1).and_then(|rest| rest.split('"').next());
+        value.unwrap().parse().unwrap()
+    };
+    assert_eq!(number("maps"), models_maps(&models));
+    assert!(number("bins") > 5 * number("maps"), "{body}");
+    for (name, least) in
+        [("mutants", 15), ("environment", 15), ("problems", 1), ("triads", 9), ("dots", 3), ("names", 6)]
+    {
+        assert!(number(name) >= least, "{name}: {body}");
+    }
     has("up", "ACCELEROMETER");
     has("down", "WELD");
     has("filtered", "1");

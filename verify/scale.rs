@@ -2,6 +2,7 @@
 
 pub(crate) mod chain;
 mod demand;
+mod forces;
 mod sparse;
 mod threads;
 

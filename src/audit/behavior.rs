@@ -2,10 +2,11 @@
 
 use super::case::Case;
 use super::engine::Settings;
+use super::mutant::Mistake;
 use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
-use super::sheet::{Entry, Sheet};
+use super::sheet::{Change, Entry, Sheet};
 use super::verdict::{Judgement, Score, Verdict};
 use crate::behavior::state::Behavior;
 use crate::behavior::{Conditions, Motion, Unknown};
@@ -16,17 +17,83 @@ use crate::scalar::Wide;
 /// The step of differences, in sizes of the motion.
 const STEP: f64 = 1e-25;
 
-/// The slopes at the end of a case; `None` where nothing acts or all of it is rigid, or on a kink of a table, where there are two
-/// slopes. Undecided where a force depends on what is not given.
+/// Mistakes in slopes: a secant, elastic for viscous, the matrix transposed, derivatives per degree, components exchanged. `rows` are
+/// the components (from 0) that have one; `secants` gives their places in a row, and what stands there.
+fn mistakes(sheet: &Sheet, rows: &[usize], secants: &dyn Fn(usize) -> [(usize, f64); 2]) -> Vec<Change> {
+    let width = sheet.width();
+    let row_of = |component: usize| rows.iter().position(|known| *known == component);
+    let mut found = Vec::new();
+    let mut add = |mistake, changes: Vec<(usize, f64)>| {
+        if !changes.is_empty() {
+            found.push(Change { mistake, changes });
+        }
+    };
+    for (row, component) in rows.iter().enumerate() {
+        let all = |f: &dyn Fn(usize) -> f64| (0..width).map(|j| (row * width + j, f(j))).collect();
+        for (column, secant) in secants(*component) {
+            if secant.is_finite() && sheet.want(row, column) != 0.0 {
+                add(Mistake::SecantForTangent, vec![(row * width + column, secant)]);
+            }
+        }
+        add(Mistake::ElasticForViscous, all(&|j| sheet.want(row, (j + 6) % width)));
+        let is_angle = |j: usize| j % 6 >= 3;
+        let per_degree =
+            |j: usize| if is_angle(j) { sheet.want(row, j).to_radians() } else { sheet.want(row, j) };
+        add(Mistake::DegreesForRadians, all(&per_degree));
+        for other in (0..row).filter(|other| rows[*other] / 3 == component / 3) {
+            let mut changes: Vec<(usize, f64)> = all(&|j| sheet.want(other, j));
+            changes.extend((0..width).map(|j| (other * width + j, sheet.want(row, j))));
+            add(Mistake::RowsSwapped, changes);
+        }
+    }
+    let transposed = rows.iter().enumerate().flat_map(|(row, component)| {
+        (0..width)
+            .filter_map(move |j| Some((row * width + j, sheet.want(row_of(j % 6)?, 6 * (j / 6) + component))))
+    });
+    add(Mistake::BlockTransposed, transposed.collect());
+    found
+}
+
+/// The slopes at the end of a case, beside what they must be.
+#[derive(Clone, Debug)]
+pub struct Slopes {
+    /// Those of forces that are known.
+    pub sheet: Sheet,
+    /// Whether a force depends on what is not given.
+    pub lacks: bool,
+}
+
+/// Judges the slopes at the end of a case; `None` where there are none. Undecided where a force depends on what is not given.
 pub(super) fn audit_behavior(
     case: &Case,
     behavior: &Behavior,
     settings: &Settings,
     proves: bool,
 ) -> Option<Check> {
+    if !settings.oracles.contains(&Oracle::WideDifferences) {
+        return None;
+    }
+    let Slopes { mut sheet, lacks } = slopes(case, behavior)?;
+    if let Some(planted) = settings.planted {
+        planted.spoil_sheet(&mut sheet);
+    }
+    let mut check = Check::new(Some(Quantity::BehaviorTangent), Against::Oracle(Oracle::WideDifferences));
+    if !sheet.entries.is_empty() {
+        check = sheet.check(1.0, proves, &case.name, Some(case));
+    }
+    if lacks {
+        let undecided = Judgement { verdict: Verdict::Undecided, worst: None, compared: 0 };
+        check.add_at(undecided, Score::default(), &case.name, Some(case));
+    }
+    (!check.states.is_empty()).then_some(check)
+}
+
+/// The slopes at the end of a case; `None` where nothing acts or all of it is rigid, or on a kink of a table, where there are two
+/// slopes.
+pub fn slopes(case: &Case, behavior: &Behavior) -> Option<Slopes> {
     let acts =
         [behavior.elasticity.components(), behavior.damping.components()].as_flattened().contains(&true);
-    if !acts || !settings.oracles.contains(&Oracle::WideDifferences) {
+    if !acts {
         return None;
     }
     let asked = Request::new(&[Output::CP, Output::CCU, Output::CV], [true; 6], 0);
@@ -67,34 +134,40 @@ pub(super) fn audit_behavior(
         behavior.forces(&moved, &conditions)
     };
     let still = forces(false, 0, Wide::from_f64(0.0));
-    let mut entries = Vec::new();
-    for (of_velocity, slopes) in [(false, &tangent.displacement), (true, &tangent.velocity)] {
-        for j in 0..6 {
-            let x = if of_velocity { motion.velocity[j] } else { motion.constitutive[j] };
-            let size = size(j, x);
-            let h = Wide::from_f64(STEP * size);
-            let (plus, minus) = (forces(of_velocity, j, h), forces(of_velocity, j, -h));
-            for i in (0..6).filter(|i| is_known(*i)) {
-                let want = (plus[i] - minus[i]) / (h + h);
-                let variable = if of_velocity { "v" } else { "u" };
-                entries.push(Entry::new(
-                    format!("∂{}/∂{variable}({})", FORCE[i], COMPONENT[j]),
-                    slopes[i][j],
-                    want,
-                    still[i].to_f64().abs() / size + want.to_f64().abs(),
-                ));
-            }
+    let mut sheet = Sheet::new(Quantity::BehaviorTangent);
+    let motions = [false, true].into_iter().flat_map(|of_velocity| (0..6).map(move |j| (of_velocity, j)));
+    let motions: Vec<(bool, usize)> = motions.collect();
+    sheet.columns = motions
+        .iter()
+        .map(|(of_velocity, j)| format!("{}({})", if *of_velocity { "v" } else { "u" }, COMPONENT[*j]))
+        .collect();
+    let of = |(of_velocity, j): (bool, usize)| {
+        let size = size(j, if of_velocity { motion.velocity[j] } else { motion.constitutive[j] });
+        let h = Wide::from_f64(STEP * size);
+        let (plus, minus) = (forces(of_velocity, j, h), forces(of_velocity, j, -h));
+        (size, [0, 1, 2, 3, 4, 5].map(|i| (plus[i] - minus[i]) / (h + h)))
+    };
+    let wanted: Vec<(f64, [Wide; 6])> = motions.iter().map(|motion| of(*motion)).collect();
+    for i in (0..6).filter(|i| is_known(*i)) {
+        sheet.rows.push(format!("∂{}", FORCE[i]));
+        for (column, ((of_velocity, j), (size, want))) in motions.iter().zip(&wanted).enumerate() {
+            let slopes = if *of_velocity { &tangent.velocity } else { &tangent.displacement };
+            sheet.entries.push(Entry {
+                name: format!("∂{}/∂{}", FORCE[i], sheet.columns[column]),
+                got: slopes[i][*j],
+                want: want[i],
+                scale: still[i].to_f64().abs() / size + want[i].to_f64().abs(),
+                class: (i / 3, column / 3, 0),
+                error: 0.0,
+                sides: None,
+            });
         }
     }
-    let sheet = Sheet { quantity: Quantity::BehaviorTangent, entries };
-    let score = if proves { sheet.try_mistakes(&sheet.mistakes()) } else { Score::default() };
-    let mut check = Check::new(Some(Quantity::BehaviorTangent), Against::Oracle(Oracle::WideDifferences));
-    if !sheet.entries.is_empty() {
-        check.add_at(sheet.judge(1.0), score, &case.name, Some(case));
-    }
-    if laws.iter().any(lacks) {
-        let undecided = Judgement { verdict: Verdict::Undecided, worst: None, compared: 0 };
-        check.add_at(undecided, Score::default(), &case.name, Some(case));
-    }
-    (!check.states.is_empty()).then_some(check)
+    let rows: Vec<usize> = (0..6).filter(|i| is_known(*i)).collect();
+    let secants = |i: usize| {
+        let (elastic, viscous) = (laws[0].value[i].unwrap_or(f64::NAN), laws[1].value[i].unwrap_or(f64::NAN));
+        [(i, elastic / motion.constitutive[i]), (6 + i, viscous / motion.velocity[i])]
+    };
+    sheet.mistakes = mistakes(&sheet, &rows, &secants);
+    Some(Slopes { sheet, lacks: laws.iter().any(lacks) })
 }

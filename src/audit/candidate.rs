@@ -31,12 +31,13 @@ use super::certificate::certificate;
 use super::coverage::Coverage;
 use super::diagnosis::Symptoms;
 use super::engine::{Settings, checks_of};
+use super::mutant::{self, mutants};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
 use super::outcome::{Against, Check, Report, Subject};
 use super::quantity::{Entries, Numbers, Quantity};
 use super::sample::{Draw, about_initial};
 use super::truth::Truth;
-use super::verdict::{Score, Surroundings, Verdict, judge};
+use super::verdict::{Score, Surroundings, Verdict, judge, try_mutants};
 use crate::connector::{Components, Definition, NodalRow, State};
 use crate::node::DOFS;
 use crate::scalar::elementary::norm;
@@ -139,13 +140,27 @@ impl<'a> Candidate<'a> {
         let nearness = narrow.nearness();
         let bound =
             Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+        let connector = case.connector();
+        let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
+        let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
+        let turns = branch.turns.map(|turns| turns.turns);
+        // The same checks of the routine's numbers with a mistake in them, at the states on 237 bits.
+        let prove = |quantity: Quantity, answer: &Answer| {
+            if !wide || nearness == 0.0 {
+                return Score::default();
+            }
+            let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
+            let scene = mutant::Scene { numbers: &given, case, units, turns, scale: &scale };
+            let size = |i: usize| quantity.entry_size(i, case.length);
+            try_mutants(quantity, given.entries(quantity), answer, &bound, &size, &mutants(quantity, &scene))
+        };
         let mut compare = |quantity: Quantity, answer: &Answer| {
             let got = given.entries(quantity);
             let around = Surroundings { bound: &bound, exact: None, nearness, one_sided: None };
             let judgement = judge(quantity, got, answer, &around);
             let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
-            check.add(judgement, Score::default(), case);
+            check.add(judgement, prove(quantity, answer), case);
             check.explain(&Symptoms { quantity, got, want: &trusted, case, bound: &bound }, &answer.numbers);
             if let Some((k, i, _)) = missing {
                 check.missing(quantity.entry_name(k, i), case);

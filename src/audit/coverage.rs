@@ -24,6 +24,7 @@
 //! ```
 
 use crate::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
+use crate::grammar::count;
 use crate::measure::Unit;
 use crate::scalar::elementary::norm;
 use crate::scene::Code;
@@ -210,8 +211,8 @@ impl Coverage {
             let most =
                 self.rotation_a.largest.max(self.rotation_b.largest).max(self.relative_rotation.largest);
             let message = format!(
-                "{} states saw only the neighbourhood of the initial one: the largest rotation is {most:.2e} rad",
-                self.samples
+                "{} saw only the neighbourhood of the initial one: the largest rotation is {most:.2e} rad",
+                count(self.samples, "state")
             );
             let remedy = "add states with both nodes turned by a radian and more, and components displaced";
             return vec![lack(Code::CoverageIdentity, message, remedy)];
@@ -220,8 +221,8 @@ impl Coverage {
         let [a, b] = [&self.rotation_a, &self.rotation_b].map(|histogram| histogram.largest > TURNED);
         if self.could_turn_both > 0 && self.both_turned == 0 && (a || b) {
             let message = format!(
-                "in none of {} states were both nodes of a connector turned by more than {TURNED} rad",
-                self.could_turn_both
+                "in none of {} were both nodes of a connector turned by more than {TURNED} rad",
+                count(self.could_turn_both, "state")
             );
             let remedy =
                 "turn both nodes: in the same state, differently, about directions that no axis is along";
@@ -229,8 +230,8 @@ impl Coverage {
         }
         if self.could_deform > 0 && self.deformed == 0 {
             let message = format!(
-                "in none of {} states was a component displaced that is free to move",
-                self.could_deform
+                "in none of {} was a component displaced that is free to move",
+                count(self.could_deform, "state")
             );
             lacks.push(lack(
                 Code::CoverageUndeformed,

@@ -13,6 +13,7 @@ use super::oracle::{Answer, Narrow, Oracle, WideAnswers, remainders};
 use super::outcome::{Against, Check, Report, Subject};
 use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
+use super::sheet::Sheet;
 use super::truth::Truth;
 use super::verdict::{Finding, Judgement, Score, Surroundings, Verdict, judge, try_mutants};
 use crate::catalog::{ConnectionType, Slot, TABLE};
@@ -50,8 +51,11 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Planted {
-    /// The largest first derivative of the first component is multiplied by 1 + 1e-6.
+    /// The largest first derivative of the first component of a connector, of a constraint, of a friction's forces, or the largest slope
+    /// of a behaviour is multiplied by 1 + 1e-6.
     WrongEntry,
+    /// The same derivative has the wrong sign: a mutant that changes it once more is right.
+    WrongSign,
     /// The largest slope of a friction force is multiplied by 1 + 1e-6.
     WrongFriction,
     /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
@@ -59,15 +63,22 @@ pub enum Planted {
 }
 
 impl Planted {
+    /// By what a derivative is multiplied.
+    const fn factor(self) -> Option<f64> {
+        match self {
+            Self::WrongEntry => Some(1.0 + 1e-6),
+            Self::WrongSign => Some(-1.0),
+            Self::WrongFriction | Self::LostAnswer => None,
+        }
+    }
+
     /// The numbers with the fault in them.
     fn spoil(self, numbers: &mut Numbers<f64>) {
-        if self != Self::WrongEntry {
-            return;
-        }
+        let Some(factor) = self.factor() else { return };
         let mut rows = numbers.entries(Quantity::FirstDerivatives).clone();
         let row = rows.0.iter_mut().flatten().next();
         if let Some(entry) = row.and_then(|row| row.iter_mut().max_by(|x, y| x.abs().total_cmp(&y.abs()))) {
-            *entry *= 1.0 + 1e-6;
+            *entry *= factor;
         }
         numbers.set(Quantity::FirstDerivatives, rows);
     }
@@ -78,6 +89,17 @@ impl Planted {
         let largest = all.max_by(|x, y| x.abs().total_cmp(&y.abs()));
         if let Some(entry) = largest.filter(|_| self == Self::WrongFriction) {
             *entry *= 1.0 + 1e-6;
+        }
+    }
+
+    /// The same of a sheet.
+    pub(super) fn spoil_sheet(self, sheet: &mut Sheet) {
+        let has_first = [Quantity::FirstDerivatives, Quantity::FrictionGradient, Quantity::BehaviorTangent];
+        if let Some(factor) = self.factor()
+            && has_first.contains(&sheet.quantity)
+            && let Some(entry) = sheet.entries.iter_mut().max_by(|x, y| x.got.abs().total_cmp(&y.got.abs()))
+        {
+            entry.got *= factor;
         }
     }
 
@@ -192,19 +214,16 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
         check.worst_state = Some(format!("{} by itself", connection.name));
     }
     check.states.insert(check.verdict, 1);
-    for demand in demands {
+    let passed = demands.iter().filter(|demand| demand.units(&none) <= 1.0);
+    for demand in passed {
         for wrong in [
             demand.offset + std::f64::consts::PI,
             demand.offset - std::f64::consts::TAU,
             -demand.offset - 1e-6,
         ] {
             let mutated = invariant::Demand { offset: wrong, ..demand.clone() };
-            if mutated.units(&none, &[]) > 1.0 {
-                check.score.killed += 1;
-            } else {
-                check.score.survived += 1;
-                check.score.survivors.insert(Mistake::WrongParity.name(), demand.what.clone());
-            }
+            let noticed = mutated.units(&none) > 1.0;
+            check.score.count(Mistake::WrongParity, noticed, || f64::INFINITY, || demand.what.to_string());
         }
     }
     check
@@ -212,7 +231,7 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
 
 fn finding(demand: &invariant::Demand, units: f64, got: f64) -> Finding {
     Finding {
-        entry: demand.what.clone(),
+        entry: demand.what.to_string(),
         at: None,
         got,
         want: demand.want,
@@ -297,6 +316,7 @@ fn judge_numbers(
     // 196 second derivatives take about as long as all that is done on doubles besides.
     let often = wide || index.is_multiple_of(SOMETIMES);
     let nested = (often && asked(Oracle::NestedDual)).then(|| narrow.nested_dual());
+    let traced = asked(Oracle::Symbolic).then(|| narrow.symbolic());
     for quantity in Quantity::ALL {
         let mut made: Option<Vec<Mutant>> = None;
         let exact = answers.as_ref().map(|answers| answers.dual.entries(quantity));
@@ -313,11 +333,11 @@ fn judge_numbers(
                     answers.answer(oracle, quantity)
                 }
                 Oracle::NodalDual => Some(narrow.nodal_dual(&bound)),
-                Oracle::NestedDual => {
-                    let Some(nested) = &nested else { continue };
-                    Some(Answer::rounded(oracle, quantity, nested.entries(quantity), &bound))
+                Oracle::NestedDual | Oracle::Symbolic => {
+                    let found = if oracle == Oracle::Symbolic { &traced } else { &nested };
+                    let Some(found) = found else { continue };
+                    Some(Answer::rounded(oracle, quantity, found.entries(quantity), &bound))
                 }
-                Oracle::Symbolic => Some(narrow.symbolic(quantity, &bound)),
                 _ => Some(narrow.differences(&bound)),
             };
             let Some(mut answer) = answer.filter(|answer| !answer.numbers.is_empty()) else { continue };
@@ -326,7 +346,8 @@ fn judge_numbers(
             }
             let got = numbers.entries(quantity);
             let judgement = judge(quantity, got, &answer, &around);
-            let proves = nearness > 0.0 && often;
+            // Of what is wrong already a mutant tells nothing.
+            let proves = nearness > 0.0 && often && !judgement.verdict.is_mismatch();
             let score = if proves {
                 let made = made.get_or_insert_with(|| make(quantity));
                 try_mutants(quantity, got, &answer, &bound, &|i| quantity.entry_size(i, case.length), made)
@@ -461,9 +482,7 @@ fn laws(
         let demands = context.demands(law);
         let Some((demand, units)) = invariant::worst(numbers, &demands) else { continue };
         let verdict = if units > 1.0 { Verdict::Wrong } else { Verdict::Pass };
-        let got = demand.terms.iter().fold(demand.offset, |sum, (q, k, i, c)| {
-            sum + c * numbers.entries(*q).get(*k, *i).unwrap_or(f64::NAN)
-        });
+        let got = demand.sum(|quantity, k, i| numbers.entries(quantity).get(k, i));
         let judgement =
             Judgement { verdict, worst: Some(finding(demand, units, got)), compared: demands.len() };
         let mut score = Score::default();

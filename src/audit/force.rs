@@ -7,15 +7,16 @@
 
 use super::case::Case;
 use super::quantity::{Entries, Numbers, Quantity};
-use super::truth::{Truth, bracket};
+use super::truth::{Place, Truth, bracket};
 use crate::catalog::Loading;
-use crate::connector::{Branch, Components, Connector, Increment, NodalRow, Output, Request, State, Tally};
+use crate::connector::{Branch, Components, Connector, Output, Request, State, Tally};
 use crate::force::Want;
 use crate::node::{self, DOFS, Pair};
 use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Scalar, Wide};
 use crate::so3;
 use crate::vector::{Vector, dot, product, sub, transpose};
+use std::cell::LazyCell;
 
 /// What the connector says of its forces at a state, into the numbers of that state.
 pub(super) fn add_forces<R: Differentiable>(
@@ -45,10 +46,9 @@ impl Truth {
     pub fn force_rows(&self) -> Entries<Wide> {
         let mut found: Components<Vec<Wide>> =
             std::array::from_fn(|k| self.connector().has_force(k).then(|| vec![Wide::zero(); DOFS]));
-        let conjugate = |by: &NodalRow<Wide>| self.conjugates(by);
         for j in self.reach() {
             let ([plus, minus], width) = self.around(j);
-            let (plus, minus) = (conjugate(&plus), conjugate(&minus));
+            let (plus, minus) = (self.conjugates(plus), self.conjugates(minus));
             for (k, row) in found.iter_mut().enumerate() {
                 if let (Some(row), Some(plus), Some(minus)) = (row, plus[k], minus[k]) {
                     row[j] = (plus - minus) / width;
@@ -60,21 +60,17 @@ impl Truth {
 
     /// How the rows of virtual work change, as differences of the rows; of gradients less half the bracket of two rotations.
     pub fn force_row_changes(&self) -> Entries<Wide> {
-        let rows = |by: &NodalRow<Wide>| {
-            let state = self.state_at(by);
-            let want = Want::default();
+        let rows = |at: &Place| {
             let tally = &mut Tally::default();
-            // What moved through half a torsion goes on, as it does where positions are evaluated.
-            let branch = self.connector().advance(&state, &Increment::none(), self.branch());
-            let found = self.connector().force_rows(&state, &branch, [true; 6], want, tally);
+            let found = self.connector().force_rows(&at.state, &at.branch, [true; 6], Want::default(), tally);
             std::array::from_fn::<_, 6, _>(|k| found.row(k).map(|row| (row.row, row.is_gradient)))
         };
-        let at_rest = rows(&[Wide::zero(); DOFS]);
+        let at_rest = rows(&self.at_rest());
         let mut found: Components<Vec<Wide>> =
             std::array::from_fn(|k| at_rest[k].map(|_| vec![Wide::zero(); DOFS * DOFS]));
         for l in self.reach() {
             let ([plus, minus], width) = self.around(l);
-            let (plus, minus) = (rows(&plus), rows(&minus));
+            let (plus, minus) = (rows(plus), rows(minus));
             for (k, change) in found.iter_mut().enumerate() {
                 let (Some(change), Some((plus, _)), Some((minus, _)), Some((row, is_gradient))) =
                     (change, plus[k], minus[k], at_rest[k])
@@ -91,28 +87,27 @@ impl Truth {
     }
 
     /// What the forces are conjugate to, after the nodes have moved: functions whose derivatives are the rows.
-    fn conjugates(&self, by: &NodalRow<Wide>) -> Components<Wide> {
+    fn conjugates(&self, at: &Place) -> Components<Wide> {
         let connector = self.connector();
-        let positions = Request::new(&[Output::CP], [true; 6], 0);
-        let position = self.evaluate(by, &positions).position;
-        let state = self.state_at(by);
-        let was = self.state();
+        let is_conjugate = |k: usize| matches!(connector.connection().loading(k), Some(Loading::Conjugate));
+        let positions = Request::new(&[Output::CP], [0, 1, 2, 3, 4, 5].map(is_conjugate), 0);
+        let position = self.evaluate(at, &positions).position;
+        let (was, pair) = (self.state(), &at.state.pair);
+        let turned = LazyCell::new(|| turned(&was.pair, pair));
         std::array::from_fn(|k| {
             if !connector.has_force(k) {
                 return None;
             }
             match connector.connection().loading(k)? {
                 Loading::Conjugate if connector.position_measure(k)?.is_one_form() => {
-                    Some(self.accumulated(by))
+                    Some(self.accumulated(&at.by))
                 }
                 Loading::Conjugate => position[k],
                 // The belt is |d| long, and what flows in at a and out at b comes on top.
-                Loading::Tension => {
-                    Some(norm(state.pair.separation()) + state.pair.b.flow - state.pair.a.flow)
-                }
+                Loading::Tension => Some(norm(pair.separation()) + pair.b.flow - pair.a.flow),
                 Loading::AlongA(_) | Loading::FrozenAxis(_) => {
                     let axis = connector.moment_axis(k, &was.pair.a.triad)?;
-                    Some(dot(axis, turned(&was.pair, &state.pair)))
+                    Some(dot(axis, *turned))
                 }
             }
         })

@@ -9,7 +9,7 @@ use super::quantity::{Entries, Quantity};
 use super::sample::{Draw, Extent, cases};
 use super::scene::{self, Target};
 use super::truth::Truth;
-use super::verdict::Verdict;
+use super::verdict::{Verdict, Wanted};
 use crate::catalog::{ConnectionType, TABLE};
 use crate::connector::Components;
 use crate::evaluate::ConnectorElement;
@@ -37,18 +37,15 @@ pub struct Comparison(pub Components<[Compared; DOFS]>);
 
 impl Comparison {
     /// Of rows given, in the units of the bound.
-    pub fn new(got: &Entries<f64>, want: &Entries<Wide>, bound: &Bound) -> Self {
+    pub fn new(got: &Entries<f64>, want: &Entries<Wanted>, bound: &Bound) -> Self {
         let row = |k: usize| {
             got.0[k].as_ref().zip(want.0[k].as_ref())?;
             Some(std::array::from_fn(|j| {
                 let missing = f64::NAN;
                 let given = got.get(k, j).unwrap_or(missing);
-                let want = want.get(k, j).unwrap_or(Wide::from_f64(missing));
+                let want = want.get(k, j).unwrap_or(Wanted::exactly(missing));
                 let tolerance = bound.tolerance(Quantity::FirstDerivatives, k, j);
-                let error = (Wide::from_f64(given) - want).abs().to_f64();
-                let units = if error == 0.0 { 0.0 } else { error / tolerance };
-                let units = if units.is_nan() { f64::INFINITY } else { units };
-                Compared { got: given, want: want.to_f64(), tolerance, units }
+                Compared { got: given, want: want.to_f64(), tolerance, units: want.units(given, tolerance) }
             }))
         };
         Self(std::array::from_fn(row))
@@ -136,11 +133,11 @@ impl Illustration {
         let bound =
             Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
         let rows = numbers.entries(Quantity::FirstDerivatives);
-        let want = answers.differences.entries(Quantity::FirstDerivatives);
+        let want = answers.differences.entries(Quantity::FirstDerivatives).map(|_, _, x| x.into());
         Some(Self {
             subject: subject.to_string(),
             state: case.name.clone(),
-            comparison: Comparison::new(rows, want, &bound),
+            comparison: Comparison::new(rows, &want, &bound),
             steps: steps(case, rows, &truth, &bound)?,
         })
     }

@@ -8,7 +8,7 @@ use super::bound::{Bound, U};
 use super::case::{Case, carried, turn};
 use super::force::add_forces;
 use super::mutant::Mutant;
-use super::quantity::{Numbers, Quantity, request};
+use super::quantity::{Numbers, OneOrMany, Quantity, request};
 use super::sample::{Draw, Motion, Turning, aligned, definition, pair, spin_axis, turning};
 use super::verdict::Score;
 use crate::catalog::ConnectionType;
@@ -17,6 +17,7 @@ use crate::measure::Measure;
 use crate::node::{self, DOFS, Pair};
 use crate::vector::{self, Vector, apply_transposed, column, cross, scale};
 use serde::Serialize;
+use std::fmt::{self, Display, Formatter};
 
 /// A law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
@@ -96,7 +97,7 @@ impl Invariant {
 #[derive(Clone, Debug)]
 pub struct Demand {
     /// (quantity, component, entry, coefficient c).
-    pub terms: Vec<(Quantity, usize, usize, f64)>,
+    pub terms: OneOrMany<(Quantity, usize, usize, f64)>,
     /// A number that is judged besides and is not among those of the evaluation.
     pub offset: f64,
     /// What the sum must be.
@@ -104,24 +105,50 @@ pub struct Demand {
     /// How far it may be from that.
     pub allowed: f64,
     /// What is demanded, in words.
-    pub what: String,
+    pub what: What,
+}
+
+/// What is demanded, written when somebody reads it.
+#[derive(Clone, Debug)]
+pub enum What {
+    /// A sentence.
+    Said(String),
+    /// An entry of a component (0-based), with what is said before and after its name.
+    Entry(&'static str, Quantity, usize, usize, &'static str),
+}
+
+impl Display for What {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Said(sentence) => f.write_str(sentence),
+            Self::Entry(before, quantity, k, i, after) => {
+                write!(f, "{before}{}{after}", quantity.entry_name(*k, *i))
+            }
+        }
+    }
 }
 
 impl Demand {
-    /// How far the numbers are from it, in units of what is allowed.
-    pub fn units(&self, numbers: &Numbers<f64>, changed: &[(Quantity, usize, usize, f64)]) -> f64 {
-        let mut sum = self.offset;
-        for (quantity, k, i, c) in &self.terms {
-            let new =
-                changed.iter().find(|(q, l, j, _)| q == quantity && l == k && j == i).map(|change| change.3);
-            sum += c * new.or_else(|| numbers.entries(*quantity).get(*k, *i)).unwrap_or(f64::NAN);
-        }
+    /// The sum, with numbers by quantity, component and entry.
+    pub fn sum(&self, number: impl Fn(Quantity, usize, usize) -> Option<f64>) -> f64 {
+        self.terms.iter().fold(self.offset, |sum, (quantity, k, i, c)| {
+            sum + c * number(*quantity, *k, *i).unwrap_or(f64::NAN)
+        })
+    }
+
+    /// How far a sum is from what it must be, in units of what is allowed.
+    fn units_of(&self, sum: f64) -> f64 {
         let error = (sum - self.want).abs();
         if error == 0.0 {
             return 0.0;
         }
         let units = error / self.allowed;
         if units.is_nan() { f64::INFINITY } else { units }
+    }
+
+    /// How far numbers are from it, in units of what is allowed.
+    pub fn units(&self, numbers: &Numbers<f64>) -> f64 {
+        self.units_of(self.sum(|quantity, k, i| numbers.entries(quantity).get(k, i)))
     }
 }
 
@@ -169,7 +196,13 @@ impl<'a> Context<'a> {
     }
 
     /// A sum of entries that must be `want`, allowed what its terms are allowed and a rounding each.
-    fn sum(&self, terms: Vec<(Quantity, usize, usize, f64)>, want: f64, what: String) -> Demand {
+    fn sum(
+        &self,
+        terms: impl Into<OneOrMany<(Quantity, usize, usize, f64)>>,
+        want: f64,
+        what: What,
+    ) -> Demand {
+        let terms = terms.into();
         let allowed = terms
             .iter()
             .map(|(q, k, i, c)| {
@@ -230,7 +263,7 @@ impl<'a> Context<'a> {
                 found.push(self.sum(
                     terms,
                     0.0,
-                    format!("∂{} along a translation", crate::catalog::COMPONENT[k]),
+                    What::Said(format!("∂{} along a translation", crate::catalog::COMPONENT[k])),
                 ));
                 let mut axis = [0.0; 3];
                 axis[i] = 1.0;
@@ -240,7 +273,7 @@ impl<'a> Context<'a> {
                 found.push(self.sum(
                     terms,
                     0.0,
-                    format!("∂{} along a rotation", crate::catalog::COMPONENT[k]),
+                    What::Said(format!("∂{} along a rotation", crate::catalog::COMPONENT[k])),
                 ));
             }
         }
@@ -263,14 +296,14 @@ impl<'a> Context<'a> {
             let name = crate::catalog::FORCE[k];
             for i in 0..3 {
                 let terms = vec![(quantity, k, node::XA + i, 1.0), (quantity, k, node::XB + i, 1.0)];
-                found.push(self.sum(terms, 0.0, format!("nodal forces of {name}")));
+                found.push(self.sum(terms, 0.0, What::Said(format!("nodal forces of {name}"))));
                 let mut axis = [0.0; 3];
                 axis[i] = 1.0;
                 let arm = cross(axis, separation);
                 let mut terms =
                     vec![(quantity, k, node::THETA_A + i, 1.0), (quantity, k, node::THETA_B + i, 1.0)];
                 terms.extend((0..3).map(|j| (quantity, k, node::XB + j, arm[j])));
-                found.push(self.sum(terms, 0.0, format!("nodal moments of {name}")));
+                found.push(self.sum(terms, 0.0, What::Said(format!("nodal moments of {name}"))));
             }
         }
         found
@@ -292,15 +325,18 @@ impl<'a> Context<'a> {
             if self.is_fixed_in_space(measure) || self.case.definition.planar {
                 continue;
             }
-            let name = crate::catalog::COMPONENT[k];
             // The turned inputs are rounded: three roundings in each direction.
             let wider = |mut demand: Demand| {
                 demand.allowed *= 4.0;
                 demand
             };
             if let (Some(want), false) = (twin.entries(Quantity::Value).get(k, 0), measure.is_one_form()) {
-                let terms = vec![(Quantity::Value, k, 0, 1.0)];
-                found.push(wider(self.sum(terms, want, format!("{name} in turned axes"))));
+                let terms = OneOrMany::One([(Quantity::Value, k, 0, 1.0)]);
+                found.push(wider(self.sum(
+                    terms,
+                    want,
+                    What::Entry("", Quantity::Value, k, 0, " in turned axes"),
+                )));
             }
             let vectors = [Quantity::FirstDerivatives, Quantity::NodalForces]
                 .into_iter()
@@ -309,8 +345,8 @@ impl<'a> Context<'a> {
                 let Some(row) = &twin.entries(quantity).0[k] else { continue };
                 let back = apply_transposed(&rotation, [row[at], row[at + 1], row[at + 2]]);
                 for (i, want) in back.into_iter().enumerate() {
-                    let terms = vec![(quantity, k, at + i, 1.0)];
-                    let what = format!("{} in turned axes", quantity.entry_name(k, at + i));
+                    let terms = OneOrMany::One([(quantity, k, at + i, 1.0)]);
+                    let what = What::Entry("", quantity, k, at + i, " in turned axes");
                     let mut demand = wider(self.sum(terms, want, what));
                     // A component of a vector is as uncertain as the vector.
                     demand.allowed = (0..3)
@@ -345,7 +381,7 @@ impl<'a> Context<'a> {
             };
             let mut terms = vec![(Quantity::Rate, k, 0, 1.0)];
             terms.extend(row(v));
-            found.push(self.sum(terms, 0.0, format!("d{name}/dt is J q̇")));
+            found.push(self.sum(terms, 0.0, What::Said(format!("d{name}/dt is J q̇"))));
             let mut terms = vec![(Quantity::Acceleration, k, 0, 1.0)];
             terms.extend(row(a));
             for j in 0..DOFS {
@@ -355,7 +391,7 @@ impl<'a> Context<'a> {
                     }
                 }
             }
-            found.push(self.sum(terms, 0.0, format!("d²{name}/dt² is J q̈ + q̇ᵀ H q̇")));
+            found.push(self.sum(terms, 0.0, What::Said(format!("d²{name}/dt² is J q̈ + q̇ᵀ H q̇"))));
         }
         found
     }
@@ -368,11 +404,8 @@ impl<'a> Context<'a> {
                 for l in 0..j {
                     let second = Quantity::SecondDerivatives;
                     let terms = vec![(second, k, j * DOFS + l, 1.0), (second, k, l * DOFS + j, -1.0)];
-                    found.push(self.sum(
-                        terms,
-                        0.0,
-                        format!("symmetry of {}", second.entry_name(k, j * DOFS + l)),
-                    ));
+                    let what = What::Entry("symmetry of ", second, k, j * DOFS + l, "");
+                    found.push(self.sum(terms, 0.0, what));
                 }
             }
         }
@@ -393,20 +426,20 @@ impl<'a> Context<'a> {
                 };
                 if !may || !active {
                     found.push(Demand {
-                        terms: vec![(Quantity::FirstDerivatives, k, j, 1.0)],
+                        terms: OneOrMany::One([(Quantity::FirstDerivatives, k, j, 1.0)]),
                         offset: 0.0,
                         want: 0.0,
                         allowed: 0.0,
-                        what: format!("{} is declared zero", Quantity::FirstDerivatives.entry_name(k, j)),
+                        what: What::Entry("", Quantity::FirstDerivatives, k, j, " is declared zero"),
                     });
                 }
                 if !reach[j] && self.numbers.entries(Quantity::NodalForces).get(k, j).is_some() {
                     found.push(Demand {
-                        terms: vec![(Quantity::NodalForces, k, j, 1.0)],
+                        terms: OneOrMany::One([(Quantity::NodalForces, k, j, 1.0)]),
                         offset: 0.0,
                         want: 0.0,
                         allowed: 0.0,
-                        what: format!("{} is declared zero", Quantity::NodalForces.entry_name(k, j)),
+                        what: What::Entry("", Quantity::NodalForces, k, j, " is declared zero"),
                     });
                 }
             }
@@ -440,8 +473,8 @@ impl<'a> Context<'a> {
             let Some(sign) = simple(measure) else { continue };
             let Some(row) = &twin.entries(Quantity::FirstDerivatives).0[k] else { continue };
             for j in 0..DOFS {
-                let terms = vec![(Quantity::FirstDerivatives, k, j, 1.0)];
-                let what = format!("{} with exchanged nodes", Quantity::FirstDerivatives.entry_name(k, j));
+                let terms = OneOrMany::One([(Quantity::FirstDerivatives, k, j, 1.0)]);
+                let what = What::Entry("", Quantity::FirstDerivatives, k, j, " with exchanged nodes");
                 let mut demand = self.sum(terms, sign * row[(j + DOFS / 2) % DOFS], what);
                 // The rotation vector's components are taken along a's directions before and b's after.
                 let block = j - j % 7 % 3;
@@ -457,17 +490,22 @@ impl<'a> Context<'a> {
     }
 
     /// Every number that `twin` has for `components` must be the same, bit for bit.
-    fn same(&self, twin: &Numbers<f64>, components: std::ops::Range<usize>, what: &str) -> Vec<Demand> {
+    fn same(
+        &self,
+        twin: &Numbers<f64>,
+        components: std::ops::Range<usize>,
+        what: &'static str,
+    ) -> Vec<Demand> {
         let mut found = Vec::new();
         for quantity in Quantity::ALL {
             for (k, i, want) in twin.entries(quantity).iter() {
                 if components.contains(&k) && want.is_finite() {
                     found.push(Demand {
-                        terms: vec![(quantity, k, i, 1.0)],
+                        terms: OneOrMany::One([(quantity, k, i, 1.0)]),
                         offset: 0.0,
                         want,
                         allowed: 0.0,
-                        what: format!("{} {what}", quantity.entry_name(k, i)),
+                        what: What::Entry("", quantity, k, i, what),
                     });
                 }
             }
@@ -485,7 +523,7 @@ impl<'a> Context<'a> {
             definition.connection = connection.into();
             let connector = Connector::<f64>::new(&definition);
             let start = Case { definition, ..self.case.clone() }.branch_before(&connector);
-            self.same(&asked(&connector, &self.state, &self.increment, &start), range, "of its half")
+            self.same(&asked(&connector, &self.state, &self.increment, &start), range, " of its half")
         };
         let mut found = half(translational, 0..3);
         found.extend(half(rotational, 3..6));
@@ -497,7 +535,7 @@ impl<'a> Context<'a> {
         let restored: Option<Branch<f64>> = saved.and_then(|text| serde_json::from_str(&text).ok());
         let branch = restored.unwrap_or_else(|| self.connector.initial_branch());
         let again = asked(&self.connector, &self.state, &self.increment, &branch);
-        self.same(&again, 0..6, "after a restored history")
+        self.same(&again, 0..6, " after a restored history")
     }
 
     fn restricted(&self) -> Vec<Demand> {
@@ -509,7 +547,7 @@ impl<'a> Context<'a> {
             let mut tally = Tally::default();
             let part =
                 self.connector.evaluate(&self.state, &self.increment, &self.before, &asked, &mut tally);
-            found.extend(self.same(&Numbers::of(&part), k..k + 1, "asked for alone"));
+            found.extend(self.same(&Numbers::of(&part), k..k + 1, " asked for alone"));
         }
         found
     }
@@ -554,13 +592,13 @@ fn start(connection: &ConnectionType) -> Vec<Demand> {
         for k in 0..6 {
             let name = crate::catalog::COMPONENT[k];
             if let Some(offset) = evaluation.displacement[k] {
-                let what = format!("displacement {name} at the start");
-                found.push(Demand { terms: Vec::new(), offset, want: 0.0, allowed: 0.0, what });
+                let what = What::Said(format!("displacement {name} at the start"));
+                found.push(Demand { terms: Vec::new().into(), offset, want: 0.0, allowed: 0.0, what });
             }
             if let Some(offset) = evaluation.residual[k] {
                 // A printed cosine is as far from zero as the directions given are.
-                let what = format!("residual {name} at the start");
-                found.push(Demand { terms: Vec::new(), offset, want: 0.0, allowed: 8.0 * U, what });
+                let what = What::Said(format!("residual {name} at the start"));
+                found.push(Demand { terms: Vec::new().into(), offset, want: 0.0, allowed: 8.0 * U, what });
             }
         }
     }
@@ -590,10 +628,10 @@ fn turns(connection: &ConnectionType, constraints: bool) -> Vec<Demand> {
             let is_met = matches!(turning(connection), Turning::Universal | Turning::Revolute);
             for k in (3..6).filter(|_| is_met) {
                 let Some(offset) = evaluation.residual[k] else { continue };
-                let what = format!("residual {} after {size} rad", crate::catalog::COMPONENT[k]);
+                let what = What::Said(format!("residual {} after {size} rad", crate::catalog::COMPONENT[k]));
                 // Each step turns the triads once more, and each time they are rounded.
                 let allowed = 8.0 * U * (1.0 + steps as f64);
-                found.push(Demand { terms: Vec::new(), offset, want: 0.0, allowed, what });
+                found.push(Demand { terms: Vec::new().into(), offset, want: 0.0, allowed, what });
             }
             continue;
         }
@@ -612,9 +650,9 @@ fn turns(connection: &ConnectionType, constraints: bool) -> Vec<Demand> {
             };
             // CONSTANT VELOCITY measures torsion about shafts that stay; elsewhere the axis is that of the angle.
             let Some(offset) = evaluation.displacement[k] else { continue };
-            let what = format!("{} after {size} rad", crate::catalog::COMPONENT[k]);
+            let what = What::Said(format!("{} after {size} rad", crate::catalog::COMPONENT[k]));
             let allowed = 64.0 * U * (1.0 + size.abs());
-            found.push(Demand { terms: Vec::new(), offset, want, allowed, what });
+            found.push(Demand { terms: Vec::new().into(), offset, want, allowed, what });
         }
     }
     found
@@ -622,7 +660,7 @@ fn turns(connection: &ConnectionType, constraints: bool) -> Vec<Demand> {
 
 /// Judges a list of demands: the worst, in units of what is allowed.
 pub fn worst<'a>(numbers: &Numbers<f64>, demands: &'a [Demand]) -> Option<(&'a Demand, f64)> {
-    demands.iter().map(|demand| (demand, demand.units(numbers, &[]))).max_by(|x, y| x.1.total_cmp(&y.1))
+    demands.iter().map(|demand| (demand, demand.units(numbers))).max_by(|x, y| x.1.total_cmp(&y.1))
 }
 
 /// Which mutants of a quantity a law notices. A law need not notice them all: the oracles do; it must notice some.
@@ -632,24 +670,45 @@ pub fn try_mutants(
     demands: &[Demand],
     mutants: &[Mutant],
 ) -> Score {
+    let width = quantity.entries();
+    let place = |k: usize, i: usize| k * width + i;
+    // The demands in which each entry occurs.
+    let mut touched: Vec<Vec<usize>> = vec![Vec::new(); 6 * width];
+    for (n, demand) in demands.iter().enumerate() {
+        for (_, k, i, _) in demand.terms.iter().filter(|(q, ..)| *q == quantity) {
+            if let Some(of_entry) = touched.get_mut(place(*k, *i)) {
+                of_entry.push(n);
+            }
+        }
+    }
+    let mut changed: Vec<Option<f64>> = vec![None; 6 * width];
     let mut score = Score::default();
     for mutant in mutants {
-        let changed: Vec<(Quantity, usize, usize, f64)> =
-            mutant.changes.iter().map(|(k, i, x)| (quantity, *k, *i, *x)).collect();
-        let touches = |demand: &Demand| {
-            demand
-                .terms
-                .iter()
-                .any(|(q, k, i, _)| *q == quantity && mutant.changes.iter().any(|(l, j, _)| l == k && j == i))
+        for (k, i, x) in mutant.changes.iter() {
+            if let Some(entry) = changed.get_mut(place(*k, *i)) {
+                *entry = Some(*x);
+            }
+        }
+        let number = |q: Quantity, k: usize, i: usize| {
+            let new = if q == quantity { changed.get(place(k, i)).copied().flatten() } else { None };
+            new.or_else(|| numbers.entries(q).get(k, i))
         };
-        let noticed = demands
+        let mut asked: Vec<usize> = mutant
+            .changes
             .iter()
-            .filter(|demand| touches(demand))
-            .any(|demand| demand.units(numbers, &changed) > 1.0);
-        if noticed {
-            score.killed += 1;
-        } else {
-            score.equivalent += 1;
+            .filter_map(|(k, i, _)| touched.get(place(*k, *i)))
+            .flatten()
+            .copied()
+            .collect();
+        asked.sort_unstable();
+        asked.dedup();
+        let of = |n: &usize| demands.get(*n).is_some_and(|demand| demand.units_of(demand.sum(number)) > 1.0);
+        // What a law does not notice counts as nothing.
+        score.count(mutant.mistake, asked.iter().any(of), || 0.0, String::new);
+        for (k, i, _) in mutant.changes.iter() {
+            if let Some(entry) = changed.get_mut(place(*k, *i)) {
+                *entry = None;
+            }
         }
     }
     score

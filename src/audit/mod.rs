@@ -15,7 +15,7 @@
 
 pub mod assembly;
 pub mod atlas;
-mod behavior;
+pub mod behavior;
 pub mod bound;
 mod candidate;
 pub mod case;
@@ -65,4 +65,4 @@ pub use oracle::Oracle;
 pub use outcome::{Against, Check, Report, Subject};
 pub use quantity::{Entries, Numbers, Quantity};
 pub use scene::{Target, audit_scenes};
-pub use verdict::{Finding, Judgement, Score, Verdict};
+pub use verdict::{Fared, Finding, Judgement, Score, Verdict};

@@ -1,7 +1,7 @@
 //! The self-test: the same numbers with one mistake in them, as people make them, on which every check must speak.
 
 use super::case::Case;
-use super::quantity::{Entries, Numbers, Quantity};
+use super::quantity::{Entries, Numbers, OneOrMany, Quantity};
 use crate::measure::Unit;
 use crate::node::{self, DOFS, Pair};
 use crate::vector::{Vector, apply_transposed, cross};
@@ -35,9 +35,9 @@ pub enum Mistake {
     BlockTransposed,
     /// The rotation degrees of freedom of a node are taken as local: its block is multiplied by its triad.
     RotationTakenAsLocal,
-    /// The blocks of a and b are exchanged.
+    /// The blocks of the nodes are exchanged.
     NodesSwapped,
-    /// The block of a has the sign of b's.
+    /// The block of the first node has the sign of the second's.
     SameSignForBoth,
     /// The rotation block of a node is halved.
     RotationHalved,
@@ -51,7 +51,7 @@ pub enum Mistake {
     WrongParity,
     /// The turns counted up to now are forgotten.
     TurnForgotten,
-    /// The rates of node a are ignored.
+    /// The rates of the first node are ignored.
     RatesOfAIgnored,
     /// The part quadratic in the rates is missing.
     QuadraticPartMissing,
@@ -63,6 +63,10 @@ pub enum Mistake {
     StickForSlip,
     /// What presses is held while a tangent is taken.
     CouplingMissing,
+    /// The slopes by displacements and by velocities are exchanged.
+    ElasticForViscous,
+    /// F/u in place of ∂F/∂u.
+    SecantForTangent,
 }
 
 impl Mistake {
@@ -78,37 +82,48 @@ impl Mistake {
             Self::BlockTransposed => "block transposed".into(),
             Self::RotationTakenAsLocal => "rotation taken as local".into(),
             Self::NodesSwapped => "nodes swapped".into(),
-            Self::SameSignForBoth => "sign of node a".into(),
+            Self::SameSignForBoth => "sign of the first node".into(),
             Self::RotationHalved => "rotation block halved".into(),
             Self::DegreesForRadians => "degrees for radians".into(),
             Self::GeometricTermMissing => "geometric term missing".into(),
             Self::BracketKept => "second derivatives not symmetrised".into(),
             Self::WrongParity => "nπ of the wrong parity".into(),
             Self::TurnForgotten => "previous turns forgotten".into(),
-            Self::RatesOfAIgnored => "rates of node a ignored".into(),
+            Self::RatesOfAIgnored => "rates of the first node ignored".into(),
             Self::QuadraticPartMissing => "quadratic part missing".into(),
             Self::NumberLeftOut => "β = 2/L without the 2".into(),
             Self::MultipliedInsteadOfDivided => "R_r multiplied instead of divided".into(),
             Self::StickForSlip => "stick for slip".into(),
             Self::CouplingMissing => "contact force held".into(),
+            Self::ElasticForViscous => "elastic for viscous slopes".into(),
+            Self::SecantForTangent => "secant for tangent".into(),
         }
     }
 }
 
-/// One mistake made once: the entries that it changes.
+/// The entries that a mistake changes: (component, entry, changed number).
+pub type Changes = OneOrMany<(usize, usize, f64)>;
+
+/// One mistake made once.
 #[derive(Clone, Debug)]
 pub struct Mutant {
     /// The mistake.
     pub mistake: Mistake,
-    /// (component, entry, changed number).
-    pub changes: Vec<(usize, usize, f64)>,
+    /// What it changes.
+    pub changes: Changes,
+}
+
+impl Mutant {
+    const fn of_entry(mistake: Mistake, k: usize, i: usize, x: f64) -> Self {
+        Self { mistake, changes: Changes::One([(k, i, x)]) }
+    }
 }
 
 impl Mutant {
     /// The numbers with the mistake in them.
     pub fn applied(&self, entries: &Entries<f64>) -> Entries<f64> {
         let mut changed = entries.clone();
-        for (k, i, x) in &self.changes {
+        for (k, i, x) in self.changes.iter() {
             if let Some(entry) =
                 changed.0.get_mut(*k).and_then(Option::as_mut).and_then(|all| all.get_mut(*i))
             {
@@ -159,24 +174,21 @@ pub fn mutants(quantity: Quantity, scene: &Scene<'_>) -> Vec<Mutant> {
     found
 }
 
+/// The mistakes that can be made in a number by itself, each with what it makes of it; `scale` is its conditioned scale.
+pub fn of_number(x: f64, scale: f64) -> impl Iterator<Item = (Mistake, f64)> {
+    let spurious = (x.abs() <= NOTHING * scale).then_some((Mistake::Spurious, x + 1e-3 * scale));
+    let others = [(Mistake::Dropped, 0.0), (Mistake::Sign, -x)].into_iter();
+    let others =
+        others.chain(LADDER.into_iter().map(move |delta| (Mistake::Scaled(delta), x * (1.0 + delta))));
+    spurious.into_iter().chain(others.filter(move |_| x != 0.0))
+}
+
 fn entry_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
-    let mut found = Vec::new();
-    for (k, i, x) in entries.iter() {
-        let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
-        let scale = (scene.scale)(k, i);
-        if x.abs() <= NOTHING * scale {
-            one(Mistake::Spurious, x + 1e-3 * scale);
-        }
-        if x == 0.0 {
-            continue;
-        }
-        one(Mistake::Dropped, 0.0);
-        one(Mistake::Sign, -x);
-        for delta in LADDER {
-            one(Mistake::Scaled(delta), x * (1.0 + delta));
-        }
-    }
-    found
+    let of = |(k, i, x)| {
+        let made = of_number(x, (scene.scale)(k, i));
+        made.map(move |(mistake, x)| Mutant { mistake, changes: Changes::One([(k, i, x)]) })
+    };
+    entries.iter().flat_map(of).collect()
 }
 
 fn value_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
@@ -185,7 +197,7 @@ fn value_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
         if scene.units[k] != Some(Unit::Angle) {
             continue;
         }
-        let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
+        let mut one = |mistake, x| found.push(Mutant::of_entry(mistake, k, i, x));
         one(Mistake::WrongParity, x + PI);
         one(Mistake::DegreesForRadians, x.to_degrees());
         if scene.turns[k] != 0.0 {
@@ -202,7 +214,7 @@ fn swapped_components(entries: &Entries<f64>, width: usize) -> Vec<Mutant> {
     for (k, l) in [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5)] {
         if let (Some(x), Some(y)) = (&entries.0[k], &entries.0[l]) {
             let changes = (0..width).flat_map(|i| [(k, i, y[i]), (l, i, x[i])]).collect();
-            found.push(Mutant { mistake: Mistake::RowsSwapped, changes });
+            found.push(Mutant { mistake: Mistake::RowsSwapped, changes: Changes::Many(changes) });
         }
     }
     found
@@ -223,7 +235,7 @@ fn row_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     let pair = scene.case.last().map(|step| step.state.pair);
     for (k, row) in entries.0.iter().enumerate() {
         let Some(row) = row else { continue };
-        let mut add = |mistake, changes| found.push(Mutant { mistake, changes });
+        let mut add = |mistake, changes| found.push(Mutant { mistake, changes: Changes::Many(changes) });
         for at in BLOCKS {
             for i in 0..2 {
                 let (x, y) = (row[at + i], row[at + i + 1]);
@@ -268,7 +280,7 @@ fn row_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
         for at in BLOCKS {
             let block = [part(x, at), part(y, at), part(z, at)];
             let changes = (0..9).map(|n| (first + n / 3, at + n % 3, block[n % 3][n / 3])).collect();
-            found.push(Mutant { mistake: Mistake::BlockTransposed, changes });
+            found.push(Mutant { mistake: Mistake::BlockTransposed, changes: Changes::Many(changes) });
         }
     }
     found
@@ -303,7 +315,7 @@ fn matrix_mistakes(entries: &Entries<f64>, first: &Entries<f64>, scene: &Scene<'
     for (k, matrix) in entries.0.iter().enumerate() {
         let Some(matrix) = matrix else { continue };
         let at = |i: usize, j: usize| matrix[i * DOFS + j];
-        let mut add = |mistake, changes| found.push(Mutant { mistake, changes });
+        let mut add = |mistake, changes| found.push(Mutant { mistake, changes: Changes::Many(changes) });
         let all = |f: &dyn Fn(usize, usize) -> f64| -> Vec<(usize, usize, f64)> {
             (0..DOFS * DOFS).map(|n| (k, n, f(n / DOFS, n % DOFS))).collect()
         };
@@ -346,7 +358,7 @@ fn rate_mistakes(quantity: Quantity, entries: &Entries<f64>, scene: &Scene<'_>) 
         let Some(row) = &rows.0[k] else { continue };
         let linear: f64 = row.iter().zip(along).map(|(r, v)| r * v).sum();
         let of_a: f64 = row.iter().zip(along).take(DOFS / 2).map(|(r, v)| r * v).sum();
-        let mut one = |mistake, x| found.push(Mutant { mistake, changes: vec![(k, i, x)] });
+        let mut one = |mistake, x| found.push(Mutant::of_entry(mistake, k, i, x));
         one(Mistake::RatesOfAIgnored, x - of_a);
         if quantity == Quantity::Acceleration {
             one(Mistake::QuadraticPartMissing, linear);

@@ -4,6 +4,7 @@ use super::bound::{Bound, U};
 use super::case::{Case, dof_size, moved};
 use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::Truth;
+use super::verdict::Wanted;
 use crate::connector::{Branch, Components, Connector, Increment, Output, Request, State, Tally};
 use crate::measure::Unit;
 use crate::node::{DOFS, Pair};
@@ -138,15 +139,15 @@ pub struct Answer {
     /// Who says it.
     pub oracle: Oracle,
     /// What the entries must be.
-    pub numbers: Entries<Wide>,
-    /// The oracle's own error, entry by entry.
+    pub numbers: Entries<Wanted>,
+    /// The oracle's own error, entry by entry; none where it is far below any tolerance.
     pub error: Entries<f64>,
 }
 
 impl Answer {
     /// Doubles that are taken for exact.
     pub fn of(oracle: Oracle, numbers: &Entries<f64>) -> Self {
-        Self::sharp(oracle, numbers.map(|_, _, x| Wide::from_f64(x)))
+        Self { oracle, numbers: numbers.map(|_, _, x| Wanted::exactly(x)), error: Entries::default() }
     }
 
     /// Doubles as exact as the product's.
@@ -155,10 +156,14 @@ impl Answer {
         Self { error, ..Self::of(oracle, numbers) }
     }
 
-    fn sharp(oracle: Oracle, numbers: Entries<Wide>) -> Self {
-        // 45 digits or more, against a tolerance of 16.
-        let error = numbers.map(|_, _, _| 0.0);
-        Self { oracle, numbers, error }
+    /// 45 digits or more, against a tolerance of 16.
+    fn sharp(oracle: Oracle, numbers: &Entries<Wide>) -> Self {
+        Self { oracle, numbers: numbers.map(|_, _, x| x.into()), error: Entries::default() }
+    }
+
+    /// How far an entry may be from what it must be: the tolerance, and the oracle's own error.
+    pub(super) fn allowed(&self, bound: &Bound, quantity: Quantity, k: usize, i: usize) -> f64 {
+        bound.tolerance(quantity, k, i) + self.error.get(k, i).unwrap_or(0.0)
     }
 }
 
@@ -201,7 +206,7 @@ impl WideAnswers {
             Oracle::WideSymbolic => &self.symbolic,
             _ => return None,
         };
-        Some(Answer::sharp(oracle, numbers.entries(quantity).clone()))
+        Some(Answer::sharp(oracle, numbers.entries(quantity)))
     }
 }
 
@@ -244,7 +249,7 @@ impl Narrow {
         let mut numbers = Entries::default();
         let mut error = Entries::default();
         for (k, row) in rows.iter().enumerate() {
-            numbers.0[k] = row.map(|row| row.map(Wide::from_f64).to_vec());
+            numbers.0[k] = row.map(|row| row.map(Wanted::exactly).to_vec());
             error.0[k] = row.map(|row| {
                 (0..row.len()).map(|j| bound.tolerance(Quantity::FirstDerivatives, k, j)).collect()
             });
@@ -254,9 +259,8 @@ impl Narrow {
 
     /// First and second derivatives of the traced formulas. Their own error is that of a straight-line program: a few roundings
     /// of the same scale.
-    pub fn symbolic(&self, quantity: Quantity, bound: &Bound) -> Answer {
-        let traced = derivatives(&self.connector, &self.state.pair, &self.branch);
-        Answer::rounded(Oracle::Symbolic, quantity, traced.entries(quantity), bound)
+    pub fn symbolic(&self) -> Numbers<f64> {
+        derivatives(&self.connector, &self.state.pair, &self.branch)
     }
 
     /// First and second derivatives by nested dual numbers in the nodal degrees of freedom. Their own error is as that of
@@ -299,7 +303,7 @@ impl Narrow {
     }
 
     /// The nodal degrees of freedom that the connector has.
-    pub const fn active(&self) -> &[bool; DOFS] {
+    pub fn active(&self) -> &[bool; DOFS] {
         self.connector.active()
     }
 }
@@ -341,7 +345,8 @@ pub fn central_differences(
     bound: &Bound,
 ) -> Answer {
     const LADDER: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
-    let mut numbers: Components<Vec<Wide>> = components.map(|is| is.then(|| vec![Wide::from_f64(0.0); DOFS]));
+    let mut numbers: Components<Vec<Wanted>> =
+        components.map(|is| is.then(|| vec![Wanted::exactly(0.0); DOFS]));
     let mut errors: Components<Vec<f64>> = components.map(|is| is.then(|| vec![0.0; DOFS]));
     for j in (0..DOFS).filter(|j| active[*j]) {
         let estimates = LADDER.map(|h| {
@@ -368,7 +373,7 @@ pub fn central_differences(
                     best = (fine, error);
                 }
             }
-            numbers[j] = Wide::from_f64(best.0);
+            numbers[j] = Wanted::exactly(best.0);
             errors[j] = best.1;
         }
     }

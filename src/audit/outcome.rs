@@ -13,8 +13,7 @@ use super::model::ModelReport;
 use super::oracle::Oracle;
 use super::quantity::{Entries, Quantity};
 use super::shrink::shrink;
-use super::verdict::{Finding, Judgement, Score, Verdict};
-use crate::scalar::Wide;
+use super::verdict::{Finding, Judgement, Score, Verdict, Wanted};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -115,7 +114,7 @@ impl Check {
     }
 
     /// Says why numbers are wrong, and keeps them to be shown.
-    pub(super) fn explain(&mut self, symptoms: &Symptoms<'_>, want: &Entries<Wide>) {
+    pub(super) fn explain(&mut self, symptoms: &Symptoms<'_>, want: &Entries<Wanted>) {
         if !matches!(self.verdict, Verdict::Wrong) {
             return;
         }
@@ -125,7 +124,12 @@ impl Check {
         }
     }
 
+    /// Adds what was found at a state. Of numbers that are wrong the mutants do not count: the check has spoken already, and
+    /// one that undoes the mistake is right.
     pub(super) fn add_at(&mut self, judgement: Judgement, score: Score, state: &str, case: Option<&Case>) {
+        if !judgement.verdict.is_mismatch() {
+            self.score.merge(score);
+        }
         *self.states.entry(judgement.verdict).or_default() += 1;
         self.compared += judgement.compared as u64;
         let severer = judgement.verdict > self.verdict;
@@ -139,7 +143,6 @@ impl Check {
             }
         }
         self.verdict = self.verdict.max(judgement.verdict);
-        self.score.merge(score);
     }
 
     pub(super) fn merge(&mut self, other: Self) {
@@ -299,7 +302,7 @@ impl Report {
         self.subjects.iter().filter(|subject| subject.verdict() == Verdict::Undecided).count()
     }
 
-    /// Mutants that survived a check by an oracle, and laws that noticed none of theirs.
+    /// Mutants that survived a check which passed the numbers themselves.
     pub fn survivors(&self) -> u64 {
         let checks = self.subjects.iter().flat_map(|subject| &subject.checks);
         checks.map(|check| check.score.survived).sum()

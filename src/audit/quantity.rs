@@ -149,6 +149,32 @@ impl Quantity {
     }
 }
 
+/// A list that mostly holds one thing, and then needs no memory of its own.
+#[derive(Clone, Debug)]
+pub enum OneOrMany<T> {
+    /// One.
+    One([T; 1]),
+    /// Any number.
+    Many(Vec<T>),
+}
+
+impl<T> std::ops::Deref for OneOrMany<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        match self {
+            Self::One(one) => one,
+            Self::Many(many) => many,
+        }
+    }
+}
+
+impl<T> From<Vec<T>> for OneOrMany<T> {
+    fn from(many: Vec<T>) -> Self {
+        Self::Many(many)
+    }
+}
+
 /// The entries of one quantity, component by component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entries<T>(pub Components<Vec<T>>);

@@ -155,7 +155,7 @@ fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gat
                 0 => format!("{title}, initial state"),
                 _ => format!("{title}, drawn state {index}"),
             };
-            let case = about_initial(&element.definition, index, length, name, draw);
+            let case = about_initial(&element.definition(), index, length, name, draw);
             let is_wide = wide.contains(&index);
             let work = case.map(|case| {
                 let behavior = Arc::clone(&element.behavior);
@@ -213,7 +213,7 @@ fn case(model: &Model, placed: &ConnectorResult, number: u64) -> Case {
     let state = placed.state;
     Case {
         name: format!("{} at state {number}", element.title()),
-        definition: element.definition.clone(),
+        definition: element.definition(),
         start: Some(placed.before),
         path: vec![Step { state, increment: placed.increment }],
         length: own_length(model, norm(element.reference), norm(state.pair.separation())),
@@ -267,7 +267,7 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
             let length = own_length(model, norm(element.reference), 0.0);
             let draw = &mut Draw::new(&format!("{} {title}", target.name));
             let name = format!("{title}, a drawn state");
-            let case = about_initial(&element.definition, 1, length, name, draw)?;
+            let case = about_initial(&element.definition(), 1, length, name, draw)?;
             Some((title, case))
         });
         return drawn.collect();

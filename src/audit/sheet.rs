@@ -2,9 +2,13 @@
 //! connector.
 
 use super::bound::{C, U};
-use super::mutant::{LADDER, Mistake, NOTHING};
+use super::case::Case;
+use super::diagnosis::{Cause, diagnose_sheet};
+use super::mutant::{Mistake, of_number};
+use super::oracle::Oracle;
+use super::outcome::{Against, Check};
 use super::quantity::Quantity;
-use super::verdict::{COARSE, Finding, Judgement, SIGNIFICANT, Score, Verdict, units};
+use super::verdict::{COARSE, Finding, Judgement, SIGNIFICANT, Score, Verdict, Wanted, units};
 use crate::scalar::Wide;
 
 /// One number.
@@ -18,7 +22,9 @@ pub struct Entry {
     pub want: Wide,
     /// Its conditioned scale; the tolerance is C u times it.
     pub scale: f64,
-    /// How far what it must be may be off by itself; on top of the tolerance.
+    /// Entries of one class have one unit: what is rounded in one of them may be found in another.
+    pub class: (usize, usize, usize),
+    /// How far what it must be may be off by itself; on top of C u times the scale.
     pub error: f64,
     /// On a kink: the derivatives from below and from above. Any number between them may stand for the derivative there.
     pub sides: Option<[Wide; 2]>,
@@ -26,8 +32,13 @@ pub struct Entry {
 
 impl Entry {
     /// A number that has a reference without an error of its own.
-    pub const fn new(name: String, got: f64, want: Wide, scale: f64) -> Self {
-        Self { name, got, want, scale, error: 0.0, sides: None }
+    pub const fn new(name: String, got: f64, want: Wide, scale: f64, class: (usize, usize, usize)) -> Self {
+        Self { name, got, want, scale, class, error: 0.0, sides: None }
+    }
+
+    /// C u times the conditioned scale, and the error of the reference.
+    pub const fn tolerance(&self) -> f64 {
+        C * U * self.scale + self.error
     }
 
     /// What a number must be: on a kink, what of the interval between both derivatives is nearest to it.
@@ -54,18 +65,49 @@ pub struct Change {
     pub changes: Vec<(usize, f64)>,
 }
 
-/// The numbers of one quantity at one state.
+/// The numbers of one quantity at one state, row by row. Whoever has numbers of their own puts them into `got` of the entries, and
+/// [`Sheet::check`] judges those.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     /// What they are.
     pub quantity: Quantity,
-    /// The numbers.
+    /// The rows, as sentences name them: `∂ρ1`.
+    pub rows: Vec<String>,
+    /// What the entries of a row are derivatives by: `θS2`; nothing where a row is one number, or a matrix.
+    pub columns: Vec<String>,
+    /// The numbers: all of the first row, all of the second …
     pub entries: Vec<Entry>,
+    /// Mistakes of more than a single entry, made in the right numbers.
+    pub mistakes: Vec<Change>,
+    /// Other conventions than expected, in the right numbers, which are tried where numbers are wrong.
+    pub conventions: Vec<(Cause, Vec<(usize, f64)>)>,
 }
 
 impl Sheet {
+    /// A sheet without numbers.
+    pub const fn new(quantity: Quantity) -> Self {
+        Self {
+            quantity,
+            rows: Vec::new(),
+            columns: Vec::new(),
+            entries: Vec::new(),
+            mistakes: Vec::new(),
+            conventions: Vec::new(),
+        }
+    }
+
+    /// How many entries a row has.
+    pub fn width(&self) -> usize {
+        (self.entries.len() / self.rows.len().max(1)).max(1)
+    }
+
+    /// What an entry must be, rounded to a double.
+    pub fn want(&self, row: usize, column: usize) -> f64 {
+        self.entries.get(row * self.width() + column).map_or(0.0, |entry| entry.want.to_f64())
+    }
+
     fn tolerance(&self, i: usize) -> f64 {
-        self.entries.get(i).map_or(0.0, |entry| C * U * entry.scale + entry.error)
+        self.entries.get(i).map_or(0.0, Entry::tolerance)
     }
 
     /// Judges every number; `nearness` is 0 on a singular set.
@@ -108,40 +150,58 @@ impl Sheet {
         Judgement { verdict, worst, compared: self.entries.len() }
     }
 
-    /// The mistakes that can be made in single entries.
-    pub fn mistakes(&self) -> Vec<Change> {
+    /// Every mistake: those of single entries, and those that it knows besides.
+    pub fn all_mistakes(&self) -> Vec<Change> {
         let mut found = Vec::new();
         for (i, entry) in self.entries.iter().enumerate().filter(|(_, entry)| entry.sides.is_none()) {
-            let x = entry.got;
-            let mut one = |mistake, x| found.push(Change { mistake, changes: vec![(i, x)] });
-            if x.abs() <= NOTHING * entry.scale {
-                one(Mistake::Spurious, x + 1e-3 * entry.scale);
-            }
-            if x == 0.0 {
-                continue;
-            }
-            one(Mistake::Dropped, 0.0);
-            one(Mistake::Sign, -x);
-            for delta in LADDER {
-                one(Mistake::Scaled(delta), x * (1.0 + delta));
-            }
+            let of_entry = of_number(entry.got, entry.scale);
+            found.extend(of_entry.map(|(mistake, x)| Change { mistake, changes: vec![(i, x)] }));
         }
+        found.extend(self.mistakes.iter().cloned());
         found
+    }
+
+    /// Judges the numbers, with mutants of them where `proves`, and says why where they are wrong.
+    pub fn check(&self, nearness: f64, proves: bool, state: &str, case: Option<&Case>) -> Check {
+        self.check_against(Oracle::WideDifferences, nearness, proves, state, case)
+    }
+
+    /// The same, where what the numbers must be is what an oracle says.
+    pub(super) fn check_against(
+        &self,
+        oracle: Oracle,
+        nearness: f64,
+        proves: bool,
+        state: &str,
+        case: Option<&Case>,
+    ) -> Check {
+        let score =
+            if proves && nearness > 0.0 { self.try_mistakes(&self.all_mistakes()) } else { Score::default() };
+        let mut check = Check::new(Some(self.quantity), Against::Oracle(oracle));
+        check.add_at(self.judge(nearness), score, state, case);
+        if check.verdict == Verdict::Wrong {
+            check.diagnosis = diagnose_sheet(self).map(Box::new);
+        }
+        check
     }
 
     /// Tries mistakes on the same comparison.
     pub fn try_mistakes(&self, mistakes: &[Change]) -> Score {
         let mut score = Score::default();
         let (mut missed, mut smallest) = (0.0_f64, f64::INFINITY);
+        let wanted: Vec<Wanted> = self.entries.iter().map(|entry| entry.want.into()).collect();
         for Change { mistake, changes } in mistakes {
-            let (mut change, mut noticed) = (0.0_f64, false);
-            for (i, x) in changes {
-                let Some(entry) = self.entries.get(*i) else { continue };
-                let tolerance = self.tolerance(*i);
-                let moved = (x - entry.got).abs();
-                change = change.max(if moved == 0.0 { 0.0 } else { moved / tolerance });
-                noticed |= units(*x, entry.target(*x), tolerance) > 1.0;
-            }
+            let noticed = changes.iter().any(|(i, x)| match (self.entries.get(*i), wanted.get(*i)) {
+                (Some(entry), _) if entry.sides.is_some() => {
+                    units(*x, entry.target(*x), self.tolerance(*i)) > 1.0
+                }
+                (_, Some(want)) => want.units(*x, self.tolerance(*i)) > 1.0,
+                _ => false,
+            });
+            let change = |(i, x): &(usize, f64)| {
+                let moved = self.entries.get(*i).map_or(0.0, |entry| (x - entry.got).abs());
+                if moved == 0.0 { 0.0 } else { moved / self.tolerance(*i) }
+            };
             if let (Mistake::Scaled(delta), Some((i, _))) = (mistake, changes.first())
                 && let Some(entry) = self.entries.get(*i)
             {
@@ -151,6 +211,7 @@ impl Sheet {
                 }
             }
             let entry = changes.first().and_then(|(i, _)| self.entries.get(*i));
+            let change = || changes.iter().map(change).fold(0.0_f64, f64::max);
             score.count(*mistake, noticed, change, || entry.map(|e| e.name.clone()).unwrap_or_default());
         }
         if smallest.is_finite() {

@@ -26,6 +26,11 @@ pub(in crate::audit) struct Slopes<'a> {
     pub(in crate::audit) sizes: Vec<f64>,
     /// How far an input may go while the function bends little: steps on doubles are parts of it.
     pub(in crate::audit) reach: Vec<f64>,
+    /// The rows of the sheet, and what stands in their columns, as sentences name them; a matrix in one row has no columns.
+    pub(in crate::audit) rows: Vec<String>,
+    pub(in crate::audit) columns: Vec<String>,
+    /// The class of each slope.
+    pub(in crate::audit) class: fn(usize, usize) -> (usize, usize, usize),
     /// Outputs with the same number share what they are computed from: each is as uncertain as the largest of them.
     pub(in crate::audit) kinds: Vec<usize>,
     /// The magnitude of what each output is formed from.
@@ -54,11 +59,7 @@ struct Truth {
 
 impl Slopes<'_> {
     /// The sheets of the oracles that are asked, each with the mistakes to be tried on it; on doubles only unless `wide`.
-    pub(in crate::audit) fn sheets(
-        &self,
-        settings: &Settings,
-        wide: bool,
-    ) -> Vec<(Oracle, Sheet, Vec<Change>)> {
+    pub(in crate::audit) fn sheets(&self, settings: &Settings, wide: bool) -> Vec<(Oracle, Sheet)> {
         let asked = |oracle: Oracle| settings.oracles.contains(&oracle);
         let scales = self.scales();
         let mut found = Vec::new();
@@ -91,25 +92,33 @@ impl Slopes<'_> {
         oracle: Oracle,
         scales: &Scales,
         at: impl Fn(usize, usize) -> (Wide, f64, Option<[Wide; 2]>),
-    ) -> (Oracle, Sheet, Vec<Change>) {
+    ) -> (Oracle, Sheet) {
         let mut entries = Vec::new();
         for (i, output) in self.outputs.iter().enumerate() {
             for (j, input) in self.inputs.iter().enumerate() {
                 let (want, error, sides) = at(i, j);
                 let name = format!("∂{output}{}∂{input}", self.over);
                 let (got, scale) = (self.got[i][j], scales.entries[i][j]);
-                entries.push(Entry { error, sides, ..Entry::new(name, got, want, scale) });
+                let class = (self.class)(i, j);
+                entries.push(Entry { error, sides, ..Entry::new(name, got, want, scale, class) });
             }
         }
-        let sheet = Sheet { quantity: self.quantity, entries };
-        let mut changes = sheet.mistakes();
+        let mut sheet = Sheet::new(self.quantity);
+        (sheet.rows, sheet.columns, sheet.entries) = (self.rows.clone(), self.columns.clone(), entries);
         let is_kink = |place: &usize| sheet.entries.get(*place).is_some_and(|entry| entry.sides.is_some());
-        changes.extend(self.mistaken.iter().map(|(mistake, wrong)| Change {
+        let of = |(mistake, wrong): &(Mistake, Vec<Vec<f64>>)| Change {
             mistake: *mistake,
-            changes:
-                wrong.iter().flatten().copied().enumerate().filter(|(place, _)| !is_kink(place)).collect(),
-        }));
-        (oracle, sheet, changes)
+            changes: wrong
+                .iter()
+                .flatten()
+                .copied()
+                .enumerate()
+                .filter(|(place, _)| !is_kink(place))
+                .collect(),
+        };
+        let mistakes = self.mistaken.iter().map(of).collect();
+        sheet.mistakes = mistakes;
+        (oracle, sheet)
     }
 
     fn truth(&self, scales: &Scales) -> Truth {

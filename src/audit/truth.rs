@@ -13,6 +13,7 @@ use crate::connector::{
 use crate::node::{self, DOFS};
 use crate::scalar::{Real, Scalar, Wide};
 use crate::vector::{Vector, cross, dot};
+use std::sync::OnceLock;
 
 const FIRST_STEP: f64 = 1e-25;
 const SECOND_STEP: f64 = 1e-18;
@@ -27,6 +28,16 @@ pub struct Truth {
     length: f64,
     /// min(1, distance to the nearest singular set, in radians and lengths of the connector).
     nearness: f64,
+    /// What first derivatives are differenced from, behind and ahead in each degree of freedom.
+    places: OnceLock<[[Place; 2]; DOFS]>,
+}
+
+/// Where the nodes have moved along one degree of freedom.
+pub(super) struct Place {
+    pub(super) by: NodalRow<Wide>,
+    pub(super) state: State<Wide>,
+    /// What moved through half a torsion goes on, as it does where positions are evaluated.
+    pub(super) branch: Branch<Wide>,
 }
 
 impl Truth {
@@ -42,6 +53,7 @@ impl Truth {
             branch: exact_branch(&after),
             length: case.length,
             nearness,
+            places: OnceLock::new(),
         })
     }
 
@@ -63,20 +75,25 @@ impl Truth {
         &self.state
     }
 
-    pub(super) const fn branch(&self) -> &Branch<Wide> {
-        &self.branch
-    }
-
     pub(super) fn state_at(&self, by: &NodalRow<Wide>) -> State<Wide> {
         let mut state = self.state;
         state.pair = moved(&self.state.pair, by);
         state
     }
 
-    /// The places at ±h along a degree of freedom, and 2h.
-    pub(super) fn around(&self, j: usize) -> ([NodalRow<Wide>; 2], Wide) {
-        let h = self.step(j, FIRST_STEP);
-        ([Self::along(j, h), Self::along(j, -h)], h + h)
+    /// The places at h and −h along a degree of freedom, and 2h.
+    pub(super) fn around(&self, j: usize) -> (&[Place; 2], Wide) {
+        let step = |j: usize| self.step(j, FIRST_STEP);
+        let places = self.places.get_or_init(|| {
+            std::array::from_fn(|j| [step(j), -step(j)].map(|h| self.place(Self::along(j, h))))
+        });
+        (&places[j], step(j) + step(j))
+    }
+
+    fn place(&self, by: NodalRow<Wide>) -> Place {
+        let state = self.state_at(&by);
+        let branch = self.connector.advance(&state, &Increment::none(), &self.branch);
+        Place { by, state, branch }
     }
 
     /// The degrees of freedom that the connector loads, those of the ground among them.
@@ -85,9 +102,8 @@ impl Truth {
         (0..DOFS).filter(move |j| reach[*j])
     }
 
-    pub(super) fn evaluate(&self, by: &NodalRow<Wide>, request: &Request) -> Evaluation<Wide> {
-        let state = self.state_at(by);
-        self.connector.evaluate(&state, &Increment::none(), &self.branch, request, &mut Tally::default())
+    pub(super) fn evaluate(&self, at: &Place, request: &Request) -> Evaluation<Wide> {
+        self.connector.evaluate_on(&at.state, at.branch, request, &mut Tally::default())
     }
 
     /// The value of a one-form from the end of the case on, along an increment.
@@ -111,24 +127,29 @@ impl Truth {
         by
     }
 
-    fn values(&self, by: &NodalRow<Wide>) -> Components<Wide> {
+    fn values(&self, at: &Place) -> Components<Wide> {
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let evaluation = self.evaluate(by, &asked);
+        let evaluation = self.evaluate(at, &asked);
         std::array::from_fn(|k| {
             if self.connector.differentiated(k)?.is_one_form() {
-                return Some(self.accumulated(by));
+                return Some(self.accumulated(&at.by));
             }
             evaluation.residual[k].or(evaluation.displacement[k])
         })
     }
 
-    fn rows(&self, by: &NodalRow<Wide>) -> Components<NodalRow<Wide>> {
-        self.evaluate(by, &Request::new(&[], [true; 6], 1)).jacobian
+    fn rows(&self, at: &Place) -> Components<NodalRow<Wide>> {
+        self.evaluate(at, &Request::new(&[], [true; 6], 1)).jacobian
+    }
+
+    /// Where the case ends.
+    pub(super) fn at_rest(&self) -> Place {
+        self.place([Wide::zero(); DOFS])
     }
 
     /// Everything by dual numbers over 237 bits: the product's own source, without its rounding.
     pub fn dual(&self) -> Numbers<Wide> {
-        let mut numbers = Numbers::of(&self.evaluate(&[Wide::zero(); DOFS], &request()));
+        let mut numbers = Numbers::of(&self.evaluate(&self.at_rest(), &request()));
         super::force::add_forces(&mut numbers, &self.connector, &self.state, &self.branch);
         numbers
     }
@@ -140,7 +161,8 @@ impl Truth {
 
     /// The values.
     pub fn value(&self) -> Entries<Wide> {
-        let still = self.evaluate(&[Wide::zero(); DOFS], &request());
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let still = self.evaluate(&self.at_rest(), &asked);
         Numbers::of(&still).entries(super::Quantity::Value).clone()
     }
 
@@ -148,24 +170,25 @@ impl Truth {
     pub fn first(&self) -> Entries<Wide> {
         let mut found: Components<Vec<Wide>> = self.empty(DOFS);
         for j in self.active() {
-            let h = self.step(j, FIRST_STEP);
-            let (plus, minus) = (self.values(&Self::along(j, h)), self.values(&Self::along(j, -h)));
+            let ([plus, minus], width) = self.around(j);
+            let (plus, minus) = (self.values(plus), self.values(minus));
             for (k, entries) in found.iter_mut().enumerate() {
                 if let (Some(entries), Some(plus), Some(minus)) = (entries, plus[k], minus[k]) {
-                    entries[j] = (plus - minus) / (h + h);
+                    entries[j] = (plus - minus) / width;
                 }
             }
         }
         Entries(found)
     }
 
-    /// One-sided first derivatives along `sign`·q_j, for states on a kink.
+    /// One-sided first derivatives along `sign`·q_j, ±1, for states on a kink.
     pub fn one_sided(&self, sign: i32) -> Entries<Wide> {
         let mut found: Components<Vec<Wide>> = self.empty(DOFS);
-        let still = self.values(&[Wide::zero(); DOFS]);
+        let still = self.values(&self.at_rest());
         for j in self.active() {
+            let ([ahead, behind], _) = self.around(j);
             let h = self.step(j, FIRST_STEP) * Wide::integer(sign);
-            let moved = self.values(&Self::along(j, h));
+            let moved = self.values(if sign < 0 { behind } else { ahead });
             for (k, entries) in found.iter_mut().enumerate() {
                 if let (Some(entries), Some(moved), Some(still)) = (entries, moved[k], still[k]) {
                     entries[j] = (moved - still) / h;
@@ -179,15 +202,15 @@ impl Truth {
     /// do not commute: exp(ε e_j) exp(h e_k) = exp(ε e_j + h e_k + ½ εh e_j × e_k). The row of a one-form has no such term.
     pub fn second(&self) -> Entries<Wide> {
         let mut found: Components<Vec<Wide>> = self.empty(DOFS * DOFS);
-        let at_rest = self.rows(&[Wide::zero(); DOFS]);
+        let at_rest = self.rows(&self.at_rest());
         for k in self.active() {
-            let h = self.step(k, FIRST_STEP);
-            let (plus, minus) = (self.rows(&Self::along(k, h)), self.rows(&Self::along(k, -h)));
+            let ([plus, minus], width) = self.around(k);
+            let (plus, minus) = (self.rows(plus), self.rows(minus));
             for (c, entries) in found.iter_mut().enumerate() {
                 let (Some(entries), Some(plus), Some(minus)) = (entries, plus[c], minus[c]) else { continue };
                 let one_form = self.connector.differentiated(c).is_some_and(|m| m.is_one_form());
                 for j in self.active() {
-                    let mut want = (plus[j] - minus[j]) / (h + h);
+                    let mut want = (plus[j] - minus[j]) / width;
                     if let (Some(row), false) = (at_rest[c], one_form) {
                         want -= bracket(&row, j, k);
                     }
@@ -211,8 +234,8 @@ impl Truth {
                 self.state.velocity[j] * t + self.state.acceleration[j] * t * t / Wide::integer(2)
             })
         };
-        let still = self.values(&[Wide::zero(); DOFS]);
-        let both = |h: Wide| [self.values(&at(h)), self.values(&at(-h))];
+        let still = self.values(&self.at_rest());
+        let both = |h: Wide| [h, -h].map(|h| self.values(&self.place(at(h))));
         let (first_step, second_step) =
             (Wide::from_f64(FIRST_STEP) * time, Wide::from_f64(SECOND_STEP) * time);
         let [near, behind] = both(first_step);
@@ -249,7 +272,7 @@ impl Truth {
     /// The values after the nodes have moved by `by`, in 237 bits.
     pub fn displaced(&self, by: &[f64; DOFS], factor: f64) -> Components<Wide> {
         let factor = Wide::from_f64(factor);
-        self.values(&by.map(|x| Wide::from_f64(x) * factor))
+        self.values(&self.place(by.map(|x| Wide::from_f64(x) * factor)))
     }
 
     /// The degrees of freedom that the connector has.

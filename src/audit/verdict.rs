@@ -1,6 +1,7 @@
 //! Judging numbers against an answer: which entry, by how much, and how small an error would have been seen.
 
 use super::bound::Bound;
+use super::diagnosis::Cause;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
 use super::quantity::{Entries, Quantity};
@@ -126,14 +127,50 @@ pub struct Surroundings<'a> {
     pub one_sided: Option<[&'a Entries<Wide>; 2]>,
 }
 
+/// What a number must be, as the sum of two doubles: 106 bits, with which the error of a double is right to its own last digits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    nearest: f64,
+    rest: f64,
+}
+
+impl Wanted {
+    /// A double that is taken for exact.
+    pub const fn exactly(x: f64) -> Self {
+        Self { nearest: x, rest: 0.0 }
+    }
+
+    /// The double that is nearest.
+    pub const fn to_f64(self) -> f64 {
+        self.nearest
+    }
+
+    /// |got − want|. Where the two are near each other got − nearest has no rounding; elsewhere the rest does not matter.
+    pub fn error(self, got: f64) -> f64 {
+        ((got - self.nearest) - self.rest).abs()
+    }
+
+    /// |got − want| in units of what is allowed; infinite where it is not a number.
+    pub fn units(self, got: f64, allowed: f64) -> f64 {
+        let error = self.error(got);
+        if error == 0.0 {
+            return 0.0;
+        }
+        let units = error / allowed;
+        if units.is_nan() { f64::INFINITY } else { units }
+    }
+}
+
+impl From<Wide> for Wanted {
+    fn from(want: Wide) -> Self {
+        let (nearest, rest) = want.split();
+        Self { nearest, rest }
+    }
+}
+
 /// |got − want| in units of what is allowed; infinite where it is not a number.
 pub(super) fn units(got: f64, want: Wide, allowed: f64) -> f64 {
-    let error = (Wide::from_f64(got) - want).abs().to_f64();
-    if error == 0.0 {
-        return 0.0;
-    }
-    let units = error / allowed;
-    if units.is_nan() { f64::INFINITY } else { units }
+    Wanted::from(want).units(got, allowed)
 }
 
 /// Judges the entries of one quantity.
@@ -143,33 +180,44 @@ pub fn judge(
     answer: &Answer,
     around: &Surroundings<'_>,
 ) -> Judgement {
-    let mut worst: Option<Finding> = None;
+    // (units, component, entry) of the entry nearest to its tolerance, or farthest beyond.
+    let mut farthest: Option<(f64, usize, usize)> = None;
     let mut compared = 0;
     let mut coarse = false;
-    let mut largest = [0.0_f64; 6];
-    for (k, _, x) in got.iter() {
-        largest[k] = largest[k].max(x.abs());
+    let mut is_finite = true;
+    for (k, row) in got.0.iter().enumerate() {
+        let (Some(row), Some(wanted)) = (row, &answer.numbers.0[k]) else { continue };
+        let largest = row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        for (i, (x, want)) in row.iter().zip(wanted).enumerate() {
+            compared += 1;
+            let allowed = answer.allowed(around.bound, quantity, k, i);
+            let units = want.units(*x, allowed);
+            coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
+            is_finite = x.is_finite();
+            if !is_finite || farthest.is_none_or(|(most, ..)| units > most) {
+                farthest = Some((units, k, i));
+            }
+            if !is_finite {
+                break;
+            }
+        }
+        if !is_finite {
+            break;
+        }
     }
-    for (k, i, x) in got.iter() {
-        let Some(want) = answer.numbers.get(k, i) else { continue };
-        compared += 1;
-        let allowed = around.bound.tolerance(quantity, k, i) + answer.error.get(k, i).unwrap_or(0.0);
-        let units = units(x, want, allowed);
-        coarse |= allowed > COARSE * largest[k] && largest[k] > 0.0 && quantity != Quantity::Value;
-        if worst.as_ref().is_none_or(|w| units > w.units || !x.is_finite()) {
-            worst = Some(Finding {
-                entry: quantity.entry_name(k, i),
-                at: Some((k, i)),
-                got: x,
-                want: want.to_f64(),
-                tolerance: allowed,
-                units,
-                one_sided: None,
-            });
-        }
-        if !x.is_finite() {
-            return Judgement { verdict: Verdict::Invalid, worst, compared };
-        }
+    let mut worst = farthest.and_then(|(units, k, i)| {
+        Some(Finding {
+            entry: quantity.entry_name(k, i),
+            at: Some((k, i)),
+            got: got.get(k, i)?,
+            want: answer.numbers.get(k, i)?.to_f64(),
+            tolerance: answer.allowed(around.bound, quantity, k, i),
+            units,
+            one_sided: None,
+        })
+    });
+    if !is_finite {
+        return Judgement { verdict: Verdict::Invalid, worst, compared };
     }
     if compared == 0 {
         return Judgement { verdict: Verdict::Undecided, worst: None, compared };
@@ -204,14 +252,14 @@ fn kink(
         let tolerance = around.bound.tolerance(quantity, k, i);
         let gap = units(b.to_f64(), a, 2.0 * tolerance);
         if gap > 1.0 && most.as_ref().is_none_or(|(widest, _)| gap > *widest) {
-            let want = answer.numbers.get(k, i).unwrap_or(a);
+            let want = answer.numbers.get(k, i).unwrap_or_else(|| a.into());
             let finding = Finding {
                 entry: quantity.entry_name(k, i),
                 at: Some((k, i)),
                 got: x,
                 want: want.to_f64(),
                 tolerance,
-                units: units(x, want, tolerance),
+                units: want.units(x, tolerance),
                 one_sided: Some([b.to_f64(), a.to_f64()]),
             };
             most = Some((gap, finding));
@@ -237,10 +285,10 @@ fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Ve
     if proven && error <= LOST_DIGITS * scale { Verdict::UnstableFormula } else { Verdict::Wrong }
 }
 
-/// How mutants of the same numbers fared.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Score {
-    /// By mistake: noticed.
+/// How mutants with one kind of mistake fared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+pub struct Fared {
+    /// Noticed.
     pub killed: u64,
     /// Changed nothing.
     pub equivalent: u64,
@@ -248,6 +296,37 @@ pub struct Score {
     pub below_resolution: u64,
     /// Not noticed, though the change exceeds twice what is allowed.
     pub survived: u64,
+}
+
+impl Fared {
+    /// Adds others.
+    pub const fn add(&mut self, other: Self) {
+        self.killed += other.killed;
+        self.equivalent += other.equivalent;
+        self.below_resolution += other.below_resolution;
+        self.survived += other.survived;
+    }
+
+    /// Mutants that had to be noticed.
+    pub const fn decisive(self) -> u64 {
+        self.killed + self.survived
+    }
+}
+
+/// How mutants of the same numbers fared.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Score {
+    /// Noticed.
+    pub killed: u64,
+    /// Changed nothing.
+    pub equivalent: u64,
+    /// Changed less than twice what is allowed.
+    pub below_resolution: u64,
+    /// Not noticed, though the change exceeds twice what is allowed.
+    pub survived: u64,
+    /// By kind of mistake, by the code that explains it.
+    #[schemars(with = "BTreeMap<String, Fared>")]
+    pub by_mistake: BTreeMap<Cause, Fared>,
     /// The mistakes that survived, with an entry each.
     pub survivors: BTreeMap<String, String>,
     /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states.
@@ -267,19 +346,22 @@ impl Score {
         &mut self,
         mistake: Mistake,
         noticed: bool,
-        change: f64,
+        change: impl FnOnce() -> f64,
         entry: impl FnOnce() -> String,
     ) {
-        if noticed {
-            self.killed += 1;
+        let of_kind = self.by_mistake.entry(Cause::of(mistake)).or_default();
+        let change = if noticed { f64::INFINITY } else { change() };
+        let (all, kind) = if noticed {
+            (&mut self.killed, &mut of_kind.killed)
         } else if change == 0.0 {
-            self.equivalent += 1;
+            (&mut self.equivalent, &mut of_kind.equivalent)
         } else if change < 2.0 {
-            self.below_resolution += 1;
+            (&mut self.below_resolution, &mut of_kind.below_resolution)
         } else {
-            self.survived += 1;
             self.survivors.insert(mistake.name(), entry());
-        }
+            (&mut self.survived, &mut of_kind.survived)
+        };
+        (*all, *kind) = (*all + 1, *kind + 1);
     }
 
     /// Adds another score.
@@ -288,6 +370,9 @@ impl Score {
         self.equivalent += other.equivalent;
         self.below_resolution += other.below_resolution;
         self.survived += other.survived;
+        for (cause, fared) in other.by_mistake {
+            self.by_mistake.entry(cause).or_default().add(fared);
+        }
         for (mistake, entry) in other.survivors {
             self.survivors.entry(mistake).or_insert(entry);
         }
@@ -324,36 +409,37 @@ pub fn try_mutants(
     // The smallest ladder step from which on every entry was noticed.
     let mut missed = 0.0_f64;
     let mut smallest = f64::INFINITY;
-    let entry_size = size;
     let mut largest = [0.0_f64; 6];
     for (k, i, x) in got.iter() {
-        largest[k] = largest[k].max(x.abs() * entry_size(i));
+        largest[k] = largest[k].max(x.abs() * size(i));
     }
-    let answered = |(k, _, _): &(usize, usize, f64)| answer.numbers.0[*k].is_some();
-    for mutant in mutants.iter().filter(|mutant| mutant.changes.iter().any(answered)) {
-        let mut change = 0.0_f64;
-        let mut noticed = false;
-        for (k, i, x) in mutant.changes.iter().filter(|change| answered(change)) {
-            let Some(was) = got.get(*k, *i) else { continue };
-            let Some(want) = answer.numbers.get(*k, *i) else {
-                // An entry that nobody compares: whatever changes it survives.
-                change = f64::INFINITY;
-                continue;
-            };
-            let allowed = bound.tolerance(quantity, *k, *i) + answer.error.get(*k, *i).unwrap_or(0.0);
-            let moved = (x - was).abs();
-            change = change.max(if moved == 0.0 { 0.0 } else { moved / allowed });
-            noticed |= units(*x, want, allowed) > 1.0;
-        }
+    let answered = |k: usize| answer.numbers.0.get(k).is_some_and(Option::is_some);
+    for mutant in mutants.iter().filter(|mutant| mutant.changes.iter().any(|(k, ..)| answered(*k))) {
+        let noticed = mutant.changes.iter().any(|(k, i, x)| {
+            let want = answer.numbers.get(*k, *i);
+            let is_given = got.get(*k, *i).is_some();
+            is_given && want.is_some_and(|want| want.units(*x, answer.allowed(bound, quantity, *k, *i)) > 1.0)
+        });
         if let (Mistake::Scaled(delta), Some((k, i, _))) = (mutant.mistake, mutant.changes.first()) {
             smallest = smallest.min(delta);
-            let size = got.get(*k, *i).unwrap_or(0.0).abs() * entry_size(*i);
+            let size = got.get(*k, *i).unwrap_or(0.0).abs() * size(*i);
             if !noticed && size >= SIGNIFICANT * largest[*k] {
                 missed = missed.max(delta);
             }
         }
-        let entry = mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
-        score.count(mutant.mistake, noticed, change, || entry.unwrap_or_default());
+        // By how many tolerances it moves an entry; one that nobody compares survives whatever changes it.
+        let change = |(k, i, x): &(usize, usize, f64)| {
+            let Some(was) = got.get(*k, *i).filter(|_| answered(*k)) else { return 0.0 };
+            let moved = (x - was).abs();
+            match answer.numbers.get(*k, *i) {
+                None => f64::INFINITY,
+                Some(_) if moved == 0.0 => 0.0,
+                Some(_) => moved / answer.allowed(bound, quantity, *k, *i),
+            }
+        };
+        let largest_change = || mutant.changes.iter().map(change).fold(0.0_f64, f64::max);
+        let entry = || mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
+        score.count(mutant.mistake, noticed, largest_change, || entry().unwrap_or_default());
     }
     if smallest.is_finite() {
         score.detectable_at.push(if missed > 0.0 { missed * 10.0 } else { smallest });

@@ -1,7 +1,8 @@
 //! What the history of four connectors decides, by the source and the rule of one.
 
 use super::tile::{Four, four, matrix, vector};
-use crate::connector::{Branch, Connector, Increment, State, Turns};
+use crate::connector::{Branch, Connector, Increment, State, Tally, Turns};
+use crate::measure::Section;
 use crate::node::{Node, Pair};
 use crate::scalar::lanes::{LANES, Lanes};
 use crate::vector::Vector;
@@ -39,6 +40,15 @@ fn states(of: &[State<f64>; LANES]) -> State<Plain> {
         },
         velocity: rates(|one| &one.velocity),
         acceleration: rates(|one| &one.acceleration),
+    }
+}
+
+fn section(of: &[&Connector<f64>; LANES]) -> Section<Plain> {
+    Section {
+        initial_orientation: matrix(of, |one| one.section().initial_orientation).map(plain),
+        initial_length: Lanes(four(of, |one| one.section().initial_length)),
+        fixed_direction: plain(vector(of, |one| one.section().fixed_direction)),
+        flow_scale: Lanes(four(of, |one| one.section().flow_scale)),
     }
 }
 
@@ -81,7 +91,13 @@ pub fn advance(
     increments_of: &[Increment<f64>; LANES],
     branches_of: &[Branch<f64>; LANES],
 ) -> [Branch<f64>; LANES] {
-    let together = Connector::<Plain>::gathered(connectors);
-    let after = together.advance(&states(states_of), &increments(increments_of), &branches(branches_of));
+    let section = section(connectors);
+    let after = Connector::gathered(connectors, &section).follow(
+        &states(states_of),
+        &increments(increments_of),
+        &branches(branches_of),
+        [true; 6],
+        &mut Tally::default(),
+    );
     [branch(&after, 0), branch(&after, 1), branch(&after, 2), branch(&after, 3)]
 }

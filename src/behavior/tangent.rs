@@ -215,7 +215,7 @@ impl Behavior {
             (&self.friction.belt, slip.beyond)
         {
             let input = slip.belt_input((tension, angle), outcome.duration, conditions);
-            let (_, tangent) = belt.tangent(state, &input, Branch::Decided);
+            let (outcome, tangent) = belt.tangent(state, &input, Branch::Decided);
             let mut slopes = Slopes {
                 displacement: [0.0; 6],
                 forces: [0.0; 6],
@@ -226,7 +226,8 @@ impl Behavior {
                     Wrap::Measured(gradient) => Some(gradient),
                     Wrap::Given | Wrap::Kink => None,
                 },
-                unknown: (wrap == Wrap::Kink && tangent.angle != 0.0).then_some(Unknown::WrapAngle),
+                // In line nothing holds, and to all sides it would: that is no slope of zero.
+                unknown: (wrap == Wrap::Kink && outcome.normal > 0.0).then_some(Unknown::WrapAngle),
             };
             (slopes.displacement[FLOW], slopes.forces[0]) = (tangent.flow, tangent.tension[0]);
             found[FLOW] = Some(slopes);

@@ -1,6 +1,6 @@
 //! `pintle audit`.
 
-use super::eval::{Loaded, Source, load, show, source};
+use super::eval::{Loaded, Source, load, source};
 use super::{Failure, Sign, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,9 +10,9 @@ use pintle::catalog::TABLE;
 use pintle::connector::Request;
 use pintle::evaluate::{Plan, Selection};
 use pintle::report::audit as report;
-use pintle::scene::{GALLERY, Scene};
-use std::fs;
-use std::io::{self, BufWriter, Write};
+use pintle::scene::{Diagnostic, ForceFile, GALLERY, Scene};
+use std::fs::{self, File};
+use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 const HELP: &str = "\
@@ -64,6 +64,8 @@ pub(crate) enum AuditFormat {
 pub(crate) enum Plant {
     /// A derivative is wrong
     WrongEntry,
+    /// A derivative has the wrong sign
+    WrongSign,
     /// A slope of a friction force is wrong
     WrongFriction,
     /// Answers of the oracles are lost
@@ -74,6 +76,7 @@ impl From<Plant> for Planted {
     fn from(plant: Plant) -> Self {
         match plant {
             Plant::WrongEntry => Self::WrongEntry,
+            Plant::WrongSign => Self::WrongSign,
             Plant::WrongFriction => Self::WrongFriction,
             Plant::LostAnswer => Self::LostAnswer,
         }
@@ -131,16 +134,16 @@ pub(crate) struct Audit {
     #[arg(long, value_enum, hide = true)]
     plant: Option<Plant>,
     /// Findings of this code, of this group (model, assembly, coverage, rule …), all notes or all warnings, are errors: exit 1
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     deny: Vec<String>,
     /// … are warnings
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     warn: Vec<String>,
     /// … are notes
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     note: Vec<String>,
     /// … are not shown
-    #[arg(long, value_name = "CODE", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     allow: Vec<String>,
     /// Exit with 3 where something is undecided
     #[arg(long)]
@@ -222,10 +225,8 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         Some(of_catalogue) => of_catalogue.joined(of_scenes),
         None => of_scenes,
     };
-    if !is_catalogue {
-        let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
-        report.models = loaded.iter().map(of_model).collect();
-    }
+    let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
+    report.models = loaded.iter().map(of_model).collect();
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
         let scenes: Vec<&Scene> = loaded.iter().map(|loaded| &loaded.scene).collect();
@@ -243,16 +244,21 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
 
 /// A scene with its states and their forces, which are checked.
 fn with_forces(source: Source<'_>, arguments: &Audit) -> Result<Loaded, Failure> {
-    let forces = arguments.forces.as_deref().map(|file| (file, arguments.force_sign.into()));
-    let mut loaded = load(source, arguments.at.as_deref(), forces)?;
+    let mut loaded = load(source, arguments.at.as_deref())?;
     let file = match source {
         Source::File(path) => Path::new(path),
         Source::Gallery(example) => Path::new(example.name),
     };
     let file = arguments.forces.as_deref().or(arguments.at.as_deref()).unwrap_or(file);
-    loaded.attach().map_err(|error| show(file, error))?;
-    let checked = loaded.model.check_forces(&loaded.states, 0, &file.display().to_string());
-    checked.map_err(|error| show(file, error))?;
+    let show = |error: Diagnostic| match File::open(file) {
+        Ok(text) => error.with_source(BufReader::new(text)),
+        Err(_) => error,
+    };
+    if let Some(forces) = &arguments.forces {
+        let forces = ForceFile::read(forces, &loaded.scene, arguments.force_sign.into())?;
+        forces.attach(&mut loaded.states, 0).map_err(show)?;
+    }
+    loaded.model.check_forces(&loaded.states, 0, &file.display().to_string()).map_err(show)?;
     Ok(loaded)
 }
 
@@ -332,13 +338,13 @@ pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Resul
     }
 }
 
-/// The exit code of a report.
+/// The exit code of a report. What is wrong comes before what would not have been noticed.
 pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
-    if report.survivors() > 0 {
-        return Err(Failure::SelfTest);
-    }
     if report.mismatches() > 0 {
         return Err(Failure::Mismatch);
+    }
+    if report.survivors() > 0 {
+        return Err(Failure::SelfTest);
     }
     if report.failing_models() > 0 {
         return Err(Failure::Findings);

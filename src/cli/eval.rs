@@ -1,6 +1,6 @@
 //! `pintle eval`.
 
-use super::history::{History, Survey};
+use super::history::{Assigned, Forces, Given, History, Survey};
 use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
 use pintle::behavior::state::Velocities;
 use pintle::connector::{Flag, Output, Request};
@@ -8,11 +8,8 @@ use pintle::evaluate::{
     Branches, ElementBehavior, Fixed, ForceCheck, Item, Jacobian, Model, Plan, Selection, Sequence, request,
 };
 use pintle::report::{self, Block, Format, Kind, Subject};
-use pintle::scene::{
-    Diagnostic, Example, ForceFile, ForceSign, GALLERY, Scene, State, StateFile, StateForces,
-};
+use pintle::scene::{Diagnostic, Example, ForceSign, GALLERY, Scene, State, StateFile, StateForces};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Cursor, IsTerminal, Write};
 use std::path::Path;
@@ -33,7 +30,6 @@ pub(crate) struct Loaded {
     pub(crate) scene: Scene,
     /// Those of a file, of the gallery, or of the scene itself; the scene may have none.
     pub(crate) states: Vec<State>,
-    forces: Option<ForceFile>,
     pub(crate) model: Model,
 }
 
@@ -42,7 +38,7 @@ struct Run {
     scene: Scene,
     history: History,
     survey: Survey,
-    forces: Option<ForceFile>,
+    forces: Option<Forces>,
     model: Model,
 }
 
@@ -126,8 +122,9 @@ pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
 
 /// A scene with its states, or the initial one, and its forces.
 fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
-    let forces = arguments.forces.as_deref().map(|file| (file, arguments.force_sign.into()));
-    let Loaded { scene, mut states, forces, model } = load(source, None, forces)?;
+    let sign = arguments.force_sign.into();
+    let Loaded { scene, mut states, model } = load(source, None)?;
+    let forces = arguments.forces.as_deref().map(|file| Forces::open(file, &scene, sign)).transpose()?;
     let history = match &arguments.states {
         Some(file) => History::open(file, &scene)?,
         None => {
@@ -142,11 +139,7 @@ fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
 }
 
 /// Reads and resolves a scene, and says what deserves a look.
-pub(crate) fn load(
-    source: Source<'_>,
-    states: Option<&Path>,
-    forces: Option<(&Path, ForceSign)>,
-) -> Result<Loaded, Failure> {
+pub(crate) fn load(source: Source<'_>, states: Option<&Path>) -> Result<Loaded, Failure> {
     let scene = match source {
         Source::Gallery(example) => example.scene()?,
         Source::File(path) => Scene::read(path)?,
@@ -156,7 +149,6 @@ pub(crate) fn load(
         (None, Source::Gallery(example)) => example.states(&scene)?.states,
         (None, Source::File(_)) => scene.states.clone(),
     };
-    let forces = forces.map(|(file, sign)| ForceFile::read(file, &scene, sign)).transpose()?;
     let with_source = |diagnostic: Diagnostic| match source {
         Source::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
         Source::File(_) => match File::open(diagnostic.file()) {
@@ -171,7 +163,7 @@ pub(crate) fn load(
     for warning in std::mem::take(&mut model.warnings) {
         show_diagnostic(&with_source(warning));
     }
-    Ok(Loaded { scene, states, forces, model })
+    Ok(Loaded { scene, states, model })
 }
 
 impl From<Sign> for ForceSign {
@@ -180,21 +172,6 @@ impl From<Sign> for ForceSign {
             Sign::Internal => Self::Internal,
             Sign::ConstraintsOnB => Self::ConstraintsOnB,
         }
-    }
-}
-
-impl Loaded {
-    /// Gives the forces of the file to the states that they belong to.
-    pub(crate) fn attach(&mut self) -> Result<(), Diagnostic> {
-        self.forces.take().map_or(Ok(()), |forces| forces.attach(&mut self.states, 0))
-    }
-}
-
-/// A diagnostic with the text of its file.
-pub(crate) fn show(file: &Path, diagnostic: Diagnostic) -> Diagnostic {
-    match File::open(file) {
-        Ok(text) => diagnostic.with_source(BufReader::new(text)),
-        Err(_) => diagnostic,
     }
 }
 
@@ -246,33 +223,34 @@ fn wanted(arguments: &Eval, runs: &[Run]) -> Result<Request, Failure> {
     Ok(Request::new(&outputs, [true; 6], order))
 }
 
-/// The forces of a file by the places of states.
-type Assigned<'a> = BTreeMap<usize, &'a StateForces>;
-
 /// Finds the states, the first of which has the number `first`, that the forces of a file belong to, and checks all forces.
-fn assign<'a>(run: &'a Run, first: u64, arguments: &Eval) -> Result<Assigned<'a>, Failure> {
+fn assign(run: &Run, first: u64, arguments: &Eval) -> Result<Assigned, Failure> {
     let Run { scene, history, survey, forces, model } = run;
-    let file = arguments.forces.as_deref().or(arguments.states.as_deref());
-    let file = file.or(arguments.scene.as_deref().map(Path::new)).unwrap_or(Path::new(""));
-    let assigned = match forces {
-        Some(forces) => forces.assign(&survey.marks, first).map_err(|error| show(file, error))?,
-        None => Assigned::new(),
+    let (check, numbers) = (ForceCheck::new(model), survey.numbers(first));
+    let number = |place: usize| numbers.get(place).copied().unwrap_or_default();
+    let of = |place: usize, forces: Given<'_>, file: &Path| -> Result<(), Failure> {
+        let name = file.display().to_string();
+        Ok(check.check(forces, number(place), &name).map_err(|error| match File::open(file) {
+            Ok(text) => error.with_source(BufReader::new(text)),
+            Err(_) => error,
+        })?)
     };
-    if assigned.is_empty() && !survey.has_forces() {
-        return Ok(assigned);
+    let assigned = match forces {
+        Some(forces) => {
+            let file = arguments.forces.as_deref().unwrap_or(Path::new(""));
+            forces.assign(scene, &survey.marks, first, |place, forces| of(place, forces, file))?
+        }
+        None => Assigned::default(),
+    };
+    if survey.has_forces() {
+        let file = arguments.states.as_deref().or(arguments.scene.as_deref().map(Path::new));
+        let mut place = 0;
+        history.each(scene, |state| {
+            of(place, (&state.forces, &state.mpc_forces), file.unwrap_or(Path::new("")))?;
+            place += 1;
+            Ok(())
+        })?;
     }
-    let (check, name) = (ForceCheck::new(model), file.display().to_string());
-    let numbers = survey.numbers(first);
-    let mut place = 0;
-    history.each(scene, |state| {
-        let forces = match assigned.get(&place) {
-            Some(forces) => (&forces.elements, &forces.mpcs),
-            None => (&state.forces, &state.mpc_forces),
-        };
-        let number = numbers.get(place).copied().unwrap_or_default();
-        place += 1;
-        Ok(check.check(forces, number, &name).map_err(|error| show(file, error))?)
-    })?;
     Ok(assigned)
 }
 
@@ -309,7 +287,7 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
     format.begin()?;
     let mut progress = Progress::new();
     for (run, (plan, branches, shown, numbers, assigned)) in runs.iter().zip(&walks) {
-        let Run { scene, history, survey, model, .. } = run;
+        let Run { scene, history, survey, forces, model } = run;
         let mut sequence = Sequence::resume(model, plan, branches.clone());
         if arguments.save_branches.is_some() || arguments.jacobian.is_some() {
             sequence.follow_everything();
@@ -323,56 +301,59 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
             [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
         format.scene(&Subject { scene, model, plan, states: numbers.len(), shown, first, last })?;
         let mut done = 0;
-        history.each(scene, |given| {
-            let with_forces = assigned.get(&done).map(|forces| {
-                let (forces, mpc_forces) = (forces.elements.clone(), forces.mpcs.clone());
-                Box::new(State { forces, mpc_forces, ..given.clone() })
-            });
-            let state = with_forces.as_deref().unwrap_or(given);
-            let index = numbers.get(done).copied().unwrap_or_default();
-            progress.tick(&scene.name, done, numbers.len());
-            done += 1;
-            if is_shown(&index) {
-                if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
-                    let told = save_jacobian(file, (scene, model, plan), sequence.clone(), (index, state))?;
-                    // Whatever else needs care is told by the evaluation.
-                    for (title, flag) in &told {
-                        if matches!(flag, Flag::NotFinite { .. }) {
-                            care.see(index, title, std::slice::from_ref(flag));
+        let marks = &survey.marks;
+        assigned.with(forces.as_ref(), (scene, marks, branches.states), |mut feed| {
+            history.each(scene, |given| {
+                let with_forces = feed.at(done)?.map(|StateForces { elements, mpcs }| {
+                    Box::new(State { forces: elements, mpc_forces: mpcs, ..given.clone() })
+                });
+                let state = with_forces.as_deref().unwrap_or(given);
+                let index = numbers.get(done).copied().unwrap_or_default();
+                progress.tick(&scene.name, done, numbers.len());
+                done += 1;
+                if is_shown(&index) {
+                    if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
+                        let told =
+                            save_jacobian(file, (scene, model, plan), sequence.clone(), (index, state))?;
+                        // Whatever else needs care is told by the evaluation.
+                        for (title, flag) in &told {
+                            if matches!(flag, Flag::NotFinite { .. }) {
+                                care.see(index, title, std::slice::from_ref(flag));
+                            }
                         }
                     }
+                    format.state(index, state.time)?;
+                    let render = format.renderer();
+                    let digest = |item: Item| -> io::Result<Rendered> {
+                        let block = match &item {
+                            Item::Connector(result) => Block::of_connector(model, request, result),
+                            Item::Mpc(result) => Block::of_mpc(model, request, result),
+                        };
+                        let title = if block.flags.is_empty() { String::new() } else { title(model, &item) };
+                        let (kind, has_numbers, text) = (block.kind, block.has_numbers(), render(&block)?);
+                        Ok(Rendered { kind, has_numbers, text, title, flags: block.flags })
+                    };
+                    sequence.visit_digested(state, digest, |rendered| {
+                        let Rendered { kind, has_numbers, text, title, flags } = rendered?;
+                        evaluated += u64::from(has_numbers);
+                        care.see(index, &title, &flags);
+                        format.rendered(kind, &text)
+                    })?;
+                    format.end_state()?;
+                } else {
+                    sequence.pass(state, |item| -> Result<(), Failure> {
+                        let flags = match &item {
+                            Item::Connector(result) => &result.flags,
+                            Item::Mpc(result) => &result.flags,
+                        };
+                        if !flags.is_empty() {
+                            care.see(index, &title(model, &item), flags);
+                        }
+                        Ok(())
+                    })?;
                 }
-                format.state(index, state.time)?;
-                let render = format.renderer();
-                let digest = |item: Item| -> io::Result<Rendered> {
-                    let block = match &item {
-                        Item::Connector(result) => Block::of_connector(model, request, result),
-                        Item::Mpc(result) => Block::of_mpc(model, request, result),
-                    };
-                    let title = if block.flags.is_empty() { String::new() } else { title(model, &item) };
-                    let (kind, has_numbers, text) = (block.kind, block.has_numbers(), render(&block)?);
-                    Ok(Rendered { kind, has_numbers, text, title, flags: block.flags })
-                };
-                sequence.visit_digested(state, digest, |rendered| {
-                    let Rendered { kind, has_numbers, text, title, flags } = rendered?;
-                    evaluated += u64::from(has_numbers);
-                    care.see(index, &title, &flags);
-                    format.rendered(kind, &text)
-                })?;
-                format.end_state()?;
-            } else {
-                sequence.pass(state, |item| -> Result<(), Failure> {
-                    let flags = match &item {
-                        Item::Connector(result) => &result.flags,
-                        Item::Mpc(result) => &result.flags,
-                    };
-                    if !flags.is_empty() {
-                        care.see(index, &title(model, &item), flags);
-                    }
-                    Ok(())
-                })?;
-            }
-            Ok(())
+                Ok(())
+            })
         })?;
         format.end_scene(sequence.tally())?;
         if let Some(file) = &arguments.save_branches {

@@ -1,7 +1,7 @@
 //! What the history of a connector decides: turn counts, sheets, accumulated one-forms.
 
-use super::{Connector, Mask, State, Tally};
-use crate::measure::{History, Measure, Shared};
+use super::{Components, Connector, Mask, Row, State, Tally};
+use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, Pair, Relative};
 use crate::scalar::{Differentiable, Real, Select};
 use crate::so3;
@@ -88,6 +88,36 @@ impl<R: Differentiable> Connector<R> {
         wanted: Mask,
         tally: &mut Tally,
     ) -> Branch<R> {
+        self.follower().follow(state, increment, branch, wanted, tally)
+    }
+
+    /// The one-form over the increment.
+    pub(super) fn accumulation(&self, pair: &Pair<R>, increment: &Increment<R>) -> R {
+        self.follower().accumulation(pair, increment)
+    }
+
+    fn follower(&self) -> Follower<'_, R> {
+        Follower { rows: &self.kind.rows, section: &self.kind.section }
+    }
+}
+
+/// What histories are decided by: the measures of a connector and what they refer to.
+#[derive(Clone, Copy)]
+pub(crate) struct Follower<'a, R> {
+    pub(super) rows: &'a Components<Row>,
+    pub(super) section: &'a Section<R>,
+}
+
+impl<R: Differentiable> Follower<'_, R> {
+    /// [`Connector::follow`].
+    pub(crate) fn follow(
+        &self,
+        state: &State<R>,
+        increment: &Increment<R>,
+        branch: &Branch<R>,
+        wanted: Mask,
+        tally: &mut Tally,
+    ) -> Branch<R> {
         let mut next = *branch;
         let is_followed = |k: usize| wanted[k] && self.rows[k].is_some();
         let needs = |kind: fn(Measure) -> bool| {
@@ -100,7 +130,9 @@ impl<R: Differentiable> Connector<R> {
         if !rotates {
             return next;
         }
-        let relative = self.relative(pair, Dependence { rotation: true, ..Dependence::default() });
+        let still = [R::integer(0); 3];
+        let turned = Dependence { rotation: true, ..Dependence::default() };
+        let relative = pair.varied(turned, still, still, [R::integer(0); 2]);
         if needs(|m| matches!(m, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))) {
             let carried = add(branch.rotation_vector, vector::apply_transposed(&pair.a.triad, whole));
             let lean = scale(vector::apply_transposed(&pair.a.triad, told), R::ratio(LEAN.0, LEAN.1));
@@ -169,7 +201,7 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
     ) -> ([Turns<R>; 6], R) {
         let history = History { euler_sign, ..branch.history() };
-        let mut shared = Shared::new(relative, &pair.a.triad, &self.section, &history);
+        let mut shared = Shared::new(relative, &pair.a.triad, self.section, &history);
         let mut turns = branch.turns;
         let mut moved = R::integer(0);
         for (k, row) in self.rows.iter().enumerate() {
@@ -188,11 +220,11 @@ impl<R: Differentiable> Connector<R> {
     }
 
     /// The one-form over the increment, at the midpoint direction: e3a(mid)·(Δθ_a − Δθ_b) − β_s ΔΨ_b.
-    pub(super) fn accumulation(&self, pair: &Pair<R>, increment: &Increment<R>) -> R {
+    fn accumulation(&self, pair: &Pair<R>, increment: &Increment<R>) -> R {
         let [of_a, of_b] = increment.rotation;
         let back = so3::matrix(so3::exp(scale(of_a, R::ratio(-1, 2))));
         let middle = vector::product(&back, &pair.a.triad);
-        let form = Measure::FlowConversion.one_form(&middle, &self.section);
+        let form = Measure::FlowConversion.one_form(&middle, self.section);
         let mut change = [R::integer(0); DOFS];
         change[node::THETA_A..node::PSI_A].copy_from_slice(&of_a);
         change[node::THETA_B..node::PSI_B].copy_from_slice(&of_b);

@@ -71,19 +71,19 @@ impl<R: Differentiable> Connector<R> {
         let mut measures = [(0, Measure::Distance); 6];
         let mut count = 0;
         for k in (0..6).filter(|k| wanted[*k]) {
-            let Some(row) = &self.rows[k] else { continue };
+            let Some(row) = &self.kind.rows[k] else { continue };
             measures[count] = (k, row.differentiated);
             count += 1;
         }
         let measures = &measures[..count];
         let mut rows = [None; 6];
-        let input = Differentiation { state, history: &history, active: &self.active, second: false };
+        let input = Differentiation { state, history: &history, active: &self.kind.active, second: false };
         self.relative_derivatives(&input, measures, tally, &mut |(k, _), gradient, _| {
             rows[k] = Some(CompactRow { arm: state.pair.arm(&gradient), gradient });
         });
         for (k, measure) in measures.iter().filter(|(_, measure)| measure.is_one_form()) {
             tally.gradients += 1;
-            let form = measure.one_form(&state.pair.a.triad, &self.section);
+            let form = measure.one_form(&state.pair.a.triad, &self.kind.section);
             let part = |at: usize| [form[at], form[at + 1], form[at + 2]];
             rows[*k] = Some(CompactRow {
                 gradient: RelativeGradient {
@@ -100,7 +100,7 @@ impl<R: Differentiable> Connector<R> {
     /// Whether the row of component k (0-based) depends on what the history decides: the sheet of a rotation vector or of Euler angles,
     /// or the turns of torsion.
     pub fn row_has_history(&self, k: usize) -> bool {
-        self.rows[k].is_some_and(|row| {
+        self.kind.rows[k].is_some_and(|row| {
             let measure = row.differentiated;
             measure.counts_torsion()
                 || matches!(
@@ -113,9 +113,9 @@ impl<R: Differentiable> Connector<R> {
     /// The degrees of freedom by which the row of component k (0-based) can be other than zero: those that the connector has and that
     /// the measure depends on. `None` where there is no such component.
     pub fn row_pattern(&self, k: usize) -> Option<[bool; DOFS]> {
-        let measure = self.rows[k].as_ref()?.differentiated;
+        let measure = self.kind.rows[k].as_ref()?.differentiated;
         let dependence = measure.dependence();
-        let mut pattern = self.active;
+        let mut pattern = self.kind.active;
         let mut keep = |from: usize, to: usize, is_kept: bool| {
             for active in &mut pattern[from..to] {
                 *active &= is_kept;

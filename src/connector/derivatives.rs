@@ -13,10 +13,10 @@ impl<R: Differentiable> Connector<R> {
     pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
         let Pass { state, history, rows, request } = *pass;
         let of_position = |k: usize| request.wants_any([Output::CV, Output::CA], k);
-        let of_residual = |k: usize, row: &Row<R>| {
+        let of_residual = |k: usize, row: &Row| {
             request.wants_any([Output::RESV, Output::RESA], k) && row.slot.is_constrained()
         };
-        let bias = |k: usize, row: &Row<R>| request.wants(Output::RESB, k) && row.slot.is_constrained();
+        let bias = |k: usize, row: &Row| request.wants(Output::RESB, k) && row.slot.is_constrained();
         let mut measures = Vec::new();
         let mut bias_measures = Vec::new();
         for (k, row) in rows {
@@ -63,7 +63,7 @@ impl<R: Differentiable> Connector<R> {
     ) {
         let Pass { state, history, rows, request } = *pass;
         let measures: Vec<(usize, Measure)> = rows.iter().map(|(k, row)| (*k, row.differentiated)).collect();
-        let input = Differentiation { state, history, active: &self.active, second: request.order > 1 };
+        let input = Differentiation { state, history, active: &self.kind.active, second: request.order > 1 };
         self.differentiate(&input, &measures, tally, &mut |k, row, hessian| {
             evaluation.jacobian[k] = Some(row);
             evaluation.hessian[k] = hessian;
@@ -141,7 +141,7 @@ impl<R: Differentiable> Connector<R> {
         let Differentiation { state, active, second, .. } = *input;
         let zero = R::integer(0);
         let masked = |j: usize, value: R| if active[j] { value } else { zero };
-        let mut row = measure.one_form(&state.pair.a.triad, &self.section);
+        let mut row = measure.one_form(&state.pair.a.triad, &self.kind.section);
         for (j, entry) in row.iter_mut().enumerate() {
             *entry = masked(j, *entry);
         }
@@ -152,7 +152,7 @@ impl<R: Differentiable> Connector<R> {
         tally.hessians += 1;
         let seed = |i: usize| R::Gradient::<3>::seed(zero, i);
         let turning = turned_triad(&state.pair.a.triad, [seed(0), seed(1), seed(2)]);
-        let form = measure.one_form(&turning, &self.section);
+        let form = measure.one_form(&turning, &self.kind.section);
         let mut hessian = Box::new([[zero; DOFS]; DOFS]);
         for (j, entry) in form.iter().enumerate() {
             for (i, derivative) in entry.gradient().into_iter().enumerate() {
@@ -231,7 +231,7 @@ impl Seeds {
         };
         let zero = R::integer(0);
         let relative = state.pair.seeded::<S, N>(needed, first);
-        let mut shared = Shared::new(&relative, &state.pair.a.triad, &connector.section, history);
+        let mut shared = Shared::new(&relative, &state.pair.a.triad, &connector.kind.section, history);
         for (k, measure) in own {
             let value = measure.evaluate(&mut shared);
             let mut gradient = [zero; 8];
@@ -285,7 +285,7 @@ impl<'a, R: Differentiable> Along<'a, R> {
     pub(super) fn rates(&mut self, measure: Measure, tally: &mut Tally) -> [R; 2] {
         if self.cache.is_empty() {
             let state = self.state;
-            let section = &self.connector.section;
+            let section = &self.connector.kind.section;
             let mut shared = Shared::new(&self.relative, &state.pair.a.triad, section, self.history);
             for measure in &self.measures {
                 tally.rates += 1;
@@ -345,10 +345,10 @@ impl Connector<f64> {
         let seeds: [Nodal; DOFS] = std::array::from_fn(|j| Seeded::<DOFS>::seed(0.0, j));
         let values = self.on_moved_nodes(state, branch, &seeds);
         std::array::from_fn(|k| {
-            let row = self.rows[k]?;
+            let row = self.kind.rows[k]?;
             if row.differentiated.is_one_form() {
                 return Some(
-                    self.active_only(row.differentiated.one_form(&state.pair.a.triad, &self.section)),
+                    self.active_only(row.differentiated.one_form(&state.pair.a.triad, &self.kind.section)),
                 );
             }
             Some(self.active_only(values[k]?.gradient()))
@@ -368,7 +368,7 @@ impl Connector<f64> {
         let values = self.on_moved_nodes(state, branch, &seeds);
         std::array::from_fn(|k| {
             values[k]
-                .filter(|_| !self.rows[k].is_some_and(|r| r.differentiated.is_one_form()))
+                .filter(|_| !self.kind.rows[k].is_some_and(|r| r.differentiated.is_one_form()))
                 .map(|x| x.eps1eps2)
         })
     }
@@ -381,20 +381,21 @@ impl Connector<f64> {
         branch: &Branch<f64>,
     ) -> Components<(NodalRow<f64>, NodalMatrix<f64>)> {
         type Inner = <f64 as Differentiable>::Gradient<DOFS>;
-        let mut found = self.rows.map(|row| row.map(|_| ([0.0; DOFS], Box::new([[0.0; DOFS]; DOFS]))));
-        for j in (0..DOFS).filter(|j| self.active[*j]) {
+        let mut found = self.kind.rows.map(|row| row.map(|_| ([0.0; DOFS], Box::new([[0.0; DOFS]; DOFS]))));
+        for j in (0..DOFS).filter(|j| self.kind.active[*j]) {
             let seeds: [Dual<Inner>; DOFS] = std::array::from_fn(|i| {
                 let outer = if i == j { Inner::one() } else { Inner::zero() };
                 Dual::new(<Inner as Seeded<DOFS>>::seed(0.0, i), outer)
             });
             let values = self.on_moved_nodes(state, branch, &seeds);
             for (k, found) in found.iter_mut().enumerate() {
-                let (Some((first, second)), Some(row), Some(value)) = (found, self.rows[k], values[k]) else {
+                let (Some((first, second)), Some(row), Some(value)) = (found, self.kind.rows[k], values[k])
+                else {
                     continue;
                 };
                 if row.differentiated.is_one_form() {
                     let triad = state.pair.moved(&seeds).a.triad;
-                    let form = row.differentiated.one_form(&triad, &self.section);
+                    let form = row.differentiated.one_form(&triad, &self.kind.section);
                     *first = self.active_only(form.map(Scalar::real));
                     let change = self.active_only(form.map(|entry| entry.eps.real()));
                     for (line, entry) in second.iter_mut().zip(change) {
@@ -417,12 +418,12 @@ impl Connector<f64> {
     ) -> Components<S> {
         let relative = state.pair.moved(dofs).relative();
         let history = branch.history();
-        let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.section, &history);
-        std::array::from_fn(|k| self.rows[k].map(|row| row.differentiated.evaluate(&mut shared)))
+        let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.kind.section, &history);
+        std::array::from_fn(|k| self.kind.rows[k].map(|row| row.differentiated.evaluate(&mut shared)))
     }
 
     fn active_only(&self, mut row: NodalRow<f64>) -> NodalRow<f64> {
-        for (entry, active) in row.iter_mut().zip(&self.active) {
+        for (entry, active) in row.iter_mut().zip(&self.kind.active) {
             if !active {
                 *entry = 0.0;
             }

@@ -261,12 +261,12 @@ pub(crate) const CERTAIN_TURNS: f64 = 0.1;
 impl Connector<f64> {
     /// Whether stops are reached at the given positions.
     pub fn stop_status(&self, position: &Components<f64>) -> Components<StopStatus> {
-        [0, 1, 2, 3, 4, 5].map(|k| Some(StopStatus::at(&self.stops[k]?, position[k]?)))
+        [0, 1, 2, 3, 4, 5].map(|k| Some(StopStatus::at(&self.kind.stops[k]?, position[k]?)))
     }
 
     /// The stops.
-    pub const fn stops(&self) -> &Components<Stop> {
-        &self.stops
+    pub fn stops(&self) -> &Components<Stop> {
+        &self.kind.stops
     }
 
     /// The distance of each component wanted, in what is differentiated and in its position, to the nearest singular set.
@@ -280,12 +280,12 @@ impl Connector<f64> {
             if let Some((_, distance)) = known.iter().find(|(seen, _)| *seen == kind) {
                 return Some(Margin { distance: *distance, set: measure.singular_set()? });
             }
-            let margin = measure.margin(&relative, &self.section, &history)?;
+            let margin = measure.margin(&relative, &self.kind.section, &history)?;
             known.push((kind, margin.distance));
             Some(margin)
         };
         [0, 1, 2, 3, 4, 5].map(|k| {
-            let row = self.rows[k].filter(|_| wanted[k])?;
+            let row = self.kind.rows[k].filter(|_| wanted[k])?;
             match (of(row.differentiated), of(row.position)) {
                 (Some(x), Some(y)) => Some(if x.distance <= y.distance { x } else { y }),
                 (x, y) => x.or(y),
@@ -315,7 +315,7 @@ impl Connector<f64> {
         [before, after]: [&Branch<f64>; 2],
     ) -> Vec<Flag> {
         let mut flags = Vec::new();
-        let rows = || (0..6).filter(|k| followed[*k]).filter_map(|k| Some((k, self.rows[k].as_ref()?)));
+        let rows = || (0..6).filter(|k| followed[*k]).filter_map(|k| Some((k, self.kind.rows[k].as_ref()?)));
         let scale_of = |unit| if unit == Unit::Length { extent(&state.pair) } else { 1.0 };
         for (k, margin) in margins.iter().enumerate() {
             let component = crate::catalog::COMPONENT[k];
@@ -391,7 +391,7 @@ impl Connector<f64> {
             (0.769_234_655_052_841_5, 0.239_314_335_249_683_24),
             (0.953_089_922_969_332, 0.118_463_442_528_094_54),
         ];
-        let mut sum = -self.section.flow_scale * increment.flow[1];
+        let mut sum = -self.kind.section.flow_scale * increment.flow[1];
         for (s, weight) in POINTS {
             let back = so3::matrix(so3::exp(scale(of_a, -s)));
             let direction = column(&vector::product(&back, &pair.a.triad), 2);
@@ -402,7 +402,7 @@ impl Connector<f64> {
 
     /// What a two-dimensional connector's nodes do out of its plane.
     fn out_of_plane(&self, state: &State<f64>) -> Vec<Flag> {
-        if !self.is_planar {
+        if !self.kind.is_planar {
             return Vec::new();
         }
         /// Direction cosines of exact rotations about the global 3-axis carry a few roundings.

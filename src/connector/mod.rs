@@ -11,8 +11,8 @@ mod derivatives;
 mod flags;
 mod request;
 
-pub(crate) use branch::nearest_turn;
 pub use branch::{Branch, Increment, Turns};
+pub(crate) use branch::{Follower, nearest_turn};
 pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
@@ -89,17 +89,15 @@ impl Definition {
     }
 }
 
-/// A component of one connector, resolved.
-#[derive(Clone, Copy, Debug)]
-struct Row<R> {
+/// A component of a connector, resolved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Row {
     slot: Slot,
     position: Measure,
-    /// The initial position (principal).
-    initial: R,
     /// What is differentiated: the residual of a constrained component, else the position.
     differentiated: Measure,
-    /// The initial value of what is differentiated, or 0 where the printed function vanishes.
-    offset: R,
+    /// Whether that is the printed function, which vanishes initially, rather than the position with its initial value.
+    vanishes: bool,
 }
 
 /// One evaluation: the state, what its history decides, the components wanted and what is wanted of them.
@@ -107,22 +105,31 @@ struct Row<R> {
 struct Pass<'a, R: Differentiable> {
     state: &'a State<R>,
     history: &'a History<R>,
-    rows: &'a [(usize, Row<R>)],
+    rows: &'a [(usize, Row)],
     request: &'a Request,
 }
 
-/// A connector on numbers of type R: `f64` for the product, [`crate::scalar::Wide`] for the truth.
+/// What connectors have in common that differ in their initial lengths only. A model has many of these.
 #[derive(Clone, Debug)]
-pub struct Connector<R: Differentiable> {
+struct Kind<R> {
     connection: Arc<ConnectionType>,
-    rows: Components<Row<R>>,
+    rows: Components<Row>,
     section: Section<R>,
     references: Components<R>,
     stops: Components<Stop>,
     active: [bool; DOFS],
     reach: [bool; DOFS],
     is_planar: bool,
-    initial: Branch<R>,
+    /// Before any motion.
+    branch: Branch<R>,
+}
+
+/// A connector on numbers of type R: `f64` for the product, [`crate::scalar::Wide`] for the truth.
+#[derive(Clone, Debug)]
+pub struct Connector<R: Differentiable> {
+    kind: Arc<Kind<R>>,
+    /// The initial position of each component (principal); zero where there is none.
+    initial: [R; 6],
 }
 
 /// The degrees of freedom that a connector loads: flow where it is active, 1, 2, 6 and 10 in two dimensions, no rotation of a node that
@@ -187,42 +194,47 @@ impl<R: Differentiable> Connector<R> {
             b: exact_node(&definition.initial.b),
         };
         let relative = initial.relative();
+        let zero = R::integer(0);
         let section = Section {
             initial_orientation: relative.q,
-            initial_length: R::direction_and_norm(initial.reference).1,
+            initial_length: match definition.connection.is_belt() {
+                true => R::direction_and_norm(initial.reference).1,
+                false => zero,
+            },
             fixed_direction: vector::exact(definition.fixed_direction),
             flow_scale: R::from_f64(definition.flow_scale),
         };
-        let zero = R::integer(0);
         let one = R::integer(1);
         let mut history = History { rotation_vector: [zero; 3], euler_sign: one, torsion_turns: zero };
         history.rotation_vector = so3::log(&relative.q);
         let mut shared = Shared::new(&relative, &initial.a.triad, &section, &history);
         let planar = |k: usize| !definition.planar || PLANE[k];
         let mut rows = [None; 6];
+        let mut starts = [zero; 6];
         let mut references = [None; 6];
         let mut turns = [Turns { turns: zero, principal: zero }; 6];
         for k in (0..6).filter(|k| planar(*k)) {
             let slot = definition.connection.slots[k];
             let Some(position) = slot.position() else { continue };
             let start = position.unlocked(&relative.q, position.evaluate(&mut shared), zero);
-            let (differentiated, offset) = match slot {
-                Slot::Constrained(_, Condition::Zero(printed)) => (printed, zero),
+            let (differentiated, vanishes) = match slot {
+                Slot::Constrained(_, Condition::Zero(printed)) => (printed, true),
                 Slot::Constrained(_, Condition::ZeroOrHeld(printed)) => {
                     let printed_start = printed.evaluate(&mut shared);
                     let tiny = R::from_f64(ALIGNED);
                     if R::holds(printed_start.magnitude().less(tiny)) {
-                        (printed, zero)
+                        (printed, true)
                     } else {
-                        (position, start)
+                        (position, false)
                     }
                 }
-                _ => (position, start),
+                _ => (position, false),
             };
             if position.winds() {
                 turns[k].principal = start;
             }
-            rows[k] = Some(Row { slot, position, initial: start, differentiated, offset });
+            rows[k] = Some(Row { slot, position, differentiated, vanishes });
+            starts[k] = start;
             references[k] = definition.references[k].map(|reference| match position.unit() {
                 Unit::Angle => R::from_f64(reference) * R::pi() / R::integer(180),
                 _ => R::from_f64(reference),
@@ -241,7 +253,7 @@ impl<R: Differentiable> Connector<R> {
             accumulated: zero,
             accumulated_rest: zero,
         };
-        Self {
+        let kind = Kind {
             connection: Arc::clone(&definition.connection),
             rows,
             section,
@@ -250,58 +262,59 @@ impl<R: Differentiable> Connector<R> {
             active,
             reach,
             is_planar: definition.planar,
-            initial: branch,
-        }
+            branch,
+        };
+        Self { kind: Arc::new(kind), initial: starts }
     }
 
     /// The connection type.
     pub fn connection(&self) -> &ConnectionType {
-        &self.connection
+        &self.kind.connection
     }
 
     /// The branch before any motion.
-    pub const fn initial_branch(&self) -> Branch<R> {
-        self.initial
+    pub fn initial_branch(&self) -> Branch<R> {
+        self.kind.branch
     }
 
     /// The nodal degrees of freedom that this connector has.
-    pub const fn active(&self) -> &[bool; DOFS] {
-        &self.active
+    pub fn active(&self) -> &[bool; DOFS] {
+        &self.kind.active
     }
 
     /// What is differentiated in row k (0-based): the residual of a constrained component, else the position.
     pub fn differentiated(&self, k: usize) -> Option<Measure> {
-        self.rows[k].map(|row| row.differentiated)
+        self.kind.rows[k].map(|row| row.differentiated)
     }
 
     /// The measure of the position of component k (0-based).
     pub fn position_measure(&self, k: usize) -> Option<Measure> {
-        self.rows[k].map(|row| row.position)
+        self.kind.rows[k].map(|row| row.position)
     }
 
     /// Whether component k (0-based) is constrained.
     pub fn is_constrained(&self, k: usize) -> bool {
-        self.rows[k].is_some_and(|row| row.slot.is_constrained())
+        self.kind.rows[k].is_some_and(|row| row.slot.is_constrained())
     }
 
     /// What measures refer to.
-    pub const fn section(&self) -> &Section<R> {
-        &self.section
+    pub fn section(&self) -> &Section<R> {
+        &self.kind.section
     }
 
     /// Q₀.
-    pub(crate) const fn initial_orientation(&self) -> &vector::Matrix<R> {
-        &self.section.initial_orientation
+    pub(crate) fn initial_orientation(&self) -> &vector::Matrix<R> {
+        &self.kind.section.initial_orientation
     }
 
     /// The degrees of freedom that the connector loads, of moving nodes and of the ground.
-    pub(crate) const fn reach(&self) -> &[bool; DOFS] {
-        &self.reach
+    pub(crate) fn reach(&self) -> &[bool; DOFS] {
+        &self.kind.reach
     }
 
     /// Whether the residual of component k (0-based) is the printed function, rather than the position held.
     pub fn is_printed_constraint(&self, k: usize) -> bool {
-        self.rows[k].is_some_and(|row| row.slot.is_constrained() && row.differentiated != row.position)
+        self.kind.rows[k].is_some_and(|row| row.slot.is_constrained() && row.differentiated != row.position)
     }
 
     /// The relative pair, as far as it is needed.
@@ -335,16 +348,15 @@ impl<R: Differentiable> Connector<R> {
         // Values and derivatives are taken on the sheets just chosen, so that rounding cannot set them apart at a half turn.
         let history = next.history();
         let mut evaluation = Evaluation::empty(next);
-        let rows: Vec<(usize, Row<R>)> = (0..6)
+        let rows: Vec<(usize, Row)> = (0..6)
             .filter(|k| request.components()[*k])
-            .filter_map(|k| self.rows[k].map(|row| (k, row)))
+            .filter_map(|k| self.kind.rows[k].map(|row| (k, row)))
             .collect();
         let pass = Pass { state, history: &history, rows: &rows, request };
         self.positions(&pass, tally, &mut evaluation);
         self.rates(&pass, tally, &mut evaluation);
         if request.order > 0 {
-            let rows: Vec<(usize, Row<R>)> =
-                rows.iter().filter(|(k, _)| request.rows()[*k]).copied().collect();
+            let rows: Vec<(usize, Row)> = rows.iter().filter(|(k, _)| request.rows()[*k]).copied().collect();
             self.rows_of_derivatives(&Pass { rows: &rows, ..pass }, tally, &mut evaluation);
         }
         evaluation
@@ -354,11 +366,10 @@ impl<R: Differentiable> Connector<R> {
         let Pass { state, history, rows, request } = *pass;
         let wants_position =
             |k: usize| request.wants_any([Output::CP, Output::CU, Output::CCU, Output::CSLST], k);
-        let wants_residual =
-            |k: usize, row: &Row<R>| request.wants(Output::RES, k) && row.slot.is_constrained();
+        let wants_residual = |k: usize, row: &Row| request.wants(Output::RES, k) && row.slot.is_constrained();
         let value =
-            |k: usize, row: &Row<R>| (wants_position(k) && !row.position.winds()).then_some(row.position);
-        let residual = |k: usize, row: &Row<R>| {
+            |k: usize, row: &Row| (wants_position(k) && !row.position.winds()).then_some(row.position);
+        let residual = |k: usize, row: &Row| {
             (wants_residual(k, row) && !row.differentiated.winds()).then_some(row.differentiated)
         };
         let needed = rows
@@ -367,7 +378,7 @@ impl<R: Differentiable> Connector<R> {
             .flatten()
             .fold(Dependence::default(), |sum, measure| sum.or(measure.dependence()));
         let relative = self.relative(&state.pair, needed);
-        let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.section, history);
+        let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.kind.section, history);
         let mut evaluate = |measure: Measure, tally: &mut Tally| {
             if measure.is_one_form() {
                 return evaluation.branch.accumulated + evaluation.branch.accumulated_rest;
@@ -391,64 +402,38 @@ impl<R: Differentiable> Connector<R> {
                 evaluation.position[k] = Some(from(zero));
             }
             if request.wants(Output::CU, k) {
-                evaluation.displacement[k] = Some(from(row.initial));
+                evaluation.displacement[k] = Some(from(self.initial[k]));
             }
             if request.wants(Output::CCU, k) && row.slot.is_available() {
-                evaluation.constitutive[k] = Some(from(self.references[k].unwrap_or(row.initial)));
+                evaluation.constitutive[k] = Some(from(self.kind.references[k].unwrap_or(self.initial[k])));
             }
             if wants_residual(k, &row) {
+                let offset = if row.vanishes { zero } else { self.initial[k] };
                 evaluation.residual[k] = Some(match residual(k, &row) {
-                    Some(measure) if Some(measure) == value(k, &row) => from(row.offset),
-                    Some(measure) => evaluate(measure, tally) - row.offset,
-                    None => R::with_turns(turns.principal - row.offset, turns.turns),
+                    Some(measure) if Some(measure) == value(k, &row) => from(offset),
+                    Some(measure) => evaluate(measure, tally) - offset,
+                    None => R::with_turns(turns.principal - offset, turns.turns),
                 });
             }
         }
     }
 }
 
-impl Connector<Lanes<false>> {
-    /// Four connectors of one type as one on lanes, as far as [`Connector::advance`] looks at it.
-    pub(crate) fn gathered(of: &[&Connector<f64>; LANES]) -> Self {
-        let one = of[0];
-        let four =
-            |get: &dyn Fn(&Connector<f64>) -> f64| Lanes([get(of[0]), get(of[1]), get(of[2]), get(of[3])]);
-        let vector = |get: &dyn Fn(&Connector<f64>) -> Vector<f64>| [0, 1, 2].map(|i| four(&|c| get(c)[i]));
-        let splat = |turns: Turns<f64>| Turns {
-            turns: Lanes::splat(turns.turns),
-            principal: Lanes::splat(turns.principal),
-        };
-        Self {
-            connection: Arc::clone(&one.connection),
-            rows: one.rows.map(|row| {
-                row.map(|Row { slot, position, initial, differentiated, offset }| Row {
-                    slot,
-                    position,
-                    initial: Lanes::splat(initial),
-                    differentiated,
-                    offset: Lanes::splat(offset),
-                })
-            }),
-            section: Section {
-                initial_orientation: [0, 1, 2].map(|i| vector(&|c| c.section.initial_orientation[i])),
-                initial_length: four(&|c| c.section.initial_length),
-                fixed_direction: vector(&|c| c.section.fixed_direction),
-                flow_scale: four(&|c| c.section.flow_scale),
-            },
-            references: one.references.map(|reference| reference.map(Lanes::splat)),
-            stops: one.stops,
-            active: one.active,
-            reach: one.reach,
-            is_planar: one.is_planar,
-            initial: Branch {
-                turns: one.initial.turns.map(splat),
-                rotation_vector: one.initial.rotation_vector.map(Lanes::splat),
-                euler_sign: Lanes::splat(one.initial.euler_sign),
-                torsion: splat(one.initial.torsion),
-                accumulated: Lanes::splat(one.initial.accumulated),
-                accumulated_rest: Lanes::splat(one.initial.accumulated_rest),
-            },
+impl Connector<f64> {
+    /// Keeps what it has in common with a connector whose definition differs from its own in X_b − X_a only once for both.
+    pub(crate) fn share(&mut self, alike: &Self) {
+        let length = |of: &Self| of.kind.section.initial_length.to_bits();
+        if self.kind.rows == alike.kind.rows && length(self) == length(alike) {
+            self.kind = Arc::clone(&alike.kind);
         }
+    }
+
+    /// What decides the histories of four connectors of one type on lanes, together with the section data of all.
+    pub(crate) fn gathered<'a>(
+        of: &[&'a Connector<f64>; LANES],
+        section: &'a Section<Lanes<false>>,
+    ) -> Follower<'a, Lanes<false>> {
+        Follower { rows: &of[0].kind.rows, section }
     }
 }
 

@@ -32,7 +32,7 @@ fn nodal_maps_equal_naive_seeding() {
         let dofs = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13].map(|i| zero + Naive::seed(0.0, i));
         let moved = state.pair.moved(&dofs).relative();
         let history = branch.history();
-        let mut shared = Shared::new(&moved, &state.pair.a.triad, &connector.section, &history);
+        let mut shared = Shared::new(&moved, &state.pair.a.triad, &connector.kind.section, &history);
         for k in 0..6 {
             let Some(measure) = connector.differentiated(k) else { continue };
             if measure.is_one_form() {

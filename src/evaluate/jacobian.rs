@@ -196,8 +196,6 @@ impl Fixed {
 /// Where the entries of one connector go.
 #[derive(Clone, Debug)]
 struct Block {
-    /// The rows that it has.
-    rows: Mask,
     /// The degrees of freedom of each row that have a column: bit j is that of [`crate::node::DOF`].
     columns: [u16; 6],
     /// Whether the columns of b come before those of a.
@@ -360,13 +358,12 @@ impl Jacobian {
         };
         let is_swapped = element.nodes[0] > element.nodes[1];
         let first = self.columns.len();
-        let mut block = Block { rows: [false; 6], columns: [0; 6], is_swapped, first, axes };
+        let mut block = Block { columns: [0; 6], is_swapped, first, axes };
         for k in 0..6 {
             let Some(pattern) = element.connector.row_pattern(k).filter(|_| wanted(element, k)) else {
                 continue;
             };
             let pattern = along_axes(pattern, axes.map(|axes| axes.is_some()));
-            block.rows[k] = true;
             for j in order(is_swapped).filter(|j| pattern[*j]) {
                 if let Some(column) = column(j) {
                     block.columns[k] |= 1 << j;
@@ -488,9 +485,9 @@ impl Jacobian {
         self.mpcs[at].entries.len()
     }
 
-    /// The rows wanted of a connector, by its place in the plan.
+    /// The rows of a connector that have columns, by its place in the plan: none between nodes that are fixed.
     pub(super) fn wanted(&self, at: usize) -> Mask {
-        self.blocks[at].rows
+        self.blocks[at].columns.map(|columns| columns != 0)
     }
 
     /// The entries of connectors, those of each by themselves.
@@ -504,7 +501,7 @@ impl Jacobian {
     pub(super) fn write(&self, at: usize, rows: &Components<CompactRow<f64>>, values: &mut [f64]) {
         let block = &self.blocks[at];
         let mut values = values.iter_mut();
-        for k in (0..6).filter(|k| block.rows[*k]) {
+        for k in 0..6 {
             let row = rows[k].as_ref();
             let bits = block.columns[k];
             let mut end = |is_b: bool| {

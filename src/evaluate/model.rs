@@ -23,14 +23,12 @@ pub struct ConnectorElement {
     pub label: Label,
     /// The nodes a and b; `None` is the ground.
     pub nodes: [Option<Label>; 2],
-    /// The initial triads of a and b.
-    pub triads: [Matrix<f64>; 2],
     /// X_b − X_a.
     pub reference: [f64; 3],
-    /// What defines it.
-    pub definition: Definition,
     /// The connector.
     pub connector: Connector<f64>,
+    /// What defines it, but for X_b − X_a: kept once for all connectors that agree in it.
+    common: Arc<Definition>,
     /// Its behaviour, and its motions and loads.
     pub behavior: Arc<ElementBehavior>,
 }
@@ -46,6 +44,10 @@ pub struct ElementBehavior {
     pub identity: u64,
 }
 
+/// What connectors agree in that are kept once: section, whether they are two-dimensional, whether their ends move and rotate, and the
+/// bits of both triads.
+type Agreeing = (usize, bool, [bool; 4], [u64; 18]);
+
 /// What the connectors of a scene share while they are resolved.
 struct Shared {
     /// The connection type of each section.
@@ -53,6 +55,8 @@ struct Shared {
     actions: HashMap<Label, Vec<(usize, Span)>>,
     drives: BTreeMap<Label, Drives>,
     behaviors: HashMap<(usize, bool, u64), Arc<ElementBehavior>>,
+    /// What connectors have in common, and the last of them.
+    common: HashMap<Agreeing, (Arc<Definition>, Connector<f64>)>,
     warned: HashSet<(usize, Rule, String)>,
     freedom: NodeFreedom,
 }
@@ -131,6 +135,7 @@ impl Model {
             actions: rules::actions(scene),
             drives,
             behaviors: HashMap::new(),
+            common: HashMap::new(),
             warned: HashSet::new(),
             freedom: NodeFreedom::of(scene),
         };
@@ -168,7 +173,7 @@ impl Model {
         element: &crate::scene::ConnectorElement,
         shared: &mut Shared,
     ) -> Result<(), Diagnostic> {
-        let Shared { types, actions, drives, behaviors, warned, freedom } = shared;
+        let Shared { types, actions, drives, behaviors, common, warned, freedom } = shared;
         let Some(section) = scene.section(element) else { return Ok(()) };
         let connection = match types.get(&element.section) {
             Some(known) => known,
@@ -285,14 +290,33 @@ impl Model {
             Some(drives) => Arc::new(ElementBehavior { drives, ..(*shared).clone() }),
             None => shared,
         };
+        let mut connector = Connector::new(&definition);
+        let mut triads = [0; 18];
+        for (bits, entry) in triads.iter_mut().zip([triad_a, triad_b].as_flattened().as_flattened()) {
+            *bits = entry.to_bits();
+        }
+        let [[a, b], [of_a, of_b]] = [definition.moves, definition.rotates];
+        let common = match common.entry((element.section, facts.planar, [a, b, of_a, of_b], triads)) {
+            Entry::Occupied(mut known) => {
+                let (common, last) = known.get_mut();
+                connector.share(last);
+                last.clone_from(&connector);
+                Arc::clone(common)
+            }
+            Entry::Vacant(place) => {
+                let initial = Pair { reference: [0.0; 3], ..definition.initial };
+                let common = Arc::new(Definition { initial, ..definition });
+                place.insert((Arc::clone(&common), connector.clone()));
+                common
+            }
+        };
         self.connectors.push(ConnectorElement {
             behavior,
             label,
             nodes: moving,
-            triads: [triad_a, triad_b],
             reference,
-            connector: Connector::new(&definition),
-            definition,
+            connector,
+            common,
         });
         Ok(())
     }
@@ -389,6 +413,27 @@ fn fingerprint(behavior: &crate::scene::Behavior) -> u64 {
 }
 
 impl ConnectorElement {
+    /// What defines it.
+    pub fn definition(&self) -> Definition {
+        Definition { initial: self.initial(), ..(*self.common).clone() }
+    }
+
+    /// Its initial state.
+    pub fn initial(&self) -> Pair<f64> {
+        Pair { reference: self.reference, ..self.common.initial }
+    }
+
+    /// The initial triads of a and b.
+    pub fn triads(&self) -> [&Matrix<f64>; 2] {
+        let Pair { a, b, .. } = &self.common.initial;
+        [&a.triad, &b.triad]
+    }
+
+    /// Whether it is two-dimensional.
+    pub fn is_planar(&self) -> bool {
+        self.common.planar
+    }
+
     /// Its nodes whose material flow enters it.
     fn flowing(&self) -> impl Iterator<Item = Label> + '_ {
         let active = self.connector.active();

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 /// Below this many items the threads cost more than they bring.
 const FEW: usize = 64;
 
-/// How many results are held at a time.
-const HELD: usize = 2048;
+/// How many results are held at a time: rendered second derivatives are a hundred kilobytes for each connector.
+const HELD: usize = 512;
 
 /// Works on each item, on the threads of rayon's current pool, and takes the results one after another in the order of the items: what is
 /// taken does not depend on the number of threads.

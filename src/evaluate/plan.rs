@@ -3,7 +3,7 @@
 use super::model::Model;
 use crate::connector::Request;
 use crate::scene::Label;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 /// The connectors of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,20 +43,23 @@ impl Plan {
     /// # Errors
     /// A name that is neither a connector's number nor an element set with connectors.
     pub fn compile(model: &Model, selection: &Selection, request: Request) -> Result<Self, SelectionError> {
+        let Selection::Named(names) = selection else { return Ok(Self::everything(model, request)) };
         let mut chosen = BTreeSet::new();
-        match selection {
-            Selection::All => chosen.extend(0..model.connectors.len()),
-            Selection::Named(names) => {
-                for name in names {
-                    chosen.extend(find(model, name)?);
-                }
-            }
+        let labels = model.connectors.iter().enumerate();
+        let labels = labels.map(|(index, connector)| (connector.label, index)).collect();
+        for name in names {
+            chosen.extend(find(model, &labels, name)?);
         }
-        let connectors: Vec<usize> = chosen.into_iter().collect();
-        let mpcs: Vec<usize> = match selection {
-            Selection::All => (0..model.mpcs.len()).collect(),
-            Selection::Named(_) => Vec::new(),
-        };
+        Ok(Self::of(model, chosen.into_iter().collect(), Vec::new(), request))
+    }
+
+    /// Compiles a request for every connector and multi-point constraint of a model.
+    pub fn everything(model: &Model, request: Request) -> Self {
+        Self::of(model, (0..model.connectors.len()).collect(), (0..model.mpcs.len()).collect(), request)
+    }
+
+    /// Of these connectors and multi-point constraints, by index.
+    fn of(model: &Model, connectors: Vec<usize>, mpcs: Vec<usize>, request: Request) -> Self {
         let mut nodes = BTreeSet::new();
         for index in &connectors {
             nodes.extend(model.connectors[*index].nodes.iter().flatten());
@@ -67,15 +70,15 @@ impl Plan {
         for index in &mpcs {
             nodes.extend(&model.mpcs[*index].nodes);
         }
-        Ok(Self { connectors, mpcs, nodes, request })
+        Self { connectors, mpcs, nodes, request }
     }
 }
 
-fn find(model: &Model, name: &str) -> Result<Vec<usize>, SelectionError> {
+fn find(model: &Model, labels: &HashMap<Label, usize>, name: &str) -> Result<Vec<usize>, SelectionError> {
     if let Ok(label) = name.trim().parse::<Label>()
-        && let Some(index) = model.connectors.iter().position(|connector| connector.label == label)
+        && let Some(index) = labels.get(&label)
     {
-        return Ok(vec![index]);
+        return Ok(vec![*index]);
     }
     let found = model.sets.iter().find(|(known, _)| known.eq_ignore_ascii_case(name.trim()));
     found.map(|(_, members)| members.clone()).ok_or_else(|| {

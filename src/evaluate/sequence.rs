@@ -122,7 +122,7 @@ impl Saved {
             connection: element.connector.connection().name.to_string(),
             nodes: element.nodes,
             reference: element.reference,
-            triads: element.triads,
+            triads: element.triads().map(|triad| *triad),
             branch,
             followed: all(),
             behavior: behavior.map(|history| (identity, history)),
@@ -812,7 +812,7 @@ impl Context<'_> {
 fn place(element: &ConnectorElement, ends: [&Moved; 2]) -> (State<f64>, Increment<f64>) {
     let node = |end: usize| Node {
         displacement: ends[end].displacement,
-        triad: product(&ends[end].rotation, &element.triads[end]),
+        triad: product(&ends[end].rotation, element.triads()[end]),
         flow: ends[end].flow,
     };
     let both = |of: fn(&Moved) -> &[f64; 7]| {

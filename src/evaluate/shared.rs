@@ -73,7 +73,9 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
 fn constraint(element: &ConnectorElement, k: usize) -> Option<Constraint> {
     let measure = element.connector.differentiated(k)?;
     let mut bits = [0; 18];
-    for (bits, entry) in bits.iter_mut().zip(element.triads.as_flattened().as_flattened()) {
+    for (bits, entry) in
+        bits.iter_mut().zip(element.triads().into_iter().flat_map(|triad| triad.as_flattened()))
+    {
         // −0 and 0 are the same direction cosine.
         *bits = (entry + 0.0).to_bits();
     }

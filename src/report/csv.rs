@@ -7,7 +7,7 @@
 //! zero: of the force on `dof_1` by `dof_2`, which for KR names a reaction.
 //! `flags` names what needs care, on the lines of the component. Numbers read back to the same double.
 
-use super::block::{Block, Derivative, Kind, NodalDerivative, Value, node_name, slopes};
+use super::block::{self, Block, Derivative, Kind, NodalDerivative, Value, node_name, slopes};
 use super::evaluation::{Format, Renderer, Subject};
 use super::words;
 use crate::connector::{Flag, Output, Tally};
@@ -30,11 +30,16 @@ struct Context {
     time: String,
 }
 
-/// Lines of the table.
+/// Lines of the table. What many lines begin with is written once and copied.
 struct Lines<'c> {
-    writer: csv::Writer<Vec<u8>>,
+    text: Vec<u8>,
     context: &'c Context,
+    /// The cells of degrees of freedom when there are none.
+    no_dofs: &'static str,
 }
+
+/// A degree of freedom and its node, as two cells.
+type Column = Vec<u8>;
 
 impl<'w> Csv<'w> {
     /// A table on a stream, with columns for `outputs` and, from order 1 on or with nodal outputs, for degrees of freedom and
@@ -46,79 +51,84 @@ impl<'w> Csv<'w> {
     }
 }
 
-impl Context {
-    /// The text of lines.
-    fn text(&self, write: impl FnOnce(&mut Lines<'_>) -> io::Result<()>) -> io::Result<Vec<u8>> {
-        let mut lines = Lines { writer: csv::Writer::from_writer(Vec::new()), context: self };
-        write(&mut lines)?;
-        lines.writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
-    }
+/// Cells as the table has them, quoted where they must be, without the end of their line.
+fn cells<'c>(cells: impl IntoIterator<Item = &'c str>) -> io::Result<Vec<u8>> {
+    let mut writer = csv::WriterBuilder::new().buffer_capacity(256).from_writer(Vec::new());
+    writer.write_record(cells).map_err(|error| match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
+    })?;
+    let mut text = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+    text.pop_if(|end| *end == b'\n');
+    Ok(text)
 }
 
 impl Lines<'_> {
-    fn line<'c>(&mut self, cells: impl IntoIterator<Item = &'c str>) -> io::Result<()> {
-        let write = || {
-            cells.into_iter().try_for_each(|cell| self.writer.write_field(cell))?;
-            self.writer.write_record(None::<&[u8]>)
-        };
-        write().map_err(|error| match error.into_kind() {
-            csv::ErrorKind::Io(error) => error,
-            other => io::Error::other(format!("{other:?}")),
-        })
+    fn put(&mut self, text: &[u8]) {
+        self.text.extend_from_slice(text);
+    }
+
+    /// A cell that is not the first of its line: the shortest decimal that reads back to the same double.
+    fn number(&mut self, value: f64) -> io::Result<()> {
+        write!(self.text, ",{value:?}")
     }
 
     /// The rows of first and second derivatives of one component; entries that are 0 are left out.
-    fn derivatives(
-        &mut self,
-        block: &Block<'_>,
-        row: &Derivative,
-        columns: &[[String; 2]],
-    ) -> io::Result<()> {
-        let start = self.start(block, row.component, "", "");
-        let without_outputs = vec![""; self.context.outputs.len()];
-        let none = [const { String::new() }; 2];
-        let mut entry = |value: f64, columns: [&[String; 2]; 2]| {
+    fn derivatives(&mut self, block: &Block<'_>, row: &Derivative, columns: &[Column]) -> io::Result<()> {
+        let mut start = self.start(block, row.component, "", "")?;
+        start.resize(start.len() + self.context.outputs.len(), b',');
+        let mut entry = |value: f64, first: &Column, second: &[u8]| {
             if value == 0.0 {
                 return Ok(());
             }
-            let value = exact(value);
-            let derivative = columns.into_iter().flatten().chain([&value]);
-            let start = start.iter().map(String::as_str).chain(without_outputs.iter().copied());
-            self.line(start.chain(derivative.map(String::as_str)))
+            for cells in [&start, b",".as_slice(), first, b",", second] {
+                self.put(cells);
+            }
+            self.number(value)?;
+            self.text.push(b'\n');
+            Ok::<(), io::Error>(())
         };
         for (value, column) in row.gradient.iter().zip(columns) {
-            entry(*value, [column, &none])?;
+            entry(*value, column, b",")?;
         }
         for (line, first) in row.hessian.iter().flatten().zip(columns) {
             for (value, second) in line.iter().zip(columns) {
-                entry(*value, [first, second])?;
+                entry(*value, first, second)?;
             }
         }
         Ok(())
     }
 
     /// Nodal forces, and the entries of their derivatives that are not 0.
-    fn nodal(&mut self, block: &Block<'_>, columns: &[[String; 2]]) -> io::Result<()> {
-        let start = self.start(block, "", "", "");
-        let outputs = &self.context.outputs;
-        let none = [const { String::new() }; 2];
-        let mut entry = |of: Output, value: f64, [first, second]: [&[String; 2]; 2]| {
-            let value = exact(value);
-            let cells = outputs.iter().map(|output| if *output == of { value.as_str() } else { "" });
-            let dofs = first.iter().chain(second).map(String::as_str).chain([""]);
-            self.line(start.iter().map(String::as_str).chain(cells).chain(dofs))
+    fn nodal(&mut self, block: &Block<'_>, columns: &[Column]) -> io::Result<()> {
+        if block.nodal.forces.is_empty() && block.nodal.derivatives.is_empty() {
+            return Ok(());
+        }
+        let start = self.start(block, "", "", "")?;
+        let outputs = self.context.outputs.clone();
+        let mut entry = |of: Output, value: f64, first: &Column, second: &[u8]| {
+            self.put(&start);
+            for output in &outputs {
+                match *output == of {
+                    true => self.number(value)?,
+                    false => self.put(b","),
+                }
+            }
+            for cells in [b",".as_slice(), first, b",", second, b",\n"] {
+                self.put(cells);
+            }
+            Ok::<(), io::Error>(())
         };
         for force in &block.nodal.forces {
-            let column = [force.name.to_string(), node_name(force.node)];
-            entry(Output::NF, force.force, [&column, &none])?;
+            entry(Output::NF, force.force, &cells([force.name, &node_name(force.node)])?, b",")?;
         }
         for NodalDerivative { output, by, rows } in &block.nodal.derivatives {
-            let named: Vec<[String; 2]> =
-                by.iter().flatten().map(|name| [(*name).to_string(), String::new()]).collect();
+            let named: Vec<Column> =
+                by.iter().flatten().map(|name| cells([*name, ""])).collect::<io::Result<_>>()?;
             let by = if by.is_some() { &named } else { columns };
             for (line, first) in rows.iter().zip(columns) {
                 for (value, second) in line.iter().zip(by).filter(|(value, _)| **value != 0.0) {
-                    entry(*output, *value, [first, second])?;
+                    entry(*output, *value, first, second)?;
                 }
             }
         }
@@ -126,7 +136,7 @@ impl Lines<'_> {
     }
 
     /// The cells before the outputs.
-    fn start(&self, block: &Block<'_>, component: &str, role: &str, unit: &str) -> [String; 11] {
+    fn start(&self, block: &Block<'_>, component: &str, role: &str, unit: &str) -> io::Result<Vec<u8>> {
         let kind = match block.kind {
             Kind::Connector => "connector",
             Kind::Mpc => "mpc",
@@ -134,8 +144,8 @@ impl Lines<'_> {
         let nodes: Vec<String> = block.nodes.iter().map(|(_, node)| node_name(*node)).collect();
         let flags: Vec<&str> =
             block.flags.iter().filter(|flag| flag.component() == component).map(Flag::name).collect();
-        [
-            &self.context.scene,
+        cells([
+            self.context.scene.as_str(),
             &self.context.state,
             &self.context.time,
             kind,
@@ -146,44 +156,38 @@ impl Lines<'_> {
             role,
             unit,
             &flags.join(" "),
-        ]
-        .map(ToString::to_string)
+        ])
     }
 
     /// A connector or MPC.
     fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
         for row in &block.rows {
-            let mut cells = self.start(block, row.name, row.role, words::unit(row.unit)).to_vec();
+            let start = self.start(block, row.name, row.role, words::unit(row.unit))?;
+            self.put(&start);
             for output in &self.context.outputs {
-                cells.push(match row.values[*output as usize] {
-                    None => String::new(),
-                    Some(Value::Stop(status)) => status.flag().to_string(),
-                    Some(Value::Slip(status)) => words::slip(status).to_string(),
-                    Some(value) => exact(value.number()),
-                });
+                match row.values[*output as usize] {
+                    None => self.put(b","),
+                    Some(Value::Stop(status)) => write!(self.text, ",{}", status.flag())?,
+                    Some(Value::Slip(status)) => write!(self.text, ",{}", words::slip(status))?,
+                    Some(value) => self.number(value.number())?,
+                }
             }
-            if self.context.has_dofs {
-                cells.extend([const { String::new() }; 5]);
-            }
-            self.line(cells.iter().map(String::as_str))?;
+            self.put(self.no_dofs.as_bytes());
+            self.text.push(b'\n');
         }
         for (force, motion, slope) in block.tangent.iter().flat_map(slopes) {
-            let mut cells = self.start(block, force, "", "").to_vec();
-            cells.extend(self.context.outputs.iter().map(|_| String::new()));
-            cells.extend([motion, "", "", ""].map(String::from));
-            cells.push(exact(slope));
-            self.line(cells.iter().map(String::as_str))?;
+            let mut start = self.start(block, force, "", "")?;
+            start.resize(start.len() + self.context.outputs.len(), b',');
+            self.put(&start);
+            write!(self.text, ",{motion},,,")?;
+            self.number(slope)?;
+            self.text.push(b'\n');
         }
-        let columns: Vec<[String; 2]> =
-            block.columns.iter().map(|column| [column.name.to_string(), column.node.to_string()]).collect();
+        let column = |column: &block::Column| cells([column.name, &column.node.to_string()]);
+        let columns: Vec<Column> = block.columns.iter().map(column).collect::<io::Result<_>>()?;
         self.nodal(block, &columns)?;
         block.derivatives.iter().try_for_each(|row| self.derivatives(block, row, &columns))
     }
-}
-
-/// The shortest decimal that reads back to the same double.
-fn exact(value: f64) -> String {
-    format!("{value:?}")
 }
 
 impl Format for Csv<'_> {
@@ -205,8 +209,8 @@ impl Format for Csv<'_> {
         if self.context.has_dofs {
             heading.extend(["dof_1", "node_1", "dof_2", "node_2", "derivative"]);
         }
-        let text = self.context.text(|lines| lines.line(heading))?;
-        self.out.write_all(&text)
+        self.out.write_all(&cells(heading)?)?;
+        self.out.write_all(b"\n")
     }
 
     fn scene(&mut self, subject: &Subject<'_>) -> io::Result<()> {
@@ -217,13 +221,18 @@ impl Format for Csv<'_> {
     fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
         let context = Arc::make_mut(&mut self.context);
         context.state = index.to_string();
-        context.time = time.map(exact).unwrap_or_default();
+        context.time = time.map(|time| format!("{time:?}")).unwrap_or_default();
         Ok(())
     }
 
     fn renderer(&self) -> Renderer {
         let context = Arc::clone(&self.context);
-        Box::new(move |block| context.text(|lines| lines.block(block)))
+        Box::new(move |block| {
+            let no_dofs = if context.has_dofs { ",,,,," } else { "" };
+            let mut lines = Lines { text: Vec::new(), context: &context, no_dofs };
+            lines.block(block)?;
+            Ok(lines.text)
+        })
     }
 
     fn rendered(&mut self, _kind: Kind, text: &[u8]) -> io::Result<()> {

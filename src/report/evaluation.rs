@@ -4,6 +4,7 @@ use super::block::{Block, Kind};
 use crate::behavior::drive::takes_time;
 use crate::connector::Tally;
 use crate::evaluate::{Model, Plan, SUBOPTIONS};
+use crate::grammar;
 use crate::scene::{
     Behavior, Boundary, DampingKind, Label, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions,
     Target,
@@ -90,7 +91,7 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     let mut found = Vec::new();
     let mut add = |count: u64, [one, several]: [&'static str; 2], details: Vec<String>| {
         if count > 0 {
-            let what = if count == 1 { one } else { several };
+            let what = grammar::agree(count, [one, several]);
             found.push(Unevaluated { count, what, names: Vec::new(), details });
         }
     };
@@ -200,13 +201,13 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
             continue;
         }
         let details = items.iter().map(|(name, item)| {
-            let lines = if item.data_lines == 1 { "line" } else { "lines" };
             let SkippedItem { count, data_lines, first_line, .. } = item;
-            format!("{mark}{name}: {count}, {data_lines} data {lines}, first at line {first_line}")
+            let lines = grammar::count(*data_lines, "data line");
+            format!("{mark}{name}: {count}, {lines}, first at line {first_line}")
         });
         let names = items.iter().map(|(name, item)| format!("{}{mark}{name}", times(item.count)));
         let names = if items.len() <= FEW { names.collect() } else { Vec::new() };
-        let what = if count == 1 { one } else { several };
+        let what = grammar::agree(count, [one, several]);
         found.push(Unevaluated { count, what, names, details: details.collect() });
     }
     found

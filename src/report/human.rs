@@ -9,6 +9,7 @@ use super::number::{Aligned, number};
 use super::words;
 use crate::connector::{Output, Tally};
 use crate::evaluate::HingeMoments;
+use crate::grammar::count;
 use crate::measure::Unit;
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
@@ -435,10 +436,6 @@ impl Human<'_> {
     }
 }
 
-fn plural(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
-}
-
 impl Format for Human<'_> {
     fn begin(&mut self) -> io::Result<()> {
         Ok(())
@@ -458,11 +455,11 @@ impl Format for Human<'_> {
             }
         }
         let plan = subject.plan;
-        let mut counts = vec![plural(plan.connectors.len(), "connector")];
+        let mut counts = vec![count(plan.connectors.len(), "connector")];
         if !plan.mpcs.is_empty() {
-            counts.push(plural(plan.mpcs.len(), "MPC"));
+            counts.push(count(plan.mpcs.len(), "MPC"));
         }
-        counts.push(plural(subject.states, "state") + &shown(subject));
+        counts.push(count(subject.states, "state") + &shown(subject));
         let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
         for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
             writeln!(self.out, "  {line}")?;

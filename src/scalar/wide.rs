@@ -64,6 +64,7 @@ static LOG: LazyLock<[Wide; LOG_TERMS]> = LazyLock::new(|| {
 
 impl Wide {
     /// The double x, exactly.
+    #[inline]
     pub fn from_f64(x: f64) -> Self {
         Self(f256::from(x))
     }
@@ -102,6 +103,7 @@ impl Wide {
     }
 
     /// |x|.
+    #[inline]
     pub fn abs(self) -> Self {
         Self(self.0.abs())
     }
@@ -138,28 +140,34 @@ impl Scalar for Wide {
     type Real = Self;
     const ORDER: usize = 0;
 
+    #[inline]
     fn from_real(value: Self) -> Self {
         value
     }
 
+    #[inline]
     fn real(self) -> Self {
         self
     }
 
+    #[inline]
     fn nilpotent(self) -> Self {
         Self(f256::ZERO)
     }
 
+    #[inline]
     fn scale(self, factor: Self) -> Self {
         self * factor
     }
 }
 
 impl Real for Wide {
+    #[inline]
     fn integer(n: i32) -> Self {
         Self(f256::from(n))
     }
 
+    #[inline]
     fn from_f64(x: f64) -> Self {
         Self::from_f64(x)
     }
@@ -180,6 +188,7 @@ impl Real for Wide {
         Self(self.0.sqrt())
     }
 
+    #[inline]
     fn magnitude(self) -> Self {
         self.abs()
     }
@@ -202,10 +211,12 @@ impl Real for Wide {
 
     type Mask = bool;
 
+    #[inline]
     fn less(self, other: Self) -> bool {
         self < other
     }
 
+    #[inline]
     fn holds(mask: bool) -> bool {
         mask
     }
@@ -245,7 +256,9 @@ impl Real for Wide {
         // Below the least normal double the value is the first term, and f256's fused multiply-add fails on its own least ones.
         let (closed, recurrent) = (s > f64::MIN_POSITIVE, s >= EXP_LIMIT);
         let (mut w, mut k) = if !recurrent && (order > 0 || !closed) {
-            (taylor(&EXP[0], s, order), taylor(&EXP[1], s, order))
+            let terms = exp_terms(s) + order;
+            let of = |series: &[Self; EXP_TERMS]| taylor(series.get(..terms).unwrap_or(series), s, order);
+            (of(&EXP[0]), of(&EXP[1]))
         } else {
             ([Scalar::zero(); MAX_ORDER + 1], [Scalar::zero(); MAX_ORDER + 1])
         };
@@ -273,7 +286,8 @@ impl Real for Wide {
         let one = <Self as Scalar>::one();
         // In neither branch do terms of different sign meet.
         if c > 0.0 {
-            let mut k = taylor(&*LOG, (one - c) / 2.0, order);
+            let y = (one - c) / 2.0;
+            let mut k = taylor(LOG.get(..log_terms(y) + order).unwrap_or(&*LOG), y, order);
             let mut power = one; // dy/dc = −1/2
             for coefficient in &mut k {
                 *coefficient *= power;
@@ -293,6 +307,25 @@ impl Real for Wide {
         }
         k
     }
+}
+
+/// The least n, and one more, with |x|ⁿ 2⁻ᵉⁿ below 2⁻³⁰⁰, for |x| < 1 and e = `extra`.
+fn factors(x: Wide, extra: f64) -> usize {
+    const BITS: f64 = 300.0;
+    let bits = -x.to_f64().abs().log2();
+    // None of 0, whose logarithm is infinite.
+    (BITS / (bits + extra)).ceil() as usize + 1
+}
+
+/// Terms of the power series of K that count at y < 1/2: n of them leave out less than 2⁻³⁰⁰ times a binomial coefficient.
+fn log_terms(y: Wide) -> usize {
+    factors(y, 0.0)
+}
+
+/// Terms of the power series of w and k that count at s: from (s/4)ᵐ alone where s < 1, and (2m)! makes it 30 at most.
+fn exp_terms(s: Wide) -> usize {
+    const AT_ONE: usize = 30;
+    if s.abs() < 1.0 { factors(s, 2.0).min(AT_ONE) } else { EXP_TERMS }
 }
 
 /// The Taylor coefficients at x, to the order asked for, of the polynomial Σ a_m xᵐ (Horner's scheme, repeated).
@@ -365,6 +398,7 @@ macro_rules! operators {
         impl $operator for Wide {
             type Output = Self;
 
+            #[inline]
             fn $method(self, other: Self) -> Self {
                 Self(self.0.$method(other.0))
             }
@@ -373,6 +407,7 @@ macro_rules! operators {
         impl $operator<&Self> for Wide {
             type Output = Self;
 
+            #[inline]
             fn $method(self, other: &Self) -> Self {
                 self.$method(*other)
             }
@@ -381,18 +416,21 @@ macro_rules! operators {
         impl $operator<f64> for Wide {
             type Output = Self;
 
+            #[inline]
             fn $method(self, other: f64) -> Self {
                 self.$method(Self::from_f64(other))
             }
         }
 
         impl $assign for Wide {
+            #[inline]
             fn $assign_method(&mut self, other: Self) {
                 *self = self.$method(other);
             }
         }
 
         impl $assign<f64> for Wide {
+            #[inline]
             fn $assign_method(&mut self, other: f64) {
                 *self = self.$method(other);
             }
@@ -411,6 +449,7 @@ operators!(
 impl Neg for Wide {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
         Self(-self.0)
     }

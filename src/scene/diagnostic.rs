@@ -25,7 +25,7 @@ pub enum Severity {
 macro_rules! codes {
     ($($variant:ident = $text:literal: $explanation:literal;)+) => {
         /// The stable codes of diagnostics. They never change their meaning.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Code {
             $(#[doc = concat!("`", $text, "`: ", $explanation)] $variant,)+
         }
@@ -203,21 +203,27 @@ codes! {
     DiagnosisRotationAsLocal = "diagnosis::rotation-as-local": "The rotation columns of a node are the expected ones in its own triad, Aᵀ g instead of g: the derivatives are by rotations about the axes of the node, where spatial ones, about the global axes, are expected. A warning.";
     DiagnosisRotationTurnedTwice = "diagnosis::rotation-turned-twice": "The rotation columns of a node are the expected ones multiplied by its triad, A g instead of g: what is spatial already was taken for local and turned once more. A warning.";
     DiagnosisBlockTransposed = "diagnosis::block-transposed": "A 3 × 3 block of the matrix, or a matrix of second derivatives, is transposed: rows were written where columns belong. A warning.";
-    DiagnosisNodesSwapped = "diagnosis::nodes-swapped": "The columns of nodes a and b are exchanged. A warning.";
-    DiagnosisComponentsSwapped = "diagnosis::components-swapped": "Two components have each other's numbers. A warning.";
+    DiagnosisNodesSwapped = "diagnosis::nodes-swapped": "The columns of the two nodes are exchanged. A warning.";
+    DiagnosisComponentsSwapped = "diagnosis::components-swapped": "Two components, or two equations of a constraint, have each other's numbers. A warning.";
     DiagnosisColumnsSwapped = "diagnosis::columns-swapped": "Two neighbouring columns have each other's numbers. A warning.";
     DiagnosisDegrees = "diagnosis::degrees": "Angles are in degrees where radians are expected, or the other way round. A warning.";
     DiagnosisRotationHalved = "diagnosis::rotation-halved": "The rotation columns of a node, or all second derivatives by rotations, are half of what is expected, as from a half angle or half a skew-symmetric part. A warning.";
     DiagnosisRotationDoubled = "diagnosis::rotation-doubled": "The rotation columns of a node are twice what is expected, as from a quaternion taken for a rotation vector. A warning.";
-    DiagnosisSign = "diagnosis::sign": "A component has the opposite sign throughout: another convention, a minus b for b minus a. A warning.";
-    DiagnosisSignOfA = "diagnosis::sign-of-a": "The columns of node a have the sign of those of node b. A warning.";
+    DiagnosisSign = "diagnosis::sign": "A component, equation or part has the opposite sign throughout: another convention, a minus b for b minus a. A warning.";
+    DiagnosisSignOfA = "diagnosis::sign-of-a": "The columns of the first node, a of a connector or S of a multi-point constraint, have the sign of those of the second. A warning.";
     DiagnosisGeometricTerm = "diagnosis::geometric-term-missing": "The lever is missing: g × d in the rotation columns of node a, which turns the directions in which the separation is measured; of second derivatives, the second variation of the map from the nodes. A warning.";
     DiagnosisLeverReversed = "diagnosis::geometric-term-reversed": "The lever g × d in the rotation columns of node a has the wrong sign: d × g. A warning.";
     DiagnosisNotSymmetrised = "diagnosis::not-symmetrised": "The second derivatives by rotations of one node are derivatives of the row, not symmetric, without the half bracket that makes them those of the function. A warning.";
     DiagnosisHalfTurn = "diagnosis::half-turn": "An angle is half a turn off: nπ of the wrong parity. A warning.";
     DiagnosisTurnsForgotten = "diagnosis::turns-forgotten": "The whole turns that an angle had made before are forgotten. A warning.";
-    DiagnosisRatesOfA = "diagnosis::rates-of-a-ignored": "The velocities or accelerations of node a do not count. A warning.";
+    DiagnosisRatesOfA = "diagnosis::rates-of-a-ignored": "The velocities or accelerations of the first node, a of a connector or S of a multi-point constraint, do not count. A warning.";
     DiagnosisQuadraticPart = "diagnosis::quadratic-part-missing": "An acceleration lacks the part that is quadratic in the rates, J̇ q̇. A warning.";
+    DiagnosisNumberLeftOut = "diagnosis::number-left-out": "A friction criterion lacks the number of a factor, such as 1/L where β = 2/L presses. A warning.";
+    DiagnosisMultiplied = "diagnosis::multiplied": "A friction criterion multiplies by a radius or length that must divide, such as m · R for m/R. A warning.";
+    DiagnosisStickForSlip = "diagnosis::stick-for-slip": "The tangent of a friction is that of stick where it slips, or of slip where it sticks. A warning.";
+    DiagnosisContactForceHeld = "diagnosis::contact-force-held": "The tangent of a friction lacks the derivatives by the forces that press: the contact force was held. A warning.";
+    DiagnosisElasticForViscous = "diagnosis::elastic-for-viscous": "The slopes of a behaviour by displacements and by velocities have each other's numbers. A warning.";
+    DiagnosisSecant = "diagnosis::secant": "A slope is force / displacement, or force / velocity, of a law that is not proportional: the secant instead of the tangent. A warning.";
     DiagnosisDropped = "diagnosis::dropped": "Entries that are not zero are missing. A warning.";
     DiagnosisSignOfEntry = "diagnosis::sign-of-entry": "Single entries have the wrong sign. A warning.";
     DiagnosisSpurious = "diagnosis::spurious": "An entry that must be zero is not. A warning.";
@@ -247,6 +253,8 @@ codes! {
     AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts on what the constraints or other prescribed motions determine already. A warning.";
     AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents and no prescribed motion drives. A note.";
     AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant. A warning.";
+    AssemblyNearSingular = "assembly::near-singular": "The digits of a state do not tell whether it is a singular position (a change point, say), or close to one: the constraints nearly depend on each other there, and at other states they do not. A warning.";
+    AssemblyNotAssembled = "assembly::not-assembled": "The Jacobian of the constraints could not be assembled at a state, so that the assembly is not judged from there on: a mistake of this program. A warning.";
 
     CoverageIdentity = "coverage::identity": "The states saw only the neighbourhood of the initial one: an error in terms that vanish there would not show. A warning.";
     CoverageOneNode = "coverage::one-node": "In no state were both nodes of a connector rotated: terms in which the rotations of both meet were never exercised. A note.";

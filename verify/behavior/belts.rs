@@ -202,7 +202,7 @@ fn the_angle_of_wrap_is_that_of_the_solver() {
     text.solver = Some(pintle::scene::Solver::Explicit);
     text.nodes.get_mut(&Label::of(None, 30)).unwrap().coordinates = [0.0, 2.0, 0.0];
     let model = Model::compile(&text).unwrap();
-    let results = walk(&model, &["CSF", "TANGENT", "KT"], &[state(0.0, 0.0, [0.01, 0.0])]);
+    let results = walk(&model, &["CSF", "TANGENT", "KT"], &[state(0.0, 0.0, [0.0, 0.01])]);
     let first = of(&model, &results[0], FIRST);
     assert_eq!(first.behavior.as_ref().unwrap().slips[0].beyond.unwrap().wrap, Wrap::Kink);
     assert_eq!(first.tangent.as_ref().unwrap().unknown[1], Some(Unknown::WrapAngle));

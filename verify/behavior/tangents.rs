@@ -179,7 +179,7 @@ impl Truth<'_> {
             let turn = |phi: Vector<Wide>| so3::matrix(so3::exp(phi));
             let first = 7 * end;
             let small = turn([at(first + 3), at(first + 4), at(first + 5)]);
-            let initial: Matrix<Wide> = vector::exact_matrix(&self.element.triads[end]);
+            let initial: Matrix<Wide> = vector::exact_matrix(self.element.triads()[end]);
             let displacement: Vector<Wide> = vector::exact(motion.displacement);
             Node {
                 displacement: [0, 1, 2].map(|i: usize| displacement[i] + at(first + i)),
@@ -309,7 +309,7 @@ fn each(mut judge: impl FnMut(&str, &Truth<'_>)) {
                 });
                 let truth = Truth {
                     element,
-                    connector: Connector::new(&element.definition),
+                    connector: Connector::new(&element.definition()),
                     result: &result,
                     motions: [motion(0, 1, amount), motion(1, 1, amount)],
                     before: before.evaluation.displacement,

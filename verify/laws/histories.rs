@@ -13,7 +13,7 @@ use pintle::node::{DOFS, Pair};
 use pintle::scalar::{Real, Scalar, Wide};
 use pintle::so3;
 use pintle::vector::{Vector, apply, apply_transposed, column, identity, product, scale, transpose};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 fn entry(name: &str) -> &'static ConnectionType {
     TABLE.iter().find(|entry| entry.name == name).expect(name)
@@ -150,6 +150,38 @@ fn cardan_angles_wind() {
                 want,
                 scale,
             );
+        }
+    }
+    check.finish();
+}
+
+/// At the locks of CARDAN and EULER, exactly, of Q only the sum or the difference of first and third angle is left: the first is
+/// held where the path left it, and the third takes what is known of the two.
+#[test]
+fn at_an_exact_lock_the_first_angle_is_held() {
+    let mut check = Check::of("angles along paths");
+    let (first, known) = (0.7_f64, 1.1_f64);
+    let (sin, cos) = known.sin_cos();
+    // γ + α, γ − α of CARDAN; α + γ, α − γ of EULER.
+    let cases = [
+        ("CARDAN", FRAC_PI_2, [[0.0, 0.0, 1.0], [sin, cos, 0.0], [-cos, sin, 0.0]], known - first),
+        ("CARDAN", -FRAC_PI_2, [[0.0, 0.0, -1.0], [sin, cos, 0.0], [cos, -sin, 0.0]], known + first),
+        ("EULER", 0.0, about_3(known), known - first),
+        ("EULER", PI, [[cos, sin, 0.0], [sin, -cos, 0.0], [0.0, 0.0, -1.0]], first - known),
+    ];
+    for (name, lock, exact, third) in cases {
+        let before = |beta: f64, third: f64| match name {
+            "CARDAN" => product(&product(&about_1(first), &turn([0.0, beta, 0.0])), &about_3(third)),
+            _ => product(&product(&about_3(first), &about_1(beta)), &about_3(third)),
+        };
+        let near = if lock > 0.0 { lock - 0.1 } else { lock + 0.1 };
+        let start = pair([1.0, 0.0, 0.0], identity(), &before(near, third - 0.2));
+        let definition = definition(entry(name), start, 1.0);
+        let mut walk = Walk::new(&definition);
+        let got = walk.told_nothing(posed(&definition.initial, &exact)).position;
+        for (c, want) in [(3, first), (4, lock), (5, third)] {
+            let place = || format!("{name} at β = {lock}, component {}", c + 1);
+            check.against(place, got[c].unwrap(), want, 4.0);
         }
     }
     check.finish();

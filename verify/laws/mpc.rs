@@ -3,6 +3,7 @@
 
 use super::{Check, U};
 use crate::states::{Draw, turn};
+use pintle::audit::mpc::{exact, moved};
 use pintle::catalog::ConnectionType;
 use pintle::connector::{Connector, Definition, Increment, NodalRow, Output, Request, Tally, Turns};
 use pintle::measure::Measure;
@@ -49,36 +50,6 @@ impl Case {
             let turns = (THETA_S..PSI_S).contains(&j) || (THETA_M..PSI_M).contains(&j) || j >= PHI;
             if turns { 1.0 } else { self.length }
         })
-    }
-}
-
-pub(crate) fn exact(state: &State<f64>) -> State<Wide> {
-    let body = |body: &Body<f64>| Body {
-        displacement: vector::exact(body.displacement),
-        rotation: vector::exact_matrix(&body.rotation),
-        flow: Wide::from_f64(body.flow),
-    };
-    State {
-        slave: body(&state.slave),
-        master: body(&state.master),
-        angles: state.angles.map(|angle| angle.map(Wide::from_f64)),
-        velocity: state.velocity.map(Wide::from_f64),
-        acceleration: state.acceleration.map(Wide::from_f64),
-    }
-}
-
-/// The state moved by finite amounts: rotations by exp(θ^) on the left.
-pub(crate) fn moved<R: Differentiable>(state: &State<R>, by: &Dofs<R>) -> State<R> {
-    let body = |body: &Body<R>, at: usize| Body {
-        displacement: add(body.displacement, [by[at], by[at + 1], by[at + 2]]),
-        rotation: product(&turn([by[at + 3], by[at + 4], by[at + 5]]), &body.rotation),
-        flow: body.flow + by[at + 6],
-    };
-    State {
-        slave: body(&state.slave, XS),
-        master: body(&state.master, XM),
-        angles: [0, 1].map(|i| state.angles[i].map(|angle| angle + by[PHI + i])),
-        ..*state
     }
 }
 

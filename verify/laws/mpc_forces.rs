@@ -2,8 +2,9 @@
 //! leaves is the second derivative of the energy of what is left.
 
 use super::Check;
-use super::mpc::{Case, Truth, cases, following, moved};
+use super::mpc::{Case, Truth, cases, following};
 use crate::states::Draw;
+use pintle::audit::mpc::moved;
 use pintle::connector::{Output, Request};
 use pintle::mpc::{
     Constraint, DOFS, Dofs, FLOW, Kind, PHI, PSI_M, PSI_S, RHO, ROWS, Rows, State, THETA_M, THETA_S, XM, XS,

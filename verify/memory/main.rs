@@ -10,14 +10,20 @@ use peak_alloc::PeakAlloc;
 use pintle::connector::{Output, Request};
 use pintle::evaluate::{Item, Model, Plan, Selection, Sequence};
 use pintle::report::{Block, Format, Subject, csv::Csv, json::Json};
-use pintle::scene::{Diagnostic, NodeMotion, Rotation, Scene, State, StateStream};
+use pintle::scene::{
+    Diagnostic, ForceSign, ForceStream, NodeMotion, Rotation, Scene, State, StateMark, StateStream,
+};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+/// One test at a time: the counter of memory is that of all.
+static ALONE: Mutex<()> = Mutex::new(());
 
 const CONNECTORS: usize = 120;
 const FEW: u64 = 10;
@@ -93,6 +99,7 @@ fn peak(path: &Path, scene: &Scene, plan: (&Model, &Plan), is_json: bool) -> (u6
 /// Twelve times the states take no more memory, though a file of them is many times as large as what is taken.
 #[test]
 fn memory_does_not_grow_with_states() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let deck = chain::deck(CONNECTORS, &chain::types(), "");
     let scene = Scene::parse("chain.inp", &deck).unwrap();
     let model = Model::compile(&scene).unwrap();
@@ -111,5 +118,55 @@ fn memory_does_not_grow_with_states() {
         );
         assert!(held < 1.2, "{of_few} bytes for {FEW} states, {of_many} for {MANY}");
         assert!((of_many as u64) < bytes / 2, "{of_many} bytes for a file of {bytes}");
+    }
+}
+
+/// Forces of a file are held for one state, too.
+#[test]
+fn memory_does_not_grow_with_forces() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let deck = chain::deck(CONNECTORS, &chain::types(), "");
+    let scene = Scene::parse("chain.inp", &deck).unwrap();
+    let path = |states: u64, is_json: bool| {
+        let ending = if is_json { "json" } else { "csv" };
+        Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("memory-forces-{states}.{ending}"))
+    };
+    let write = |states: u64, is_json: bool| {
+        let mut out = BufWriter::new(File::create(path(states, is_json)).unwrap());
+        let elements = || scene.connectors.keys();
+        if is_json {
+            let forces: Vec<String> =
+                elements().map(|label| format!("\"{label}\": {{\"f1\": 0.125}}")).collect();
+            let of = |state: u64| format!("{{\"state\": {state}, \"forces\": {{{}}}}}", forces.join(", "));
+            let all: Vec<String> = (0..states).map(of).collect();
+            write!(out, "{{\"schema\": \"pintle-forces/1\", \"states\": [{}]}}", all.join(", ")).unwrap();
+        } else {
+            writeln!(out, "state,element,f1").unwrap();
+            for state in 0..states {
+                elements().for_each(|label| writeln!(out, "{state},{label},0.125").unwrap());
+            }
+        }
+        out.flush().unwrap();
+    };
+    let peak = |states: u64, is_json: bool| {
+        let marks = vec![StateMark::default(); states as usize];
+        ALLOCATOR.reset_peak_usage();
+        let before = ALLOCATOR.current_usage();
+        let mut read = 0;
+        let stream = ForceStream::open(path(states, is_json), ForceSign::Internal).unwrap();
+        let all = stream.for_each(&scene, &marks, 0, |place, forces| -> Result<(), Diagnostic> {
+            assert_eq!((place as u64, forces.elements.len()), (read, CONNECTORS));
+            read += 1;
+            Ok(())
+        });
+        all.unwrap();
+        assert_eq!(read, states);
+        ALLOCATOR.peak_usage() - before
+    };
+    for is_json in [false, true] {
+        [FEW, MANY].into_iter().for_each(|states| write(states, is_json));
+        peak(FEW, is_json);
+        let [few, many] = [FEW, MANY].map(|states| peak(states, is_json));
+        assert!((many as f64) < 1.2 * few as f64, "{few} bytes for {FEW} states, {many} for {MANY}");
     }
 }

@@ -2,6 +2,7 @@
 
 use num_dual::{Dual2, Dual2_64};
 use pintle::scalar::{Scalar, Wide, elementary};
+use pintle::{so3, vector};
 
 type Jet = Dual2<Dual2_64>;
 
@@ -17,10 +18,19 @@ fn derivatives(f: Jet) -> [f64; 5] {
 
 #[track_caller]
 fn agree(name: &str, x: f64, found: [f64; 5], expected: [f64; 5]) {
+    agree_to(name, x, found, expected, [32.0; 5]);
+}
+
+/// To so many roundings of each number, or of 1 where that is larger.
+#[track_caller]
+fn agree_to(name: &str, x: f64, found: [f64; 5], expected: [f64; 5], roundings: [f64; 5]) {
     for order in 0..5 {
         let (found, expected) = (found[order], expected[order]);
         let error = (found - expected).abs() / expected.abs().max(1.0);
-        assert!(error < 32.0 * super::U, "{name} at {x:e}, order {order}: {found:e} for {expected:e}");
+        assert!(
+            error < roundings[order] * super::U,
+            "{name} at {x:e}, order {order}: {found:e} for {expected:e}"
+        );
     }
 }
 
@@ -85,6 +95,83 @@ fn norms_and_directions() {
             agree("norm × direction", n, back, [v[i], w[i], 0.0, 0.0, 0.0]);
         }
     }
+}
+
+/// φ = (x + ε) e at any number of turns: the log that continues at x e, of exp of it.
+#[test]
+fn the_continuous_log_of_a_turn_about_one_axis_is_its_angle() {
+    let e = [0.48, -0.6, 0.64];
+    for turns in [0.0, 1.0, -1.0, 4.0, -3.0] {
+        for angle in [0.3, 1.9, 2.4, 2.9, -2.4, -1.0] {
+            let x = turns * std::f64::consts::TAU + angle;
+            let phi = e.map(|e| variable(x) * e);
+            // The quaternion is rounded, and each order divides its roundings by the distance to the whole turn.
+            let lateral: f64 = (0.5 * angle).sin().abs();
+            let roundings = [0, 1, 2, 3, 4].map(|order| 4.0 * (1.0 + x.abs()) / lateral.powi(order));
+            let found = so3::continuous_log_quaternion(so3::exp(phi), e.map(|e| x * e)).phi;
+            for i in 0..3 {
+                let name = format!("log, {turns} turns, component {}", i + 1);
+                agree_to(&name, x, derivatives(found[i]), [x * e[i], e[i], 0.0, 0.0, 0.0], roundings);
+            }
+        }
+    }
+}
+
+/// The six-sided positions with half a turn of torsion, β = π, where the sign of the quaternion changes: about the third
+/// directions β advances as b turns about e3b or e3a, and the component flexions stay α (−sin χ, cos χ), χ = (φ − ψ)/2.
+#[test]
+fn torsion_passes_half_a_turn() {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let quarter = |k: i32| [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][k.rem_euclid(4) as usize];
+    let about_3 = |k: i32| {
+        let (c, s) = quarter(k);
+        [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
+    };
+    let about_2 = |k: i32| {
+        let (c, s) = quarter(k);
+        [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]
+    };
+    let mut tried = 0;
+    for (alpha, phi, psi) in [-2, -1, 0, 1, 2, 3, 4]
+        .into_iter()
+        .flat_map(|phi| [2 - phi, -2 - phi].map(|psi| (phi, psi)))
+        .flat_map(|(phi, psi)| [0, 1].map(|alpha| (alpha, phi, psi)))
+    {
+        let r = vector::product(&vector::product(&about_3(phi), &about_2(alpha)), &about_3(psi));
+        let turning = variable(0.0);
+        let [c, s] = [elementary::sin_cos(turning).1, elementary::sin_cos(turning).0];
+        let [zero, one] = [variable(0.0) * 0.0, variable(0.0) * 0.0 + 1.0];
+        let about = [[c, -s, zero], [s, c, zero], [zero, zero, one]];
+        let r = r.map(|row| row.map(|x| one * x));
+        for turned in [vector::product(&about, &r), vector::product(&r, &about)] {
+            let found = derivatives(so3::torsion(&turned));
+            agree(
+                "torsion",
+                0.0,
+                [found[0].abs(), found[1], found[2], found[3], found[4]],
+                [PI, 1.0, 0.0, 0.0, 0.0],
+            );
+            tried += 1;
+        }
+        // χ and its rate as b turns about e3b: ψ advances, χ falls by half of it.
+        let turned = vector::product(&r, &about);
+        let [x, y] = so3::component_flexions(&turned, None, 0.0).map(derivatives);
+        let alpha = f64::from(alpha) * FRAC_PI_2;
+        // β = π: of the angles that differ by whole turns of ψ, those with φ + ψ = π.
+        let chi = f64::from(phi) * FRAC_PI_2 - FRAC_PI_2;
+        let (s, c) = chi.sin_cos();
+        for (name, found, value, rate) in [("α1", x, -s, c / 2.0), ("α2", y, c, s / 2.0)] {
+            assert!(
+                (found[0] - alpha * value).abs() < 8.0 * super::U,
+                "{name} at φ {phi}, ψ {psi}: {found:?}"
+            );
+            assert!(
+                (found[1] - alpha * rate).abs() < 8.0 * super::U,
+                "{name} at φ {phi}, ψ {psi}: {found:?}"
+            );
+        }
+    }
+    assert_eq!(tried, 56);
 }
 
 /// A number without derivatives has no nilpotent part.

@@ -1,21 +1,24 @@
 //! The rank of a sparse matrix, which of its rows depend on others, which of its columns are free, and how certain that is.
 //!
-//! Columns come in groups, those of a node. Groups are eliminated one after the other: all rows that hold columns of a group are
-//! brought together in a dense front, and as many of them as the group has independent columns become pivots, by the largest entry; what is left of the
-//! others goes on to the next group that they hold (the multifrontal method). A row never loses its name: it is always the row of
-//! the matrix that it was, less multiples of pivots. One of which nothing is left depends on the pivots; a column
-//! without pivot is free. In a front with more rows than columns what is left is brought to echelon form at once, so that
-//! dependent rows are found where they arise and fronts stay small.
+//! Columns come in groups, those of a node. Groups are eliminated one after the other: of the rows that hold columns of a group as many as
+//! the group has independent columns become pivots, by the largest entry; what is left of the others goes on to the next group that they
+//! hold. A row never loses its name: it is always the row of the matrix that it was, less multiples of pivots. One of
+//! which nothing is left depends on the pivots; a column without pivot is free. Where more rows are left than they have columns, they are
+//! brought to echelon form at once, so that dependent rows are found where they arise and few go on. Rows are sparse throughout: what is
+//! exactly zero is not kept.
 //!
-//! *What is zero?* An entry carries, besides its value s, its derivatives ṡ along four random directions of the entries of the
-//! matrix, in each row by as much as the largest entry there, and of every product that is taken from it, for the roundings on the
-//! way: the small-sample estimate of its condition (Kenney and Laub, 1994).
-//! Their root mean square n says by how much s changes when all entries change by relative amounts: |s|/n is the
-//! relative change of the matrix that makes it zero. Entries rounded by u make a zero entry of size u·n times a random number
-//! of Student's distribution with four degrees of freedom, which exceeds x with probability 6/x⁴ for large x: [`ROUNDINGS`] = 1e4
-//! with 6e-16. So s is zero where |s|/n ≤ 1e4 u + the relative uncertainty of the state. Up to a thousand times the
-//! former, or three times both, there is no gap: the rank is undecided.
+//! *What is zero?* Every entry knows how uncertain it is ([`super::noise`]): |s|/n is the relative change that makes it zero, of
+//! everything that it came of, in units of how uncertain each of that is. With [`ROUNDINGS`] = 1e4, an entry that is zero exceeds
+//! 1e4 u with probability 6e-16. So s is zero where |s|/n ≤ 1e4 u + the relative uncertainty of the state. Up to a thousand times the former,
+//! or three times both, there is no gap: the rank is undecided.
+//!
+//! What rounding leaves is put to zero where it arises ([`REMAINS`]): it would come back multiplied by other remains, with an uncertainty of
+//! second order, of which the first says nothing. By how much an entry was changed is added to its uncertainty.
 
+use super::noise::{self, NONE, Probes, Roundings, mix, random};
+pub(super) use super::sparse::Sparse;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Rounding unit.
@@ -24,57 +27,14 @@ const U: f64 = crate::audit::bound::U;
 pub(super) const ROUNDINGS: f64 = 1e4;
 /// An entry that is not zero should exceed what counts as zero by this factor.
 pub(super) const GAP: f64 = 1e3;
-/// A row of lower number is taken for a pivot where its entry is not smaller than the largest by more than this factor.
-const PREFERRED: f64 = 0.3;
-/// The number of random directions.
-const PROBES: usize = 4;
-
-type Probes = [f32; PROBES];
-
-/// A sparse matrix, its columns in groups.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Sparse {
-    /// The first column of each group, and the number of columns at the end: columns of a group are neighbours.
-    pub(super) groups: Vec<u32>,
-    /// Where the entries of each row begin, and the number of entries at the end.
-    pub(super) offsets: Vec<usize>,
-    /// The column of each entry.
-    pub(super) columns: Vec<u32>,
-    /// The entries.
-    pub(super) values: Vec<f64>,
-}
-
-impl Sparse {
-    pub(super) fn rows(&self) -> usize {
-        self.offsets.len().saturating_sub(1)
-    }
-
-    pub(super) fn width(&self) -> usize {
-        self.groups.last().copied().unwrap_or_default() as usize
-    }
-
-    pub(super) fn range(&self, row: usize) -> Range<usize> {
-        self.offsets[row]..self.offsets[row + 1]
-    }
-
-    fn group_count(&self) -> usize {
-        self.groups.len().saturating_sub(1)
-    }
-
-    /// The columns of a group.
-    pub(super) fn columns_of(&self, group: usize) -> Range<usize> {
-        self.groups[group] as usize..self.groups[group + 1] as usize
-    }
-
-    /// The group of each column.
-    pub(super) fn group_of(&self) -> Vec<u32> {
-        let mut of = vec![0; self.width()];
-        for group in 0..self.group_count() {
-            of[self.columns_of(group)].fill(group as u32);
-        }
-        of
-    }
-}
+/// An entry of so many rounding units, in units of the estimated condition, that a subtraction left, is what rounding leaves: one that is
+/// zero exceeds it with probability 4e-7, and is then kept, which is no harm.
+const REMAINS: f64 = 64.0;
+/// What a subtraction leaves of numbers larger by this factor is looked at.
+const CANCELS: f64 = 1e3;
+/// A row of lower number is taken for a pivot where its entry is not smaller than the largest by more than this factor. Multipliers of more
+/// than one grow with the number of nodes that are eliminated one after the other, and with them the condition of the pivots.
+const PREFERRED: f64 = 0.99;
 
 /// A row that became a pivot.
 #[derive(Clone, Debug)]
@@ -103,7 +63,7 @@ pub(super) struct Outcome {
     pub(super) gap: [f64; 2],
     /// The number of entries of pivot rows.
     pub(super) fill: usize,
-    /// The largest front, in columns.
+    /// The largest number of columns of rows that held those of one group.
     pub(super) front: usize,
     /// Whether an entry is no finite number, or so large that its uncertainty is none: nothing is then certain.
     pub(super) overflows: bool,
@@ -122,38 +82,35 @@ pub(super) struct Task<'a> {
     pub(super) keep: bool,
 }
 
-/// Rows on their way, over the columns of some groups.
+/// An entry of a row that is on its way.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// The place of its column in the order of elimination.
+    at: u32,
+    value: f64,
+    probes: Probes,
+}
+
+/// A row on its way: entries by place, ascending.
+#[derive(Debug, Default)]
+struct Row {
+    name: u32,
+    right: f64,
+    entries: Vec<Entry>,
+}
+
+impl Row {
+    fn entry(&self, at: u32) -> Option<&Entry> {
+        let place = self.entries.binary_search_by_key(&at, |entry| entry.at).ok()?;
+        self.entries.get(place)
+    }
+}
+
+/// Rows that go on together, and the groups (by turn) that they may hold.
+#[derive(Debug, Default)]
 struct Block {
-    /// In the order of elimination, ascending.
     groups: Vec<u32>,
-    rows: Vec<u32>,
-    width: usize,
-    values: Vec<f64>,
-    probes: Vec<Probes>,
-    right: Vec<f64>,
-}
-
-/// A number of the sequence of splitmix64.
-fn mix(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-/// Four random numbers, nearly normal: sums of four uniform ones.
-fn random(seed: u64) -> Probes {
-    std::array::from_fn(|i| {
-        let bits = mix(seed.wrapping_mul(PROBES as u64).wrapping_add(i as u64));
-        let sum: i32 = (0..4).map(|part| i32::from((bits >> (16 * part)) as u16)).sum();
-        (sum - 2 * 65_535) as f32 * (3.0_f32.sqrt() / 65_536.0)
-    })
-}
-
-/// The root mean square, in doubles: squares of narrow numbers would overflow or vanish.
-fn noise(probes: &Probes) -> f64 {
-    let sum: f64 = probes.iter().map(|probe| f64::from(*probe) * f64::from(*probe)).sum();
-    (sum / PROBES as f64).sqrt()
+    rows: Vec<Row>,
 }
 
 struct Elimination<'a> {
@@ -161,44 +118,70 @@ struct Elimination<'a> {
     task: Task<'a>,
     zero: f64,
     decided: f64,
-    /// Groups in the order of elimination.
-    order: &'a [u32],
-    outcome: Outcome,
-    /// The first column in the front of each group (by place in the order).
+    /// The columns in the order of elimination, and the place of each in it.
+    columns: Vec<u32>,
     place: Vec<u32>,
+    outcome: Outcome,
+    roundings: Roundings,
+    spare: Vec<Entry>,
 }
 
 /// Eliminates the groups of a matrix in an order. Rows of lower number are preferred as pivots.
 pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outcome {
-    let count = matrix.group_count();
     let zero = ROUNDINGS * U + task.uncertainty;
-    let outcome = Outcome { gap: [0.0, f64::INFINITY], ..Outcome::default() };
-    let mut turn = vec![0_u32; count];
-    for (at, group) in order.iter().enumerate() {
-        turn[*group as usize] = at as u32;
+    let columns: Vec<u32> = order
+        .iter()
+        .flat_map(|group| matrix.columns_of(*group as usize))
+        .map(|column| column as u32)
+        .collect();
+    let (mut place, mut turn) = (vec![0_u32; columns.len()], Vec::with_capacity(columns.len()));
+    for (at, column) in columns.iter().enumerate() {
+        place[*column as usize] = at as u32;
     }
-    let group_of = matrix.group_of();
-    let mut begin: Vec<Vec<u32>> = vec![Vec::new(); count];
-    let decided = (GAP * ROUNDINGS * U).max(3.0 * zero);
-    let mut work = Elimination { matrix, task, zero, decided, order, outcome, place: vec![0; count] };
+    for (at, group) in order.iter().enumerate() {
+        turn.extend(matrix.columns_of(*group as usize).map(|_| at as u32));
+    }
+    let mut work = Elimination {
+        matrix,
+        task,
+        zero,
+        decided: (GAP * ROUNDINGS * U).max(3.0 * zero),
+        place,
+        outcome: Outcome { gap: [0.0, f64::INFINITY], ..Outcome::default() },
+        roundings: Roundings::new(),
+        spare: Vec::new(),
+        columns,
+    };
+    // Rows of the matrix, and rows on their way, by the first group that they hold.
+    let mut begin: Vec<Vec<u32>> = vec![Vec::new(); order.len()];
     for row in 0..matrix.rows() {
-        let columns = &matrix.columns[matrix.range(row)];
-        let first = columns.iter().map(|column| turn[group_of[*column as usize] as usize]).min();
+        let first = matrix.columns[matrix.range(row)].iter().map(|column| work.place[*column as usize]).min();
         match first {
-            Some(first) => begin[first as usize].push(row as u32),
+            Some(first) => begin[turn[first as usize] as usize].push(row as u32),
             None => work.outcome.dependent.push(row as u32),
         }
     }
-    let mut waiting: Vec<Vec<Block>> = (0..count).map(|_| Vec::new()).collect();
-    for at in 0..count {
-        let rows = std::mem::take(&mut begin[at]);
-        let blocks = std::mem::take(&mut waiting[at]);
-        let mut front = work.front(at, &rows, blocks, &turn, &group_of);
-        if let Some(rest) = work.pivot(at, &mut front)
-            && let Some(next) = rest.groups.first()
-        {
-            waiting[*next as usize].push(rest);
+    let mut waiting: Vec<Block> = (0..order.len()).map(|_| Block::default()).collect();
+    let mut first = 0;
+    for (at, group) in order.iter().enumerate() {
+        let mut block = std::mem::take(&mut waiting[at]);
+        for row in std::mem::take(&mut begin[at]) {
+            let row = work.row(row as usize);
+            block.groups.extend(row.entries.iter().map(|entry| turn[entry.at as usize]));
+            block.rows.push(row);
         }
+        block.groups.push(at as u32);
+        block.groups.sort_unstable();
+        block.groups.dedup();
+        let end = first + matrix.columns_of(*group as usize).len() as u32;
+        let width = block.groups.iter().map(|at| matrix.columns_of(order[*at as usize] as usize).len()).sum();
+        let rest = work.group(block.rows, first..end, width);
+        if let Some(next) = block.groups.get(1).filter(|_| !rest.is_empty()) {
+            let next = &mut waiting[*next as usize];
+            next.rows.extend(rest);
+            next.groups.extend_from_slice(&block.groups[1..]);
+        }
+        first = end;
     }
     work.outcome.dependent.sort_unstable();
     work.outcome.free.sort_unstable();
@@ -206,273 +189,215 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
 }
 
 impl Elimination<'_> {
-    fn size(&self, at: u32) -> usize {
-        self.matrix.columns_of(self.order[at as usize] as usize).len()
-    }
-
-    /// Brings together what holds columns of a group.
-    fn front(
-        &mut self,
-        at: usize,
-        rows: &[u32],
-        blocks: Vec<Block>,
-        turn: &[u32],
-        group_of: &[u32],
-    ) -> Block {
-        let mut groups: Vec<u32> = vec![at as u32];
-        groups.extend(blocks.iter().flat_map(|block| &block.groups));
-        for row in rows {
-            let columns = &self.matrix.columns[self.matrix.range(*row as usize)];
-            groups.extend(columns.iter().map(|column| turn[group_of[*column as usize] as usize]));
-        }
-        groups.sort_unstable();
-        groups.dedup();
-        let mut width = 0;
-        for group in &groups {
-            self.place[*group as usize] = width as u32;
-            width += self.size(*group);
-        }
-        let count = rows.len() + blocks.iter().map(|block| block.rows.len()).sum::<usize>();
-        let mut front = Block {
-            groups,
-            rows: Vec::with_capacity(count),
-            width,
-            values: vec![0.0; count * width],
-            probes: vec![[0.0; PROBES]; count * width],
-            right: Vec::with_capacity(count),
+    /// A row of the matrix.
+    fn row(&self, row: usize) -> Row {
+        let [zero, other] = self.matrix.uncertainty(row);
+        let entry = |place: usize| Entry {
+            at: self.place[self.matrix.columns[place] as usize],
+            value: self.matrix.values[place],
+            probes: random(place as u64)
+                .map(|number| number * if self.matrix.values[place] == 0.0 { zero } else { other }),
         };
-        for row in rows {
-            let base = front.rows.len() * width;
-            let range = self.matrix.range(*row as usize);
-            let largest = self.matrix.values[range.clone()].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            for place in range {
-                let column = self.matrix.columns[place];
-                let group = group_of[column as usize];
-                let within = column - self.matrix.groups[group as usize];
-                let to = base + (self.place[turn[group as usize] as usize] + within) as usize;
-                front.values[to] = self.matrix.values[place];
-                front.probes[to] = random(place as u64).map(|number| number * largest as f32);
-            }
-            front.rows.push(*row);
-            front.right.push(self.task.right.map_or(0.0, |right| right[*row as usize]));
-        }
-        for block in blocks {
-            let mut from = 0;
-            let mut spans: Vec<(usize, usize, usize)> = Vec::with_capacity(block.groups.len());
-            for group in &block.groups {
-                let size = self.size(*group);
-                spans.push((from, self.place[*group as usize] as usize, size));
-                from += size;
-            }
-            for (i, row) in block.rows.iter().enumerate() {
-                let (base, source) = (front.rows.len() * width, i * block.width);
-                for (from, to, size) in &spans {
-                    let (from, to) = (source + from, base + to);
-                    front.values[to..to + size].copy_from_slice(&block.values[from..from + size]);
-                    front.probes[to..to + size].copy_from_slice(&block.probes[from..from + size]);
-                }
-                front.rows.push(*row);
-                front.right.push(block.right[i]);
-            }
-        }
-        self.outcome.front = self.outcome.front.max(width);
-        front
+        let mut entries: Vec<Entry> = self.matrix.range(row).map(entry).collect();
+        entries.sort_unstable_by_key(|entry| entry.at);
+        let right = self.task.right.map_or(0.0, |right| right[row]);
+        Row { name: row as u32, right, entries }
     }
 
-    /// |s|/n of an entry; `None` where it is zero, and by how much is noted.
-    fn certain(&mut self, value: f64, probes: &Probes) -> Option<f64> {
-        if value == 0.0 {
+    /// |s|/n of an entry; `None` where it is zero.
+    fn certain(&mut self, entry: &Entry) -> Option<f64> {
+        if entry.value == 0.0 {
             return None;
         }
-        let noise = noise(probes);
-        if !(value.is_finite() && noise.is_finite()) {
+        let noise = noise::size(&entry.probes);
+        if !(entry.value.is_finite() && noise.is_finite()) {
             self.outcome.overflows = true;
             return None;
         }
-        let ratio = value.abs() / noise;
-        if ratio > self.zero {
-            return Some(ratio);
-        }
-        self.outcome.gap[0] = self.outcome.gap[0].max(ratio);
-        None
+        let ratio = entry.value.abs() / noise;
+        (ratio > self.zero).then_some(ratio)
     }
 
-    /// The row from `first` on, and its column among `columns`, that is the next pivot.
-    fn choose(&mut self, front: &Block, first: usize, columns: &[usize]) -> Option<(usize, usize)> {
-        let mut candidates: Vec<(usize, usize, f64)> = Vec::new();
+    /// Entries are left out, for they count as zero: by how much is noted.
+    fn leave(&mut self, entries: &[Entry]) {
+        for entry in entries.iter().filter(|entry| entry.value != 0.0) {
+            let ratio = entry.value.abs() / noise::size(&entry.probes);
+            self.outcome.gap[0] = self.outcome.gap[0].max(ratio);
+        }
+    }
+
+    /// The row among those from `first` on, and the place among these, of the next pivot.
+    fn choose(&mut self, rows: &[Row], first: usize, among: &[u32]) -> Option<(usize, u32)> {
+        let mut candidates: Vec<(usize, u32, f64)> = Vec::new();
         let mut largest = 0.0_f64;
-        for row in first..front.rows.len() {
-            for column in columns {
-                let at = row * front.width + column;
-                if self.certain(front.values[at], &front.probes[at]).is_some() {
-                    let size = front.values[at].abs();
+        for (row, of) in rows.iter().enumerate().skip(first) {
+            for at in among {
+                let Some(entry) = of.entry(*at) else { continue };
+                if self.certain(entry).is_some() {
+                    let size = entry.value.abs();
                     largest = largest.max(size);
-                    candidates.push((row, *column, size));
+                    candidates.push((row, *at, size));
                 }
             }
         }
         let preferred = candidates.into_iter().filter(|(_, _, size)| *size >= PREFERRED * largest);
-        let best = preferred.min_by(|x, y| front.rows[x.0].cmp(&front.rows[y.0]).then(y.2.total_cmp(&x.2)));
-        let (row, column, _) = best?;
-        let at = row * front.width + column;
-        let ratio = self.certain(front.values[at], &front.probes[at])?;
+        let best = preferred.min_by(|x, y| rows[x.0].name.cmp(&rows[y.0].name).then(y.2.total_cmp(&x.2)));
+        let (row, at, ..) = best?;
+        self.judge(&rows[row], at);
+        Some((row, at))
+    }
+
+    /// Notes how certain a pivot is.
+    fn judge(&mut self, row: &Row, at: u32) {
+        let Some(ratio) = row.entry(at).and_then(|entry| self.certain(entry)) else { return };
         if ratio < self.outcome.gap[1] {
             self.outcome.gap[1] = ratio;
-            self.outcome.weakest = Some(front.rows[row]);
+            self.outcome.weakest = Some(row.name);
         }
-        if ratio < self.decided && !self.outcome.doubtful.contains(&front.rows[row]) {
-            self.outcome.doubtful.push(front.rows[row]);
+        if ratio < self.decided && !self.outcome.doubtful.contains(&row.name) {
+            self.outcome.doubtful.push(row.name);
         }
-        Some((row, column))
     }
 
-    /// Takes multiples of row `by` from all rows below, so that nothing is left of its `column`.
-    fn reduce(&self, front: &mut Block, by: usize, column: usize, from: usize) {
-        let width = front.width;
-        let (above, below) = front.values.split_at_mut((by + 1) * width);
-        let (probes_above, probes_below) = front.probes.split_at_mut((by + 1) * width);
-        let pivot = &above[by * width..];
-        let pivot_probes = &probes_above[by * width..];
-        let (entry, entry_probes) = (pivot[column], pivot_probes[column]);
-        let right = front.right[by];
-        let used: Vec<usize> =
-            (from..width).filter(|j| pivot[*j] != 0.0 || pivot_probes[*j] != [0.0; PROBES]).collect();
-        let is_dense = used.len() * 2 > width - from;
-        let rows = below.chunks_exact_mut(width).zip(probes_below.chunks_exact_mut(width));
-        for (at, ((row, probes), rest)) in rows.zip(&mut front.right[by + 1..]).enumerate() {
-            if row[column] == 0.0 && probes[column] == [0.0; PROBES] {
-                continue;
-            }
-            let factor = row[column] / entry;
-            let slope: Probes =
-                std::array::from_fn(|i| (probes[column][i] - factor as f32 * entry_probes[i]) / entry as f32);
-            let narrow = factor as f32;
-            // The rounding of this step: what is taken away may be larger than the rows were.
-            let seed = u64::from(front.rows[by + 1 + at]) << 32 | u64::from(front.rows[by]);
-            let rounding = random(mix(seed) ^ column as u64);
-            let update = |value: &mut f64, probes: &mut Probes, j: usize| {
-                *value -= factor * pivot[j];
-                let by = pivot[j] as f32;
-                let taken = (narrow * by).abs();
-                for i in 0..PROBES {
-                    probes[i] -= slope[i] * by + narrow * pivot_probes[j][i] + rounding[i] * taken;
-                }
+    /// Takes the multiple of a pivot row from a row of which nothing is left then at a place.
+    fn reduce(&mut self, row: &mut Row, pivot: &Row, at: u32) {
+        let (Some(of_row), Some(of_pivot)) = (row.entry(at).copied(), pivot.entry(at).copied()) else {
+            return;
+        };
+        let factor = of_row.value / of_pivot.value;
+        let narrow = factor as f32;
+        let slope: Probes =
+            std::array::from_fn(|i| (of_row.probes[i] - narrow * of_pivot.probes[i]) / of_pivot.value as f32);
+        // The rounding of the factor is that of the whole row; each product and difference has one of its own.
+        let step = mix(mix(u64::from(row.name) << 32 | u64::from(pivot.name)) ^ u64::from(at));
+        let common = random(step);
+        let mut merged = std::mem::take(&mut self.spare);
+        merged.clear();
+        let (mut left, mut right) = (row.entries.iter().peekable(), pivot.entries.iter().peekable());
+        loop {
+            let order = match (left.peek(), right.peek()) {
+                (Some(x), Some(y)) => x.at.cmp(&y.at),
+                (Some(_), None) => Ordering::Less,
+                (None, Some(_)) => Ordering::Greater,
+                (None, None) => break,
             };
-            if is_dense {
-                for j in from..width {
-                    update(&mut row[j], &mut probes[j], j);
-                }
-            } else {
-                for j in &used {
-                    update(&mut row[*j], &mut probes[*j], *j);
+            let old = if order == Ordering::Greater { None } else { left.next() };
+            let taken = if order == Ordering::Less { None } else { right.next() };
+            let Some(place) = old.or(taken).map(|entry| entry.at).filter(|place| *place != at) else {
+                continue;
+            };
+            let mut entry = old.copied().unwrap_or(Entry { at: place, value: 0.0, probes: NONE });
+            if let Some(by) = taken {
+                let product = factor * by.value;
+                entry.value -= product;
+                let (value, size) = (by.value as f32, (product as f32).abs());
+                noise::add(&mut entry.probes, -value, &slope);
+                noise::add(&mut entry.probes, -narrow, &by.probes);
+                if product != 0.0 {
+                    let own = self.roundings.of((step >> 16).wrapping_add(u64::from(place)));
+                    let left = entry.value.abs();
+                    noise::add(&mut entry.probes, size, &common);
+                    noise::add(&mut entry.probes, size + left as f32, own);
+                    if left > 0.0
+                        && left * CANCELS < product.abs()
+                        && left <= REMAINS * U * noise::size(&entry.probes)
+                    {
+                        let ratio = left / noise::size(&entry.probes);
+                        self.outcome.gap[0] = self.outcome.gap[0].max(ratio);
+                        let dropped = self.roundings.of((step >> 40).wrapping_add(u64::from(place)));
+                        noise::add(&mut entry.probes, (left / U) as f32, dropped);
+                        entry.value = 0.0;
+                    }
                 }
             }
-            row[column] = 0.0;
-            probes[column] = [0.0; PROBES];
-            *rest -= factor * right;
-        }
-    }
-
-    fn swap(front: &mut Block, i: usize, j: usize) {
-        if i != j {
-            let width = front.width;
-            for k in 0..width {
-                front.values.swap(i * width + k, j * width + k);
-                front.probes.swap(i * width + k, j * width + k);
+            if entry.value != 0.0 || entry.probes != NONE {
+                merged.push(entry);
             }
-            front.rows.swap(i, j);
-            front.right.swap(i, j);
         }
+        std::mem::swap(&mut row.entries, &mut merged);
+        self.spare = merged;
+        row.right -= factor * pivot.right;
     }
 
-    /// Finds the pivots of the first group of a front, and gives what is left of the other rows.
-    fn pivot(&mut self, at: usize, front: &mut Block) -> Option<Block> {
-        let size = self.size(at as u32);
-        let first_column = self.matrix.columns_of(self.order[at] as usize).start;
-        let mut columns: Vec<usize> = (0..size).collect();
+    /// Finds the pivots of a group, whose places are given, and gives what is left of the other rows.
+    fn group(&mut self, mut rows: Vec<Row>, places: Range<u32>, width: usize) -> Vec<Row> {
+        let mut open: Vec<u32> = places.clone().collect();
         let mut done = 0;
-        while let Some((row, column)) = self.choose(front, done, &columns) {
-            Self::swap(front, done, row);
-            self.reduce(front, done, column, 0);
-            columns.retain(|other| *other != column);
-            self.keep(front, done, column, first_column + column);
+        while let Some((row, at)) = self.choose(&rows, done, &open) {
+            rows.swap(done, row);
+            let (above, below) = rows.split_at_mut(done + 1);
+            for row in below {
+                self.reduce(row, &above[done], at);
+            }
+            open.retain(|other| *other != at);
+            self.keep(&rows[done], at);
             done += 1;
         }
         self.outcome.rank += done;
-        self.outcome.free.extend(columns.iter().map(|column| (first_column + column) as u32));
-        self.rest(front, done, size)
+        self.outcome.free.extend(open.iter().map(|at| self.columns[*at as usize]));
+        rows.drain(..done);
+        let mut rest = Vec::with_capacity(rows.len());
+        for mut row in rows {
+            let begin = row.entries.partition_point(|entry| entry.at < places.end);
+            let of_group: Vec<Entry> = row.entries.drain(..begin).collect();
+            self.leave(&of_group);
+            if row.entries.iter().all(|entry| self.certain(entry).is_none()) {
+                self.leave(&row.entries);
+                self.outcome.dependent.push(row.name);
+                continue;
+            }
+            row.entries.shrink_to_fit();
+            rest.push(row);
+        }
+        self.outcome.front = self.outcome.front.max(width);
+        if rest.len() > width - places.len() { self.compress(rest) } else { rest }
     }
 
     /// Keeps a pivot row.
-    fn keep(&mut self, front: &Block, row: usize, column: usize, name: usize) {
-        let values = &front.values[row * front.width..(row + 1) * front.width];
-        self.outcome.fill += values.iter().filter(|value| **value != 0.0).count();
+    fn keep(&mut self, row: &Row, at: u32) {
+        self.outcome.fill += row.entries.iter().filter(|entry| entry.value != 0.0).count();
         if !self.task.keep {
             return;
         }
+        let Some(entry) = row.entry(at).map(|entry| entry.value) else { return };
         let begin = self.outcome.others.len();
-        let mut from = 0;
-        for group in &front.groups {
-            let columns = self.matrix.columns_of(self.order[*group as usize] as usize);
-            for (within, name) in columns.enumerate() {
-                let value = values[from + within];
-                if value != 0.0 && from + within != column {
-                    self.outcome.others.push((name as u32, value));
-                }
-            }
-            from += self.size(*group);
-        }
-        self.outcome.pivots.push(Pivot {
-            column: name as u32,
-            entry: values[column],
-            others: begin..self.outcome.others.len(),
-            right: front.right[row],
-        });
-    }
-
-    /// What is left of the rows from `done` on in the columns from `size` on, without rows of which nothing is left.
-    fn rest(&mut self, front: &Block, done: usize, size: usize) -> Option<Block> {
-        let width = front.width - size;
-        let mut rest = Block {
-            groups: front.groups[1..].to_vec(),
-            rows: Vec::new(),
-            width,
-            values: Vec::new(),
-            probes: Vec::new(),
-            right: Vec::new(),
-        };
-        for row in done..front.rows.len() {
-            let range = row * front.width + size..(row + 1) * front.width;
-            let is_zero = range.clone().all(|at| self.certain(front.values[at], &front.probes[at]).is_none());
-            if is_zero {
-                self.outcome.dependent.push(front.rows[row]);
-                continue;
-            }
-            rest.rows.push(front.rows[row]);
-            rest.values.extend_from_slice(&front.values[range.clone()]);
-            rest.probes.extend_from_slice(&front.probes[range]);
-            rest.right.push(front.right[row]);
-        }
-        if rest.rows.len() > width {
-            self.compress(&mut rest);
-        }
-        (!rest.rows.is_empty()).then_some(rest)
+        let others = row.entries.iter().filter(|entry| entry.at != at && entry.value != 0.0);
+        self.outcome.others.extend(others.map(|entry| (self.columns[entry.at as usize], entry.value)));
+        let others = begin..self.outcome.others.len();
+        let column = self.columns[at as usize];
+        self.outcome.pivots.push(Pivot { column, entry, others, right: row.right });
     }
 
     /// Brings rows to echelon form and drops those of which nothing is left.
-    fn compress(&mut self, block: &mut Block) {
-        let mut done = 0;
-        for column in 0..block.width {
-            if let Some((row, _)) = self.choose(block, done, &[column]) {
-                Self::swap(block, done, row);
-                self.reduce(block, done, column, column);
-                done += 1;
+    fn compress(&mut self, rows: Vec<Row>) -> Vec<Row> {
+        let mut independent = Vec::with_capacity(rows.len());
+        // By the first place that was not yet looked at.
+        let mut waiting: BTreeMap<u32, Vec<Row>> = BTreeMap::new();
+        for row in rows {
+            if let Some(first) = row.entries.first() {
+                waiting.entry(first.at).or_default().push(row);
             }
         }
-        self.outcome.dependent.extend(block.rows.drain(done..));
-        block.values.truncate(done * block.width);
-        block.probes.truncate(done * block.width);
-        block.right.truncate(done);
+        while let Some((at, mut rows)) = waiting.pop_first() {
+            if let Some((pivot, _)) = self.choose(&rows, 0, &[at]) {
+                let pivot = rows.swap_remove(pivot);
+                for row in &mut rows {
+                    self.reduce(row, &pivot, at);
+                }
+                independent.push(pivot);
+            }
+            for row in rows {
+                let next = row.entries.partition_point(|entry| entry.at <= at);
+                match row.entries.get(next) {
+                    Some(next) => waiting.entry(next.at).or_default().push(row),
+                    None => {
+                        self.leave(&row.entries);
+                        self.outcome.dependent.push(row.name);
+                    }
+                }
+            }
+        }
+        independent
     }
 }
 

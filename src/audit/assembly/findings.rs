@@ -1,6 +1,6 @@
 //! What is said of an assembly.
 
-use super::{Assembly, Constraint, Holds, Redundant};
+use super::{Assembly, Constraint, Holds, NotAssembled, Position, Redundant};
 use crate::audit::model::{About, Finding};
 use crate::scene::{Code, Label, Scene, Span};
 use std::collections::BTreeMap;
@@ -14,6 +14,7 @@ pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Find
     found.extend(at_states(scene, assembly));
     found.extend(overdriven(scene, assembly));
     found.extend(undecided(scene, assembly));
+    found.extend(not_assembled(scene, assembly));
     found.extend(mechanism(scene, assembly));
     found
 }
@@ -175,8 +176,15 @@ fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
         let remedy = "audit parts of the model as scenes of their own";
         return Some(Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy));
     }
-    let position = assembly.positions.iter().find(|position| !position.decided)?;
-    let when = position.state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"));
+    let is_open = |position: &&Position| !position.decided;
+    let position = assembly.positions.iter().find(is_open)?;
+    // Where all is certain elsewhere, and the rank no smaller, it is the position that is near one of smaller rank.
+    let elsewhere = assembly.positions.iter().find(|other| other.decided && other.rank >= position.rank);
+    if let Some(elsewhere) = elsewhere.filter(|_| position.finite) {
+        let more = assembly.positions.iter().filter(is_open).count() - 1;
+        return Some(near_singular(scene, position, elsewhere, more));
+    }
+    let when = when(position.state);
     let doubtful: Vec<String> = position.doubtful.iter().map(ToString::to_string).collect();
     let named = if doubtful.is_empty() { String::new() } else { format!(", in {}", listed(&doubtful)) };
     let gap = match position.gap.singular_values {
@@ -196,6 +204,52 @@ fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     let place = first.map(|one| place(scene, one)).unwrap_or_default();
     let about = About { state: position.state, ..about(&position.doubtful.iter().collect::<Vec<_>>()) };
     Some(Finding::new(scene, Code::AssemblyUndecided, place, message, reason, remedy).about(about))
+}
+
+fn when(state: Option<u64>) -> String {
+    state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"))
+}
+
+/// A position of which its digits do not tell whether it is singular, where another one is not.
+fn near_singular(scene: &Scene, position: &Position, elsewhere: &Position, more: usize) -> Finding {
+    let doubtful: Vec<String> = position.doubtful.iter().map(ToString::to_string).collect();
+    let named = if doubtful.is_empty() { "the constraints".to_string() } else { listed(&doubtful) };
+    let distance = match position.gap.singular_values {
+        Some([nonzero, _]) if nonzero < position.gap.nonzero => nonzero,
+        _ => position.gap.nonzero,
+    };
+    let also = match more {
+        0 => String::new(),
+        1 => " (and the like at 1 more state)".to_string(),
+        more => format!(" (and the like at {more} more states)"),
+    };
+    let message = format!(
+        "{} the assembly is within {distance:.1e} (relative, of the constraint Jacobian) of a singular position, a change point say: {named} nearly \
+         depend on other constraints, so that the rank is {}, or less; {} it is certain, {}{also}",
+        when(position.state),
+        position.rank,
+        when(elsewhere.state),
+        elsewhere.rank,
+    );
+    let reason = "more than rounding explains, and less than the digits of a state warrant";
+    let remedy = "keep clear of this position, or drive through it with care: forces grow without bound near it, and the assembly can go on \
+         in more ways than one";
+    let place = position.doubtful.first().map(|one| place(scene, one)).unwrap_or_default();
+    let about = About {
+        state: position.state,
+        value: Some(distance),
+        ..about(&position.doubtful.iter().collect::<Vec<_>>())
+    };
+    Finding::new(scene, Code::AssemblyNearSingular, place, message, reason, remedy).about(about)
+}
+
+fn not_assembled(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let NotAssembled { state, why } = assembly.not_assembled.as_ref()?;
+    let message = format!("{} and after, the assembly was not judged: {why}", when(*state));
+    let (reason, remedy) =
+        ("the Jacobian of the constraints could not be assembled", "please report it, with the scene");
+    let finding = Finding::new(scene, Code::AssemblyNotAssembled, Span::default(), message, reason, remedy);
+    Some(finding.about(About { state: *state, ..About::default() }))
 }
 
 fn mechanism(scene: &Scene, assembly: &Assembly) -> Option<Finding> {

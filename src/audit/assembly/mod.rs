@@ -26,6 +26,7 @@
 //! | `system` | what are the equations, and which belong together? |
 //! | `order` | in which order are nodes eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
+//! | `noise` | what of that is rounding? |
 //! | `dense` | singular values of small parts |
 //! | `moving` | does a redundancy hold elsewhere? |
 //! | `findings` | what is said of it? |
@@ -34,7 +35,9 @@ mod dense;
 mod eliminate;
 pub(super) mod findings;
 mod moving;
+mod noise;
 mod order;
+mod sparse;
 mod system;
 #[cfg(test)]
 mod tests;
@@ -43,7 +46,7 @@ pub use system::Role;
 
 use crate::audit::bound::U;
 use crate::catalog::COMPONENT;
-use crate::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence, Source};
+use crate::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Sequence, Source};
 use crate::scene::{Diagnostic, Label, Scene, State};
 use eliminate::{Outcome, Sparse, Task, eliminate};
 use moving::elsewhere;
@@ -175,6 +178,8 @@ pub struct Position {
     pub overdriven: usize,
     /// Whether all ranks are certain.
     pub decided: bool,
+    /// Whether all numbers were finite; where not, no rank is certain.
+    pub finite: bool,
     /// How certain they are.
     pub gap: Gap,
     /// The constraints whose independence is not certain; at most a hundred.
@@ -212,6 +217,18 @@ pub struct Assembly {
     pub off: Vec<u64>,
     /// Constraints that are redundant at a given state and not at the state where the rank is largest, with the number of the state.
     pub redundant_at: Vec<(u64, Constraint)>,
+    /// The state from which on nothing was looked at, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_assembled: Option<NotAssembled>,
+}
+
+/// A state at which the Jacobian of the constraints could not be assembled.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct NotAssembled {
+    /// The number of the state; none for the initial one.
+    pub state: Option<u64>,
+    /// Why not.
+    pub why: String,
 }
 
 /// Modes are named by all nodes that move, and redundancies judged, in parts whose pivot rows have no more entries.
@@ -264,12 +281,13 @@ impl Found {
 /// The points of a `*TRANSFORM` that define no directions.
 pub fn analyse(scene: &Scene, model: &Model, states: &[State], step: usize) -> Result<Assembly, Diagnostic> {
     let prescribed = Prescribed::of(scene, step)?;
-    let Ok(plan) = Plan::compile(model, &Selection::All, request()) else { return Ok(Assembly::none(step)) };
+    let plan = Plan::everything(model, request());
     let system = System::new(model, &plan, &prescribed);
     let start = State::default();
     let mut values = Vec::new();
-    if Sequence::new(model, &plan).assemble(&start, &system.jacobian, &mut values).is_err() {
-        return Ok(Assembly::none(step));
+    if let Err(error) = Sequence::new(model, &plan).assemble(&start, &system.jacobian, &mut values) {
+        let not_assembled = Some(NotAssembled { state: None, why: error.to_string() });
+        return Ok(Assembly { not_assembled, ..Assembly::none(step) });
     }
     if let Some(largest_front) = system.too_large {
         return Ok(Assembly { largest_front, parts: system.parts.len(), ..Assembly::none(step) });
@@ -317,6 +335,7 @@ impl Assembly {
             modes: Vec::new(),
             off: Vec::new(),
             redundant_at: Vec::new(),
+            not_assembled: None,
         }
     }
 }
@@ -369,6 +388,7 @@ fn position(system: &System<'_>, state: Option<u64>, found: &[Found], fixed: usi
         redundant: sum(|found| found.constraints.dependent.len()) + fixed,
         overdriven: sum(Found::overdriven),
         decided: found.iter().all(Found::is_decided),
+        finite: outcomes().all(|outcome| !outcome.overflows),
         gap: Gap { zero, nonzero, singular_values },
         doubtful: doubtful.take(100).collect(),
     }
@@ -544,13 +564,14 @@ fn along(system: &System<'_>, states: &[State], fixed: usize, assembly: &mut Ass
     for (index, state) in states.iter().enumerate() {
         let is_looked_at = index % stride == 0 || index + 1 == states.len();
         let residuals = if is_looked_at { system.all_residuals(&sequence, state) } else { Vec::new() };
-        if sequence.assemble(state, &system.jacobian, &mut values).is_err() {
-            return;
+        let number = state.number.unwrap_or(index as u64);
+        if let Err(error) = sequence.assemble(state, &system.jacobian, &mut values) {
+            assembly.not_assembled = Some(NotAssembled { state: Some(number), why: error.to_string() });
+            break;
         }
         if !is_looked_at {
             continue;
         }
-        let number = state.number.unwrap_or(index as u64);
         let worst = largest(&residuals);
         if worst.is_nan() || worst > SATISFIED {
             assembly.off.push(number);

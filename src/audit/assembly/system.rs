@@ -55,7 +55,7 @@ pub(super) struct System<'a> {
     pub(super) model: &'a Model,
     pub(super) plan: &'a Plan,
     pub(super) jacobian: Jacobian,
-    fixed: &'a Fixed,
+    prescribed: &'a Prescribed,
     pub(super) origins: Vec<Origin>,
     pub(super) roles: Vec<Role>,
     /// The columns that boundary conditions drive.
@@ -78,6 +78,21 @@ pub(super) struct Prescribed {
     pub(super) held: Fixed,
     pub(super) motions: HashMap<(Label, usize), Role>,
     pub(super) driven: HashSet<Freedom>,
+    /// The largest coordinate of each node that has rounded ones.
+    rounded: HashMap<Label, f64>,
+}
+
+/// Whether a coordinate is taken for rounded: it has digits down to the last. Of rounded numbers one in a million ends in so many zeros.
+fn is_rounded(coordinate: f64) -> bool {
+    const ZEROS: u32 = 20;
+    coordinate != 0.0 && coordinate.to_bits().trailing_zeros() < ZEROS
+}
+
+/// The largest coordinate of the nodes that have rounded ones.
+fn rounded(scene: &Scene) -> HashMap<Label, f64> {
+    let largest = |[x, y, z]: [f64; 3]| x.abs().max(y.abs()).max(z.abs());
+    let nodes = scene.nodes.iter().map(|(label, node)| (*label, node.coordinates));
+    nodes.filter(|(_, x)| x.iter().any(|x| is_rounded(*x))).map(|(label, x)| (label, largest(x))).collect()
 }
 
 impl Prescribed {
@@ -112,7 +127,7 @@ impl Prescribed {
                 put(motion, &mut motions);
             }
         }
-        Ok(Self { held, motions, driven })
+        Ok(Self { held, motions, driven, rounded: rounded(scene) })
     }
 }
 
@@ -148,12 +163,11 @@ impl<'a> System<'a> {
         }
         let hinges =
             plan.mpcs.iter().flat_map(|index| model.mpcs[*index].nodes.iter().skip(2)).copied().collect();
-        let fixed = &prescribed.held;
         let mut system = Self {
             model,
             plan,
             jacobian,
-            fixed,
+            prescribed,
             origins,
             roles,
             driven,
@@ -182,6 +196,20 @@ impl<'a> System<'a> {
             Source::Mpc(index) => norm(self.model.mpcs[index].constraint.arm()),
         };
         Some(length).filter(|length| *length > 0.0)
+    }
+
+    /// By how much, in rounding units, the rounding of coordinates changes the entries of a row that are not zero. Nodes that coincide are
+    /// meant to, and so are distances of zero along an axis.
+    fn rough(&self, part: &Part, row: usize) -> f32 {
+        let (Some(length), Origin::Equation(equation)) = (self.length(row), self.origins[row]) else {
+            return 0.0;
+        };
+        let of = |node: &Label| self.prescribed.rounded.get(node).copied().unwrap_or_default();
+        let sum: f64 = match equation.source {
+            Source::Connector(index) => self.model.connectors[index].nodes.iter().flatten().map(of).sum(),
+            Source::Mpc(index) => self.model.mpcs[index].nodes.iter().map(of).sum(),
+        };
+        (sum / length.min(part.length)) as f32
     }
 
     /// Finds what belongs together.
@@ -326,6 +354,7 @@ impl<'a> System<'a> {
                 matrix.values.push(value * by / scale);
             }
             matrix.offsets.push(matrix.columns.len());
+            matrix.rough.push(self.rough(part, row));
         }
         (rows, matrix)
     }
@@ -405,7 +434,7 @@ impl<'a> System<'a> {
             let motion = next.nodes.entry(node).or_default();
             let turned = |at: usize| {
                 let along = [change[at], change[at + 1], change[at + 2]];
-                match self.fixed.axes(node) {
+                match self.prescribed.held.axes(node) {
                     // Axes are rows: the vector is the sum of the axes times the components along them.
                     Some(axes) => crate::vector::apply_transposed(axes, along),
                     None => along,

@@ -1,12 +1,16 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
 use super::Assembly;
+use super::along;
 use super::dense::{least, made_of, singular_values};
 use super::eliminate::{Sparse, Task, eliminate};
 use super::findings::findings;
 use super::order::minimum_degree;
+use super::system::{Prescribed, System, request};
+use crate::audit::model::Finding;
 use crate::audit::sample::Draw;
-use crate::scene::{Code, Scene};
+use crate::evaluate::{Fixed, Jacobian, Model, Plan};
+use crate::scene::{Code, Scene, State};
 
 /// Rows over two or three groups of three columns each; of the last `dependent` rows each is a sum of multiples of three others that
 /// share their groups.
@@ -43,7 +47,12 @@ fn random(groups: usize, independent: usize, dependent: usize, draw: &mut Draw) 
 }
 
 fn order(matrix: &Sparse) -> Vec<u32> {
-    let of = matrix.group_of();
+    let of: Vec<u32> = matrix
+        .groups
+        .windows(2)
+        .zip(0..)
+        .flat_map(|(ends, group)| (ends[0]..ends[1]).map(move |_| group))
+        .collect();
     let clique = |row: usize| -> Vec<u32> {
         let mut groups: Vec<u32> =
             matrix.columns[matrix.range(row)].iter().map(|column| of[*column as usize]).collect();
@@ -141,7 +150,13 @@ fn a_right_hand_side_is_met() {
 fn what_is_not_finite_decides_nothing() {
     let rank = |entry: f64| {
         let values = vec![entry, 2.0 * entry, entry, -entry];
-        let matrix = Sparse { groups: vec![0, 2], offsets: vec![0, 2, 4], columns: vec![0, 1, 0, 1], values };
+        let matrix = Sparse {
+            groups: vec![0, 2],
+            offsets: vec![0, 2, 4],
+            columns: vec![0, 1, 0, 1],
+            values,
+            ..Sparse::default()
+        };
         let outcome = eliminate(&matrix, &order(&matrix), Task::default());
         (outcome.rank, outcome.is_decided())
     };
@@ -153,7 +168,13 @@ fn what_is_not_finite_decides_nothing() {
     }
     // Of rounding a pivot is not made, however small the entries.
     let values = vec![0.3e-30, 0.1e-30, 0.9e-30, (0.1e-30 * 3.0) * (1.0 + 1e-15)];
-    let matrix = Sparse { groups: vec![0, 2], offsets: vec![0, 2, 4], columns: vec![0, 1, 0, 1], values };
+    let matrix = Sparse {
+        groups: vec![0, 2],
+        offsets: vec![0, 2, 4],
+        columns: vec![0, 1, 0, 1],
+        values,
+        ..Sparse::default()
+    };
     assert_eq!(eliminate(&matrix, &order(&matrix), Task::default()).rank, 1);
 }
 
@@ -175,4 +196,88 @@ fn what_is_too_large_is_undecided() {
     };
     assert_eq!(codes(9000), [Code::AssemblyUndecided]);
     assert_eq!(codes(0), []);
+}
+
+/// The constraints of a sheared n by n grid of four-bars: bars of length one between crossings, each with both of its ends, hinged to the next end at
+/// the crossing; the first end is held. Coordinates are rounded, so that the meshes are parallelograms to rounding only.
+fn grid(n: usize) -> Sparse {
+    let at = |i: usize, j: usize| [i as f64 + 0.2 * j as f64, j as f64];
+    let mut nodes: Vec<[f64; 2]> = Vec::new();
+    let (mut bars, mut hinges) = (Vec::new(), Vec::new());
+    let mut ends = vec![Vec::new(); n * n];
+    for (i, j) in (0..n * n).map(|place| (place / n, place % n)) {
+        for (k, l) in [(i + 1, j), (i, j + 1)].into_iter().filter(|(k, l)| *k < n && *l < n) {
+            bars.push([nodes.len(), nodes.len() + 1]);
+            ends[i * n + j].push(nodes.len());
+            ends[k * n + l].push(nodes.len() + 1);
+            nodes.extend([at(i, j), at(k, l)]);
+        }
+    }
+    for ends in &ends {
+        hinges.extend(ends.windows(2).map(|pair| [pair[0], pair[1]]));
+    }
+    let mut matrix = Sparse { offsets: vec![0], ..Sparse::default() };
+    // The first node is held: it has no columns.
+    matrix.groups = (0..nodes.len() as u32).map(|group| 6 * group).collect();
+    let mut put = |[a, b]: [usize; 2], k: usize, levers: &[(usize, f64)]| {
+        let of_a = levers.iter().copied().chain([(k, -1.0)]).map(|(k, value)| (a, k, value));
+        let mut row: Vec<(usize, usize, f64)> =
+            of_a.chain([(b, k, 1.0)]).filter(|(node, ..)| *node > 0).collect();
+        row.sort_by_key(|(node, k, _)| (*node, *k));
+        for (node, k, value) in row {
+            matrix.columns.push((6 * (node - 1) + k) as u32);
+            matrix.values.push(value);
+        }
+        matrix.offsets.push(matrix.columns.len());
+    };
+    for bar in bars {
+        let [x, y] = [0, 1].map(|k| nodes[bar[1]][k] - nodes[bar[0]][k]);
+        put(bar, 0, &[(5, y)]);
+        put(bar, 1, &[(5, -x)]);
+        put(bar, 2, &[(3, -y), (4, x)]);
+        (3..6).for_each(|k| put(bar, k, &[]));
+    }
+    for hinge in hinges {
+        (0..5).for_each(|k| put(hinge, k, &[]));
+    }
+    matrix
+}
+
+/// Every row and every column of meshes can be sheared, 2 n − 3 ways in all. What is zero is so to rounding, and what is not is far from it,
+/// though one pivot comes after the other across the grid.
+#[test]
+fn sheared_grids_are_decided() {
+    for n in [3, 24, 26] {
+        let matrix = grid(n);
+        let outcome = eliminate(&matrix, &order(&matrix), Task::default());
+        assert_eq!(outcome.free.len(), 2 * n - 3);
+        assert_eq!(outcome.dependent.len(), matrix.rows() + 2 * n - 3 - matrix.width());
+        assert!(outcome.is_decided());
+        assert!(outcome.gap[0] < 1e-13 && outcome.gap[1] > 1e-4, "{n}: {:?}", outcome.gap);
+        // Rows stay as sparse as they are.
+        assert!(outcome.fill < 3 * matrix.rows(), "{n}: {} of {}", outcome.fill, matrix.rows());
+    }
+}
+
+/// What cannot be assembled is told, and so is what comes first.
+#[test]
+fn what_is_not_assembled_is_told() {
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n2, 2, 3\n\
+                *CONNECTOR SECTION, ELSET=C\nBEAM\n";
+    let scene = Scene::parse("scene.inp", text).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let prescribed = Prescribed::of(&scene, 1).unwrap();
+    let plan = Plan::everything(&model, request());
+    let mut system = System::new(&model, &plan, &prescribed);
+    let told = |system: &System<'_>| {
+        let mut assembly = Assembly::none(1);
+        along(system, &[State { number: Some(7), ..State::default() }, State::default()], 0, &mut assembly);
+        let codes: Vec<Code> = findings(&scene, &assembly).iter().map(Finding::code).collect();
+        (assembly.positions.len(), assembly.not_assembled.and_then(|at| at.state), codes)
+    };
+    assert_eq!(told(&system), (2, None, vec![Code::AssemblyMechanism]));
+    // The pattern of another plan.
+    let first = Plan { connectors: vec![0], ..plan.clone() };
+    system.jacobian = Jacobian::new(&model, &first, &Fixed::none(), |_, _| true);
+    assert_eq!(told(&system), (0, Some(7), vec![Code::AssemblyNotAssembled]));
 }

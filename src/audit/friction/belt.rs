@@ -22,6 +22,9 @@ use crate::scalar::{Differentiable, Real, Scalar, Wide};
 
 const SECOND_STEP: f64 = 1e-18;
 
+/// What an increment of a belt depends on.
+const INPUTS: [&str; 5] = ["Δu2", "T1", "T2", "α", "Δt"];
+
 /// T1, T2, α.
 const POINT: [&str; 3] = ["T1", "T2", "α"];
 
@@ -54,7 +57,7 @@ impl BeltCase {
         let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
         let mut sheets = self.criterion_sheets(settings, wide, outcome.coefficient);
         sheets.extend(self.increment_sheets(settings, wide, &outcome, &tangent));
-        checks(sheets, &self.name, proves)
+        checks(sheets, settings, &self.name, proves)
     }
 
     fn sizes(&self) -> [f64; 3] {
@@ -95,6 +98,9 @@ impl BeltCase {
             quantity: Quantity::FrictionGradient,
             outputs: PARTS.map(String::from).to_vec(),
             over: "/",
+            rows: PARTS.map(|part| format!("∂{part}")).to_vec(),
+            columns: POINT.map(String::from).to_vec(),
+            class: |_, j| (0, j / 2, 0),
             inputs: POINT.map(String::from).to_vec(),
             sizes: sizes.to_vec(),
             reach: reach(&point, &sizes),
@@ -114,10 +120,8 @@ impl BeltCase {
         let scales = gradients.value_scales();
         let mut sheets = gradients.sheets(settings, wide);
         let is_smooth = |p: usize| {
-            let mut sharp = sheets.iter().filter(|(oracle, ..)| *oracle == Oracle::WideDifferences);
-            sharp.all(|(_, sheet, _)| {
-                sheet.entries[3 * p..3 * p + 3].iter().all(|entry| entry.sides.is_none())
-            })
+            let mut sharp = sheets.iter().filter(|(oracle, _)| *oracle == Oracle::WideDifferences);
+            sharp.all(|(_, sheet)| sheet.entries[3 * p..3 * p + 3].iter().all(|entry| entry.sides.is_none()))
         };
         let smooth: Vec<usize> = (0..4).filter(|p| is_smooth(*p)).collect();
         let named = |(p, k): (usize, usize)| format!("²{}/∂{}", PARTS[p], POINT[k]);
@@ -129,6 +133,9 @@ impl BeltCase {
             quantity: Quantity::FrictionHessian,
             outputs: all.iter().copied().map(named).collect(),
             over: "",
+            rows: smooth.iter().map(|p| format!("∂²{}", PARTS[*p])).collect(),
+            columns: Vec::new(),
+            class: |i, j| (0, i % 3 / 2, j / 2),
             inputs: POINT.map(String::from).to_vec(),
             sizes: sizes.to_vec(),
             reach: reach(&point, &sizes),
@@ -163,10 +170,11 @@ impl BeltCase {
         sheets.extend(hessians.sheets(settings, wide));
         if wide && settings.oracles.contains(&Oracle::WideDifferences) {
             let want = self.values(self.point(0, Wide::zero()), coefficient);
-            let entry = |p: usize| Entry::new(PARTS[p].to_string(), values[p], want[p], scales[p]);
-            let sheet = Sheet { quantity: Quantity::FrictionCriterion, entries: (0..4).map(entry).collect() };
-            let changes = sheet.mistakes();
-            sheets.push((Oracle::WideDifferences, sheet, changes));
+            let entry = |p: usize| Entry::new(PARTS[p].to_string(), values[p], want[p], scales[p], (0, 0, 0));
+            let mut sheet = Sheet::new(Quantity::FrictionCriterion);
+            sheet.rows = PARTS.map(String::from).to_vec();
+            sheet.entries = (0..4).map(entry).collect();
+            sheets.push((Oracle::WideDifferences, sheet));
         }
         sheets
     }
@@ -215,7 +223,10 @@ impl BeltCase {
             quantity: Quantity::FrictionTangent,
             outputs: vec!["CSF2".into()],
             over: "/",
-            inputs: ["Δu2", "T1", "T2", "α", "Δt"].map(String::from).to_vec(),
+            rows: vec!["∂CSF2".into()],
+            columns: INPUTS.map(String::from).to_vec(),
+            class: |_, j| (0, [0, 1, 1, 2, 3][j], 0),
+            inputs: INPUTS.map(String::from).to_vec(),
             sizes,
             reach: reaches,
             kinds: vec![0],
@@ -246,13 +257,14 @@ impl BeltCase {
             let Some(want) = want else { continue };
             let names = ["CSF2", "Δγ", "CNF", "limit", "CASU"];
             let got = results(outcome);
-            let entry = |i: usize| Entry::new(names[i].to_string(), got[i], want[i], scales[i]);
-            let entries = (0..names.len()).map(entry).collect();
-            let sheet = Sheet { quantity: Quantity::FrictionForce, entries };
-            let mut changes = sheet.mistakes();
-            let changed = wrong.iter().copied().enumerate().collect();
-            changes.push(Change { mistake: Mistake::StickForSlip, changes: changed });
-            sheets.push((oracle, sheet, changes));
+            let class = |i: usize| ([0, 1, 0, 0, 1][i], 0, 0);
+            let entry = |i: usize| Entry::new(names[i].to_string(), got[i], want[i], scales[i], class(i));
+            let mut sheet = Sheet::new(Quantity::FrictionForce);
+            sheet.rows = names.map(String::from).to_vec();
+            sheet.entries = (0..names.len()).map(entry).collect();
+            let changes = wrong.iter().copied().enumerate().collect();
+            sheet.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
+            sheets.push((oracle, sheet));
         }
         sheets
     }

@@ -96,6 +96,9 @@ impl FrictionCase {
             quantity: Quantity::FrictionGradient,
             outputs: PARTS.map(named).to_vec(),
             over: "/",
+            rows: PARTS.map(|part| format!("∂{}", named(part))).to_vec(),
+            columns: inputs(),
+            class: |_, j| (0, j / 3, 0),
             inputs: inputs(),
             sizes: sizes.to_vec(),
             reach: reach(&self.point, &sizes),
@@ -116,23 +119,23 @@ impl FrictionCase {
         let mut sheets = gradients.sheets(settings, wide);
         // Where a part has a kink along some force, it has no second derivatives.
         let is_smooth = |p: usize| {
-            let mut sharp = sheets.iter().filter(|(oracle, ..)| *oracle == Oracle::WideDifferences);
-            sharp.all(|(_, sheet, _)| {
-                sheet.entries[6 * p..6 * p + 6].iter().all(|entry| entry.sides.is_none())
-            })
+            let mut sharp = sheets.iter().filter(|(oracle, _)| *oracle == Oracle::WideDifferences);
+            sharp.all(|(_, sheet)| sheet.entries[6 * p..6 * p + 6].iter().all(|entry| entry.sides.is_none()))
         };
         let smooth: Vec<usize> = (0..4).filter(|p| is_smooth(*p)).collect();
         sheets.extend(self.hessian_sheets(settings, wide, &smooth, &got, &mistaken, &scales));
         if wide && settings.oracles.contains(&Oracle::WideDifferences) {
             let want = self.values(&self.point.map(Wide::from_f64));
-            let entry = |p: usize| Entry::new(named(PARTS[p]), values[p], want[p], scales[p]);
-            let sheet = Sheet { quantity: Quantity::FrictionCriterion, entries: (0..4).map(entry).collect() };
-            let mut changes = sheet.mistakes();
-            changes.extend(mistaken.iter().map(|(mistake, wrong)| Change {
+            let entry = |p: usize| Entry::new(named(PARTS[p]), values[p], want[p], scales[p], (0, 0, 0));
+            let mut sheet = Sheet::new(Quantity::FrictionCriterion);
+            sheet.rows = PARTS.map(named).to_vec();
+            sheet.entries = (0..4).map(entry).collect();
+            let of = |(mistake, wrong): &(Mistake, [Derivatives<f64>; 4])| Change {
                 mistake: *mistake,
                 changes: wrong.iter().map(|part| part.value).enumerate().collect(),
-            }));
-            sheets.push((Oracle::WideDifferences, sheet, changes));
+            };
+            sheet.mistakes = mistaken.iter().map(of).collect();
+            sheets.push((Oracle::WideDifferences, sheet));
         }
         sheets
     }
@@ -162,6 +165,9 @@ impl FrictionCase {
         let hessians = Slopes {
             quantity: Quantity::FrictionHessian,
             over: "",
+            rows: smooth.iter().map(|p| format!("∂²{}{}", PARTS[*p], self.title)).collect(),
+            columns: Vec::new(),
+            class: |i, j| (0, i % 6 / 3, j / 3),
             inputs: FORCE.map(String::from).to_vec(),
             sizes: sizes.to_vec(),
             reach: reach(&self.point, &sizes),

@@ -3,7 +3,7 @@
 //! The equations are typed here a second time, and solved on 237 bits by Newton's method with differences for all derivatives:
 //! f_k = f_tr,k − K_k Δγ ∂P/∂f_k and P(f) = L(Δγ), from the product's solution on. Of the product they share P, F_N and L.
 
-use super::{FrictionCase, Judged, force_sizes, group_sizes, reach};
+use super::{FrictionCase, Judged, force_sizes, group_sizes, kind, reach};
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::oracle::Oracle;
@@ -122,12 +122,16 @@ impl FrictionCase {
         };
         let inputs = COMPONENT.iter().map(|name| format!("Δ{name}"));
         let inputs = inputs.chain(FORCE.map(String::from)).chain(["Δt".to_string()]);
+        let inputs: Vec<String> = inputs.collect();
         let update = |j: usize, h: Wide| friction.update(&before, &self.input(j, h), on);
         let slopes = Slopes {
             quantity: Quantity::FrictionTangent,
             outputs: (0..RESULTS).map(|i| format!("{}{}", names(i), self.title)).collect(),
             over: "/",
-            inputs: inputs.collect(),
+            rows: (0..RESULTS).map(|i| format!("∂{}{}", names(i), self.title)).collect(),
+            columns: inputs.clone(),
+            class: |i, j| (kind(i), j / 3, 0),
+            inputs,
             sizes: sizes.to_vec(),
             reach: reaches.to_vec(),
             // The forces share what they are returned from: each is as uncertain as the largest of its kind.
@@ -215,15 +219,16 @@ impl FrictionCase {
                 solved().map(|(force, rest)| of_wide(force, rest))
             };
             let Some(want) = want else { continue };
-            let entries = (0..got.len())
-                .map(|i| Entry::new(format!("{}{}", names[i], self.title), got[i], want[i], allowed[i]));
-            let sheet = Sheet { quantity: Quantity::FrictionForce, entries: entries.collect() };
-            let mut changes = sheet.mistakes();
-            changes.push(Change {
-                mistake: Mistake::StickForSlip,
-                changes: other.iter().copied().enumerate().collect(),
-            });
-            sheets.push((oracle, sheet, changes));
+            let label = |i: usize| format!("{}{}", names[i], self.title);
+            // Forces and moments, slips, what presses.
+            let unit = |i: usize| sliding.get(i).map_or_else(|| 2 + i - sliding.len(), |k| k / 3);
+            let entry = |i: usize| Entry::new(label(i), got[i], want[i], allowed[i], (unit(i), 0, 0));
+            let mut sheet = Sheet::new(Quantity::FrictionForce);
+            sheet.rows = (0..got.len()).map(label).collect();
+            sheet.entries = (0..got.len()).map(entry).collect();
+            let changes = other.iter().copied().enumerate().collect();
+            sheet.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
+            sheets.push((oracle, sheet));
         }
         sheets
     }

@@ -20,14 +20,12 @@ mod total;
 
 pub(super) use scene::{Slipping, audit_slipping, drawn, slipping};
 
-use super::case::Case;
 use super::engine::Settings;
 use super::mutant::Mistake;
 use super::oracle::Oracle;
-use super::outcome::{Against, Check};
+use super::outcome::Check;
 use super::sample::Draw;
-use super::sheet::{Change, Sheet};
-use super::verdict::Score;
+use super::sheet::Sheet;
 use crate::behavior::Conditions;
 use crate::behavior::friction::{
     Coefficient, Context, Criterion, FactorMistake, Friction, State, StickStiffness,
@@ -116,23 +114,38 @@ pub fn friction_cases(connection: &ConnectionType, settings: &Settings, count: u
     found
 }
 
-/// What is judged of a friction: numbers in a sheet, by an oracle, with the mistakes to be tried.
-type Judged = (Oracle, Sheet, Vec<Change>);
+/// What is judged of a friction: numbers in a sheet, by an oracle.
+type Judged = (Oracle, Sheet);
 
 /// The checks that sheets make at a state.
-fn checks(sheets: Vec<Judged>, name: &str, proves: bool) -> Vec<Check> {
-    let filled = sheets.into_iter().filter(|(_, sheet, _)| !sheet.entries.is_empty());
-    filled
-        .map(|(oracle, sheet, mistakes)| {
-            let score = if proves { sheet.try_mistakes(&mistakes) } else { Score::default() };
-            let mut check = Check::new(Some(sheet.quantity), Against::Oracle(oracle));
-            check.add_at(sheet.judge(1.0), score, name, None::<&Case>);
-            check
-        })
-        .collect()
+fn checks(sheets: Vec<Judged>, settings: &Settings, name: &str, proves: bool) -> Vec<Check> {
+    let filled = sheets.into_iter().filter(|(_, sheet)| !sheet.entries.is_empty());
+    let judged = filled.map(|(oracle, mut sheet)| {
+        settings.planted.into_iter().for_each(|planted| planted.spoil_sheet(&mut sheet));
+        sheet.check_against(oracle, 1.0, proves, name, None)
+    });
+    judged.collect()
+}
+
+/// The unit of a result of an increment: forces, moments, and the others each by itself.
+const fn kind(i: usize) -> usize {
+    if i < 6 { i / 3 } else { i }
 }
 
 impl FrictionCase {
+    /// The criterion and the state, in words.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The numbers at this state, and what they must be by differences on 237 bits: criterion, first and second derivatives, forces, tangent.
+    pub fn sheets(&self) -> Vec<Sheet> {
+        let settings = Settings { oracles: [Oracle::WideDifferences].into(), ..Settings::default() };
+        let mut sheets = self.criterion_sheets(&settings, true);
+        sheets.extend(self.increment_sheets(&settings, true));
+        sheets.into_iter().map(|(_, sheet)| sheet).collect()
+    }
+
     /// All checks at this state, with mutants.
     pub fn audit(&self, settings: &Settings) -> Vec<Check> {
         self.judged(settings, true, true)
@@ -142,7 +155,7 @@ impl FrictionCase {
     fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
         let mut sheets = self.criterion_sheets(settings, wide);
         sheets.extend(self.increment_sheets(settings, wide));
-        checks(sheets, &self.name, proves)
+        checks(sheets, settings, &self.name, proves)
     }
 
     fn context<R: Real>(&self) -> Context<'_, R> {

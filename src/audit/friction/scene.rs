@@ -68,7 +68,7 @@ impl Slipping {
         let previous = self.previous.as_ref()?;
         let mut entries = Vec::new();
         let mut add = |name: String, got: f64, want: Wide, scale: f64| {
-            entries.push(Entry::new(name, got, want, scale));
+            entries.push(Entry::new(name, got, want, scale, (0, 0, 0)));
         };
         for (i, slip) in self.outcome.slips.iter().enumerate() {
             let left = match &previous.friction {
@@ -94,8 +94,10 @@ impl Slipping {
                 add(format!("stick stiffness carried{number}"), got, Wide::from_f64(want), want.abs());
             }
         }
-        let sheet = Sheet { quantity: Quantity::FrictionForce, entries };
-        let score = if proves { sheet.try_mistakes(&sheet.mistakes()) } else { Score::default() };
+        let mut sheet = Sheet::new(Quantity::FrictionForce);
+        sheet.rows = entries.iter().map(|entry| entry.name.clone()).collect();
+        sheet.entries = entries;
+        let score = if proves { sheet.try_mistakes(&sheet.all_mistakes()) } else { Score::default() };
         let mut check = Check::new(None, Against::Law(Invariant::Carried));
         check.add_at(sheet.judge(1.0), score, &self.name, None::<&Case>);
         (!sheet.entries.is_empty()).then_some(check)
@@ -236,7 +238,7 @@ pub(in crate::audit) fn audit_slipping(
     let fails = outcome.events.iter().any(|event| matches!(event, Event::Failed { .. }));
     if let Some(tangent) = tangent.as_ref().filter(|_| !fails) {
         let total = Total { behavior, outcome, tangent, conditions, length: *length };
-        found.extend(checks(total.sheets(settings, wide), name, proves));
+        found.extend(checks(total.sheets(settings, wide), settings, name, proves));
     }
     found
 }

@@ -264,7 +264,8 @@ impl Total<'_> {
         let named = |mark: &'static str| COMPONENT.iter().map(move |name| format!("{mark}({name})"));
         let reactions = FORCE.iter().map(|name| format!("CR{}", name.to_uppercase()));
         let inputs = named("u").chain(named("v")).chain(reactions);
-        let inputs = inputs.chain(["T2", "α", "Δt"].map(String::from)).collect();
+        let inputs = inputs.chain(["T2", "α", "Δt"].map(String::from));
+        let inputs: Vec<String> = inputs.collect();
         let (sizes, reach) = self.sizes();
         let still = self.forces(0, 0.0, forced);
         let pick = |all: [Wide; 6]| rows.iter().map(|k| all[*k]).collect();
@@ -277,6 +278,9 @@ impl Total<'_> {
             quantity: Quantity::ConsistentTangent,
             outputs: rows.iter().map(|k| FORCE[*k].to_string()).collect(),
             over: "/",
+            rows: rows.iter().map(|k| format!("∂{}", FORCE[*k])).collect(),
+            columns: inputs.clone(),
+            class: |i, j| (i, j / 3, 0),
             inputs,
             sizes,
             reach,

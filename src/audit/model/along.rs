@@ -5,7 +5,7 @@ use super::finding::{About, Finding};
 use super::gather::Gathered;
 use crate::catalog::COMPONENT;
 use crate::connector::{Flag, Mask, Output, Request};
-use crate::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, Selection, Sequence};
+use crate::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, Sequence};
 use crate::measure::{Margin, Measure, Unit};
 use crate::scalar::elementary::norm;
 use crate::scene::{Code, Label, Scene, Severity, Span, State};
@@ -31,7 +31,7 @@ pub(super) fn findings(
     let gathered = Gathered::default();
     let mut walk = Walk { scene, model, lengths: lengths(model), spans, gathered, state: None };
     let request = Request::new(&[Output::CP, Output::CU, Output::RES], ALL, 0);
-    let Ok(plan) = Plan::compile(model, &Selection::All, request) else { return Vec::new() };
+    let plan = Plan::everything(model, request);
     let mut sequence = Sequence::new(model, &plan);
     let Ok(()) = sequence.visit(&State::default(), |item| -> Result<(), Infallible> {
         walk.look(&item);
@@ -201,7 +201,7 @@ impl Walk<'_> {
     /// Whether an orientation stands in for the line of the nodes where they coincide.
     fn is_directed(&self, element: &ConnectorElement, k: usize) -> bool {
         element.connector.position_measure(k) == Some(Measure::Distance)
-            && element.definition.fixed_direction != [0.0; 3]
+            && element.connector.section().fixed_direction != [0.0; 3]
     }
 
     fn flag(&self, element: &ConnectorElement, flag: &Flag) -> Option<Found> {

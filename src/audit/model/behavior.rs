@@ -130,8 +130,8 @@ fn vanishing(scene: &Scene, element: &ConnectorElement, friction: &scene::Fricti
     }
     match &friction.kind {
         FrictionKind::Predefined { constants } => {
-            let Some(of_type) = element.definition.connection.friction else { return found };
-            let present = if element.definition.planar { PLANE } else { SPATIAL };
+            let Some(of_type) = element.connector.connection().friction else { return found };
+            let present = if element.is_planar() { PLANE } else { SPATIAL };
             for (i, parameter) in of_type.parameters.iter().enumerate() {
                 if constants.get(i).copied().flatten().unwrap_or(0.0) != 0.0 {
                     continue;

@@ -25,7 +25,8 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
             Some(other) => {
                 let message = format!(
                     "element {} joins the nodes of element {other}, and is a {} with the same behaviour",
-                    element.label, element.definition.connection.name
+                    element.label,
+                    element.connector.connection().name
                 );
                 let reason = "type, nodes, orientations and behaviour agree";
                 let remedy = "remove one of the two; if both are meant, allow this code";
@@ -40,7 +41,7 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
 }
 
 fn same<'a>(element: &'a ConnectorElement, behavior: Option<&'a str>) -> Same<'a> {
-    let mut ends = [0, 1].map(|end| (element.nodes[end], element.triads[end]));
+    let mut ends = [0, 1].map(|end| (element.nodes[end], element.triads()[end]));
     if ends[1].0 < ends[0].0 {
         ends.swap(0, 1);
     }
@@ -50,5 +51,5 @@ fn same<'a>(element: &'a ConnectorElement, behavior: Option<&'a str>) -> Same<'a
         // −0 and 0 are the same direction cosine.
         *bits = (entry + 0.0).to_bits();
     }
-    (&element.definition.connection.name, behavior, ends.map(|(node, _)| node), bits)
+    (&element.connector.connection().name, behavior, ends.map(|(node, _)| node), bits)
 }

@@ -53,7 +53,7 @@ fn orientations(scene: &Scene, model: &Model) -> Vec<Finding> {
         for ((name, end), rule) in [&section.orientation_a, &section.orientation_b]
             .into_iter()
             .zip(ends)
-            .zip(element.definition.connection.orientation)
+            .zip(element.connector.connection().orientation)
         {
             let Some(name) = name.as_ref().filter(|_| rule.orientation != Given::Ignored) else { continue };
             let Some(orientation) = scene.orientations.get(name.value.as_str()) else { continue };
@@ -139,11 +139,11 @@ fn orientation_at(
 
 /// Directions of an end that components are measured along, and that no orientation gives.
 fn missing(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<Finding> {
-    let connection = &element.definition.connection;
+    let connection = element.connector.connection();
     let section = scene.section(scene.connectors.get(&element.label)?)?;
     let depends = |k: usize| {
         let slot = connection.slots[k];
-        let is_directed = slot.position().is_some_and(|m| m.turns_with_a() && !element.definition.planar);
+        let is_directed = slot.position().is_some_and(|m| m.turns_with_a() && !element.is_planar());
         !slot.is_constrained() && is_directed
     };
     if section.orientation_a.is_some() || connection.orientation[0].orientation != Given::Optional {
@@ -168,7 +168,7 @@ fn missing(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<Fin
 
 /// The initial state of a connector.
 pub(super) fn at_start(element: &ConnectorElement) -> State<f64> {
-    State { pair: element.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
+    State { pair: element.initial(), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
 }
 
 /// CP at the initial state.

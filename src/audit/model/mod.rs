@@ -69,7 +69,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     let mut coverage = Coverage::default();
     findings.extend(along::findings(scene, &model, states, &mut |result| {
         if let Some(element) = model.connectors.get(result.index) {
-            coverage.add_of(&element.connector, &element.definition, &result.state);
+            coverage.add_of(&element.connector, &element.definition(), &result.state);
         }
     }));
     let mut assembly = None;

@@ -1,9 +1,10 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
-use super::summary::{LEGEND, Row, count, detectable, headline, self_test as tested, symbols, telling};
+use super::summary::{LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling};
 use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
+use crate::grammar::{agree, count};
 use crate::node::{DOF, DOFS};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -20,9 +21,9 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
         styled(
             BOLD,
             format!(
-                "{} audited, {} numbers compared; tolerance C·u·(conditioned scale) with C = {}",
+                "{} audited, {} compared; tolerance C·u·(conditioned scale) with C = {}",
                 count(report.subjects.len(), "subject"),
-                report.compared(),
+                count(report.compared(), "number"),
                 report.constant
             )
         )
@@ -170,8 +171,9 @@ fn atlas(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     let confirmed = report.atlas.iter().filter(|approach| approach.is_confirmed()).count();
     writeln!(
         out,
-        "\nsingular points: {confirmed} of {} declared sets approached to 1e-15 are what they are declared to be",
-        report.atlas.len()
+        "\nsingular points: {confirmed} of {} approached to 1e-15 {} declared to be",
+        count(report.atlas.len(), "declared set"),
+        agree(report.atlas.len(), ["is what it is", "are what they are"])
     )?;
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
         let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
@@ -188,8 +190,11 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     let test = tested(report);
     writeln!(
         out,
-        "\nself-test: {} of {} mutants noticed by the oracles; {} changed nothing, {} less than twice the tolerance",
-        test.noticed, test.decisive, test.equivalent, test.below_resolution
+        "\nself-test: {} of {} noticed by the oracles; {} changed nothing, {} less than twice the tolerance",
+        test.noticed,
+        count(test.decisive, "mutant"),
+        test.equivalent,
+        test.below_resolution
     )?;
     let mut laws: BTreeMap<&str, u64> = BTreeMap::new();
     for check in report.subjects.iter().flat_map(|subject| &subject.checks) {
@@ -198,13 +203,12 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         }
     }
     for (law, killed) in laws {
-        writeln!(out, "  {}  {killed} mutants noticed", left(law, 32))?;
+        writeln!(out, "  {}  {} noticed", left(law, 32), count(killed, "mutant"))?;
     }
     Ok(())
 }
 
 fn verdict(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let failed = report.survivors() > 0 || report.mismatches() > 0 || report.failing_models() > 0;
-    let text = if failed { styled(CARE, headline(report)) } else { headline(report) };
+    let text = if failed(report) { styled(CARE, headline(report)) } else { headline(report) };
     writeln!(out, "\n{}", styled(BOLD, text))
 }

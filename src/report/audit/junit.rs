@@ -1,10 +1,15 @@
-//! JUnit XML: a suite per connector, a case per check.
+//! JUnit XML: a suite per connector, a case per check; a suite per model, a case per finding.
 
+use super::model::{place, word};
+use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Verdict};
+use crate::grammar::count;
+use crate::scene::Severity;
 use quick_junit::{NonSuccessKind, TestCase, TestCaseStatus, TestSuite};
 use std::io::{self, Write};
 
-/// Writes the audit as JUnit XML. Mismatches and surviving mutants are failures, what is undecided is skipped.
+/// Writes the audit as JUnit XML. Mismatches are failures, surviving mutants errors, what is undecided is skipped. A suite for each
+/// model has a case for each of its findings: one that is an error fails, others pass and are told on standard output.
 ///
 /// # Errors
 /// Where the stream cannot be written to.
@@ -35,8 +40,49 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         }
         document.add_test_suite(suite);
     }
+    for model in &report.models {
+        document.add_test_suite(findings(model));
+    }
     let text = document.to_string().map_err(io::Error::other)?;
     out.write_all(text.as_bytes())
+}
+
+/// The findings of a model: errors are failures; warnings and notes pass, and are told on their standard output.
+fn findings(model: &ModelReport) -> TestSuite {
+    let mut suite = TestSuite::new(format!("model {}", model.scene));
+    for finding in &model.findings {
+        suite.add_test_case(test_of(finding));
+    }
+    if model.findings.is_empty() {
+        suite.add_test_case(TestCase::new("nothing found", TestCaseStatus::success()));
+    }
+    suite
+}
+
+fn test_of(finding: &Finding) -> TestCase {
+    let (severity, place) = (word(finding.severity()), place(finding));
+    let mut text = format!("{severity}[{}] {place}: {}", finding.code(), finding.message());
+    for (what, said) in [("why", finding.reason()), ("help", finding.remedy())] {
+        if !said.is_empty() {
+            text.push_str(&format!("\n{what}: {said}"));
+        }
+    }
+    let is_error = finding.severity() == Severity::Error;
+    let mut status = TestCaseStatus::success();
+    if is_error {
+        status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+        status.set_message(finding.message()).set_type(finding.code().as_str()).set_description(&text);
+    }
+    let mut test = TestCase::new(format!("{} at {place}", finding.code()), status);
+    test.set_classname(finding.code().as_str());
+    test.extra.insert("file".into(), finding.file().into());
+    if let Some(line) = finding.line() {
+        test.extra.insert("line".into(), line.to_string().into());
+    }
+    if !is_error {
+        test.set_system_out(text);
+    }
+    test
 }
 
 fn title(check: &Check) -> String {
@@ -49,7 +95,7 @@ fn title(check: &Check) -> String {
 fn status(check: &Check) -> TestCaseStatus {
     if check.score.survived > 0 {
         let mut failure = TestCaseStatus::non_success(NonSuccessKind::Error);
-        failure.set_message(format!("{} mutants survived", check.score.survived));
+        failure.set_message(format!("{} survived", count(check.score.survived, "mutant")));
         return failure;
     }
     let mut status = plain(check.verdict);

@@ -1,29 +1,83 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
-use super::summary::{LEGEND, Row, detectable, headline, self_test, symbols, telling};
+use super::summary::{LEGEND, Row, detectable, failed, headline, self_test, symbols, telling};
+use crate::audit::model::Finding;
 use crate::audit::{Check, Report, Subject};
+use crate::grammar::count;
 use std::io::{self, Write};
 
 /// Rows of a table that are shown at once; a longer table is folded.
 const AT_ONCE: usize = 12;
 
-/// Writes the audit as Markdown: the headline, what is wrong, then a line per connector. All text of the input is escaped.
+/// Characters that a comment on GitHub may have.
+pub const LIMIT: usize = 65_536;
+
+/// What the notes about what was left out may take in all.
+const NOTES: usize = 1_000;
+
+/// Writes the audit as Markdown: the headline, what is wrong, findings in models, then a line per connector. All text of the input is
+/// escaped. What would make it longer than [`LIMIT`] is left out, and that is said.
 ///
 /// # Errors
 /// Where the stream cannot be written to.
 pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let mark = if report.mismatches() > 0 || report.survivors() > 0 || report.failing_models() > 0 {
-        "❌"
-    } else {
-        "✅"
-    };
-    writeln!(out, "## {mark} pintle audit: {}\n", escaped(&headline(report)))?;
-    writeln!(out, "| audited | numbers compared | mismatches | undecided | mutants noticed | survived |")?;
-    writeln!(out, "|---:|---:|---:|---:|---:|---:|")?;
+    let footer = footer(report);
+    let mut page = Page { text: String::new(), left: LIMIT - NOTES };
+    page.left = page.left.saturating_sub(footer.chars().count());
+    page.add(&head(report));
+    wrong(&mut page, report);
+    models(&mut page, report);
+    table(&mut page, report);
+    out.write_all(page.text.as_bytes())?;
+    writeln!(out, "{footer}")
+}
+
+/// The text, and how many characters it may still get.
+struct Page {
+    text: String,
+    left: usize,
+}
+
+impl Page {
+    /// Adds a line, whatever its length; lines that belong to each other are one text.
+    fn add(&mut self, line: &str) {
+        self.text.push_str(line);
+        self.text.push('\n');
+        self.left = self.left.saturating_sub(line.chars().count() + 1);
+    }
+
+    /// Adds lines, each with what it is about, as far as they fit; the number that did not.
+    fn add_fitting(&mut self, lines: &[String]) -> usize {
+        for (n, line) in lines.iter().enumerate() {
+            if line.chars().count() + 1 > self.left {
+                self.left = 0;
+                return lines.len() - n;
+            }
+            self.add(line);
+        }
+        0
+    }
+
+    /// Says what was left out.
+    fn note(&mut self, left_out: usize, what: &str) {
+        if left_out > 0 {
+            let more = count(left_out, what);
+            self.text.push_str(&format!(
+                "\n*{more} left out here, where a comment has room for {LIMIT} characters.*\n"
+            ));
+        }
+    }
+}
+
+fn head(report: &Report) -> String {
+    let mark = if failed(report) { "❌" } else { "✅" };
     let test = self_test(report);
-    writeln!(
-        out,
-        "| {} | {} | {} | {} | {} of {} | {} |",
+    format!(
+        "## {mark} pintle audit: {}\n\n\
+         | audited | numbers compared | mismatches | undecided | mutants noticed | survived |\n\
+         |---:|---:|---:|---:|---:|---:|\n\
+         | {} | {} | {} | {} | {} of {} | {} |",
+        escaped(&headline(report)),
         report.subjects.len(),
         report.compared(),
         report.mismatches(),
@@ -31,13 +85,12 @@ pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         test.noticed,
         test.decisive,
         report.survivors()
-    )?;
-    wrong(out, report)?;
-    table(out, report)?;
-    models(out, report)?;
+    )
+}
+
+fn footer(report: &Report) -> String {
     let names: Vec<&str> = report.settings.oracles.iter().map(|oracle| oracle.name()).collect();
-    writeln!(
-        out,
+    format!(
         "\npintle {}; tolerance C·u·(conditioned scale), C = {}; oracles: {}",
         report.version,
         report.constant,
@@ -45,28 +98,35 @@ pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     )
 }
 
-/// What did not plainly pass, an item each.
-fn wrong(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+/// What did not plainly pass, an item each; what is wrong first.
+fn wrong(page: &mut Page, report: &Report) {
     let unconfirmed = report.atlas.iter().filter(|approach| !approach.is_confirmed());
-    let mut lines: Vec<String> = Vec::new();
+    let mut lines: Vec<(bool, String)> = Vec::new();
     for subject in &report.subjects {
-        lines.extend(telling(subject).map(|check| item(subject, check)));
+        lines.extend(telling(subject).map(|check| {
+            let is_mild = !check.verdict.is_mismatch() && check.score.survived == 0;
+            (is_mild, item(subject, check))
+        }));
     }
     for approach in unconfirmed {
         let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
-        lines.push(format!(
+        let line = format!(
             "- **{}** {} at {}: declared {:?}, seen {seen}",
             escaped(&approach.connection),
             approach.component,
             escaped(approach.at),
             approach.declared
-        ));
+        );
+        lines.push((false, line));
     }
     if lines.is_empty() {
-        return Ok(());
+        return;
     }
-    writeln!(out, "\n### What needs a look\n")?;
-    lines.iter().try_for_each(|line| writeln!(out, "{line}"))
+    lines.sort_by_key(|(is_mild, _)| *is_mild);
+    let lines: Vec<String> = lines.into_iter().map(|(_, line)| line).collect();
+    page.add("\n### What needs a look\n");
+    let left_out = page.add_fitting(&lines);
+    page.note(left_out, "item");
 }
 
 fn item(subject: &Subject, check: &Check) -> String {
@@ -97,45 +157,54 @@ fn item(subject: &Subject, check: &Check) -> String {
     line
 }
 
-fn table(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+fn table(page: &mut Page, report: &Report) {
     if report.subjects.is_empty() {
-        return Ok(());
+        return;
     }
     let folded = report.subjects.len() > AT_ONCE;
-    writeln!(out)?;
+    page.add("");
     if folded {
-        writeln!(out, "<details><summary>All {} connectors and types</summary>\n", report.subjects.len())?;
+        let all = count(report.subjects.len(), "subject");
+        page.add(&format!("<details><summary>Verdicts on {all}</summary>\n"));
     }
     let symbols = symbols();
-    writeln!(
-        out,
-        "| connector | derivative | formula | declaration | states | {} | δ seen |",
-        symbols.join(" | ")
-    )?;
-    writeln!(out, "|---|---|---|---|---:|{}---:|", "---:|".repeat(symbols.len()))?;
-    for subject in &report.subjects {
+    let heading = format!(
+        "| connector | derivative | formula | declaration | states | {} | δ seen |\n|---|---|---|---|---:|{}---:|",
+        symbols.join(" | "),
+        "---:|".repeat(symbols.len())
+    );
+    page.add(&heading);
+    let row = |subject: &Subject| {
         let row = Row::of(subject);
-        let worst: Vec<String> =
-            row.worst.iter().map(|units| units.map_or("–".into(), |units| format!("{units:.2}"))).collect();
+        let worst = row.worst.map(|units| units.map_or("–".into(), |units| format!("{units:.2}")));
         let seen = detectable(subject).map_or("–".into(), |delta| format!("{delta:.0e}"));
         let verdicts = row.verdicts.map(|verdict| {
             let name = verdict.headline().name();
             if verdict.is_mismatch() { format!("**{name}**") } else { name.to_string() }
         });
-        writeln!(
-            out,
+        format!(
             "| {} | {} | {} | {} | {seen} |",
             escaped(&subject.title()),
             verdicts.join(" | "),
             row.states,
             worst.join(" | ")
-        )?;
+        )
+    };
+    // What did not pass comes first where not all of them have room.
+    let mut subjects: Vec<&Subject> = report.subjects.iter().collect();
+    let rows =
+        |subjects: &[&Subject]| -> Vec<String> { subjects.iter().map(|subject| row(subject)).collect() };
+    let mut lines = rows(&subjects);
+    if lines.iter().map(|line| line.chars().count() + 1).sum::<usize>() > page.left {
+        subjects.sort_by_key(|subject| std::cmp::Reverse(subject.verdict()));
+        lines = rows(&subjects);
     }
-    writeln!(out, "\n{LEGEND}.")?;
+    let left_out = page.add_fitting(&lines);
+    page.note(left_out, "subject");
+    page.text.push_str(&format!("\n{LEGEND}.\n"));
     if folded {
-        writeln!(out, "\n</details>")?;
+        page.text.push_str("\n</details>\n");
     }
-    Ok(())
 }
 
 /// A text that is shown as it is: what Markdown or HTML would read is escaped, and a line break is a blank.
@@ -157,22 +226,30 @@ fn escaped(text: &str) -> String {
     result
 }
 
-/// What is found in models: a line each.
-fn models(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+/// What is found in models: a line each, errors first.
+fn models(page: &mut Page, report: &Report) {
+    let mut left_out = 0;
     for model in &report.models {
-        writeln!(out, "\n### {}: {}\n", escaped(&model.scene), super::model::headline(model))?;
-        for finding in &model.findings {
-            writeln!(
-                out,
-                "- **{}** `{}` {}: {}",
-                super::model::word(finding.severity()),
-                finding.code(),
-                escaped(&super::model::place(finding)),
-                escaped(finding.message())
-            )?;
-        }
+        let title = format!("\n### {}: {}\n", escaped(&model.scene), super::model::headline(model));
+        let mut findings: Vec<&Finding> = model.findings.iter().collect();
+        findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));
+        let lines: Vec<String> = findings.into_iter().map(line).collect();
+        left_out += match page.add_fitting(&[title]) {
+            0 => page.add_fitting(&lines),
+            _ => lines.len().max(1),
+        };
     }
-    Ok(())
+    page.note(left_out, "finding");
+}
+
+fn line(finding: &Finding) -> String {
+    format!(
+        "- **{}** `{}` {}: {}",
+        super::model::word(finding.severity()),
+        finding.code(),
+        escaped(&super::model::place(finding)),
+        escaped(finding.message())
+    )
 }
 
 #[cfg(test)]

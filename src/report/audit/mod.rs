@@ -10,7 +10,7 @@ mod summary;
 pub use html::{Audited, Supplement, figures, html};
 pub use human::human;
 pub use junit::junit;
-pub use markdown::markdown;
+pub use markdown::{LIMIT as MARKDOWN_LIMIT, markdown};
 
 use crate::audit::Report;
 use std::io::{self, Write};

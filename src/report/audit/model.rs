@@ -1,10 +1,10 @@
 //! What is found in the models of an audit, for reading: findings, the assembly, coverage.
 
 use super::super::layout::{BOLD, CARE, DIM, styled, wrap};
-use super::summary::count;
 use crate::audit::assembly::{Assembly, Position};
 use crate::audit::coverage::{Coverage, Histogram};
 use crate::audit::model::{Finding, ModelReport};
+use crate::grammar::{agree, count};
 use crate::scene::Severity;
 use std::io::{self, Write};
 
@@ -78,9 +78,9 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         step => format!("with the boundary conditions of step {step}"),
     };
     let text = format!(
-        "assembly, {of_step}: {} degrees of freedom of connectors and MPCs, {} held; {}, rank {}: {} redundant. Mobility {} (by Grübler {}); {} \
-         leave {} that nothing drives. {}",
-        assembly.degrees_of_freedom,
+        "assembly, {of_step}: {} of connectors and MPCs, {} held; {}, rank {}: {} redundant. Mobility {} (by Grübler {}); {} {} {} that \
+         nothing drives. {}",
+        count(assembly.degrees_of_freedom, "degree of freedom"),
         assembly.held,
         count(assembly.constraints, "constraint"),
         first.rank,
@@ -88,6 +88,7 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         first.mobility,
         assembly.gruebler,
         count(assembly.drives, "drive"),
+        agree(assembly.drives, ["leaves", "leave"]),
         first.undriven,
         gap(first)
     );
@@ -96,7 +97,7 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
     if let Some(most) = others.iter().map(|position| position.rank).max() {
         let least = others.iter().map(|position| position.rank).min().unwrap_or(most);
         let text =
-            format!("at {} of those given the rank is {least} to {most}", count(others.len(), "state"));
+            format!("at {} of those given the rank is {}", count(others.len(), "state"), range(least, most));
         paragraph(out, &text, 2, width)?;
     }
     if !assembly.off.is_empty() {
@@ -104,6 +105,11 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         paragraph(out, &format!("{states} not looked at, for not satisfying the constraints"), 2, width)?;
     }
     Ok(())
+}
+
+/// `35`, or `34 to 35`.
+fn range(least: usize, most: usize) -> String {
+    if least == most { most.to_string() } else { format!("{least} to {most}") }
 }
 
 /// How certain a rank is.
@@ -125,13 +131,12 @@ fn coverage(out: &mut dyn Write, coverage: &Coverage, width: usize) -> io::Resul
         return Ok(());
     }
     let largest = |histogram: &Histogram| {
-        if histogram.samples() == 0 { "none".to_string() } else { format!("{:.3}", histogram.largest) }
+        if histogram.samples() == 0 { "none".to_string() } else { format!("{:.3} rad", histogram.largest) }
     };
     let text = format!(
-        "coverage: {}; the largest rotation of a {} rad, of b {} rad, of b relative to a {} rad; both nodes turned in {} of {}, \
-         free components displaced in {} of {}",
-        count(usize::try_from(coverage.samples).unwrap_or(usize::MAX), "state")
-            .replace("state", "connector state"),
+        "coverage: {}; largest rotations: a {}, b {}, b relative to a {}; both nodes turned in {} of {}, free components displaced in \
+         {} of {}",
+        count(coverage.samples, "connector state"),
         largest(&coverage.rotation_a),
         largest(&coverage.rotation_b),
         largest(&coverage.relative_rotation),

@@ -1,6 +1,8 @@
 //! What every form of the report says of a subject, counted once.
 
-use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
+use crate::audit::{Against, Cause, Check, Fared, Quantity, Report, Subject, Verdict};
+use crate::grammar::count;
+use std::collections::BTreeMap;
 
 /// What the columns of the table of verdicts say.
 pub(super) const LEGEND: &str = "f … F: worst error in units of its tolerance, F: of springs, dampers and friction with their slopes; δ seen: the smallest relative error of an entry \
@@ -90,6 +92,33 @@ pub(super) fn self_test(report: &Report) -> SelfTest {
     found
 }
 
+/// How the mutants of one kind fared under oracles, and how many of them laws noticed.
+#[derive(Clone, Copy, Default)]
+pub(super) struct OfKind {
+    pub(super) by_oracles: Fared,
+    pub(super) by_laws: u64,
+}
+
+/// How the mutants fared, by kind.
+pub(super) fn by_mistake(report: &Report) -> BTreeMap<Cause, OfKind> {
+    let mut found: BTreeMap<Cause, OfKind> = BTreeMap::new();
+    for check in report.subjects.iter().flat_map(|subject| &subject.checks) {
+        for (cause, fared) in &check.score.by_mistake {
+            let of_kind = found.entry(*cause).or_default();
+            match check.against {
+                Against::Law(_) => of_kind.by_laws += fared.killed,
+                Against::Oracle(_) | Against::Own => of_kind.by_oracles.add(*fared),
+            }
+        }
+    }
+    found
+}
+
+/// Whether it is no pass: a number is wrong, a mutant survived, a finding is an error.
+pub(super) fn failed(report: &Report) -> bool {
+    report.mismatches() > 0 || report.survivors() > 0 || report.failing_models() > 0
+}
+
 /// The outcome in a few words.
 pub(super) fn headline(report: &Report) -> String {
     let numbers = of_numbers(report);
@@ -101,18 +130,15 @@ pub(super) fn headline(report: &Report) -> String {
 
 /// The outcome of the comparisons.
 fn of_numbers(report: &Report) -> String {
-    match (report.survivors(), report.mismatches(), report.undecided()) {
-        (survivors @ 1.., ..) => format!("self-test failed: {survivors} mutants survived"),
-        (0, 1, _) => "1 mismatch".into(),
-        (0, mismatches @ 2.., _) => format!("{mismatches} mismatches"),
-        (0, 0, undecided @ 1..) => format!("no mismatch; {} undecided", count(undecided, "subject")),
-        _ => "no mismatch".into(),
+    let (mismatches, survivors) = (report.mismatches(), report.survivors());
+    let failed = format!("self-test failed: {} survived", count(survivors, "mutant"));
+    match (mismatches, survivors, report.undecided()) {
+        (1.., 0, _) => count(mismatches, "mismatch"),
+        (1.., 1.., _) => format!("{}; {failed}", count(mismatches, "mismatch")),
+        (0, 1.., _) => failed,
+        (0, 0, 0) => "no mismatch".into(),
+        (0, 0, undecided) => format!("no mismatch; {} undecided", count(undecided, "subject")),
     }
-}
-
-/// 1 connector, 2 connectors.
-pub(super) fn count(n: usize, noun: &str) -> String {
-    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
 }
 
 /// The scene that a subject belongs to.

@@ -49,14 +49,14 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
     let read = match source {
         Source::Text(text) => {
             let mut reader = serde_json::Deserializer::from_str(text);
-            read(&mut reader, source, scene, &form, Some(&each), |context, reader| {
+            read_json(&mut reader, source, scene, &form, Some(&each), |context, reader| {
                 JsonFile(context).deserialize(reader)
             })
         }
         Source::File(_) => {
             let file = source.reader(0).map_err(|error| unreadable(&error))?;
             let mut reader = serde_json::Deserializer::from_reader(file);
-            read(&mut reader, source, scene, &form, Some(&each), |context, reader| {
+            read_json(&mut reader, source, scene, &form, Some(&each), |context, reader| {
                 JsonFile(context).deserialize(reader)
             })
         }
@@ -68,22 +68,8 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
     if count.get() == 0 { Err(empty("states")) } else { Ok(()) }
 }
 
-/// What a document with `states` holds, of which there must be one; `form` shows an example in the remedy.
-pub(in crate::scene) fn read_json<T>(
-    text: &str,
-    scene: &Scene,
-    form: &str,
-    take: impl FnOnce(Context<'_>, &mut JsonReader<'_>) -> Result<Vec<T>, serde_json::Error>,
-) -> Result<Vec<T>> {
-    let mut reader = serde_json::Deserializer::from_str(text);
-    let states = read(&mut reader, Source::Text(text), scene, form, None, take)?;
-    if states.is_empty() { Err(empty("states")) } else { Ok(states) }
-}
-
-/// A document that is being read from a text.
-pub(in crate::scene) type JsonReader<'a> = serde_json::Deserializer<serde_json::de::StrRead<'a>>;
-
-fn read<'de, R: serde_json::de::Read<'de>, T>(
+/// Reads a document with `take`; `form` shows an example in the remedy.
+pub(in crate::scene) fn read_json<'de, R: serde_json::de::Read<'de>, T>(
     reader: &mut serde_json::Deserializer<R>,
     source: Source<'_>,
     scene: &Scene,

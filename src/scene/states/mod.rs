@@ -33,8 +33,8 @@ use std::path::Path;
 
 pub(super) use document::{Context, once, read_json};
 pub use source::StateStream;
-pub(super) use source::{Source, located, text_of, without_mark};
-pub(super) use table::{CsvRow, csv_rows};
+pub(super) use source::{Source, is_json, located, located_in, text_of, unreadable, without_mark};
+pub(super) use table::{CsvRow, csv_rows, empty};
 
 /// The longest rotation vector, in radians: beyond it a double resolves less than 1e-8 rad.
 pub const MAX_ROTATION: f64 = 1e8;

@@ -20,7 +20,7 @@ pub(in crate::scene) enum Source<'a> {
 
 impl<'a> Source<'a> {
     /// The text from a byte on.
-    pub(super) fn reader(self, start: u64) -> io::Result<Box<dyn BufRead + 'a>> {
+    pub(in crate::scene) fn reader(self, start: u64) -> io::Result<Box<dyn BufRead + 'a>> {
         match self {
             Self::Text(text) => {
                 let start = usize::try_from(start).unwrap_or(usize::MAX);
@@ -135,24 +135,24 @@ impl StateStream {
         if let Some(error) = failure {
             return Err(error);
         }
-        read.map_err(|error| E::from(self.located(error)))
-    }
-
-    /// The error with its place shown.
-    fn located(&self, error: Diagnostic) -> Diagnostic {
-        let name = self.path.display().to_string();
-        let mut errors = [error];
-        match Source::File(&self.path).reader(0) {
-            Ok(reader) => Diagnostic::attach(&mut errors, &name, reader),
-            Err(_) => Diagnostic::attach(&mut errors, &name, io::empty()),
-        }
-        let [error] = errors;
-        error
+        read.map_err(|error| E::from(located_in(&self.path, error)))
     }
 }
 
+/// An error in a file, with its place shown.
+pub(in crate::scene) fn located_in(path: &Path, error: Diagnostic) -> Diagnostic {
+    let name = path.display().to_string();
+    let mut errors = [error];
+    match Source::File(path).reader(0) {
+        Ok(reader) => Diagnostic::attach(&mut errors, &name, reader),
+        Err(_) => Diagnostic::attach(&mut errors, &name, io::empty()),
+    }
+    let [error] = errors;
+    error
+}
+
 /// Whether a file of `what` is JSON rather than CSV, by its ending.
-fn is_json(path: &Path, what: &str) -> Result<bool> {
+pub(in crate::scene) fn is_json(path: &Path, what: &str) -> Result<bool> {
     let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
     match ending.as_ref().and_then(|ending| ending.to_str()) {
         Some("csv") => Ok(false),
@@ -168,7 +168,7 @@ fn is_json(path: &Path, what: &str) -> Result<bool> {
 }
 
 /// A file that cannot be read.
-pub(super) fn unreadable(error: &io::Error) -> Diagnostic {
+pub(in crate::scene) fn unreadable(error: &io::Error) -> Diagnostic {
     let message = format!("cannot be read: {error}");
     Diagnostic::error(Code::Unreadable, Span::default(), message, "")
         .help("check the path and its permissions")

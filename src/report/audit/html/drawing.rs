@@ -1,6 +1,7 @@
 //! The isometric drawing of a scene: nodes, triads, connectors coloured by verdict.
 
 use super::figure::{Place, rendered};
+use super::labels::Labels;
 use crate::audit::Verdict;
 use crate::evaluate::Model;
 use crate::scene::{End, Label, Scene};
@@ -23,8 +24,11 @@ const MARGIN: f64 = 100.0;
 /// The height of what is drawn at most.
 const HEIGHT: f64 = 330.0;
 
-/// From one name to the next below it.
-const LINE: f64 = 14.0;
+/// The width of a letter of the name of a connector, and of a node.
+const LETTER: [f64; 2] = [7.4, 5.9];
+
+/// The nodes at each place of the page: their numbers, whether they are all ground, the place.
+type Spots = BTreeMap<[i64; 2], (Vec<String>, bool, [f64; 2])>;
 
 /// A connector or constraint to be drawn.
 struct Piece {
@@ -45,6 +49,7 @@ struct Link {
     to: [f64; 2],
 }
 
+#[derive(PartialEq)]
 struct AxisLine {
     name: u8,
     is_named: bool,
@@ -105,7 +110,7 @@ impl Drawing {
                 title,
                 is_constraint: false,
                 ends: [end(End::A), end(End::B)],
-                triads: Some(element.triads),
+                triads: Some(element.triads().map(|triad| *triad)),
                 nodes: element.nodes,
             });
         }
@@ -172,8 +177,8 @@ impl Drawing {
         };
         let arm = 24.0 / fit;
         let is_small = self.pieces.len() <= NAMED;
-        let mut shown: BTreeMap<[i64; 2], (Vec<String>, bool, [f64; 2])> = BTreeMap::new();
-        let (mut links, mut triads, mut names) = (Vec::new(), Vec::new(), Vec::new());
+        let mut shown: Spots = BTreeMap::new();
+        let (mut links, mut triads, mut names) = (Vec::new(), Vec::<AxisLine>::new(), Vec::new());
         for piece in &self.pieces {
             let [from, to] = piece.ends.map(on_page);
             let name = piece.verdict.map_or("not audited", Verdict::name);
@@ -186,24 +191,9 @@ impl Drawing {
                 from,
                 to,
             });
-            if is_small {
-                let mut at = if is_point {
-                    [from[0] + 13.0, from[1] - 12.0]
-                } else {
-                    [(from[0] + to[0]) / 2.0 + 7.0, (from[1] + to[1]) / 2.0 - 7.0]
-                };
-                // What would stand on another name stands above it.
-                let is_taken = |at: [f64; 2], name: &Name| {
-                    (name.at[0] - at[0]).abs() < 90.0 && (name.at[1] - at[1]).abs() < LINE - 1.0
-                };
-                while names.iter().any(|name| is_taken(at, name)) {
-                    at[1] -= LINE;
-                }
-                names.push(Name { class: "label", text: piece.title.clone(), at });
-            }
             for end in 0..2 {
                 if let Some(all) = &piece.triads {
-                    triads.extend((0..3).map(|i| {
+                    let axes = (0..3).map(|i| {
                         let tip = |part: f64| {
                             on_page(add(piece.ends[end], scale(column(&all[end], i), arm * part)))
                         };
@@ -214,7 +204,13 @@ impl Drawing {
                             to: tip(1.0),
                             label: tip(1.35),
                         }
-                    }));
+                    });
+                    // Coincident nodes with the same directions show one triad.
+                    for axis in axes {
+                        if !triads.contains(&axis) {
+                            triads.push(axis);
+                        }
+                    }
                 }
                 let at = on_page(piece.ends[end]);
                 let spot =
@@ -226,18 +222,14 @@ impl Drawing {
                 }
             }
         }
+        if is_small {
+            names = named(&self.pieces, &links, &triads, &shown, [WIDTH, height]);
+        }
         let nodes = shown.values().map(|(labels, is_ground, at)| Dot {
             title: format!("node {}", labels.join(", ")),
             is_ground: *is_ground,
             at: *at,
         });
-        if is_small {
-            names.extend(shown.values().map(|(labels, _, at)| Name {
-                class: "minor",
-                text: labels.join(", "),
-                at: [at[0] - 5.0, at[1] + 27.0],
-            }));
-        }
         let origin = [50.0, height - 40.0];
         let axes = (0..3).map(|i| {
             let mut unit = [0.0; 3];
@@ -267,6 +259,42 @@ impl Drawing {
         };
         rendered(&page)
     }
+}
+
+/// The names of connectors and nodes, each where it covers least; `pieces` and `links` are in one order.
+fn named(pieces: &[Piece], links: &[Link], triads: &[AxisLine], shown: &Spots, size: [f64; 2]) -> Vec<Name> {
+    let mut labels = Labels::new(size);
+    for Link { is_point, from, to, .. } in links {
+        if *is_point {
+            labels.spot(*from, 10.0);
+        } else {
+            labels.line(*from, *to);
+        }
+    }
+    for axis in triads {
+        labels.line(axis.from, axis.to);
+        labels.spot([axis.label[0], axis.label[1] - 3.0], 4.0);
+    }
+    for (_, _, at) in shown.values() {
+        labels.spot(*at, 4.0);
+    }
+    // The axes of space in the corner.
+    labels.spot([50.0, size[1] - 40.0], 45.0);
+    let width = |text: &str, letter: f64| text.chars().count() as f64 * letter;
+    let mut names = Vec::new();
+    for (piece, Link { is_point, from, to, .. }) in pieces.iter().zip(links) {
+        let along = |part: f64| [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
+        let points: Vec<[f64; 2]> =
+            if *is_point { vec![*from] } else { [0.5, 0.42, 0.58, 0.34, 0.66].map(along).into() };
+        let at = labels.place(&points, width(&piece.title, LETTER[0]));
+        names.push(Name { class: "label", text: piece.title.clone(), at });
+    }
+    for (numbers, _, at) in shown.values() {
+        let text = numbers.join(", ");
+        let at = labels.place(&[*at], width(&text, LETTER[1]));
+        names.push(Name { class: "minor", text, at });
+    }
+    names
 }
 
 /// The class of a verdict in style sheets: its name as it is serialised.

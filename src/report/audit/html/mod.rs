@@ -3,6 +3,7 @@
 
 mod drawing;
 mod figure;
+mod labels;
 mod page;
 
 use crate::audit::{Illustration, Report, Verdict};

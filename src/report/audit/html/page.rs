@@ -7,8 +7,9 @@ use crate::audit::assembly::Assembly;
 use crate::audit::coverage::Histogram;
 use crate::audit::model::ModelReport;
 use crate::audit::oracle::Shares;
-use crate::audit::{Against, Approach, Check, Quantity, Report, Subject, U, Verdict};
-use crate::report::audit::summary::{self, Row, count, detectable, headline, is_sharp, symbols, telling};
+use crate::audit::{Against, Approach, Cause, Check, Quantity, Report, Subject, U, Verdict};
+use crate::grammar::count;
+use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, symbols, telling};
 use askama::Template;
 use std::collections::BTreeMap;
 use std::io;
@@ -120,6 +121,20 @@ struct ScoreRow {
     percent: String,
 }
 
+/// Mutants with one kind of mistake.
+struct KindRow {
+    name: String,
+    code: &'static str,
+    killed: u64,
+    decisive: u64,
+    survived: u64,
+    equivalent: u64,
+    below: u64,
+    by_laws: u64,
+    share: f64,
+    percent: String,
+}
+
 struct OracleRow {
     name: &'static str,
     meaning: &'static str,
@@ -157,6 +172,7 @@ struct PageTemplate {
     confirmed: String,
     detectable: String,
     scores: Vec<ScoreRow>,
+    kinds: Vec<KindRow>,
     survivors: Vec<String>,
     environment: Vec<(&'static str, String)>,
     oracles: Vec<OracleRow>,
@@ -166,7 +182,7 @@ struct PageTemplate {
 pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<String> {
     let test = summary::self_test(report);
     let outcome = headline(report);
-    let failed = report.mismatches() > 0 || report.survivors() > 0;
+    let failed = summary::failed(report);
     let (tone, sign) = match (failed, report.undecided() > 0) {
         (true, _) => ("bad", "✗"),
         (false, true) => ("open", "?"),
@@ -211,6 +227,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         confirmed: confirmed(report),
         detectable: strip(report),
         scores: scores(report),
+        kinds: kinds(report),
         survivors: survivors(report),
         environment: environment(report, supplement),
         oracles: oracles(report),
@@ -238,6 +255,12 @@ fn sections(page: &PageTemplate) -> Vec<(&'static str, &'static str)> {
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// With a capital and a full stop.
+fn sentence(text: &str) -> String {
+    let stop = if text.ends_with(['.', '!', '?', ':']) { "" } else { "." };
+    capital(text) + stop
 }
 
 /// A count with thin spaces between thousands.
@@ -344,8 +367,12 @@ fn model(found: &ModelReport) -> ModelSection {
                     severity,
                     code: finding.code().as_str(),
                     place: format!("{}{line}", finding.file()),
-                    message: capital(finding.message()),
-                    reason: finding.reason().to_string(),
+                    message: sentence(finding.message()),
+                    reason: if finding.reason().is_empty() {
+                        String::new()
+                    } else {
+                        sentence(finding.reason())
+                    },
                     remedy: finding.remedy().to_string(),
                 }
             })
@@ -387,9 +414,9 @@ fn coverage(found: &ModelReport) -> Option<CoverageSection> {
     Some(CoverageSection {
         scene: found.scene.clone(),
         summary: format!(
-            "{} samples, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
+            "{}, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
              away from the initial state in {}.",
-            grouped(coverage.samples),
+            count(coverage.samples, "sample"),
             of(coverage.both_turned, coverage.could_turn_both),
             of(coverage.deformed, coverage.could_deform),
             of(coverage.away, coverage.samples)
@@ -574,13 +601,38 @@ fn scores(report: &Report) -> Vec<ScoreRow> {
     }
     let mut rows: Vec<ScoreRow> = by_check.into_values().collect();
     for row in &mut rows {
-        if row.decisive > 0 {
-            row.share = 100.0 * row.killed as f64 / row.decisive as f64;
-            row.percent = format!("{:.1} %", row.share);
-        }
+        (row.share, row.percent) = share(row.killed, row.decisive);
     }
     rows.retain(|row| row.decisive + row.equivalent + row.below > 0);
     rows
+}
+
+/// The part of mutants that was noticed, in percent: as a number, and in words.
+fn share(killed: u64, decisive: u64) -> (f64, String) {
+    if decisive == 0 {
+        return (0.0, String::new());
+    }
+    let share = 100.0 * killed as f64 / decisive as f64;
+    (share, format!("{share:.1} %"))
+}
+
+fn kinds(report: &Report) -> Vec<KindRow> {
+    let row = |(cause, OfKind { by_oracles, by_laws }): (Cause, OfKind)| {
+        let (share, percent) = share(by_oracles.killed, by_oracles.decisive());
+        KindRow {
+            name: capital(cause.meaning()),
+            code: cause.code().as_str(),
+            killed: by_oracles.killed,
+            decisive: by_oracles.decisive(),
+            survived: by_oracles.survived,
+            equivalent: by_oracles.equivalent,
+            below: by_oracles.below_resolution,
+            by_laws,
+            share,
+            percent,
+        }
+    };
+    summary::by_mistake(report).into_iter().map(row).collect()
 }
 
 fn survivors(report: &Report) -> Vec<String> {

@@ -4,15 +4,16 @@
 //! Derivatives are those at independent angles of the hinges: where a state does not give them, the angles that the rotations
 //! imply are held.
 
+mod mistakes;
+
 use super::bound::scales;
 use super::case::turn;
 use super::engine::Settings;
-use super::mutant::Mistake;
 use super::oracle::Oracle;
-use super::outcome::{Against, Check};
+use super::outcome::Check;
 use super::quantity::Quantity;
-use super::sheet::{Change, Entry, Sheet};
-use super::verdict::Score;
+use super::sheet::{Entry, Sheet};
+use super::verdict::Verdict;
 use crate::connector::{Output, Request, Tally, Turns};
 use crate::measure::Unit;
 use crate::mpc::{
@@ -75,6 +76,26 @@ impl MpcCase {
         if !settings.oracles.contains(&Oracle::WideDifferences) {
             return Vec::new();
         }
+        let (mut sheets, nearness) = self.judged();
+        if let Some(planted) = settings.planted {
+            sheets.iter_mut().for_each(|sheet| planted.spoil_sheet(sheet));
+        }
+        let needs = |sheet: &Sheet| proves || sheet.judge(nearness).verdict == Verdict::Wrong;
+        if sheets.iter().any(needs) {
+            self.add_mistakes(&mut sheets);
+        }
+        sheets.iter().map(|sheet| sheet.check(nearness, proves, &self.name, None)).collect()
+    }
+
+    /// The numbers at this state, and what they must be: equations, their derivatives, rates and accelerations.
+    pub fn sheets(&self) -> Vec<Sheet> {
+        let mut sheets = self.judged().0;
+        self.add_mistakes(&mut sheets);
+        sheets
+    }
+
+    /// The numbers, and min(1, distance to the nearest singular set).
+    fn judged(&self) -> (Vec<Sheet>, f64) {
         let request = Request::everything(2);
         let tally = &mut Tally::default();
         let got = self.constraint.evaluate(&self.state, &self.before, &self.turning, &request, tally);
@@ -86,24 +107,12 @@ impl MpcCase {
         let mut state = exact(&self.state);
         state.angles = got.taken.map(|angle| Some(Wide::from_f64(angle)));
         let truth = Truth { constraint: self.constraint.exact(), state, sizes: self.sizes(), nearness };
-        let sheets = self.sheets(&got, &truth);
-        let mut checks = Vec::new();
-        for sheet in sheets.into_iter().filter(|sheet| !sheet.entries.is_empty()) {
-            let score = if proves && nearness > 0.0 {
-                let mut mistakes = sheet.mistakes();
-                mistakes.extend(row_mistakes(&sheet, &self.constraint));
-                sheet.try_mistakes(&mistakes)
-            } else {
-                Score::default()
-            };
-            let mut check = Check::new(Some(sheet.quantity), Against::Oracle(Oracle::WideDifferences));
-            check.add_at(sheet.judge(nearness), score, &self.name, None);
-            checks.push(check);
-        }
-        checks
+        let mut sheets = self.sheets_of(&got, &truth);
+        sheets.retain(|sheet| !sheet.entries.is_empty());
+        (sheets, nearness)
     }
 
-    fn sheets(&self, got: &Evaluation<f64>, truth: &Truth) -> Vec<Sheet> {
+    fn sheets_of(&self, got: &Evaluation<f64>, truth: &Truth) -> Vec<Sheet> {
         let kind = self.constraint.kind();
         let rows: Vec<usize> = (0..ROWS).filter(|row| self.constraint.rows()[*row]).collect();
         let value = truth.values(&[Wide::zero(); DOFS]);
@@ -117,7 +126,7 @@ impl MpcCase {
             Quantity::Rate,
             Quantity::Acceleration,
         ]
-        .map(|quantity| Sheet { quantity, entries: Vec::new() })
+        .map(Sheet::new)
         .into();
         for row in rows {
             let name = kind.row_name(row);
@@ -153,17 +162,34 @@ impl MpcCase {
             ];
             for ((sheet, scales), (got, want)) in sheets.iter_mut().zip(scales).zip(numbers) {
                 let column = |j: usize| kind.column_name(j);
+                let units = |j: usize| match j {
+                    XS..THETA_S | XM..THETA_M => 0,
+                    PSI_S | PSI_M => 2,
+                    _ => 1,
+                };
+                sheet.rows.push(match sheet.quantity {
+                    Quantity::FirstDerivatives => format!("∂{name}"),
+                    Quantity::SecondDerivatives => format!("∂²{name}"),
+                    Quantity::Rate => format!("d{name}/dt"),
+                    Quantity::Acceleration => format!("d²{name}/dt²"),
+                    _ => name.to_string(),
+                });
+                if sheet.quantity == Quantity::FirstDerivatives {
+                    sheet.columns = (0..DOFS).map(|j| column(j).to_string()).collect();
+                }
                 for (i, ((got, want), scale)) in got.into_iter().zip(want).zip(scales).enumerate() {
-                    let name = match sheet.quantity {
-                        Quantity::FirstDerivatives => format!("∂{name}/∂{}", column(i)),
+                    let (x, y) = (i / DOFS, i % DOFS);
+                    let row_name = sheet.rows.last().cloned().unwrap_or_default();
+                    let (name, class) = match sheet.quantity {
+                        Quantity::FirstDerivatives => (format!("{row_name}/∂{}", column(i)), (units(i), 0)),
                         Quantity::SecondDerivatives => {
-                            format!("∂²{name}/∂{}∂{}", column(i / DOFS), column(i % DOFS))
+                            let [less, more] = [units(x).min(units(y)), units(x).max(units(y))];
+                            (format!("{row_name}/∂{}∂{}", column(x), column(y)), (less, more))
                         }
-                        Quantity::Rate => format!("d{name}/dt"),
-                        Quantity::Acceleration => format!("d²{name}/dt²"),
-                        _ => name.to_string(),
+                        _ => (row_name, (0, 0)),
                     };
-                    sheet.entries.push(Entry::new(name, got, want, scale));
+                    let class = (row / 3, class.0, class.1);
+                    sheet.entries.push(Entry::new(name, got, want, scale, class));
                 }
             }
         }
@@ -171,34 +197,8 @@ impl MpcCase {
     }
 }
 
-/// Mistakes in rows: nodes exchanged, the sign of one, rotations halved, equations exchanged.
-fn row_mistakes(sheet: &Sheet, constraint: &Constraint<f64>) -> Vec<Change> {
-    let mut found = Vec::new();
-    if sheet.quantity != Quantity::FirstDerivatives {
-        return found;
-    }
-    let rows = constraint.rows().iter().filter(|row| **row).count();
-    let at = |row: usize, j: usize| sheet.entries.get(row * DOFS + j).map_or(0.0, |entry| entry.got);
-    for row in 0..rows {
-        let all = |f: &dyn Fn(usize) -> f64, columns: std::ops::Range<usize>| -> Vec<(usize, f64)> {
-            columns.map(|j| (row * DOFS + j, f(j))).collect()
-        };
-        let mut add = |mistake, changes| found.push(Change { mistake, changes });
-        add(Mistake::NodesSwapped, all(&|j| at(row, (j + XM) % PHI), 0..PHI));
-        add(Mistake::SameSignForBoth, all(&|j| -at(row, j), XM..PHI));
-        add(Mistake::RotationHalved, all(&|j| at(row, j) / 2.0, THETA_S..PSI_S));
-        add(Mistake::DegreesForRadians, all(&|j| at(row, j).to_radians(), THETA_M..PSI_M));
-        for other in 0..row {
-            let mut changes = all(&|j| at(other, j), 0..DOFS);
-            changes.extend((0..DOFS).map(|j| (other * DOFS + j, at(row, j))));
-            add(Mistake::RowsSwapped, changes);
-        }
-    }
-    found
-}
-
-/// The same state on 237-bit numbers.
-fn exact(state: &State<f64>) -> State<Wide> {
+/// The same state on 237-bit numbers, from the same doubles.
+pub fn exact(state: &State<f64>) -> State<Wide> {
     let body = |body: &Body<f64>| Body {
         displacement: vector::exact(body.displacement),
         rotation: vector::exact_matrix(&body.rotation),
@@ -214,8 +214,9 @@ fn exact(state: &State<f64>) -> State<Wide> {
 }
 
 /// The state with its degrees of freedom moved by finite amounts: u + δx, exp(δθ^) C, Ψ + δΨ, φ + δφ.
-fn moved(state: &State<Wide>, by: &Dofs<Wide>) -> State<Wide> {
-    let body = |body: &Body<Wide>, at: usize| Body {
+/// Written apart from the product's variations.
+pub fn moved<R: Real>(state: &State<R>, by: &Dofs<R>) -> State<R> {
+    let body = |body: &Body<R>, at: usize| Body {
         displacement: add(body.displacement, [by[at], by[at + 1], by[at + 2]]),
         rotation: product(&turn([by[at + 3], by[at + 4], by[at + 5]]), &body.rotation),
         flow: body.flow + by[at + 6],

@@ -1,0 +1,225 @@
+//! Time and memory of every phase of a run, from a thousand connectors to a million: `taskset -c 3 cargo bench --bench scale [CONNECTORS]`.
+//!
+//! A chain of connectors of every type, read from a file, evaluated at one state and written. What is linear is the same number in every
+//! column: microseconds for each connector, the least of rounds; bytes for each connector, those that a phase leaves and the most that it
+//! takes while it is at work. Memory is asserted to be linear; times are for reading.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
+
+#[path = "../verify/scale/chain.rs"]
+mod chain;
+
+use peak_alloc::PeakAlloc;
+use pintle::connector::{Output, Request};
+use pintle::evaluate::{Fixed, Item, Jacobian, Model, Plan, Selection, Sequence};
+use pintle::report::{Block, Format, Subject, csv::Csv, json::Json, matrix_market};
+use pintle::scene::{Diagnostic, NodeMotion, Rotation, Scene, State, StateStream};
+use std::convert::Infallible;
+use std::fs::File;
+use std::hint::black_box;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// How far bytes for each connector may be from one size to another: tables double in size.
+const LINEAR: f64 = 1.6;
+
+/// What a phase took, for each connector.
+struct Cost {
+    phase: &'static str,
+    seconds: f64,
+    held: f64,
+    most: f64,
+}
+
+struct Meter {
+    connectors: f64,
+    costs: Vec<Cost>,
+}
+
+impl Meter {
+    fn of<T>(&mut self, phase: &'static str, work: impl FnOnce() -> T) -> T {
+        let before = MEMORY.current_usage() as f64;
+        MEMORY.reset_peak_usage();
+        let start = Instant::now();
+        let made = work();
+        let seconds = start.elapsed().as_secs_f64();
+        let per = |bytes: usize| (bytes as f64 - before) / self.connectors;
+        let (held, most) = (per(MEMORY.current_usage()), per(MEMORY.peak_usage()));
+        match self.costs.iter_mut().find(|cost| cost.phase == phase) {
+            Some(known) => known.seconds = known.seconds.min(seconds),
+            None => self.costs.push(Cost { phase, seconds, held, most }),
+        }
+        made
+    }
+}
+
+fn temporary(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+/// The files of a chain and of one state of it.
+fn files(connectors: usize) -> [PathBuf; 2] {
+    let [deck, states] = ["scale.inp", "scale.csv"].map(temporary);
+    std::fs::write(&deck, chain::deck(connectors, &chain::types(), "")).unwrap();
+    let mut out = BufWriter::new(File::create(&states).unwrap());
+    writeln!(out, "state,time,node,u1,u2,u3,ur1,ur2,ur3,v1,v2,v3").unwrap();
+    for (node, motion) in &chain::state(1, connectors + 1).nodes {
+        let NodeMotion { displacement: [u1, u2, u3], velocity: [v1, v2, v3], .. } = motion;
+        let Rotation::Vector([r1, r2, r3]) = motion.rotation else { panic!("{node}") };
+        writeln!(out, "1,0.125,{node},{u1},{u2},{u3},{r1},{r2},{r3},{v1},{v2},{v3}").unwrap();
+    }
+    out.flush().unwrap();
+    [deck, states]
+}
+
+/// Evaluates a state and writes what is planned; the number of connectors written.
+fn write(scene: &Scene, model: &Model, plan: &Plan, state: &State, format: &mut dyn Format) -> usize {
+    let mut sequence = Sequence::new(model, plan);
+    format.begin().unwrap();
+    format.scene(&Subject { scene, model, plan, states: 1, shown: &[], first: 0, last: 0 }).unwrap();
+    format.state(0, state.time).unwrap();
+    let render = format.renderer();
+    let mut count = 0;
+    let digest = |item: Item| match item {
+        Item::Connector(result) => {
+            let block = Block::of_connector(model, &plan.request, &result);
+            (block.kind, render(&block).unwrap())
+        }
+        Item::Mpc(_) => panic!("a chain has no MPC"),
+    };
+    let put = |(kind, text): (_, Vec<u8>)| {
+        count += 1;
+        format.rendered(kind, &text)
+    };
+    sequence.visit_digested(state, digest, put).unwrap();
+    format.end_state().unwrap();
+    format.end_scene(sequence.tally()).unwrap();
+    format.end().unwrap();
+    count
+}
+
+fn measure(connectors: usize) -> Meter {
+    let rounds = (200_000 / connectors).clamp(1, 5);
+    let mut meter = Meter { connectors: connectors as f64, costs: Vec::new() };
+    let [deck, states] = files(connectors);
+    for _ in 0..rounds {
+        let scene = meter.of("read the deck", || Scene::read(&deck)).unwrap();
+        let model = meter.of("resolve the model", || Model::compile(&scene)).unwrap();
+        let state = meter.of("read a state", || {
+            let mut read = None;
+            let stream = StateStream::open(&states).unwrap();
+            stream.for_each(&scene, |state| -> Result<(), Diagnostic> {
+                read = Some(state);
+                Ok(())
+            })?;
+            Ok::<State, Diagnostic>(read.unwrap())
+        });
+        let state = state.unwrap();
+        let outputs = [Output::CP, Output::CU, Output::CV, Output::RES];
+        let plan = |order| {
+            let request = Request::new(&outputs, [true; 6], order);
+            Plan::compile(&model, &Selection::All, request).unwrap()
+        };
+        let plan_of = meter.of("plan", || plan(0));
+        drop(meter.of("begin a walk", || Sequence::new(&model, &plan_of)));
+        for (phase, order) in [("evaluate, order 0", 0), ("evaluate, order 1", 1), ("evaluate, order 2", 2)] {
+            let plan = plan(order);
+            let mut sequence = Sequence::new(&model, &plan);
+            let mut count = 0;
+            let Ok(()) = meter.of(phase, || {
+                sequence.visit(&state, |item| -> Result<(), Infallible> {
+                    black_box(item);
+                    count += 1;
+                    Ok(())
+                })
+            });
+            assert_eq!(count, connectors);
+        }
+        let jacobian = meter
+            .of("pattern of the Jacobian", || Jacobian::of_constraints(&model, &plan_of, &Fixed::none()));
+        let mut values = Vec::with_capacity(jacobian.entries());
+        let nothing = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+        let mut sequence = Sequence::new(&model, &nothing);
+        meter.of("fill the Jacobian", || sequence.assemble(&state, &jacobian, &mut values)).unwrap();
+        assert!(values.iter().filter(|value| **value != 0.0).count() > connectors);
+        let mut sink = io::sink();
+        meter
+            .of("write it as Matrix Market", || {
+                matrix_market::write(&mut sink, "a chain", &model, &jacobian, &values)
+            })
+            .unwrap();
+        drop((jacobian, values, sequence));
+        for (phase, is_json, order) in [
+            ("evaluate, CSV, order 0", false, 0),
+            ("evaluate, CSV, order 1", false, 1),
+            ("evaluate, JSON, order 1", true, 1),
+        ] {
+            let plan = plan(order);
+            let written = meter.of(phase, || {
+                let mut sink: Box<dyn Write> = Box::new(io::sink());
+                let mut format: Box<dyn Format> = match is_json {
+                    true => Box::new(Json::new(&mut sink)),
+                    false => Box::new(Csv::new(&mut sink, outputs.to_vec(), order)),
+                };
+                write(&scene, &model, &plan, &state, format.as_mut())
+            });
+            assert_eq!(written, connectors);
+        }
+    }
+    meter
+}
+
+fn main() {
+    let most: usize = std::env::args().filter_map(|word| word.parse().ok()).next().unwrap_or(1_000_000);
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
+    let sizes: Vec<usize> =
+        [1000, 10_000, 100_000, 1_000_000].into_iter().filter(|size| *size < most).chain([most]).collect();
+    let meters: Vec<Meter> = sizes.iter().map(|size| measure(*size)).collect();
+    let columns = |head: &str| format!("{head:^width$}", width = 9 * sizes.len());
+    println!("a chain of connectors of every type, one thread; for each connector:");
+    println!(
+        "{:28}{}  {}  {}",
+        "",
+        columns("microseconds"),
+        columns("bytes that it leaves"),
+        columns("bytes while at work")
+    );
+    let heads: String = sizes.iter().map(|size| format!("{:>9}", format!("{size:e}"))).collect();
+    println!("{:28}{heads}  {heads}  {heads}", "connectors");
+    for (at, Cost { phase, .. }) in meters[0].costs.iter().enumerate() {
+        let costs = || meters.iter().map(|meter| (&meter.costs[at], meter.connectors));
+        let line = |of: &dyn Fn(&Cost, f64) -> String| -> String {
+            costs().map(|(cost, connectors)| format!("{:>9}", of(cost, connectors))).collect()
+        };
+        println!(
+            "{phase:28}{}  {}  {}",
+            line(&|cost, connectors| format!("{:.3}", 1e6 * cost.seconds / connectors)),
+            line(&|cost, _| format!("{:.0}", cost.held)),
+            line(&|cost, _| format!("{:.0}", cost.most)),
+        );
+    }
+    let largest = meters.last().unwrap();
+    for cost in largest.costs.iter().filter(|cost| cost.phase.starts_with("evaluate")) {
+        println!(
+            "{}: {:.3e} connectors per second, of {:e}",
+            cost.phase,
+            largest.connectors / cost.seconds,
+            largest.connectors
+        );
+    }
+    for (meter, next) in meters.iter().zip(&meters[1..]) {
+        for (cost, next_cost) in meter.costs.iter().zip(&next.costs) {
+            let [few, many] = [cost.most, next_cost.most].map(|bytes| bytes.max(8.0));
+            assert!(
+                many < LINEAR * few || many < 100.0,
+                "{}: {few:.0} bytes for each of {} connectors, {many:.0} for each of {}",
+                cost.phase,
+                meter.connectors,
+                next.connectors
+            );
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Forces from JSON, as they are read.
+
+use super::{ElementForces, ForceSign, Group, Owner, StateForces, Take};
+use crate::scene::diagnostic::{Code, Result};
+use crate::scene::model::Scene;
+use crate::scene::states::{self, Context, Fault, Source};
+use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use std::cell::{Cell, RefCell};
+use std::fmt;
+
+const SCHEMA: &str = "pintle-forces/1";
+
+/// What becomes of the forces of a state: a fault stops the reading, and none does so too.
+type Each<'a> = dyn Fn(Group) -> Result<(), Option<Fault>> + 'a;
+
+#[derive(Clone, Copy)]
+struct JsonFile<'a> {
+    context: Context<'a>,
+    sign: ForceSign,
+    each: &'a Each<'a>,
+}
+
+/// Hands on the forces of a document, state by state.
+pub(super) fn groups(source: Source<'_>, scene: &Scene, sign: ForceSign, take: &mut Take<'_>) -> Result<()> {
+    let form = format!(
+        "{{\"schema\": \"{SCHEMA}\", \"states\": [{{\"state\": 0, \"forces\": {{\"101\": {{\"f1\": 0}}}}}}]}}"
+    );
+    let take = RefCell::new(take);
+    let (count, stopped) = (Cell::new(0_u64), Cell::new(false));
+    let each = |group: Group| {
+        count.set(count.get() + 1);
+        stopped.set(take.borrow_mut()(group).is_break());
+        if stopped.get() { Err(None) } else { Ok(()) }
+    };
+    let read = match source {
+        Source::Text(text) => {
+            let mut reader = serde_json::Deserializer::from_str(text);
+            states::read_json(&mut reader, source, scene, &form, None, |context, reader| {
+                JsonFile { context, sign, each: &each }.deserialize(reader)
+            })
+        }
+        Source::File(_) => {
+            let file = source.reader(0).map_err(|error| states::unreadable(&error))?;
+            let mut reader = serde_json::Deserializer::from_reader(file);
+            states::read_json(&mut reader, source, scene, &form, None, |context, reader| {
+                JsonFile { context, sign, each: &each }.deserialize(reader)
+            })
+        }
+    };
+    if stopped.get() {
+        return Ok(());
+    }
+    read?;
+    if count.get() == 0 { Err(states::empty("states")) } else { Ok(()) }
+}
+
+/// The forces of one state by element number.
+pub(in crate::scene) struct JsonForces<'a> {
+    pub(in crate::scene) context: Context<'a>,
+    pub(in crate::scene) sign: ForceSign,
+}
+
+struct JsonGroups<'a>(JsonFile<'a>);
+
+struct JsonGroup<'a>(JsonFile<'a>);
+
+struct JsonElement<'a> {
+    context: Context<'a>,
+    sign: ForceSign,
+}
+
+macro_rules! seed {
+    ($name:ident, $output:ty, $method:ident) => {
+        impl<'de> DeserializeSeed<'de> for $name<'_> {
+            type Value = $output;
+            fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<$output, D::Error> {
+                deserializer.$method(self)
+            }
+        }
+    };
+}
+
+seed!(JsonFile, (), deserialize_map);
+seed!(JsonGroups, (), deserialize_seq);
+seed!(JsonGroup, Group, deserialize_map);
+seed!(JsonForces, StateForces, deserialize_map);
+seed!(JsonElement, ElementForces, deserialize_map);
+
+impl<'de> Visitor<'de> for JsonFile<'_> {
+    type Value = ();
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object with `schema` and `states`")
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        let (mut schema, mut groups) = (false, None);
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "schema" => {
+                    states::once(schema, "schema")?;
+                    schema = true;
+                    let written: String = map.next_value()?;
+                    if written != SCHEMA {
+                        let message = format!("the schema is `{written}`");
+                        let remedy = format!("write \"schema\": \"{SCHEMA}\"");
+                        return Err(self.context.stop(Fault::new(Code::StatesMalformed, message, remedy)));
+                    }
+                }
+                "states" => {
+                    states::once(groups.is_some(), "states")?;
+                    groups = Some(map.next_value_seed(JsonGroups(self))?);
+                }
+                other => return Err(A::Error::unknown_field(other, &["schema", "states"])),
+            }
+        }
+        if !schema {
+            return Err(A::Error::missing_field("schema"));
+        }
+        groups.ok_or_else(|| A::Error::missing_field("states"))
+    }
+}
+
+impl<'de> Visitor<'de> for JsonGroups<'_> {
+    type Value = ();
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an array of states")
+    }
+    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<(), A::Error> {
+        while let Some(group) = sequence.next_element_seed(JsonGroup(self.0))? {
+            (self.0.each)(group).map_err(|fault| match fault {
+                Some(fault) => self.0.context.stop(fault),
+                None => A::Error::custom("stopped"),
+            })?;
+        }
+        Ok(())
+    }
+}
+
+impl<'de> Visitor<'de> for JsonGroup<'_> {
+    type Value = Group;
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object with `state` or `time`, and `forces`")
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Group, A::Error> {
+        let (mut group, mut forces) = (Group::default(), None);
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "state" => {
+                    states::once(group.state.is_some(), "state")?;
+                    group.state = Some(map.next_value()?);
+                }
+                "time" => {
+                    states::once(group.time.is_some(), "time")?;
+                    group.time = Some(map.next_value()?);
+                }
+                "forces" => {
+                    states::once(forces.is_some(), "forces")?;
+                    let JsonFile { context, sign, .. } = self.0;
+                    forces = Some(map.next_value_seed(JsonForces { context, sign })?);
+                }
+                other => return Err(A::Error::unknown_field(other, &["state", "time", "forces"])),
+            }
+        }
+        group.forces = forces.ok_or_else(|| A::Error::missing_field("forces"))?;
+        Ok(group)
+    }
+}
+
+impl<'de> Visitor<'de> for JsonForces<'_> {
+    type Value = StateForces;
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object with forces for each element number")
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let Self { context, sign } = self;
+        let mut found = StateForces::default();
+        while let Some(key) = map.next_key::<String>()? {
+            let owner = Owner::named(&key, context.scene);
+            let owner = owner.and_then(|owner| found.check(&owner).map(|()| owner));
+            let owner = owner.map_err(|fault| context.stop(fault))?;
+            found.insert(owner, map.next_value_seed(JsonElement { context, sign })?);
+        }
+        Ok(found)
+    }
+}
+
+impl<'de> Visitor<'de> for JsonElement<'_> {
+    type Value = ElementForces;
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object with f1, m2 …")
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<ElementForces, A::Error> {
+        let mut forces = ElementForces { sign: self.sign, ..ElementForces::default() };
+        while let Some(key) = map.next_key::<String>()? {
+            let value = map.next_value::<f64>()?;
+            forces.set(&key, value).map_err(|fault| self.context.stop(fault))?;
+        }
+        Ok(forces)
+    }
+}

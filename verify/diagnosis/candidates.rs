@@ -1,0 +1,134 @@
+//! A user's own routine, with each mistake of the catalogue planted in it: the report of `Candidate::check` says what it is.
+
+use super::said;
+use crate::audit::{at_rest, judged};
+use pintle::audit::diagnosis::Cause;
+use pintle::audit::mutant::{Mistake, Mutant, Scene, mutants};
+use pintle::audit::sample::{Draw, about_initial};
+use pintle::audit::{Candidate, Case, Given, Quantity, Settings, Step, Verdict};
+use pintle::connector::{Connector, Definition, Increment, State};
+use pintle::node::DOFS;
+use pintle::scene::Code;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a candidate gives.
+const GIVEN: [Quantity; 2] = [Quantity::Value, Quantity::FirstDerivatives];
+
+/// What one state does not tell: how often an angle went round before.
+const NOT_OF_A_STATE: Code = Code::DiagnosisTurnsForgotten;
+
+/// Of values, the sign of an entry is the sign of its component, which is named first.
+const SAME_AS_ITS_ROW: Code = Code::DiagnosisSignOfEntry;
+
+/// The largest number that it changes anything by.
+fn change(mutant: &Mutant, entries: &pintle::audit::Entries<f64>) -> f64 {
+    let moved = mutant.changes.iter().map(|(k, i, x)| (x - entries.get(*k, *i).unwrap()).abs());
+    moved.fold(0.0, f64::max)
+}
+
+/// The product's numbers at a state, with the mutant of a mistake in them that changes most.
+fn mistaken(connector: &Connector<f64>, case: &Case, quantity: Quantity, code: Code) -> Option<Given> {
+    let (numbers, bound, _) = judged(case);
+    let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
+    let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
+    let scene = Scene { numbers: &numbers, case, units, turns: [0.0; 6], scale: &scale };
+    let entries = numbers.entries(quantity);
+    let is_it = |mutant: &Mutant| {
+        Cause::of(mutant.mistake).code() == code
+            && !matches!(mutant.mistake, Mistake::Scaled(delta) if delta != 1e-2)
+    };
+    let made = mutants(quantity, &scene).into_iter().filter(is_it);
+    let wrong = made.max_by(|x, y| change(x, entries).total_cmp(&change(y, entries)))?;
+    if change(&wrong, entries) < 1e-6 {
+        return None;
+    }
+    let changed = wrong.applied(entries);
+    let mut values: [Option<f64>; 6] = std::array::from_fn(|k| numbers.entries(GIVEN[0]).get(k, 0));
+    let row = |k: usize| {
+        let row = numbers.entries(GIVEN[1]).0[k].clone()?;
+        <[f64; DOFS]>::try_from(row).ok()
+    };
+    let mut rows = std::array::from_fn(row);
+    for k in 0..6 {
+        match quantity {
+            Quantity::Value => values[k] = changed.get(k, 0),
+            _ => rows[k] = changed.0[k].clone().and_then(|row| row.try_into().ok()),
+        }
+    }
+    Some((values, rows))
+}
+
+/// The mistakes that can be made in a quantity of a connector.
+fn codes(definition: &Definition, quantity: Quantity) -> BTreeSet<Code> {
+    let case = about_initial(definition, 1, 1.0, "drawn".into(), &mut Draw::new("codes")).unwrap();
+    let connector = case.connector();
+    let (numbers, bound, _) = judged(&case);
+    let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
+    let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
+    let scene = Scene { numbers: &numbers, case: &case, units, turns: [1.0; 6], scale: &scale };
+    mutants(quantity, &scene).iter().map(|mutant| Cause::of(mutant.mistake).code()).collect()
+}
+
+#[test]
+fn every_mistake_in_a_users_routine_is_diagnosed_as_itself() {
+    let settings = Settings { states: 3, wide_states: 1, near_singular_states: 0, ..Settings::default() };
+    let mut tally: BTreeMap<(Quantity, &str), (usize, usize)> = BTreeMap::new();
+    for name in ["CARTESIAN", "CARDAN", "UJOINT"] {
+        let definition = at_rest(name);
+        let connector = Connector::<f64>::new(&definition);
+        let case = |state: &State<f64>| Case {
+            name: name.to_string(),
+            definition: definition.clone(),
+            start: None,
+            path: vec![Step { state: *state, increment: Increment::none() }],
+            length: 1.0,
+        };
+        for quantity in GIVEN {
+            for code in codes(&definition, quantity) {
+                let planted = std::cell::Cell::new(false);
+                let report = Candidate::new("mine", &definition).settings(settings.clone()).check(|state| {
+                    let case = case(state);
+                    mistaken(&connector, &case, quantity, code).inspect(|_| planted.set(true)).unwrap_or_else(
+                        || {
+                            let numbers = judged(&case).0;
+                            let row = |k: usize| numbers.entries(GIVEN[1]).0[k].clone()?.try_into().ok();
+                            (
+                                std::array::from_fn(|k| numbers.entries(GIVEN[0]).get(k, 0)),
+                                std::array::from_fn(row),
+                            )
+                        },
+                    )
+                });
+                if !planted.get() {
+                    continue;
+                }
+                let checks = &report.subjects[0].checks;
+                let told: Vec<_> = checks
+                    .iter()
+                    .filter(|check| check.quantity == Some(quantity) && check.verdict == Verdict::Wrong)
+                    .filter_map(|check| check.diagnosis.as_ref())
+                    .collect();
+                let counted = tally.entry((quantity, code.as_str())).or_default();
+                assert!(!told.is_empty(), "{name} {} {code}: nothing wrong", quantity.name());
+                for diagnosis in told {
+                    let what = format!("{name} {}, {code}:\n{}", quantity.name(), said(diagnosis));
+                    let first = diagnosis.causes.first().unwrap_or_else(|| panic!("{what}"));
+                    if first.code == code {
+                        counted.0 += 1;
+                    } else {
+                        assert!(first.also.contains(&code), "{what}");
+                        counted.1 += 1;
+                    }
+                }
+            }
+        }
+    }
+    for ((quantity, code), (first, besides)) in &tally {
+        let is_known = *quantity == Quantity::Value && *code == SAME_AS_ITS_ROW.as_str();
+        assert_eq!(*first > 0, !is_known, "{} {code}: never first, {besides} times besides", quantity.name());
+    }
+    // Every mistake that can be made in what a routine gives was made.
+    let made: BTreeSet<&str> = tally.keys().map(|(_, code)| *code).collect();
+    assert!(!made.contains(NOT_OF_A_STATE.as_str()));
+    assert!(made.len() >= 13, "{made:?}");
+}
