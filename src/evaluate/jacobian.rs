@@ -643,7 +643,7 @@ mod tests {
         let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::default());
         let element = &model.connectors[0];
         let still = crate::connector::State {
-            pair: Pair { ..element.definition.initial },
+            pair: Pair { ..element.definition().initial },
             velocity: [0.0; DOFS],
             acceleration: [0.0; DOFS],
         };

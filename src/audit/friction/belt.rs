@@ -291,7 +291,8 @@ impl BeltCase {
         let tension = if drawn < zero { second } else { first };
         let held = if tension > zero { tension } else { zero };
         let at_rest = limit(held, zero);
-        if !(at_rest > zero) {
+        let holds = at_rest > zero;
+        if !holds {
             return None;
         }
         let stiffness = match (kept, self.belt.stick_stiffness) {

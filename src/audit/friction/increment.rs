@@ -145,7 +145,7 @@ impl FrictionCase {
             }),
             slopes: Box::new(|j, h| partials(&friction.tangent(&self.before, &self.input(j, h), steady).1)),
             dual: Box::new(|| partials(&friction.tangent(&before, &self.input(0, Wide::zero()), on).1)),
-            mistaken: self.mistaken(&outcome, &got, partials_of),
+            mistaken: self.mistaken(&outcome, &got),
         };
         let scales = slopes.value_scales();
         let mut sheets = slopes.sheets(settings, wide);
@@ -156,15 +156,10 @@ impl FrictionCase {
     }
 
     /// The same numbers with mistakes in them.
-    fn mistaken(
-        &self,
-        outcome: &Outcome<f64>,
-        got: &[Vec<f64>],
-        of: fn(&Friction, &State<f64>, &Input<'_, f64>, Branch) -> Vec<Vec<f64>>,
-    ) -> Vec<(Mistake, Vec<Vec<f64>>)> {
+    fn mistaken(&self, outcome: &Outcome<f64>, got: &[Vec<f64>]) -> Vec<(Mistake, Vec<Vec<f64>>)> {
         let (friction, input) = (&self.friction, &self.input(0, 0.0));
         let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
-        let mut found = vec![(Mistake::StickForSlip, of(friction, &self.before, input, other))];
+        let mut found = vec![(Mistake::StickForSlip, partials_of(friction, &self.before, input, other))];
         let uncoupled = |row: &Vec<f64>| {
             let held = |(j, x): (usize, &f64)| if (6..12).contains(&j) { 0.0 } else { *x };
             row.iter().enumerate().map(held).collect()
@@ -172,7 +167,7 @@ impl FrictionCase {
         found.push((Mistake::CouplingMissing, got.iter().map(uncoupled).collect()));
         for (mistake, criterion) in friction.criterion.factor_mistakes() {
             let wrong = Friction { criterion, ..friction.clone() };
-            found.push((Mistake::from(mistake), of(&wrong, &self.before, input, Branch::Decided)));
+            found.push((Mistake::from(mistake), partials_of(&wrong, &self.before, input, Branch::Decided)));
         }
         found
     }

@@ -24,6 +24,7 @@ use super::engine::Settings;
 use super::mutant::Mistake;
 use super::oracle::Oracle;
 use super::outcome::Check;
+use super::quantity::Quantity;
 use super::sample::Draw;
 use super::sheet::Sheet;
 use crate::behavior::Conditions;
@@ -138,12 +139,14 @@ impl FrictionCase {
         &self.name
     }
 
-    /// The numbers at this state, and what they must be by differences on 237 bits: criterion, first and second derivatives, forces, tangent.
+    /// The numbers at this state, and what they must be by differences on 237 bits: the criterion, its first and second derivatives, the
+    /// tangent.
     pub fn sheets(&self) -> Vec<Sheet> {
         let settings = Settings { oracles: [Oracle::WideDifferences].into(), ..Settings::default() };
         let mut sheets = self.criterion_sheets(&settings, true);
         sheets.extend(self.increment_sheets(&settings, true));
-        sheets.into_iter().map(|(_, sheet)| sheet).collect()
+        let sheets = sheets.into_iter().map(|(_, sheet)| sheet);
+        sheets.filter(|sheet| sheet.quantity != Quantity::FrictionForce).collect()
     }
 
     /// All checks at this state, with mutants.

@@ -32,6 +32,9 @@ pub(super) struct Total<'a> {
     pub(super) length: f64,
 }
 
+/// A component that slides, with the slopes of its friction force by Δu, what presses, Δt, T2 and α.
+type Row<R> = (usize, [R; 6], [R; 6], R, R, R);
+
 /// Which branch an increment takes.
 type OnBranch = fn(&friction::Outcome<f64>) -> Branch;
 
@@ -163,8 +166,7 @@ impl Total<'_> {
         for (i, slip, before, outcome) in self.slips() {
             let state = exact_state(before);
             let frictions = &self.behavior.friction;
-            // By Δu, what presses, Δt, T2, α.
-            let mut rows: Vec<(usize, [R; 6], [R; 6], R, R, R)> = Vec::new();
+            let mut rows: Vec<Row<R>> = Vec::new();
             if let Some(friction) = frictions.frictions.get(i) {
                 let input = self.input(slip, before, j, h);
                 let tangent = friction.tangent_while(&state, &input, on(outcome), self.outcome.failed).1;
