@@ -402,7 +402,7 @@ fn what_is_neither_zero_nor_not_is_undecided() {
 /// The unit of length does not matter, nor where the origin is.
 #[test]
 fn units_and_origin_do_not_matter() {
-    for (unit, origin) in [(1e3, 0.0), (1e-3, 0.0), (1.0, 1e5)] {
+    for (unit, origin) in [(1e3, 0.0), (1e-3, 0.0), (1.0, 1e5), (1.0, 12_345.678), (1e3, 1e9)] {
         let mut deck = four_bar(turned);
         for node in &mut deck.nodes {
             *node = node.map(|x| x * unit + origin);
@@ -413,5 +413,7 @@ fn units_and_origin_do_not_matter() {
             (1, 3),
             "{unit} {origin}"
         );
+        // Coordinates far away are rounded, and that is known.
+        assert!(assembly.positions[0].decided, "{unit} {origin}: {:?}", assembly.positions[0]);
     }
 }

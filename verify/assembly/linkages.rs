@@ -290,3 +290,33 @@ fn turns_along_the_states_are_counted() {
         [0.0, 2.5, 5.0].map(|turned| state(turned, (turned - std::f64::consts::TAU) / 50.0)).to_vec();
     assert_eq!(analyse(&scene, &model, &states, 1).unwrap().off, [0, 1, 2]);
 }
+
+/// Two cranks of one length and a coupler, all three in line at the one state that is given: a change point, and the initial state is none.
+#[test]
+fn a_change_point_is_told_from_the_initial_state() {
+    let text = "*NODE\n1, 0., 0.\n2, 1., 0.\n3, 0., 0.5\n4, 1., 0.5\n*ELEMENT, TYPE=CONN2D2, ELSET=BAR\n101, 1, 3\n102, 3, 4\n103, 2, 4\n\
+                *CONNECTOR SECTION, ELSET=BAR\nLINK\n*BOUNDARY\n1, 1, 2\n2, 1, 2\n";
+    let (scene, model) = compile(text);
+    let moved = NodeMotion { displacement: [0.5, -0.5, 0.0], ..NodeMotion::default() };
+    let nodes = ["3", "4"].map(|node| (node.parse().unwrap(), moved));
+    let state = State { nodes: nodes.into(), number: Some(3), ..State::default() };
+    let assembly = analyse(&scene, &model, &[state], 1).unwrap();
+    let ranks: Vec<usize> = assembly.positions.iter().map(|position| position.rank).collect();
+    assert_eq!(ranks, [3, 2]);
+    assert_eq!(assembly.redundant_at.len(), 1, "{:?}", assembly.redundant_at);
+    assert_eq!(assembly.redundant_at[0].0, 3);
+    // At a distance that states of ten digits do not tell from it, it is undecided.
+    for (distance, is_decided) in [(1e-8_f64, false), (1e-4, true)] {
+        let angle = std::f64::consts::FRAC_PI_2 - distance;
+        let moved = NodeMotion {
+            displacement: [0.5 * angle.sin(), 0.5 * angle.cos() - 0.5, 0.0],
+            ..NodeMotion::default()
+        };
+        let nodes = ["3", "4"].map(|node| (node.parse().unwrap(), moved));
+        let state = State { nodes: nodes.into(), ..State::default() };
+        let assembly = analyse(&scene, &model, &[state], 1).unwrap();
+        let decided: Vec<bool> = assembly.positions.iter().map(|position| position.decided).collect();
+        assert_eq!(decided, [true, is_decided], "{:?}", assembly.positions);
+        assert_eq!(assembly.positions[1].rank, 3);
+    }
+}

@@ -9,9 +9,9 @@ pub(super) const LARGEST: usize = 200;
 /// Contributions below this part of the largest are rounding.
 const CONTRIBUTES: f64 = 1e-8;
 
-/// Whether a matrix is small enough.
-pub(super) fn is_small(matrix: &Sparse) -> bool {
-    matrix.rows().min(matrix.width()) <= LARGEST && matrix.rows() * matrix.width() <= 8 * LARGEST * LARGEST
+/// Whether a matrix is small enough: of this size, and not too long.
+pub(super) fn is_small(matrix: &Sparse, largest: usize) -> bool {
+    matrix.rows().min(matrix.width()) <= largest && matrix.rows() * matrix.width() <= 8 * largest * largest
 }
 
 fn dense(matrix: &Sparse, rows: &[usize]) -> DMatrix<f64> {

@@ -36,6 +36,9 @@ const CANCELS: f64 = 1e3;
 /// than one grow with the number of nodes that are eliminated one after the other, and with them the condition of the pivots.
 const PREFERRED: f64 = 0.99;
 
+/// Pivot rows are kept that have no more entries, in all.
+pub(super) const KEPT: usize = 20_000_000;
+
 /// A row that became a pivot.
 #[derive(Clone, Debug)]
 struct Pivot {
@@ -185,6 +188,8 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
     }
     work.outcome.dependent.sort_unstable();
     work.outcome.free.sort_unstable();
+    work.outcome.doubtful.sort_unstable();
+    work.outcome.doubtful.dedup();
     work.outcome
 }
 
@@ -254,7 +259,7 @@ impl Elimination<'_> {
             self.outcome.gap[1] = ratio;
             self.outcome.weakest = Some(row.name);
         }
-        if ratio < self.decided && !self.outcome.doubtful.contains(&row.name) {
+        if ratio < self.decided {
             self.outcome.doubtful.push(row.name);
         }
     }
@@ -360,6 +365,13 @@ impl Elimination<'_> {
             return;
         }
         let Some(entry) = row.entry(at).map(|entry| entry.value) else { return };
+        if self.outcome.fill > KEPT {
+            // Pivot rows that would take too much memory are not kept at all.
+            self.task.keep = false;
+            self.outcome.pivots = Vec::new();
+            self.outcome.others = Vec::new();
+            return;
+        }
         let begin = self.outcome.others.len();
         let others = row.entries.iter().filter(|entry| entry.at != at && entry.value != 0.0);
         self.outcome.others.extend(others.map(|entry| (self.columns[entry.at as usize], entry.value)));

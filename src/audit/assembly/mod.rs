@@ -28,12 +28,14 @@
 //! | `eliminate` | what are rank, dependent rows and free columns? |
 //! | `noise` | what of that is rounding? |
 //! | `dense` | singular values of small parts |
+//! | `given` | what holds at the states given? |
 //! | `moving` | does a redundancy hold elsewhere? |
 //! | `findings` | what is said of it? |
 
 mod dense;
 mod eliminate;
 pub(super) mod findings;
+mod given;
 mod moving;
 mod noise;
 mod order;
@@ -215,7 +217,8 @@ pub struct Assembly {
     pub modes: Vec<Mode>,
     /// Given states that were not looked at, because they do not satisfy the constraints.
     pub off: Vec<u64>,
-    /// Constraints that are redundant at a given state and not at the state where the rank is largest, with the number of the state.
+    /// Constraints that are redundant at a given state and not at the state where the rank is largest, which may be the initial one, with the number
+    /// of the state.
     pub redundant_at: Vec<(u64, Constraint)>,
     /// The state from which on nothing was looked at, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -231,22 +234,19 @@ pub struct NotAssembled {
     pub why: String,
 }
 
-/// Modes are named by all nodes that move, and redundancies judged, in parts whose pivot rows have no more entries.
-const FILL: usize = 20_000_000;
 /// The modes that are named by all nodes that move, of one part.
 const MODES: usize = 20;
 /// Parts with no more degrees of freedom are moved, to judge where redundancies hold.
 const MOVED: usize = 20_000;
-/// The residual (rad, or lengths of the connectors) beyond which a state does not satisfy the constraints, so that their rank says nothing.
-const SATISFIED: f64 = 1e-4;
 /// What is listed.
 const LISTED: usize = 1000;
-/// The work, in degrees of freedom times states, that given states may cost; beyond, some are left out, evenly.
-const WORK: usize = 3_000_000;
 /// Parts of which this many constraints are redundant say what from.
 const EXPLAINED: usize = 24;
 /// A singular value below this part of the largest that is not zero by rounding is decided by digits that decks do not have.
 const DIGITS: f64 = 1e-7;
+
+/// The size (the smaller of rows and columns) up to which singular values of a part are looked at at every state given, not only initially.
+const EVERYWHERE: usize = 60;
 
 /// What one part has at one state.
 struct Found {
@@ -314,7 +314,7 @@ pub fn analyse(scene: &Scene, model: &Model, states: &[State], step: usize) -> R
     assembly.redundant = redundant(&system, &found, &fixed, &prescribed);
     assembly.overdriven = overdriven(&system, &found);
     assembly.modes = modes(&system, &found);
-    along(&system, states, fixed.len(), &mut assembly);
+    given::along(&system, states, &found, fixed.len(), &mut assembly);
     Ok(assembly)
 }
 
@@ -347,22 +347,20 @@ fn look(system: &System<'_>, values: &[f64], residuals: &[f64], keep: bool) -> V
         let worst = largest(worst);
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, values, |role| role != Role::Driven);
-        let task =
-            Task { uncertainty: 30.0 * worst, keep: keep && part.columns.len() <= FILL / 64, right: None };
-        let mut constraints = eliminate(&matrix, &part.order, task);
-        constraints.doubtful.sort_unstable();
+        let task = Task { uncertainty: 30.0 * worst, keep, right: None };
+        let constraints = eliminate(&matrix, &part.order, task);
         let driven = has_drives.then(|| {
             let (rows, matrix) = system.matrix(part, values, |_| true);
             (eliminate(&matrix, &part.order, task), rows)
         });
-        let is_small = keep && dense::is_small(&matrix);
+        let is_small = dense::is_small(&matrix, if keep { dense::LARGEST } else { EVERYWHERE });
         let singular_values = is_small.then(|| dense::singular_values(&matrix)).and_then(|values| {
             let largest = values.first().copied().filter(|largest| *largest > 0.0)?;
             let nonzero = values.get(constraints.rank.checked_sub(1)?)?;
             let zero = values.get(constraints.rank).copied().unwrap_or_default();
             Some([nonzero / largest, zero / largest])
         });
-        let is_wanted = is_small && !constraints.dependent.is_empty();
+        let is_wanted = keep && is_small && !constraints.dependent.is_empty();
         Found { constraints, rows, driven, singular_values, matrix: is_wanted.then_some(matrix) }
     };
     system.parts.par_iter().map(of_part).collect()
@@ -432,14 +430,14 @@ fn redundant(system: &System<'_>, found: &[Found], fixed: &[u32], prescribed: &P
                 return Vec::new();
             }
             let (elsewhere, rows) = judge(system, part, found, prescribed);
-            let is_still = |row: u32| elsewhere.binary_search(&row).is_ok();
             let dependent = &found.constraints.dependent;
+            let here = only_here(dependent, &elsewhere);
             dependent
                 .iter()
                 .map(|row| Redundant {
                     constraint: constraint(system, found.rows[*row as usize]),
                     holds: match rows {
-                        Holds::Here if is_still(*row) => Holds::Throughout,
+                        Holds::Here if !here.contains(row) => Holds::Throughout,
                         holds => holds,
                     },
                     from: match &found.matrix {
@@ -456,12 +454,19 @@ fn redundant(system: &System<'_>, found: &[Found], fixed: &[u32], prescribed: &P
     held.chain(of_parts.into_iter().flatten()).collect()
 }
 
+/// Of dependent rows, as many as are not elsewhere: those that are not named there, the last ones if there are more.
+fn only_here(dependent: &[u32], elsewhere: &[u32]) -> Vec<u32> {
+    let count = dependent.len().saturating_sub(elsewhere.len());
+    let is_gone = |row: &&u32| elsewhere.binary_search(row).is_err();
+    dependent.iter().rev().filter(is_gone).take(count).copied().collect()
+}
+
 /// Where the redundancies of a part hold, and the rows that are dependent elsewhere too.
 fn judge(system: &System<'_>, part: &Part, found: &Found, prescribed: &Prescribed) -> (Vec<u32>, Holds) {
     if found.constraints.free.is_empty() {
         return (found.constraints.dependent.clone(), Holds::Rigid);
     }
-    if part.columns.len() > MOVED || found.constraints.fill > FILL {
+    if part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT {
         return (Vec::new(), Holds::Unjudged);
     }
     // The part by itself: its connectors, constraints and nodes.
@@ -551,53 +556,6 @@ fn modes(system: &System<'_>, found: &[Found]) -> Vec<Mode> {
         }
     }
     modes
-}
-
-/// Looks at the states given.
-fn along(system: &System<'_>, states: &[State], fixed: usize, assembly: &mut Assembly) {
-    let size = (system.jacobian.columns() + system.origins.len()).max(1);
-    let stride = (states.len() * size).div_ceil(WORK).max(1);
-    let mut sequence = Sequence::new(system.model, system.plan);
-    let mut values = Vec::new();
-    let mut dependent: Vec<(u64, Vec<u32>)> = Vec::new();
-    let mut least: Option<Vec<u32>> = None;
-    for (index, state) in states.iter().enumerate() {
-        let is_looked_at = index % stride == 0 || index + 1 == states.len();
-        let residuals = if is_looked_at { system.all_residuals(&sequence, state) } else { Vec::new() };
-        let number = state.number.unwrap_or(index as u64);
-        if let Err(error) = sequence.assemble(state, &system.jacobian, &mut values) {
-            assembly.not_assembled = Some(NotAssembled { state: Some(number), why: error.to_string() });
-            break;
-        }
-        if !is_looked_at {
-            continue;
-        }
-        let worst = largest(&residuals);
-        if worst.is_nan() || worst > SATISFIED {
-            assembly.off.push(number);
-            continue;
-        }
-        let found = look(system, &values, &residuals, false);
-        assembly.positions.push(position(system, Some(number), &found, fixed));
-        let rows: Vec<u32> = found
-            .iter()
-            .flat_map(|found| found.constraints.dependent.iter().map(|row| found.rows[*row as usize]))
-            .collect();
-        if least.as_ref().is_none_or(|least| rows.len() < least.len()) {
-            least = Some(rows.clone());
-        }
-        dependent.push((number, rows));
-    }
-    let Some(least) = least else { return };
-    let usual: BTreeSet<u32> = least.into_iter().collect();
-    for (state, rows) in dependent.iter().filter(|(_, rows)| rows.len() > usual.len()) {
-        let more = rows.iter().filter(|row| !usual.contains(row)).take(rows.len() - usual.len());
-        for row in more {
-            if assembly.redundant_at.len() < LISTED {
-                assembly.redundant_at.push((*state, constraint(system, *row)));
-            }
-        }
-    }
 }
 
 /// The largest magnitude; what is no number stays one.

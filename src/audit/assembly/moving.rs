@@ -49,6 +49,8 @@ pub(super) fn elsewhere(
             }
         }
         match got {
+            // One whose rank is not certain tells nothing.
+            Reached::There(outcome) if !outcome.is_decided() => {}
             Reached::There(outcome) => {
                 if best.as_ref().is_none_or(|best| outcome.rank > best.rank) {
                     best = Some(outcome);
@@ -157,7 +159,7 @@ fn solution(
     by: Correction,
 ) -> Option<Vec<f64>> {
     if by == Correction::Least {
-        return dense::is_small(matrix).then(|| dense::least(matrix, &right)).flatten();
+        return dense::is_small(matrix, dense::LARGEST).then(|| dense::least(matrix, &right)).flatten();
     }
     let mut gauged = matrix.clone();
     if by == Correction::Gauged {

@@ -1,10 +1,11 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
 use super::Assembly;
-use super::along;
 use super::dense::{least, made_of, singular_values};
 use super::eliminate::{Sparse, Task, eliminate};
 use super::findings::findings;
+use super::given::along;
+use super::only_here;
 use super::order::minimum_degree;
 use super::system::{Prescribed, System, request};
 use crate::audit::model::Finding;
@@ -259,6 +260,15 @@ fn sheared_grids_are_decided() {
     }
 }
 
+/// As many redundancies hold here only as there are fewer elsewhere, whichever are named there.
+#[test]
+fn as_many_hold_here_as_are_gone_elsewhere() {
+    assert_eq!(only_here(&[1, 4, 7, 9], &[1, 4, 9]), [7]);
+    assert_eq!(only_here(&[1, 4, 7, 9], &[1, 4, 8]), [9]);
+    assert!(only_here(&[1, 4], &[2, 3]).is_empty());
+    assert_eq!(only_here(&[1, 4], &[]), [4, 1]);
+}
+
 /// What cannot be assembled is told, and so is what comes first.
 #[test]
 fn what_is_not_assembled_is_told() {
@@ -271,7 +281,13 @@ fn what_is_not_assembled_is_told() {
     let mut system = System::new(&model, &plan, &prescribed);
     let told = |system: &System<'_>| {
         let mut assembly = Assembly::none(1);
-        along(system, &[State { number: Some(7), ..State::default() }, State::default()], 0, &mut assembly);
+        along(
+            system,
+            &[State { number: Some(7), ..State::default() }, State::default()],
+            &[],
+            0,
+            &mut assembly,
+        );
         let codes: Vec<Code> = findings(&scene, &assembly).iter().map(Finding::code).collect();
         (assembly.positions.len(), assembly.not_assembled.and_then(|at| at.state), codes)
     };
