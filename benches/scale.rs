@@ -1,7 +1,7 @@
 //! Time and memory of every phase of a run, from a thousand connectors to a million: `taskset -c 3 cargo bench --bench scale [CONNECTORS]`.
 //!
 //! A chain of connectors of every type, read from a file, evaluated at one state and written. What is linear is the same number in every
-//! column: microseconds for each connector, the least of rounds; bytes for each connector, those that a phase leaves and the most that it
+//! column: microseconds on a core for each connector, the least of rounds; bytes for each connector, those that a phase leaves and the most that it
 //! takes while it is at work. Memory is asserted to be linear; times are for reading.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
 
@@ -34,6 +34,19 @@ struct Cost {
     most: f64,
 }
 
+/// The seconds that this thread has been on a core, where the system tells (Linux).
+fn on_core() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    Some(1e-9 * text.split_whitespace().next()?.parse::<f64>().ok()?)
+}
+
+/// The time on a core since `before`, which is told by ticks, or since `start` where that is too short to be told.
+fn spent(before: f64, start: Instant) -> f64 {
+    const CERTAIN: f64 = 0.05;
+    let elapsed = start.elapsed().as_secs_f64();
+    on_core().map(|after| after - before).filter(|spent| *spent > CERTAIN).unwrap_or(elapsed)
+}
+
 struct Meter {
     connectors: f64,
     costs: Vec<Cost>,
@@ -43,9 +56,9 @@ impl Meter {
     fn of<T>(&mut self, phase: &'static str, work: impl FnOnce() -> T) -> T {
         let before = MEMORY.current_usage() as f64;
         MEMORY.reset_peak_usage();
-        let start = Instant::now();
+        let (start, on_core) = (Instant::now(), on_core());
         let made = work();
-        let seconds = start.elapsed().as_secs_f64();
+        let seconds = on_core.map_or_else(|| start.elapsed().as_secs_f64(), |before| spent(before, start));
         let per = |bytes: usize| (bytes as f64 - before) / self.connectors;
         let (held, most) = (per(MEMORY.current_usage()), per(MEMORY.peak_usage()));
         match self.costs.iter_mut().find(|cost| cost.phase == phase) {
@@ -57,7 +70,7 @@ impl Meter {
 }
 
 fn temporary(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-{name}", std::process::id()))
 }
 
 /// The files of a chain and of one state of it.
@@ -102,7 +115,7 @@ fn write(scene: &Scene, model: &Model, plan: &Plan, state: &State, format: &mut 
 }
 
 fn measure(connectors: usize) -> Meter {
-    let rounds = (200_000 / connectors).clamp(1, 5);
+    let rounds = (200_000 / connectors).clamp(1, 20);
     let mut meter = Meter { connectors: connectors as f64, costs: Vec::new() };
     let [deck, states] = files(connectors);
     for _ in 0..rounds {
@@ -169,6 +182,7 @@ fn measure(connectors: usize) -> Meter {
             assert_eq!(written, connectors);
         }
     }
+    [deck, states].iter().for_each(|path| std::fs::remove_file(path).unwrap());
     meter
 }
 

@@ -372,7 +372,10 @@ fn draw(panels: &[Panel], path: &str) -> Result<()> {
             .margin(14)
             .x_label_area_size(44)
             .y_label_area_size(70);
-        // Room for the legend above the curves.
+        // The legend is on the other side of the largest error, and there is room for it above the curves.
+        let points = || curves().flat_map(|curve| &curve.points).map(|(x, y)| (across(*x), logarithm(*y)));
+        let largest =
+            points().fold((0.0, EXACT), |worst, point| if point.1 > worst.1 { point } else { worst });
         let room = 0.2 * (top - EXACT);
         let from = if is_even { 0.0 } else { across(low) };
         let to = if is_even { 1.0 } else { across(high) };
@@ -401,7 +404,11 @@ fn draw(panels: &[Panel], path: &str) -> Result<()> {
         }
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperMiddle)
+            .position(if largest.0 < 0.5 * (from + to) {
+                SeriesLabelPosition::UpperRight
+            } else {
+                SeriesLabelPosition::UpperLeft
+            })
             .label_font(("sans-serif", 13))
             .background_style(WHITE.mix(0.9))
             .border_style(RGBColor(150, 150, 150))

@@ -321,7 +321,8 @@ impl Request {
 
     /// The outputs wanted of at least one component, in the order of [`Output::ALL`].
     pub fn outputs(&self) -> impl Iterator<Item = Output> + '_ {
-        Output::ALL.into_iter().filter(|output| (0..6).any(|k| self.wants(*output, k)))
+        let wanted = self.wanted.iter().fold(0, |all, of| all | of);
+        Output::ALL.into_iter().filter(move |output| wanted & output.bit() != 0)
     }
 
     /// Whether an output of component k (0-based) is wanted.

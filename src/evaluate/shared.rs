@@ -9,8 +9,8 @@ use crate::measure::Measure;
 use crate::scene::{Code, Diagnostic, Label, Result, Scene};
 use std::collections::HashMap;
 
-/// A constraint between two nodes: component, measure, nodes, and the bits of both triads.
-type Constraint = (usize, Measure, [Option<Label>; 2], [u64; 18]);
+/// A constraint between two nodes: component, measure, nodes, and the number of their triads.
+type Constraint = (usize, Measure, [Option<Label>; 2], usize);
 
 /// What connectors that share nodes may not do, or had better not.
 ///
@@ -18,6 +18,7 @@ type Constraint = (usize, Measure, [Option<Label>; 2], [u64; 18]);
 /// More than two belt segments at a node. Components constrained twice alike are warned about.
 pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
     let mut first: HashMap<Constraint, Label> = HashMap::new();
+    let mut triads: HashMap<[u64; 18], usize> = HashMap::new();
     let mut segments: HashMap<Label, [Option<Label>; 2]> = HashMap::new();
     let mut warnings = Vec::new();
     for element in &model.connectors {
@@ -41,8 +42,11 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
             }
         }
         let mut repeated: Vec<(Label, &str)> = Vec::new();
+        let known = triads.len();
+        let triads = *triads.entry(bits(element)).or_insert(known);
         for k in connection.components(Slot::is_constrained) {
-            let Some(constraint) = constraint(element, k) else { continue };
+            let Some(measure) = element.connector.differentiated(k) else { continue };
+            let constraint = (k, measure, element.nodes, triads);
             match first.get(&constraint) {
                 Some(other) => repeated.push((*other, COMPONENT[k])),
                 None => drop(first.insert(constraint, element.label)),
@@ -69,9 +73,8 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
     Ok(())
 }
 
-/// What identifies the constraint of component k (0-based), where the element has it.
-fn constraint(element: &ConnectorElement, k: usize) -> Option<Constraint> {
-    let measure = element.connector.differentiated(k)?;
+/// The bits of both triads.
+fn bits(element: &ConnectorElement) -> [u64; 18] {
     let mut bits = [0; 18];
     for (bits, entry) in
         bits.iter_mut().zip(element.triads().into_iter().flat_map(|triad| triad.as_flattened()))
@@ -79,5 +82,5 @@ fn constraint(element: &ConnectorElement, k: usize) -> Option<Constraint> {
         // −0 and 0 are the same direction cosine.
         *bits = (entry + 0.0).to_bits();
     }
-    Some((k, measure, element.nodes, bits))
+    bits
 }

@@ -7,10 +7,11 @@
 //! zero: of the force on `dof_1` by `dof_2`, which for KR names a reaction.
 //! `flags` names what needs care, on the lines of the component. Numbers read back to the same double.
 
-use super::block::{self, Block, Derivative, Kind, NodalDerivative, Value, node_name, slopes};
+use super::block::{Block, Derivative, Kind, NodalDerivative, Value, node_name, slopes};
 use super::evaluation::{Format, Renderer, Subject};
 use super::words;
-use crate::connector::{Flag, Output, Tally};
+use crate::connector::{Output, Tally};
+use crate::scene::Label;
 use std::io::{self, Write};
 use std::sync::Arc;
 
@@ -34,6 +35,8 @@ struct Context {
 struct Lines<'c> {
     text: Vec<u8>,
     context: &'c Context,
+    /// The cells that all lines begin with.
+    head: Vec<u8>,
     /// The cells of degrees of freedom when there are none.
     no_dofs: &'static str,
 }
@@ -135,27 +138,32 @@ impl Lines<'_> {
         Ok(())
     }
 
-    /// The cells before the outputs.
+    /// The cells before the outputs: those that all lines of a block begin with, and those of a component.
     fn start(&self, block: &Block<'_>, component: &str, role: &str, unit: &str) -> io::Result<Vec<u8>> {
+        let mut start = self.head.clone();
+        write!(start, ",{component},{role},{unit},")?;
+        let flags = block.flags.iter().filter(|flag| flag.component() == component);
+        for (at, flag) in flags.enumerate() {
+            write!(start, "{}{}", if at > 0 { " " } else { "" }, flag.name())?;
+        }
+        Ok(start)
+    }
+
+    /// The cells that say what a block is of.
+    fn head(context: &Context, block: &Block<'_>) -> io::Result<Vec<u8>> {
         let kind = match block.kind {
             Kind::Connector => "connector",
             Kind::Mpc => "mpc",
         };
         let nodes: Vec<String> = block.nodes.iter().map(|(_, node)| node_name(*node)).collect();
-        let flags: Vec<&str> =
-            block.flags.iter().filter(|flag| flag.component() == component).map(Flag::name).collect();
         cells([
-            self.context.scene.as_str(),
-            &self.context.state,
-            &self.context.time,
+            context.scene.as_str(),
+            &context.state,
+            &context.time,
             kind,
             &block.label,
             block.type_name,
             &nodes.join(" "),
-            component,
-            role,
-            unit,
-            &flags.join(" "),
         ])
     }
 
@@ -183,8 +191,17 @@ impl Lines<'_> {
             self.number(slope)?;
             self.text.push(b'\n');
         }
-        let column = |column: &block::Column| cells([column.name, &column.node.to_string()]);
-        let columns: Vec<Column> = block.columns.iter().map(column).collect::<io::Result<_>>()?;
+        let mut columns: Vec<Column> = Vec::with_capacity(block.columns.len());
+        let mut last: Option<(Label, Vec<u8>)> = None;
+        for column in &block.columns {
+            // Those of one node follow each other.
+            let name = match last.take().filter(|(node, _)| *node == column.node) {
+                Some((_, name)) => name,
+                None => cells([column.node.to_string().as_str()])?,
+            };
+            columns.push([column.name.as_bytes(), b",", &name].concat());
+            last = Some((column.node, name));
+        }
         self.nodal(block, &columns)?;
         block.derivatives.iter().try_for_each(|row| self.derivatives(block, row, &columns))
     }
@@ -229,7 +246,8 @@ impl Format for Csv<'_> {
         let context = Arc::clone(&self.context);
         Box::new(move |block| {
             let no_dofs = if context.has_dofs { ",,,,," } else { "" };
-            let mut lines = Lines { text: Vec::new(), context: &context, no_dofs };
+            let head = Lines::head(&context, block)?;
+            let mut lines = Lines { text: Vec::new(), context: &context, head, no_dofs };
             lines.block(block)?;
             Ok(lines.text)
         })

@@ -4,7 +4,7 @@
 use super::{chain, model};
 use pintle::catalog::COMPONENT;
 use pintle::connector::{Mask, Output, Request, Tally};
-use pintle::evaluate::{Model, Plan, Selection, Sequence};
+use pintle::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence};
 use pintle::scene::{Label, NodeMotion, Rotation, Scene, State};
 use std::fmt::Write;
 
@@ -167,6 +167,51 @@ fn an_unused_behaviour_costs_nothing() {
     let one = Selection::Named(vec!["8".into()]);
     let elastic = work(&laden, &one, Request::new(&[Output::CEF], [true; 6], 0), 3);
     assert_eq!(elastic.behaviors, STATES);
+}
+
+/// Friction that nobody asks about is not followed, also where springs, dampers and stops of the same connector are evaluated.
+#[test]
+fn unrequested_friction_costs_nothing() {
+    let springs = ", BEHAVIOR=B\nCARTESIAN, CARDAN\nO,\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=1\n10.\n\
+                   *CONNECTOR DAMPING, COMPONENT=1\n1.\n*CONNECTOR STOP, COMPONENT=2\n-9., 9.\n";
+    let friction = format!("{springs}*CONNECTOR FRICTION, COMPONENT=1\n, 5.\n*FRICTION\n0.1\n");
+    let (without, with) = (cardan(springs), cardan(&friction));
+    for output in [Output::CEF, Output::CVF, Output::CSLST] {
+        let [without, with] = [&without, &with]
+            .map(|model| work(model, &Selection::All, Request::new(&[output], [true; 6], 1), 3));
+        assert_eq!(with, without, "{output:?}");
+        assert_eq!(with.behaviors, 2 * STATES);
+    }
+    // What slips is worked out where it is asked for, and only there.
+    let slips = |output| {
+        let request = Request::new(&[output], [true; 6], 0);
+        let plan = Plan::compile(&with, &Selection::All, request).unwrap();
+        let step = Sequence::new(&with, &plan).step(&state(1, 3));
+        step.connectors.iter().map(|result| result.behavior.as_ref().unwrap().slips.len()).sum::<usize>()
+    };
+    assert_eq!([Output::CEF, Output::CSLST, Output::CSF].map(slips), [0, 0, 2]);
+}
+
+/// Rows between fixed nodes are not computed.
+#[test]
+fn fixed_nodes_cost_no_rows() {
+    let model = cardan("\nCARTESIAN, CARDAN\nO,\n");
+    let work = |fixed: &[u64]| {
+        let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+        let freedom = |node: &u64| {
+            (1..=6).map(|number| Freedom { node: Label::from(*node), number }).collect::<Vec<_>>()
+        };
+        let fixed: Fixed = fixed.iter().flat_map(freedom).collect();
+        let jacobian = Jacobian::new(&model, &plan, &fixed, |_, _| true);
+        let mut sequence = Sequence::new(&model, &plan);
+        let mut values = Vec::new();
+        sequence.assemble(&state(1, 3), &jacobian, &mut values).unwrap();
+        (sequence.tally().gradients, values.len())
+    };
+    let (all, entries) = work(&[]);
+    assert_eq!(work(&[1, 2]).0 * 2, all, "two connectors, of which one joins fixed nodes");
+    assert!(work(&[2]).1 < entries && work(&[2]).0 == all);
+    assert_eq!(work(&[1, 2, 3]), (0, 0));
 }
 
 /// Branches that were saved without the turns of a component cannot be continued by who asks for them.
