@@ -121,6 +121,9 @@ pub(crate) struct Shared<'a, S: Scalar> {
     /// The triad of a, for directions fixed in space.
     triad_a: &'a Matrix<S::Real>,
     rotation_vector: Option<Vector<S>>,
+    /// How clearly the rotation vector is principal, where it is taken to be ([`Shared::principal`]).
+    nearness: Option<S::Real>,
+    takes_principal: bool,
     misalignment: Option<Vector<S>>,
     mid_frame: Option<Matrix<S>>,
     component_flexions: Option<[S; 2]>,
@@ -151,10 +154,25 @@ impl<'a, S: Scalar> Shared<'a, S> {
             history,
             triad_a,
             rotation_vector: None,
+            nearness: None,
+            takes_principal: false,
             misalignment: None,
             mid_frame: None,
             component_flexions: None,
         }
+    }
+
+    /// The same with the principal rotation vector, as a first attempt: [`Shared::is_continued`] tells whether that holds.
+    #[inline(always)]
+    pub(crate) fn principal(mut self) -> Self {
+        self.takes_principal = true;
+        self
+    }
+
+    /// Whether the rotation vector, if it has been asked for, is on the sheet that continues the history.
+    #[inline(always)]
+    pub(crate) fn is_continued(&self) -> bool {
+        self.nearness.is_none_or(|nearness| S::Real::shortcut_where_positive(|| nearness))
     }
 
     #[inline(always)]
@@ -163,6 +181,11 @@ impl<'a, S: Scalar> Shared<'a, S> {
             return known;
         }
         let Relative { q, spin, .. } = self.relative;
+        if self.takes_principal {
+            let (phi, nearness) = so3::principal_log_along(q, *spin, self.history.rotation_vector);
+            (self.rotation_vector, self.nearness) = (Some(phi), Some(nearness));
+            return phi;
+        }
         let phi = so3::continuous_log_along(q, *spin, self.history.rotation_vector).phi;
         self.rotation_vector = Some(phi);
         phi
