@@ -220,12 +220,22 @@ impl<'a, S: Scalar> Shared<'a, S> {
     }
 }
 
+/// The entry i (1-based) of three. By cases: what is indexed by a number that is not known must lie in memory, whole.
+#[inline(always)]
+fn picked<T>([first, second, third]: [T; 3], i: usize) -> T {
+    match i {
+        1 => first,
+        2 => second,
+        _ => third,
+    }
+}
+
 /// The formulas: principal values on any scalar.
 impl<S: Scalar> Shared<'_, S> {
     /// [`Measure::Position`].
     #[inline(always)]
     pub(crate) fn coordinate(&mut self, i: usize) -> S {
-        self.relative.d[i - 1]
+        picked(self.relative.d, i)
     }
 
     /// [`Measure::ProjectedPosition`].
@@ -299,7 +309,7 @@ impl<S: Scalar> Shared<'_, S> {
     /// [`Measure::Cosine`].
     #[inline(always)]
     pub(crate) fn cosine(&mut self, i: usize, j: usize) -> S {
-        self.relative.q[i - 1][j - 1]
+        picked(picked(self.relative.q, i), j)
     }
 
     /// [`Measure::Cardan`].
@@ -322,13 +332,13 @@ impl<S: Scalar> Shared<'_, S> {
     /// [`Measure::RotationVector`].
     #[inline(always)]
     pub(crate) fn rotation(&mut self, i: usize) -> S {
-        self.rotation_vector()[i - 1]
+        picked(self.rotation_vector(), i)
     }
 
     /// [`Measure::Misalignment`].
     #[inline(always)]
     pub(crate) fn misaligned(&mut self, i: usize) -> S {
-        self.misalignment()[i - 1]
+        picked(self.misalignment(), i)
     }
 }
 
@@ -591,6 +601,15 @@ impl Measure {
             Self::RotationVector(i) | Self::RotationVectorAtB(i) => shared.rotation(i),
             Self::Misalignment(i) => shared.misaligned(i),
             Self::FlowConversion => S::zero(),
+        }
+    }
+
+    /// As [`Measure::evaluate`]; what depends on the separation alone is compiled where it is called, to a few instructions.
+    #[inline(always)]
+    pub(crate) fn evaluate_position<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
+        match self {
+            Self::Position(i) | Self::PositionAtB(i) => shared.coordinate(i),
+            other => other.evaluate(shared),
         }
     }
 

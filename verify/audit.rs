@@ -161,6 +161,32 @@ pub(crate) fn spoiled(name: &str, spoil: impl Fn(&State<f64>, &mut [Option<Nodal
     })
 }
 
+/// A suite that saw only the neighbourhood of the initial state is told so, and one that saw more is not.
+#[test]
+fn a_suite_is_told_what_it_did_not_see() {
+    let definition = at_rest("CARDAN");
+    let connector = Connector::<f64>::new(&definition);
+    let report = |states: usize| {
+        let settings = Settings { states, wide_states: 1, near_singular_states: 0, ..Settings::default() };
+        Candidate::new("mine", &definition).settings(settings).check(|state| {
+            let asked = Request::everything(1);
+            let branch = connector.initial_branch();
+            let found = connector.evaluate(state, &Increment::none(), &branch, &asked, &mut Tally::default());
+            (std::array::from_fn(|k| found.residual[k].or(found.displacement[k])), found.jacobian)
+        })
+    };
+    // The first state is the initial one.
+    let alone = report(1);
+    let found: Vec<_> = alone.models.iter().flat_map(|model| &model.findings).collect();
+    assert_eq!(found.len(), 1);
+    assert_eq!((found[0].code().as_str(), found[0].file()), ("coverage::identity", "mine"));
+    assert!(found[0].message().contains("1 state saw only the neighbourhood"), "{}", found[0].message());
+    let mut text = Vec::new();
+    pintle::report::audit::human(&mut text, &alone, 100, false).unwrap();
+    assert!(String::from_utf8(text).unwrap().contains("coverage::identity"));
+    assert!(report(30).models.is_empty());
+}
+
 /// The entry that the report names as wrong.
 fn wrong_entry(report: &Report) -> String {
     let wrong = report.subjects[0].checks.iter().find(|check| check.verdict == Verdict::Wrong);
