@@ -4,11 +4,12 @@
 //! one run: `cargo bench -- TRANSLATOR` times one type.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use pintle::audit::case::exact_state;
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::{Differentiable, Wide};
-use pintle::{so3, vector};
+use pintle::scalar::Wide;
+use pintle::so3;
 use std::hint::black_box;
 
 /// States per sample, all different, so that branches are not learnt by heart.
@@ -34,17 +35,8 @@ fn definition(connection: &ConnectionType) -> Definition {
     Definition { flow_scale: 50.0, ..Definition::new(connection.clone(), pair(0.0)) }
 }
 
-fn exact<R: Differentiable>(pair: &Pair<f64>) -> State<R> {
-    let node = |node: &Node<f64>| Node {
-        displacement: vector::exact(node.displacement),
-        triad: vector::exact_matrix(&node.triad),
-        flow: R::from_f64(node.flow),
-    };
-    State {
-        pair: Pair { reference: vector::exact(pair.reference), a: node(&pair.a), b: node(&pair.b) },
-        velocity: [R::integer(0); DOFS],
-        acceleration: [R::integer(0); DOFS],
-    }
+fn state(seed: f64) -> State<f64> {
+    State { pair: pair(seed), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
 }
 
 fn request(order: u8) -> Request {
@@ -57,11 +49,11 @@ fn assert_correct(connection: &ConnectionType) {
     let (double, wide) = (Connector::<f64>::new(&definition), Connector::<Wide>::new(&definition));
     let mut tally = Tally::default();
     for i in 0..STATES {
-        let at = pair(i as f64 * 0.01);
+        let at = state(i as f64 * 0.01);
         let all = request(2);
-        let found =
-            double.evaluate(&exact(&at), &Increment::none(), &double.initial_branch(), &all, &mut tally);
-        let truth = wide.evaluate(&exact(&at), &Increment::none(), &wide.initial_branch(), &all, &mut tally);
+        let found = double.evaluate(&at, &Increment::none(), &double.initial_branch(), &all, &mut tally);
+        let truth =
+            wide.evaluate(&exact_state(&at), &Increment::none(), &wide.initial_branch(), &all, &mut tally);
         for k in 0..6 {
             let rows = |of: Option<[f64; DOFS]>| of.unwrap_or([0.0; DOFS]);
             let row = rows(found.jacobian[k]);
@@ -86,7 +78,7 @@ fn catalogue(criterion: &mut Criterion) {
     for connection in TABLE {
         assert_correct(connection);
         let connector = Connector::<f64>::new(&definition(connection));
-        let states: Vec<State<f64>> = (0..STATES).map(|i| exact(&pair(i as f64 * 0.01))).collect();
+        let states: Vec<State<f64>> = (0..STATES).map(|i| state(i as f64 * 0.01)).collect();
         let branch = connector.initial_branch();
         let mut group = criterion.benchmark_group(connection.name.as_ref());
         group.throughput(criterion::Throughput::Elements(STATES as u64));

@@ -1,62 +1,47 @@
-//! Batches against derivatives written by hand, on the same tiles, which stay in the first cache.
+//! Batches against derivatives written by hand, on the same tiles, which stay in the first cache; then every type.
 //!
 //! Every variant is compared with the 237-bit scalar before it is timed. Times are minima over interleaved rounds of one
 //! run: `taskset -c 3 cargo bench --bench lanes`.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
+#![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
 #[cfg(target_arch = "x86_64")]
 mod hand;
 
+use pintle::audit::case::exact_state;
+use pintle::audit::sample::Draw;
 use pintle::batch::{Batch, HessianRow, History, Row, Section, Tile};
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::{Differentiable, Wide};
-use pintle::{so3, vector};
+use pintle::scalar::Wide;
 use std::hint::black_box;
 use std::time::Instant;
 
 /// Tiles of four states: 29 KiB with their rows.
 const TILES: usize = 8;
+/// Tiles whose second derivatives are taken: 30 KiB for six rows.
+const TILES_OF_SECOND: usize = 1;
 const ROUNDS: usize = 8;
 /// The largest error of an entry over the largest of its row.
 const BOUND: f64 = 1e-14;
+/// The same of second derivatives.
+const BOUND_OF_SECOND: f64 = 1e-13;
 
-/// Numbers in [−1, 1] that look random.
-struct Draw(u64);
-
-impl Draw {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn vector(&mut self) -> [f64; 3] {
-        [self.next(), self.next(), self.next()]
-    }
-
-    fn pair(&mut self) -> Pair<f64> {
-        let mut node = || Node {
-            displacement: self.vector(),
-            triad: so3::matrix(so3::exp(self.vector().map(|x| 2.0 * x))),
-            flow: 0.0,
-        };
-        let (a, b) = (node(), node());
-        Pair { reference: self.vector(), a, b }
-    }
+fn drawn(draw: &mut Draw) -> Pair<f64> {
+    let node = |draw: &mut Draw| Node { displacement: draw.vector(1.0), triad: draw.triad(), flow: 0.0 };
+    Pair { reference: draw.vector(1.0), a: node(draw), b: node(draw) }
 }
 
-fn exact<R: Differentiable>(pair: &Pair<f64>) -> State<R> {
-    let node = |node: &Node<f64>| Node {
-        displacement: vector::exact(node.displacement),
-        triad: vector::exact_matrix(&node.triad),
-        flow: R::from_f64(node.flow),
-    };
-    State {
-        pair: Pair { reference: vector::exact(pair.reference), a: node(&pair.a), b: node(&pair.b) },
-        velocity: [R::integer(0); DOFS],
-        acceleration: [R::integer(0); DOFS],
-    }
+fn at_rest(pair: &Pair<f64>) -> State<f64> {
+    State { pair: *pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
+}
+
+/// A value with its row and second derivatives.
+type Truth = (f64, [f64; 12], [[f64; 12]; 12]);
+
+/// Degrees of freedom but material flow.
+fn twelve<T: Copy>(of: &[T; DOFS]) -> [T; 12] {
+    std::array::from_fn(|j| of[if j < 6 { j } else { j + 1 }])
 }
 
 struct Case {
@@ -67,46 +52,35 @@ struct Case {
     tiles: Vec<Tile>,
     sections: Vec<Section>,
     histories: Vec<History>,
-    /// The value and row of each state and row, by the 237-bit scalar.
-    truth: Vec<Vec<(f64, [f64; 12])>>,
+    /// Each row of each state, by the 237-bit scalar; second derivatives of the first tiles only.
+    truth: Vec<Vec<Truth>>,
 }
 
 /// `None` for a type that has no batch.
 fn case(name: &'static str) -> Option<Case> {
-    let mut draw = Draw(7);
-    let mut initial = draw.pair();
+    let draw = &mut Draw::new("lanes");
+    let mut initial = drawn(draw);
     // The directions coincide at first, as where a printed constraint is enforced.
     initial.b.triad = initial.a.triad;
     let definition = Definition::new(ConnectionType::named(name, None).unwrap(), initial);
     let connector = Connector::<f64>::new(&definition);
     let wide = Connector::<Wide>::new(&definition);
     let batch = Batch::new(&connector, [true; 6]).ok()?;
-    let pairs: Vec<Pair<f64>> = (0..4 * TILES).map(|_| draw.pair()).collect();
-    let request = Request::new(&[Output::CP, Output::RES], [true; 6], 1);
-    let truth = pairs
-        .iter()
-        .map(|pair| {
-            let found = wide.evaluate(
-                &exact(pair),
-                &Increment::none(),
-                &wide.initial_branch(),
-                &request,
-                &mut Tally::default(),
-            );
-            batch
-                .measures()
-                .iter()
-                .map(|(k, _)| {
-                    let value = found.residual[*k].or(found.position[*k]).unwrap().to_f64();
-                    let row = found.jacobian[*k].unwrap().map(Wide::to_f64);
-                    let mut columns = [0.0; 12];
-                    columns[..6].copy_from_slice(&row[..6]);
-                    columns[6..].copy_from_slice(&row[7..13]);
-                    (value, columns)
-                })
-                .collect()
-        })
-        .collect();
+    let pairs: Vec<Pair<f64>> = (0..4 * TILES).map(|_| drawn(draw)).collect();
+    let requests = [1, 2].map(|order| Request::new(&[Output::CP, Output::RES], [true; 6], order));
+    let truth = |(i, pair): (usize, &Pair<f64>)| {
+        let request = &requests[usize::from(i < 4 * TILES_OF_SECOND)];
+        let (branch, tally) = (wide.initial_branch(), &mut Tally::default());
+        let found = wide.evaluate(&exact_state(&at_rest(pair)), &Increment::none(), &branch, request, tally);
+        let of_row = |(k, _): &(usize, _)| {
+            let value = found.residual[*k].or(found.position[*k]).unwrap().to_f64();
+            let second = found.hessian[*k].as_ref().map(|hessian| hessian.map(|row| row.map(Wide::to_f64)));
+            let hessian = second.map(|hessian| twelve(&hessian).map(|row| twelve(&row))).unwrap_or_default();
+            (value, twelve(&found.jacobian[*k].unwrap().map(Wide::to_f64)), hessian)
+        };
+        batch.measures().iter().map(of_row).collect()
+    };
+    let truth = pairs.iter().enumerate().map(truth).collect();
     let fours: Vec<[Pair<f64>; 4]> =
         pairs.chunks_exact(4).map(|four| [four[0], four[1], four[2], four[3]]).collect();
     Some(Case {
@@ -126,7 +100,7 @@ fn error(case: &Case, rows: &[Row]) -> f64 {
     let n = case.batch.rows();
     let mut worst: f64 = 0.0;
     for (i, truth) in case.truth.iter().enumerate() {
-        for (r, (value, columns)) in truth.iter().enumerate() {
+        for (r, (value, columns, _)) in truth.iter().enumerate() {
             let row = &rows[i / 4 * n + r];
             let scale = columns.iter().fold(value.abs(), |m, x| m.max(x.abs()));
             let offset = row.value[i % 4] - value;
@@ -144,6 +118,35 @@ fn error(case: &Case, rows: &[Row]) -> f64 {
     worst
 }
 
+/// The largest error of rows with second derivatives over the largest entry of their row: of first and of second derivatives.
+fn errors(case: &Case, rows: &[HessianRow]) -> [f64; 2] {
+    let n = case.batch.rows();
+    let mut worst = [0.0_f64; 2];
+    for (i, truth) in case.truth.iter().take(4 * TILES_OF_SECOND).enumerate() {
+        for (r, (_, columns, hessian)) in truth.iter().enumerate() {
+            let row = &rows[i / 4 * n + r];
+            let largest = |of: &[f64]| of.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let scale = largest(columns);
+            for (x, y) in row.row.columns.iter().zip(columns) {
+                worst[0] = worst[0].max((x[i % 4] - y).abs() / scale);
+            }
+            let scale = scale.max(largest(hessian.as_flattened()));
+            for (x, y) in row.hessian.as_flattened().iter().zip(hessian.as_flattened()) {
+                worst[1] = worst[1].max((x[i % 4] - y).abs() / scale);
+            }
+        }
+    }
+    worst
+}
+
+fn assert_exact(case: &Case, rows: &[Row], second: &[HessianRow], who: &str) -> [f64; 3] {
+    let [of_row, of_second] = errors(case, second);
+    let found = [error(case, rows), of_row, of_second];
+    let bounds = [BOUND, BOUND, BOUND_OF_SECOND];
+    assert!(found.iter().zip(bounds).all(|(e, bound)| *e < bound), "{} ({who}): {found:?}", case.name);
+    found
+}
+
 /// The time of one call in ns: the least of `samples`.
 fn time(samples: usize, mut call: impl FnMut()) -> f64 {
     let mut least = f64::INFINITY;
@@ -157,84 +160,136 @@ fn time(samples: usize, mut call: impl FnMut()) -> f64 {
     least * 1e9
 }
 
-#[cfg(target_arch = "x86_64")]
-struct Sweep<'a> {
-    v: pulp::x86::V3,
-    name: &'static str,
-    case: &'a Case,
-    out: &'a mut [Row],
+/// The rows of a case, and its first tiles with second derivatives.
+fn room(case: &Case) -> (Vec<Row>, Vec<HessianRow>) {
+    let rows = case.batch.rows();
+    (vec![Row::default(); case.tiles.len() * rows], vec![HessianRow::default(); TILES_OF_SECOND * rows])
 }
 
-#[cfg(target_arch = "x86_64")]
-impl pulp::NullaryFnOnce for Sweep<'_> {
-    type Output = ();
+impl Case {
+    fn rows(&self, out: &mut [Row]) {
+        let Self { batch, tiles, sections, histories, .. } = self;
+        batch.rows_of(black_box(tiles), sections, histories, out).unwrap();
+    }
 
-    #[inline(always)]
-    fn call(self) {
-        let Self { v, name, case, out } = self;
-        // Loops written out: a closure would be compiled for the baseline, and called.
-        macro_rules! each {
-            (|$tile:ident, $section:ident, $out:ident| $row:expr) => {
-                for (($tile, $section), $out) in
-                    case.tiles.iter().zip(&case.sections).zip(out.chunks_exact_mut(case.batch.rows()))
-                {
-                    $row
-                }
-            };
-        }
-        match name {
-            "SLIDE-PLANE" => each!(|tile, _section, out| hand::simd::slide_plane(v, tile, out)),
-            "REVOLUTE" => each!(|tile, _section, out| hand::simd::revolute(v, tile, out)),
-            "TRANSLATOR" => each!(|tile, section, out| hand::simd::translator(v, tile, section, out)),
-            "ROTATION" => each!(|tile, _section, out| hand::simd::rotation(v, tile, out)),
-            "CARDAN" => each!(|tile, _section, out| hand::simd::cardan(v, tile, out)),
-            other => panic!("{other} is not written by hand"),
-        }
+    fn hessians(&self, out: &mut [HessianRow]) {
+        let Self { batch, tiles, sections, histories, .. } = self;
+        let (sections, histories) = (&sections[..TILES_OF_SECOND], &histories[..TILES_OF_SECOND]);
+        batch.rows_of(black_box(&tiles[..TILES_OF_SECOND]), sections, histories, out).unwrap();
     }
 }
-
-/// The types written by hand.
-const BY_HAND: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
 
 fn main() {
-    let cases: Vec<Case> = BY_HAND.into_iter().filter_map(case).collect();
-    let mut least = vec![[f64::INFINITY; 2]; cases.len()];
-    for round in 0..ROUNDS {
-        for (i, case) in cases.iter().enumerate() {
-            let mut rows = vec![Row::default(); case.tiles.len() * case.batch.rows()];
-            let v = pulp::x86::V3::try_new().unwrap();
-            let hand = |out: &mut [Row]| v.vectorize(Sweep { v, name: case.name, case, out });
-            let lanes = |out: &mut [Row]| {
-                case.batch.rows_of(black_box(&case.tiles), &case.sections, &case.histories, out).unwrap();
-            };
-            if round == 0 {
-                lanes(&mut rows);
-                let of_lanes = error(case, &rows);
-                hand(&mut rows);
-                let errors = [of_lanes, error(case, &rows)];
-                println!(
-                    "{}: largest error {:.1e} (lanes), {:.1e} (by hand)",
-                    case.name, errors[0], errors[1]
-                );
-                assert!(errors.iter().all(|e| *e < BOUND), "{}: {errors:?}", case.name);
+    #[cfg(target_arch = "x86_64")]
+    by_hand::compare();
+    every_type();
+}
+
+/// The rows written by hand, for the vector unit of one processor.
+#[cfg(target_arch = "x86_64")]
+mod by_hand {
+    use super::*;
+    use pulp::x86::V3;
+
+    /// The types written by hand.
+    const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
+
+    struct Sweep<'a, L> {
+        v: V3,
+        case: &'a Case,
+        out: &'a mut [L],
+    }
+
+    /// Loops written out: a closure would be compiled for the baseline, and called.
+    macro_rules! sweep {
+        ($layout:ty, $module:ident) => {
+            impl pulp::NullaryFnOnce for Sweep<'_, $layout> {
+                type Output = ();
+
+                #[inline(always)]
+                fn call(self) {
+                    let Self { v, case, out } = self;
+                    let tiles = case.tiles.iter().zip(&case.sections);
+                    let tiles = tiles.zip(out.chunks_exact_mut(case.batch.rows()));
+                    macro_rules! each {
+                        (|$tile:ident, $section:ident, $rows:ident| $row:expr) => {
+                            for (($tile, $section), $rows) in tiles {
+                                $row
+                            }
+                        };
+                    }
+                    use crate::hand::$module as by_hand;
+                    match case.name {
+                        "SLIDE-PLANE" => each!(|tile, _section, rows| by_hand::slide_plane(v, tile, rows)),
+                        "REVOLUTE" => each!(|tile, _section, rows| by_hand::revolute(v, tile, rows)),
+                        "TRANSLATOR" => {
+                            each!(|tile, section, rows| by_hand::translator(v, tile, section, rows))
+                        }
+                        "ROTATION" => each!(|tile, _section, rows| by_hand::rotation(v, tile, rows)),
+                        _ => each!(|tile, _section, rows| by_hand::cardan(v, tile, rows)),
+                    }
+                }
             }
-            let each = case.pairs.len() as f64;
-            // Both write to the same memory: another address may cost a fifth by itself.
-            least[i][0] = least[i][0].min(time(400, || lanes(black_box(&mut rows))) / each);
-            least[i][1] = least[i][1].min(time(400, || hand(black_box(&mut rows))) / each);
+        };
+    }
+    sweep!(Row, simd);
+    sweep!(HessianRow, hessian);
+
+    /// The least times of a state in ns, lanes and by hand: of rows, and with second derivatives.
+    type Times = [[f64; 2]; 2];
+
+    fn round(v: V3, case: &Case, least: &mut Times) {
+        let (mut rows, mut second) = room(case);
+        let states = case.pairs.len() as f64;
+        let of_second = (4 * TILES_OF_SECOND) as f64;
+        // Both write to the same memory: another address may cost a fifth by itself.
+        let mut note = |which: usize, who: usize, time: f64, states: f64| {
+            least[which][who] = least[which][who].min(time / states);
+        };
+        note(0, 0, time(400, || case.rows(black_box(&mut rows))), states);
+        note(0, 1, time(400, || v.vectorize(Sweep { v, case, out: black_box(&mut rows[..]) })), states);
+        note(1, 0, time(200, || case.hessians(black_box(&mut second))), of_second);
+        note(1, 1, time(200, || v.vectorize(Sweep { v, case, out: black_box(&mut second[..]) })), of_second);
+    }
+
+    fn check(v: V3, case: &Case) {
+        let (mut rows, mut second) = room(case);
+        case.rows(&mut rows);
+        case.hessians(&mut second);
+        let of_lanes = assert_exact(case, &rows, &second, "lanes");
+        rows.fill(Row::default());
+        second.fill(HessianRow::default());
+        v.vectorize(Sweep { v, case, out: &mut rows[..] });
+        v.vectorize(Sweep { v, case, out: &mut second[..] });
+        let of_hand = assert_exact(case, &rows, &second, "by hand");
+        let text = |errors: [f64; 3]| errors.map(|error| format!("{error:.1e}")).join(" ");
+        println!("{:12} largest errors: lanes {}, by hand {}", case.name, text(of_lanes), text(of_hand));
+    }
+
+    pub(super) fn compare() {
+        let Some(v) = V3::try_new() else {
+            println!("what is written by hand needs AVX2 and FMA");
+            return;
+        };
+        let cases: Vec<Case> = TYPES.into_iter().filter_map(case).collect();
+        let mut least = vec![[[f64::INFINITY; 2]; 2]; cases.len()];
+        cases.iter().for_each(|case| check(v, case));
+        for _ in 0..ROUNDS {
+            cases.iter().zip(&mut least).for_each(|(case, least)| round(v, case, least));
+        }
+        for (which, what) in ["value and row", "value, row and second derivatives"].into_iter().enumerate() {
+            println!("{what}, ns for a state");
+            let mut product = 1.0;
+            for (case, times) in cases.iter().zip(&least) {
+                let [lanes, hand] = times[which];
+                let speed = 100.0 * hand / lanes;
+                println!("{:12} lanes {lanes:6.2}  by hand {hand:6.2}  speed {speed:.0} %", case.name);
+                product *= hand / lanes;
+            }
+            let mean = f64::powf(product, 1.0 / cases.len() as f64);
+            println!("geometric mean of the speed: {:.0} %", 100.0 * mean);
         }
     }
-    let mut product = 1.0;
-    for (case, [lanes, hand]) in cases.iter().zip(&least) {
-        println!(
-            "{:12} lanes {lanes:6.2} ns  hand {hand:6.2} ns  speed {:.0} %",
-            case.name,
-            100.0 * hand / lanes
-        );
-        product *= hand / lanes;
-    }
-    println!("geometric mean of the speed: {:.0} %", 100.0 * f64::powf(product, 1.0 / cases.len() as f64));
-    every_type();
 }
 
 /// The time per row of every type, alone and with second derivatives, and of assembled ones over that of their dearer half.
@@ -242,29 +297,29 @@ fn every_type() {
     let names = TABLE.iter().map(|connection| -> &'static str { &connection.name });
     let cases: Vec<Case> = names.filter_map(case).collect();
     let mut least = vec![[f64::INFINITY; 2]; cases.len()];
-    for round in 0..ROUNDS {
+    for case in &cases {
+        let (mut rows, mut second) = room(case);
+        case.rows(&mut rows);
+        case.hessians(&mut second);
+        assert_exact(case, &rows, &second, "lanes");
+    }
+    for _ in 0..ROUNDS {
         for (case, least) in cases.iter().zip(&mut least) {
-            let mut rows = vec![Row::default(); case.tiles.len() * case.batch.rows()];
-            let mut second = vec![HessianRow::default(); rows.len()];
-            let Case { batch, tiles, sections, histories, .. } = case;
-            let mut first =
-                || batch.rows_of(black_box(tiles), sections, histories, black_box(&mut rows)).unwrap();
-            let mut both =
-                || batch.hessians_of(black_box(tiles), sections, histories, black_box(&mut second)).unwrap();
-            let each = (case.pairs.len() * batch.rows()) as f64;
-            *least = [least[0].min(time(100, &mut first) / each), least[1].min(time(50, &mut both) / each)];
-            if round == 0 {
-                let error = error(case, &rows);
-                assert!(error < BOUND, "{}: {error:e}", case.name);
-            }
+            let (mut rows, mut second) = room(case);
+            let rows_of = (case.pairs.len() * case.batch.rows()) as f64;
+            let second_of = (4 * TILES_OF_SECOND * case.batch.rows()) as f64;
+            let first = time(100, || case.rows(black_box(&mut rows))) / rows_of;
+            let both = time(50, || case.hessians(black_box(&mut second))) / second_of;
+            *least = [least[0].min(first), least[1].min(both)];
         }
     }
-    println!("ns per row: first derivatives, with second; over the dearer half");
+    println!("ns for a row: first derivatives, with second; each over that of the dearer half");
     let of = |name: &str| cases.iter().position(|case| case.name == name).map(|i| least[i]);
-    for (case, [first, second]) in cases.iter().zip(&least) {
-        let halves: Vec<[f64; 2]> =
-            case.connector.connection().halves.iter().flatten().filter_map(|half| of(half.name)).collect();
-        let dearer = halves.iter().fold(0.0, |most: f64, half| most.max(half[0]));
-        println!("{:26} {first:6.2} {second:7.2}  {:.2}", case.name, first / dearer);
+    for (case, own) in cases.iter().zip(&least) {
+        let halves = case.connector.connection().halves.iter().flatten();
+        let dearer = halves.filter_map(|half| of(half.name)).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let over =
+            |which: usize| dearer.map_or("–".into(), |half| format!("{:.2}", own[which] / half[which]));
+        println!("{:26} {:6.2} {:7.2}  {:>4} {:>4}", case.name, own[0], own[1], over(0), over(1));
     }
 }

@@ -9,12 +9,14 @@
 mod naive;
 
 use num_dual::DualSVec;
+use pintle::audit::case::exact_state;
+use pintle::audit::sample::Draw;
 use pintle::batch::{Batch, History, Row, Section, Tile};
 use pintle::catalog::ConnectionType;
 use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::{Differentiable, Seeded, Wide};
-use pintle::{so3, vector};
+use pintle::scalar::{Seeded, Wide};
+use pintle::vector;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
 use std::io::{BufRead, Write};
@@ -30,33 +32,10 @@ const BUDGET: Duration = Duration::from_millis(25);
 /// The largest error over the largest entry of the row: ours, and num-dual's.
 const BOUNDS: [f64; 2] = [1e-14, 1e-6];
 
-/// Numbers in [−1, 1] that look random.
-struct Draw(u64);
-
-impl Draw {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn vector(&mut self) -> [f64; 3] {
-        [self.next(), self.next(), self.next()]
-    }
-
-    fn pair(&mut self) -> Pair<f64> {
-        let mut node = || Node {
-            displacement: self.vector(),
-            triad: so3::matrix(so3::exp(self.vector().map(|x| 2.0 * x))),
-            flow: 0.0,
-        };
-        let (a, b) = (node(), node());
-        Pair { reference: self.vector(), a, b }
-    }
-}
-
 fn states() -> Vec<Pair<f64>> {
-    let mut draw = Draw(7);
-    (0..STATES).map(|_| draw.pair()).collect()
+    let draw = &mut Draw::new("peers");
+    let node = |draw: &mut Draw| Node { displacement: draw.vector(1.0), triad: draw.triad(), flow: 0.0 };
+    (0..STATES).map(|_| Pair { reference: draw.vector(1.0), a: node(draw), b: node(draw) }).collect()
 }
 
 /// The state as the peers read it: X_b − X_a, U_a, U_b, A and B by rows.
@@ -66,17 +45,8 @@ fn numbers(pair: &Pair<f64>) -> Vec<f64> {
     vectors.iter().flatten().chain(triads.as_flattened().as_flattened()).copied().collect()
 }
 
-fn exact<R: Differentiable>(pair: &Pair<f64>) -> State<R> {
-    let node = |node: &Node<f64>| Node {
-        displacement: vector::exact(node.displacement),
-        triad: vector::exact_matrix(&node.triad),
-        flow: R::from_f64(node.flow),
-    };
-    State {
-        pair: Pair { reference: vector::exact(pair.reference), a: node(&pair.a), b: node(&pair.b) },
-        velocity: [R::integer(0); DOFS],
-        acceleration: [R::integer(0); DOFS],
-    }
+fn at_rest(pair: &Pair<f64>) -> State<f64> {
+    State { pair: *pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
 }
 
 /// A value and its derivatives by x_a, θ_a, x_b, θ_b.
@@ -104,7 +74,7 @@ impl Case {
             .iter()
             .map(|pair| {
                 let found = wide.evaluate(
-                    &exact(pair),
+                    &exact_state(&at_rest(pair)),
                     &Increment::none(),
                     &wide.initial_branch(),
                     &request,

@@ -1,6 +1,6 @@
 """Measures speed and rewrites the tables in README.md and docs/ that tell it.
 
-Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 6] [--core N] [--python VENV/bin/python]
+Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 8] [--quick] [--core N] [--python VENV/bin/python]
        python3 scripts/measure.py --check
 
 Without a block, all of them. A block is the text between <!-- measured: NAME --> and <!-- end: NAME -->. What is compared is
@@ -71,6 +71,7 @@ def conditions(versions, rounds, loads):
 
 def executable(bench):
     """Builds a bench; its program."""
+    say(f"{bench}: cargo builds it, where that is still to be done")
     messages = run("cargo", "bench", "--all-features", "--bench", bench, "--no-run", "--message-format=json")
     for message in map(json.loads, messages.splitlines()):
         if message["reason"] == "compiler-artifact" and message["target"]["name"] == bench and message["executable"]:
@@ -167,7 +168,7 @@ def peers(arguments):
                 for name, ns in types.items():
                     key = (variant, batch, name)
                     least[key] = min(least.get(key, math.inf), ns)
-        print(f"round {number + 1} of {arguments.rounds}, load {loads[-1]:.1f}", file=sys.stderr)
+        say(f"peers: round {number + 1} of {arguments.rounds}, load {loads[-1]:.1f}")
     for peer in participants:
         peer.end()
     (WORK / "rounds.json").write_text(json.dumps({"rounds": per_round, "errors": errors, "loads": loads}))
@@ -183,6 +184,14 @@ def locked(crate):
 
 def ratio(least, variant, batch, names):
     return mean(least[variant, batch, name] / least[OURS, batch, name] for name in names)
+
+
+def bounds(least, batch, names):
+    """What bounds pintle at a batch: memory where it is slower than in the first cache, else its own arithmetic."""
+    slower = mean(least[OURS, batch, name] / least[OURS, "32", name] for name in names)
+    if slower > 1.25:
+        return f"stores bound it: {slower:.1f} times its own time in the first cache"
+    return "division and spills bound it, not memory (instructions below)"
 
 
 def peer_tables(least, per_round, errors):
@@ -211,7 +220,7 @@ def peer_tables(least, per_round, errors):
                 *(f"{value:.3g}" for value in each),
                 f"**{found:.3g}**",
                 f"{min(rounds):.3g} … {max(rounds):.3g}",
-                f"{aim}: {'reached' if found >= aim else 'not reached'}",
+                f"{aim}: {'reached' if found >= aim else 'not reached, ' + bounds(least, batch, names)}",
             ])
     ratios = table(["times pintle's", "batch", *names, "geometric mean", "in single rounds", "aim"], lines)
     lines = [[variant, what, *(f"{errors[variant][name]:.0e}" for name in names)] for variant, what in WHAT.items()]
@@ -236,12 +245,46 @@ def summary(least, errors, told):
     )
 
 
+def work_precision(arguments):
+    """Time against error: the ways of the bench and JAX on the same states, in rounds that take turns."""
+    WORK.mkdir(parents=True, exist_ok=True)
+    python = arguments.python or python_of_peers()
+    program, states, merged = executable("work_precision"), WORK / "precision.json", WORK / "points.json"
+    say("work-precision: states and their truth on 237 bits")
+    run(program, "--export", states)
+    script = ROOT / "scripts" / "peers" / "with_jax_precision.py"
+    participants = [Peer([program, "--serve"], arguments.core), Peer([python, script, states], arguments.core)]
+    report = participants[0].greeting
+    points = [point for peer in participants for point in peer.greeting["points"]]
+    for number in range(arguments.rounds):
+        shift = number % 2
+        times = {peer: peer.round() for peer in participants[shift:] + participants[:shift]}
+        together = [time for peer in participants for time in times[peer]]
+        for point, time in zip(points, together, strict=True):
+            point["nanoseconds"] = time if number == 0 else min(point["nanoseconds"], time)
+            point["slowest_round"] = max(point["slowest_round"], time)
+        say(f"work-precision: round {number + 1} of {arguments.rounds}, load {os.getloadavg()[0]:.1f}")
+    for peer in participants:
+        peer.end()
+    report |= {"points": points, "rounds": arguments.rounds}
+    merged.write_text(json.dumps(report))
+    text = run(program, "--draw", merged, ROOT / "docs" / "work-precision").rstrip()
+    jax = participants[1].greeting["versions"]["JAX"]
+    return {"work-precision": f"{text}\n\nJAX {jax}: `jit(vmap(…))`, the same states repeated to a batch of 4096."}
+
+
+def say(text):
+    print(f"{datetime.datetime.now():%H:%M:%S} {text}", file=sys.stderr, flush=True)
+
+
 def printed(bench):
     """What a bench prints, which interleaves and checks by itself."""
 
     def block(arguments):
+        say(f"{bench}: built, then run")
+        program = executable(bench)
         before = os.getloadavg()[0]
-        text = run(executable(bench), preexec_fn=pinned(arguments.core)).rstrip()
+        text = run(program, preexec_fn=pinned(arguments.core)).rstrip()
         load = f"load {before:.1f} to {os.getloadavg()[0]:.1f}"
         machine = f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), one core of {os.cpu_count()}, {load}"
         return {bench: f"{machine}; rustc {rust_version()}.\n\n```text\n{text}\n```"}
@@ -252,6 +295,8 @@ def printed(bench):
 # The blocks that each measurement writes.
 MEASUREMENTS = {
     peers: ("peers", "peers-summary"),
+    work_precision: ("work-precision",),
+    printed("single"): ("single",),
     printed("lanes"): ("lanes",),
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
@@ -305,11 +350,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     known = [name for names in MEASUREMENTS.values() for name in names]
     parser.add_argument("blocks", nargs="*", metavar="BLOCK", help=", ".join(known))
-    parser.add_argument("--rounds", type=int, default=6)
+    parser.add_argument("--rounds", type=int, help="rounds that take turns [default: 8, with --quick 1]")
+    parser.add_argument("--quick", action="store_true", help="one round, to see that it works: the numbers mean little")
     parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
     parser.add_argument("--python", help="an interpreter that has what scripts/peers/requirements.txt names")
     parser.add_argument("--check", action="store_true", help="verify the marks; measure nothing")
     arguments = parser.parse_args()
+    arguments.rounds = arguments.rounds or (1 if arguments.quick else 8)
     if unknown := set(arguments.blocks) - set(known):
         parser.error(f"no such block: {', '.join(sorted(unknown))}")
     if not check():

@@ -22,6 +22,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 import tomllib
 
@@ -47,12 +48,8 @@ pub fn on(k: u32) -> bool {
 }
 """
 
-# The tests that are tried first: those of numbers, without the slow ones. What they pass, all the others try.
-QUICK = ["numerics::", "golden", "wide::", "closed::", "laws::", "friction::", "behavior::", "manual::"]
-QUICK += [
-    f"--skip={slow}"
-    for slow in ["tangents::tangents", "product_agrees", "a_part_is_part", "_differences", "wide_agrees", "difference_of"]
-]
+# Tests are run in groups, the short ones first: those of up to so many seconds.
+GROUPS = [0.1, 1.0, 10.0, float("inf")]
 
 # Tests that run other programs, or nothing of the mutated files.
 ELSEWHERE = ["export::", "reports::", "faults::", "scene::", "convert::", "fuzzing::", "cli::", "memory", "threads"]
@@ -307,34 +304,56 @@ def errors():
     return found
 
 
-def test(k, programs, timeout, filters, threads=1):
-    """The name of the first test that fails with mutant k on, `timeout`, `crash`, or None."""
+def test(k, program, names, timeout):
+    """The name of the first of these tests that fails with mutant k on, `timeout`, `crash`, or None."""
+    if not names:
+        return None
     environment = dict(os.environ, PINTLE_MUTANT=str(k), INSTA_UPDATE="no", RUST_BACKTRACE="0")
+    start = time.monotonic()
+    process = subprocess.Popen(
+        [program, "--exact", *names, "--test-threads=1"], cwd=TREE, env=environment, stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL, text=True, start_new_session=True,
+    )
+    timer = threading.Timer(timeout, lambda: stop(process))
+    timer.start()
+    caught, ended = None, False
+    for line in process.stdout:
+        if line.rstrip().endswith("... FAILED"):
+            caught = line.split()[1]
+            break
+        ended |= line.startswith("test result: ok")
+    stop(process)
+    timer.cancel()
+    process.wait()
+    if caught or ended:
+        return caught
+    return "timeout" if time.monotonic() - start >= timeout else "crash"
+
+
+def durations(programs):
+    """How long every test takes that may notice something, without a mutant: {program: {test: seconds}}."""
+    kept = HOME / "durations.json"
+    if kept.exists():
+        return json.loads(kept.read_text())
+    found = {program: {} for program in programs}
     for program in programs:
-        chosen = filters.get(program, [])
-        if chosen is None:
-            continue
-        start = time.monotonic()
+        skipped = [f"--skip={elsewhere}" for elsewhere in ELSEWHERE]
         process = subprocess.Popen(
-            [program, *chosen, f"--test-threads={threads}"], cwd=TREE, env=environment, stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL, text=True, start_new_session=True,
+            [program, *skipped, "--test-threads=1"], cwd=TREE, env=dict(os.environ, PINTLE_MUTANT="0", INSTA_UPDATE="no"),
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
         )
-        timer = __import__("threading").Timer(timeout, lambda: stop(process))
-        timer.start()
-        caught, ended = None, False
+        last = time.monotonic()
         for line in process.stdout:
-            if line.rstrip().endswith("... FAILED"):
-                caught = line.split()[1]
-                break
-            ended |= line.startswith("test result: ok")
-        stop(process)
-        timer.cancel()
+            name = re.match(r"test (\S+).* \.\.\. ok$", line.rstrip())
+            now = time.monotonic()
+            if name:
+                found[program][name[1]] = now - last
+            elif line.rstrip().endswith("FAILED"):
+                sys.exit("the tests fail without any mutant: " + line)
+            last = now
         process.wait()
-        if caught:
-            return caught
-        if not ended:
-            return "timeout" if time.monotonic() - start >= timeout else "crash"
-    return None
+    kept.write_text(json.dumps(found, indent=1))
+    return found
 
 
 def stop(process):
@@ -344,58 +363,73 @@ def stop(process):
         pass
 
 
-def run(jobs, timeout, only, stride):
-    """Runs the tests for every mutant that has no result yet: the quick ones before all the others."""
+def run(jobs, timeout, only, stride, longest):
+    """Runs the tests for every mutant that has no result yet, those of up to `longest` seconds."""
     mutants, programs = json.loads(LIST.read_text()), json.loads((HOME / "programs.json").read_text())
-    done = {json.loads(line)["k"] for line in RESULTS.read_text().splitlines()} if RESULTS.exists() else set()
-    verify = next(p for p in programs if pathlib.Path(p).name.startswith("verify"))
-    quick = {p: [] if p != verify else QUICK for p in programs}
-    rest = {p: None if p != verify else [f"--skip={elsewhere}" for elsewhere in ELSEWHERE] for p in programs}
+    seconds = durations(programs)
+    before = results()
     open_ones = [
         m for m in mutants
-        if "left_out" not in m and m["k"] not in done and m["k"] % stride == 0 and (not only or m["file"].startswith(tuple(only)))
+        if "left_out" not in m and m["k"] % stride == 0 and (not only or m["file"].startswith(tuple(only)))
+        and (m["k"] not in before or not before[m["k"]]["caught"] and before[m["k"]]["longest"] < longest)
     ]
-    print("without a mutant:", failed := test(0, programs, 3600, rest, threads=jobs), flush=True)
-    if failed:
-        sys.exit("the tests fail without any mutant")
     killers = collections.defaultdict(collections.Counter)
 
     def judge(mutant):
         """Tries the tests that noticed the neighbours of a mutant first: those of its function, then those of its file."""
         started = time.monotonic()
         places = (mutant["file"], (mutant.get("function") or {}).get("function_name")), (mutant["file"], None)
-        likely = {name for place in places for name, _ in killers[place].most_common(3)}
-        first = {p: ["--exact", *sorted(likely)] for p in programs}
-        caught = likely and test(mutant["k"], programs, timeout, first)
-        caught = caught or test(mutant["k"], programs, timeout, quick) or test(mutant["k"], programs, 4 * timeout, rest)
-        if caught and "::" in caught:
-            for place in places:
-                killers[place][caught] += 1
-        return mutant, caught, time.monotonic() - started
+        likely = {test for place in places for test, _ in killers[place].most_common(3)}
+        tried = before.get(mutant["k"], {"longest": 0.0})["longest"]
+        groups = [likely] if not tried else []
+        for low, high in zip([0.0, *GROUPS], GROUPS):
+            if high > tried and low < longest:
+                low, high = max(low, tried), min(high, longest)
+                groups.append({(p, n) for p in programs for n, took in seconds[p].items() if low <= took < high} - likely)
+        caught = None
+        for group in groups:
+            for program in programs:
+                names = sorted(name for p, name in group if p == program)
+                allowed = timeout + 20.0 * sum(seconds[program][name] for name in names)
+                caught = caught or test(mutant["k"], program, names, allowed)
+                if caught and "::" in caught:
+                    for place in places:
+                        killers[place][program, caught] += seconds[program][caught] < 1.0
+                if caught:
+                    return mutant, caught, time.monotonic() - started
+        return mutant, None, time.monotonic() - started
 
     count = collections.Counter()
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool, RESULTS.open("a") as file:
-        for mutant, caught, seconds in pool.map(judge, open_ones):
-            file.write(json.dumps({"k": mutant["k"], "name": mutant["name"], "caught": caught, "seconds": seconds}) + "\n")
+        for future in concurrent.futures.as_completed([pool.submit(judge, mutant) for mutant in open_ones]):
+            mutant, caught, took = future.result()
+            line = {"k": mutant["k"], "name": mutant["name"], "caught": caught, "longest": longest, "seconds": took}
+            file.write(json.dumps(line) + "\n")
             file.flush()
             count[bool(caught)] += 1
             if not caught:
                 print("SURVIVED", mutant["k"], mutant["name"], flush=True)
-    print(f"{count[True]} noticed, {count[False]} survived")
+    print(f"{count[True]} noticed, {count[False]} survived the tests of up to {longest} seconds")
+
+
+def results():
+    """The last result of each mutant."""
+    lines = map(json.loads, RESULTS.read_text().splitlines()) if RESULTS.exists() else []
+    return {line["k"]: line for line in lines}
 
 
 def report():
     """Compares the survivors with the explained list."""
     mutants = {m["k"]: m for m in json.loads(LIST.read_text())}
-    results = [json.loads(line) for line in RESULTS.read_text().splitlines()]
-    survivors = collections.Counter(key(mutants[r["k"]]) for r in results if not r["caught"])
+    found = [line for line in results().values() if line["caught"] or line["longest"] == float("inf")]
+    survivors = collections.Counter(key(mutants[r["k"]]) for r in found if not r["caught"])
     explained = tomllib.loads(EXPLAINED.read_text())["survivor"]
     listed = {entry["mutant"]: entry.get("count", 1) for entry in explained}
     missing = {name: n for name, n in survivors.items() if listed.get(name, 0) < n}
     stale = sorted(set(listed) - set(survivors))
     left = collections.Counter(m["left_out"][:60] for m in mutants.values() if "left_out" in m)
-    print(f"{len(mutants)} mutants: {sum(left.values())} do not compile, {len(results)} were run, "
-          f"{sum(bool(r['caught']) for r in results)} noticed, {sum(survivors.values())} survived")
+    print(f"{len(mutants)} mutants: {sum(left.values())} do not compile, {len(found)} were run, "
+          f"{sum(bool(r['caught']) for r in found)} noticed, {sum(survivors.values())} survived")
     for name, n in sorted(missing.items()):
         print(f"not explained: {name} ({n})")
     for name in stale:
@@ -410,7 +444,8 @@ def main():
     building.add_argument("file", nargs="+", help="patterns of `cargo mutants --file`")
     running = commands.add_parser("run", help="run the tests for each mutant")
     running.add_argument("--jobs", type=int, default=os.cpu_count())
-    running.add_argument("--timeout", type=float, default=60.0, help="seconds for the tests that are tried first")
+    running.add_argument("--timeout", type=float, default=60.0, help="seconds beyond twenty times the usual ones")
+    running.add_argument("--longest", type=float, default=float("inf"), help="only tests of up to so many seconds; to go on later")
     running.add_argument("--only", nargs="*", default=[], help="files whose mutants are run")
     running.add_argument("--stride", type=int, default=1, help="run one mutant in so many, for a sample")
     commands.add_parser("report", help="compare the survivors with the explained list")
@@ -418,7 +453,7 @@ def main():
     if arguments.command == "build":
         build(arguments.file)
     elif arguments.command == "run":
-        run(arguments.jobs, arguments.timeout, arguments.only, arguments.stride)
+        run(arguments.jobs, arguments.timeout, arguments.only, arguments.stride, arguments.longest)
     else:
         report()
 

@@ -56,6 +56,7 @@
 //! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
 //! | [`audit`] | is it right, and how do we know? |
+//! | [`bench`] | what does it cost, at which error? |
 //! | [`report`] | how is it shown? |
 //!
 //! ```
@@ -82,6 +83,7 @@
 pub mod audit;
 pub mod batch;
 pub mod behavior;
+pub mod bench;
 pub mod catalog;
 pub mod connector;
 pub mod evaluate;

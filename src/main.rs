@@ -46,6 +46,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Schema { of } => cli::convert::schema(*of),
         Command::Audit(arguments) => cli::audit::run(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments),
+        Command::Bench(arguments) => cli::bench::run(arguments),
         Command::Completions(arguments) => cli::manual::completions(arguments),
         Command::Man(arguments) => cli::manual::man(arguments),
         #[cfg(debug_assertions)]

@@ -121,6 +121,9 @@ pub(crate) struct Shared<'a, S: Scalar> {
     /// The triad of a, for directions fixed in space.
     triad_a: &'a Matrix<S::Real>,
     rotation_vector: Option<Vector<S>>,
+    /// How clearly the rotation vector is principal, where it is taken to be ([`Shared::principal`]).
+    nearness: Option<S::Real>,
+    takes_principal: bool,
     misalignment: Option<Vector<S>>,
     mid_frame: Option<Matrix<S>>,
     component_flexions: Option<[S; 2]>,
@@ -151,10 +154,25 @@ impl<'a, S: Scalar> Shared<'a, S> {
             history,
             triad_a,
             rotation_vector: None,
+            nearness: None,
+            takes_principal: false,
             misalignment: None,
             mid_frame: None,
             component_flexions: None,
         }
+    }
+
+    /// The same with the principal rotation vector, as a first attempt: [`Shared::is_continued`] tells whether that holds.
+    #[inline(always)]
+    pub(crate) fn principal(mut self) -> Self {
+        self.takes_principal = true;
+        self
+    }
+
+    /// Whether the rotation vector, if it has been asked for, is on the sheet that continues the history.
+    #[inline(always)]
+    pub(crate) fn is_continued(&self) -> bool {
+        self.nearness.is_none_or(|nearness| S::Real::shortcut_where_positive(|| nearness))
     }
 
     #[inline(always)]
@@ -163,6 +181,11 @@ impl<'a, S: Scalar> Shared<'a, S> {
             return known;
         }
         let Relative { q, spin, .. } = self.relative;
+        if self.takes_principal {
+            let (phi, nearness) = so3::principal_log_along(q, *spin, self.history.rotation_vector);
+            (self.rotation_vector, self.nearness) = (Some(phi), Some(nearness));
+            return phi;
+        }
         let phi = so3::continuous_log_along(q, *spin, self.history.rotation_vector).phi;
         self.rotation_vector = Some(phi);
         phi
@@ -197,12 +220,22 @@ impl<'a, S: Scalar> Shared<'a, S> {
     }
 }
 
+/// The entry i (1-based) of three. By cases: what is indexed by a number that is not known must lie in memory, whole.
+#[inline(always)]
+fn picked<T>([first, second, third]: [T; 3], i: usize) -> T {
+    match i {
+        1 => first,
+        2 => second,
+        _ => third,
+    }
+}
+
 /// The formulas: principal values on any scalar.
 impl<S: Scalar> Shared<'_, S> {
     /// [`Measure::Position`].
     #[inline(always)]
     pub(crate) fn coordinate(&mut self, i: usize) -> S {
-        self.relative.d[i - 1]
+        picked(self.relative.d, i)
     }
 
     /// [`Measure::ProjectedPosition`].
@@ -276,7 +309,7 @@ impl<S: Scalar> Shared<'_, S> {
     /// [`Measure::Cosine`].
     #[inline(always)]
     pub(crate) fn cosine(&mut self, i: usize, j: usize) -> S {
-        self.relative.q[i - 1][j - 1]
+        picked(picked(self.relative.q, i), j)
     }
 
     /// [`Measure::Cardan`].
@@ -299,13 +332,13 @@ impl<S: Scalar> Shared<'_, S> {
     /// [`Measure::RotationVector`].
     #[inline(always)]
     pub(crate) fn rotation(&mut self, i: usize) -> S {
-        self.rotation_vector()[i - 1]
+        picked(self.rotation_vector(), i)
     }
 
     /// [`Measure::Misalignment`].
     #[inline(always)]
     pub(crate) fn misaligned(&mut self, i: usize) -> S {
-        self.misalignment()[i - 1]
+        picked(self.misalignment(), i)
     }
 }
 
@@ -568,6 +601,15 @@ impl Measure {
             Self::RotationVector(i) | Self::RotationVectorAtB(i) => shared.rotation(i),
             Self::Misalignment(i) => shared.misaligned(i),
             Self::FlowConversion => S::zero(),
+        }
+    }
+
+    /// As [`Measure::evaluate`]; what depends on the separation alone is compiled where it is called, to a few instructions.
+    #[inline(always)]
+    pub(crate) fn evaluate_position<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
+        match self {
+            Self::Position(i) | Self::PositionAtB(i) => shared.coordinate(i),
+            other => other.evaluate(shared),
         }
     }
 

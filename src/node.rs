@@ -104,11 +104,6 @@ impl Dependence {
         !self.translation && self.rotation && !self.flow
     }
 
-    /// Whether it is d and Q.
-    pub(crate) const fn of_both(self) -> bool {
-        self.translation && self.rotation && !self.flow
-    }
-
     /// What either depends on.
     pub const fn or(self, other: Self) -> Self {
         Self {

@@ -13,7 +13,7 @@
 //! assert_eq!(phi.map(|p| p.eps), [1.0, 2.0, 3.0]);
 //! ```
 
-use crate::scalar::elementary::{atan2, direction, inverse_sqrt, norm, recip, sin_cos, sqrt};
+use crate::scalar::elementary::{atan2, atan2_opposite, direction, inverse_sqrt, norm, recip, sin_cos, sqrt};
 use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
 
@@ -230,13 +230,9 @@ fn twice_axial<S: Scalar>(r: &Matrix<S>) -> Vector<S> {
 #[inline(always)]
 pub(crate) fn dominant_eigenvector<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
     let m = eigen_matrix(R::integer(1), r);
-    let start = if R::HAS_LANES {
-        weighted_column(&m)
-    } else {
-        let first = larger((m[0][0], m[0]), (m[1][1], m[1]));
-        let second = larger((m[2][2], m[2]), (m[3][3], m[3]));
-        larger(first, second).1
-    };
+    let first = larger((m[0][0], m[0]), (m[1][1], m[1]));
+    let second = larger((m[2][2], m[2]), (m[3][3], m[3]));
+    let start = larger(first, second).1;
     let mut q = start;
     for i in 0..4 {
         let first = m[i][1].multiply_add(start[1], m[i][0] * start[0]);
@@ -246,32 +242,6 @@ pub(crate) fn dominant_eigenvector<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
     // Adding zero makes +0 of −0, whose sign is none.
     let inverse = (R::integer(1) / square.square_root()).with_sign_of(q[0] + R::integer(0));
     [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
-}
-
-/// The column with the largest diagonal entry, as a sum with the weights 0 and 1: products vectorise where choices between columns
-/// do not.
-#[inline(always)]
-fn weighted_column<R: Real>(m: &[Quaternion<R>; 4]) -> Quaternion<R> {
-    let one = R::integer(1);
-    let (second, fourth) = (step(m[1][1] - m[0][0]), step(m[3][3] - m[2][2]));
-    let of_first = second.multiply_add(m[1][1] - m[0][0], m[0][0]);
-    let of_last = fourth.multiply_add(m[3][3] - m[2][2], m[2][2]);
-    let last = step(of_last - of_first);
-    let first = one - last;
-    let weight = [first - first * second, first * second, last - last * fourth, last * fourth];
-    let mut column = m[0];
-    for i in 0..4 {
-        let of_last = m[i][3].multiply_add(weight[3], m[i][2] * weight[2]);
-        column[i] = m[i][1].multiply_add(weight[1], m[i][0].multiply_add(weight[0], of_last));
-    }
-    column
-}
-
-/// 1 for x > 0, 0 for x < 0.
-#[inline(always)]
-fn step<R: Real>(x: R) -> R {
-    let half = R::ratio(1, 2);
-    half + half.with_sign_of(x)
 }
 
 /// What stands with the larger key.
@@ -388,6 +358,18 @@ pub fn continuous_log_along<S: Scalar>(
     continued(q, reference)
 }
 
+/// The principal log, and whether it is that of [`continuous_log`] too ([`nearness`] is positive).
+#[inline(always)]
+pub(crate) fn principal_log_along<S: Scalar>(
+    r: &Matrix<S>,
+    spin: Option<Vector<S>>,
+    reference: Vector<S::Real>,
+) -> (Vector<S>, S::Real) {
+    let q0 = real_unit_quaternion(r);
+    let q = varied(r, q0, spin);
+    (principal(q), nearness(q0, reference))
+}
+
 /// As [`continuous_log`], from a unit quaternion.
 pub fn continuous_log_quaternion<S: Scalar>(
     q: Quaternion<S>,
@@ -396,35 +378,50 @@ pub fn continuous_log_quaternion<S: Scalar>(
     continued(on_sphere(q), reference)
 }
 
+/// How clearly the log of a unit quaternion with w ≥ 0 that continues `reference` is the principal one.
+///
+/// Mostly the reference is within half a turn of zero and not on the other side, which is enough: with v·reference ≥ −w |v|²,
+/// (unit·reference) ≥ −w > −(π − θ_p). It is positive there, and as near to a tie as that goes to the principal log.
+#[inline(always)]
+fn nearness<R: Real>([w, x, y, z]: Quaternion<R>, reference: Vector<R>) -> R {
+    let v = [x, y, z];
+    let near = R::pi() * R::pi() - dot(reference, reference);
+    near.lesser(w.multiply_add(dot(v, v), dot(v, reference))) + tie()
+}
+
+/// By how much of a turn halves go towards zero: half a turn from a reference at zero is principal.
+#[inline(always)]
+fn tie<R: Real>() -> R {
+    R::ratio(1, i32::MAX)
+}
+
 /// The log of a unit quaternion with w ≥ 0 on its sheet.
 #[inline(always)]
 fn continued<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -> ContinuousLog<S> {
+    let q0 = real_quaternion(q);
+    if S::Real::shortcut_where_positive(|| nearness(q0, reference)) {
+        let v = [q0[1], q0[2], q0[3]];
+        return ContinuousLog { phi: principal(q), lateral: dot(v, v).square_root() };
+    }
+    beyond_half_a_turn(q, reference)
+}
+
+/// As [`continued`], wherever the reference is.
+#[inline(always)]
+fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -> ContinuousLog<S> {
     let zero = S::Real::integer(0);
     let half_turn = S::Real::pi();
     let turn = half_turn + half_turn;
     let q0 = real_quaternion(q);
-    // Mostly the reference is within half a turn of zero and not on the other side, which is enough for the principal log: with
-    // v·reference ≥ −w |v|², (unit·reference) ≥ −w > −(π − θ_p).
     let v = [q0[1], q0[2], q0[3]];
-    let (square, forward) = (dot(v, v), dot(v, reference));
-    let clear = || {
-        let far = (half_turn * half_turn).less(dot(reference, reference));
-        let against = forward.less(-(q0[0] * square));
-        zero.less(S::Real::either(far, zero, S::Real::either(against, zero, turn)))
-    };
-    if S::Real::shortcut(clear) {
-        return ContinuousLog { phi: principal(q), lateral: square.square_root() };
-    }
     let (unit, lateral) = S::Real::direction_and_norm(v);
     let (reference_direction, length) = S::Real::direction_and_norm(reference);
     let along = dot(unit, reference);
     let half = lateral.arctangent(q0[0]);
     let angle = half + half;
     let [k] = S::Real::joined(|| {
-        // Halves go towards zero: a half turn from a reference at zero is principal.
         let nearest = || {
-            let turns = (along - angle) / turn;
-            let little = S::Real::ratio(1, i32::MAX);
+            let (turns, little) = ((along - angle) / turn, tie());
             S::Real::choose(zero.less(turns), || turns - little, || turns + little).nearest_integer()
         };
         [S::Real::choose(
@@ -512,7 +509,7 @@ pub fn cardan<S: Scalar>(r: &Matrix<S>) -> [S; 3] {
 /// α of [`cardan`], the angle of REVOLUTE: positive counter-clockwise about e1a, from e2a to e2b.
 #[inline(always)]
 pub fn cardan_first<S: Scalar>(r: &Matrix<S>) -> S {
-    atan2(S::zero() - r[1][2], r[2][2])
+    atan2_opposite(r[1][2], r[2][2])
 }
 
 /// β of [`cardan`].
@@ -524,7 +521,7 @@ pub fn cardan_second<S: Scalar>(r: &Matrix<S>) -> S {
 /// γ of [`cardan`].
 #[inline(always)]
 pub fn cardan_third<S: Scalar>(r: &Matrix<S>) -> S {
-    atan2(S::zero() - r[0][1], r[0][0])
+    atan2_opposite(r[0][1], r[0][0])
 }
 
 /// Euler angles (α, β, γ) of R = Rz(α) Rx(β) Rz(γ) with the sign s = ±1 of sin β; 1 / 2 / 3 u where the entries of R are exact,

@@ -161,6 +161,32 @@ pub(crate) fn spoiled(name: &str, spoil: impl Fn(&State<f64>, &mut [Option<Nodal
     })
 }
 
+/// A suite that saw only the neighbourhood of the initial state is told so, and one that saw more is not.
+#[test]
+fn a_suite_is_told_what_it_did_not_see() {
+    let definition = at_rest("CARDAN");
+    let connector = Connector::<f64>::new(&definition);
+    let report = |states: usize| {
+        let settings = Settings { states, wide_states: 1, near_singular_states: 0, ..Settings::default() };
+        Candidate::new("mine", &definition).settings(settings).check(|state| {
+            let asked = Request::everything(1);
+            let branch = connector.initial_branch();
+            let found = connector.evaluate(state, &Increment::none(), &branch, &asked, &mut Tally::default());
+            (std::array::from_fn(|k| found.residual[k].or(found.displacement[k])), found.jacobian)
+        })
+    };
+    // The first state is the initial one.
+    let alone = report(1);
+    let found: Vec<_> = alone.models.iter().flat_map(|model| &model.findings).collect();
+    assert_eq!(found.len(), 1);
+    assert_eq!((found[0].code().as_str(), found[0].file()), ("coverage::identity", "mine"));
+    assert!(found[0].message().contains("1 state saw only the neighbourhood"), "{}", found[0].message());
+    let mut text = Vec::new();
+    pintle::report::audit::human(&mut text, &alone, 100, false).unwrap();
+    assert!(String::from_utf8(text).unwrap().contains("coverage::identity"));
+    assert!(report(30).models.is_empty());
+}
+
 /// The entry that the report names as wrong.
 fn wrong_entry(report: &Report) -> String {
     let wrong = report.subjects[0].checks.iter().find(|check| check.verdict == Verdict::Wrong);
@@ -405,6 +431,54 @@ fn the_atlas_tells_classes_apart() {
         }
     }
     assert_eq!(DOFS, 14);
+}
+
+/// The distance to a singular set is that at which a state was placed, of every measure that has one, on either side.
+#[test]
+fn margins_are_the_distances_to_singular_sets() {
+    let mut tried = 0;
+    let mut margin_of = |connection: &ConnectionType, measure: Measure, case: &Case| {
+        let connector = case.connector();
+        let (got, _) = case.evaluation(&Request::everything(0)).unwrap();
+        let margins = connector.margins(&case.last().unwrap().state, &got.branch, [true; 6]);
+        tried += 1;
+        let k = connection.slots.iter().position(|slot| slot.position() == Some(measure)).unwrap();
+        margins[k].unwrap()
+    };
+    for connection in TABLE {
+        let measures = connection.slots.iter().filter_map(|slot| slot.position());
+        for measure in measures.filter(|measure| measure.singular_set().is_some()) {
+            for distance in [0.3_f64, -0.3, 1e-3, -1e-3, 1e-7] {
+                // A strain has no other side.
+                let distance = if measure == Measure::Strain { distance.abs() } else { distance };
+                let draw = &mut Draw::new("margins");
+                let case = atlas::near(connection, measure, distance, 0.4, draw).unwrap();
+                let margin = margin_of(connection, measure, &case);
+                assert!(
+                    (margin.distance - distance.abs()).abs() < 1e-12,
+                    "{} {measure:?}: {} for {distance}",
+                    connection.name,
+                    margin.distance
+                );
+            }
+        }
+    }
+    // Of a belt the nearer of two sets: no material left, l0 + Ψa − Ψb = 0, or no length.
+    let belt = named("SLIPRING");
+    for ([at_a, at_b], expected, at) in [
+        ([0.25, 0.5], 0.75, "no material left"),
+        ([0.5, 0.125], 1.0, "coincident nodes"),
+        ([-0.5, 0.25], 0.25, "no material left"),
+    ] {
+        let draw = &mut Draw::new("margins");
+        let mut case = atlas::near(belt, Measure::Strain, 0.5, 0.4, draw).unwrap();
+        let pair = &mut case.path.last_mut().unwrap().state.pair;
+        (pair.a.flow, pair.b.flow) = (at_a, at_b);
+        let margin = margin_of(belt, Measure::Strain, &case);
+        assert!((margin.distance - expected).abs() < 1e-12, "{at_a} {at_b}: {}", margin.distance);
+        assert!(margin.set.at.starts_with(at), "{at_a} {at_b}: {}", margin.set.at);
+    }
+    assert!(tried > 100, "{tried}");
 }
 
 /// Friction is judged with every quantity, in stick and in slip, and a factor that is wrong is noticed.

@@ -1,27 +1,9 @@
 //! `pintle audit` and `pintle replay` through the command line: every exit code, every format, counter-examples.
 
-use assert_cmd::Command;
-use assert_cmd::assert::Assert;
+use crate::cli::{pintle, stderr, stdout};
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
-
-fn pintle(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pintle"));
-    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "RUST_BACKTRACE"] {
-        command.env_remove(name);
-    }
-    command.args(arguments);
-    command
-}
-
-fn stdout(assert: &Assert) -> String {
-    String::from_utf8(assert.get_output().stdout.clone()).unwrap()
-}
-
-fn stderr(assert: &Assert) -> String {
-    String::from_utf8(assert.get_output().stderr.clone()).unwrap()
-}
 
 /// An audit that is done in a moment.
 fn brief<'a>(more: &[&'a str]) -> Vec<&'a str> {
@@ -103,6 +85,31 @@ fn counter_examples_are_written_and_replayed() {
     for format in ["json", "junit"] {
         pintle(&["replay", files[0].to_str().unwrap(), "--format", format]).assert().code(0);
     }
+}
+
+/// Constraints and behaviours are wrong too where a fault is planted, which is told why; a file of a connector alone does not hold them,
+/// and that is said.
+#[test]
+fn what_has_no_counter_example_is_said() {
+    let folder = folder("no-counter-examples");
+    let path = folder.to_str().unwrap();
+    let brief = ["--wide-states", "1", "--oracles", "wide-differences", "--plant", "wrong-entry"];
+    let scenes = ["audit", "gallery:revolute_mpc", "gallery:hinge_pendulum", "--counter-examples", path];
+    let found = pintle(&[&scenes[..], &brief].concat()).assert().code(1);
+    let page = stdout(&found);
+    assert!(
+        page.contains("∂δ3/∂xM3 equals 1.0000010000 × expected: entry scaled [diagnosis::scaled]"),
+        "{page}"
+    );
+    let said = stderr(&found);
+    assert!(
+        said.contains("no counter-example of MPC PIN 10-20 of gallery:revolute_mpc: first derivatives"),
+        "{said}"
+    );
+    assert!(folder.join("rotation-101-0.json").exists());
+    assert!(
+        fs::read_dir(&folder).unwrap().all(|file| !file.unwrap().path().to_string_lossy().contains("mpc"))
+    );
 }
 
 /// The JSON report obeys its schema, whatever it has to say; the copy in the repository is current.

@@ -125,8 +125,8 @@ fn check(group: &[One], name: &str, worst: &mut Worst) {
         let mut compact = vec![CompactRow::default(); count];
         let mut hessians = vec![HessianRow::default(); count];
         batch.rows_of(&tiles, &sections, &histories, &mut rows).unwrap();
-        batch.compact_rows_of(&tiles, &sections, &histories, &mut compact).unwrap();
-        batch.hessians_of(&tiles, &sections, &histories, &mut hessians).unwrap();
+        batch.rows_of(&tiles, &sections, &histories, &mut compact).unwrap();
+        batch.rows_of(&tiles, &sections, &histories, &mut hessians).unwrap();
         for (i, one) in order.iter().enumerate() {
             for (r, of) in batch.measures().iter().enumerate() {
                 let (at, lane) = (i / 4 * batch.rows() + r, i % 4);

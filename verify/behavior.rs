@@ -2,6 +2,7 @@
 //! failures and drives.
 
 mod belts; // friction over a ring
+mod drives; // motions and loads, step by step
 mod tangents; // consistent tangents
 
 use crate::tolerance::{BEHAVIOR_JAX, BEHAVIOR_SLOPE, BELT_BALANCE, WIDE};

@@ -804,11 +804,14 @@ fn completions_and_manual_pages() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let text = output(&["completions", shell]);
         for command in
-            ["audit", "completions", "convert", "eval", "explain", "list", "man", "replay", "schema"]
+            ["audit", "bench", "completions", "convert", "eval", "explain", "list", "man", "replay", "schema"]
         {
             assert!(text.contains(command), "{shell} {command}");
         }
     }
+    let script = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pintle.bash");
+    fs::write(&script, output(&["completions", "bash"])).unwrap();
+    Command::new("bash").arg("-n").arg(&script).assert().success().stderr("");
     assert!(output(&["man"]).contains("pintle\\-eval(1)"));
     assert!(output(&["man", "eval"]).contains("pintle eval"));
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("man");

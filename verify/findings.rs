@@ -127,6 +127,27 @@ fn every_finding_has_a_deck_and_a_neighbour() {
     assert!(missing.is_empty(), "without deck or neighbour: {}", missing.join(", "));
 }
 
+/// Findings have their place in TOML and JSON too: the line of what they are about.
+#[test]
+fn findings_have_a_place_in_every_form() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    for (form, about) in [("toml", "stops = [{"), ("json", "{\"component\":1,\"lower\":-0.5,\"upper\":0.5}")]
+    {
+        let path = folder.join(format!("stop-violated.{form}"));
+        let deck = directory().join("stop-violated.inp");
+        crate::cli::pintle(&["convert", deck.to_str().unwrap(), "-o", path.to_str().unwrap()])
+            .assert()
+            .success();
+        let scene = Scene::read(&path).unwrap_or_else(|error| panic!("{}", error.render(110, false)));
+        let report = audit_model(&scene, &[], &Levels::default());
+        let found = report.findings.iter().find(|finding| finding.code() == Code::ModelStopViolated).unwrap();
+        assert!(found.file().ends_with(&format!("stop-violated.{form}")), "{}", found.file());
+        let text = fs::read_to_string(&path).unwrap();
+        let line = text.lines().nth(found.line().unwrap() as usize - 1).unwrap();
+        assert!(line.contains(about), "{form}: {line}");
+    }
+}
+
 fn command(arguments: &[&str]) -> std::process::Output {
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_pintle"));
     for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "RUST_BACKTRACE"] {

@@ -145,6 +145,8 @@ fn a_script_confirms_what_is_right() {
         ("RETRACTOR", 5, 0, Quantity::Value),
         ("FLEXION-TORSION", 4, 0, Quantity::Value),
         ("UNIVERSAL", 4, 0, Quantity::Rate),
+        ("CARTESIAN", 1, 3, Quantity::NodalForces),
+        ("CARDAN", 3, 3 * DOFS + 11, Quantity::GeometricStiffness),
     ]
     .into_iter()
     .enumerate()
@@ -328,8 +330,22 @@ fn what_cannot_be_exported_is_said() {
     let law = CounterExample::record(&case, Against::Own);
     assert!(law.rust().unwrap_err().to_string().contains("names no entry"));
     assert!(law.jax().unwrap_err().to_string().contains("names no entry"));
-    let force = exact(&case, Quantity::NodalForces, 0, 0);
-    assert!(force.jax().unwrap_err().to_string().contains("no forces"));
+    let moment = exact(&wound("UJOINT"), Quantity::NodalForces, 4, 10);
+    assert!(
+        moment
+            .jax()
+            .unwrap_err()
+            .to_string()
+            .contains("this force is not conjugate to what is differentiated")
+    );
+    // A friction's number belongs to no connector alone.
+    let friction =
+        CounterExample {
+            quantity: Some(Quantity::FrictionGradient), entry: "∂Φ/∂f1".into(), ..law.clone()
+        };
+    for refused in [friction.rust().err(), friction.jax().err()] {
+        assert!(refused.unwrap().to_string().contains("∂Φ/∂f1: only a value or derivative"));
+    }
     // Turns that no state tells of.
     let mut turned = CounterExample::record(&wound("CARDAN"), Against::Own);
     let case = turned.case().unwrap();

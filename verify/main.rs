@@ -6,6 +6,7 @@ mod audit; // whether the audit notices what is wrong, and nothing else
 mod audit_command; // the audit and replay through the command line: exit codes, formats, counter-examples
 mod batch; // whether four lanes give what one element at a time gives
 mod behavior; // forces that follow from motions
+mod bench; // whether times are told of right numbers, with their errors
 mod cli; // the command line
 mod closed; // rows derived by hand
 mod convert; // scenes in other forms

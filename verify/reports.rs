@@ -234,20 +234,15 @@ fn chromium() -> Option<PathBuf> {
     ["chromium", "chromium-browser", "google-chrome"].into_iter().flat_map(named).find(|path| path.is_file())
 }
 
-/// What a page is after its scripts have run, and what the console says.
-fn browsed(chromium: &PathBuf, name: &str, page: &str) -> (String, String) {
+/// What a page is after its scripts have run in a window of that width, and what the console says.
+fn browsed(chromium: &PathBuf, name: &str, page: &str, width: u32) -> (String, String) {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
     let path = folder.join(name);
     fs::write(&path, page).unwrap();
     let profile = folder.join(format!("{name}.profile"));
     let output = Command::new(chromium)
-        .args([
-            "--headless",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--disable-dev-shm-usage",
-            "--window-size=1280,1000",
-        ])
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"])
+        .arg(format!("--window-size={width},1000"))
         .args(["--enable-logging=stderr", "--log-level=0", "--virtual-time-budget=2000", "--dump-dom"])
         .arg(format!("--user-data-dir={}", profile.display()))
         .arg(format!("file://{}", path.display()))
@@ -267,6 +262,7 @@ const body = document.body.dataset;
 body.plots = seen("svg.plot", 200, 100); body.heats = seen("svg.heat", 200, 20); body.scenes = seen("svg.scene", 600, 150);
 body.mutants = seen("#mutants tbody tr", 300, 10); body.maps = seen("table.map", 300, 30); body.bins = seen("table.map td", 20, 15);
 body.findings = seen("#model table tbody tr", 300, 15); body.facts = seen("#model .facts div", 40, 20);
+body.tall = [...document.querySelectorAll("#model tbody tr")].filter(e => e.getBoundingClientRect().height > 300).length;
 body.environment = seen("#environment tbody tr", 300, 10); body.problems = seen(".problem", 300, 40);
 body.triads = seen(".scene line.triad", -1, 8); body.dots = seen(".scene .node circle", 3, 3);
 body.names = seen(".scene text.label", 20, 5);
@@ -306,7 +302,7 @@ fn a_browser_shows_the_page() {
     };
     let (page, report, _, models) = page();
     let page = page.replace("</body>", PROBE);
-    let (dom, console) = browsed(&chromium, "audit.html", &page);
+    let (dom, console) = browsed(&chromium, "audit.html", &page, 1280);
     assert_eq!(console, "");
     let head: String = dom.chars().skip_while(|c| *c != '<').collect();
     let body = head.split("<body").nth(1).and_then(|rest| rest.split('>').next()).unwrap();
@@ -342,7 +338,13 @@ fn a_browser_shows_the_page() {
     has("filtered", "1");
     has("themed", "true");
     assert!(!dom.contains("<html lang=\"en\" class=\"no-script\""));
+    // On a telephone nothing is wider than the window, and findings are not columns of single words.
+    let (dom, console) = browsed(&chromium, "narrow.html", &page, 400);
+    assert_eq!(console, "");
+    for narrow in ["data-overflow=\"false\"", "data-tall=\"0\""] {
+        assert!(dom.contains(narrow), "{narrow}");
+    }
     // The console would have spoken.
-    let (_, console) = browsed(&chromium, "broken.html", &page.replace("\"use strict\"", "missing()"));
+    let (_, console) = browsed(&chromium, "broken.html", &page.replace("\"use strict\"", "missing()"), 1280);
     assert!(console.contains("missing is not defined"), "{console}");
 }

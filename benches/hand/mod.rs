@@ -1,7 +1,8 @@
-//! The yardstick: rows of five connection types differentiated by hand, on AVX2 and FMA.
+//! The yardstick: rows of five connection types differentiated by hand, once and twice, on AVX2 and FMA.
 
 #[path = "../../src/scalar/coefficients.rs"]
 #[expect(dead_code, reason = "the rows need some of them")]
 mod coefficients;
+pub(crate) mod hessian;
 pub(crate) mod simd;
 mod vector;

@@ -1,6 +1,6 @@
 //! Rows by hand, four elements at a time.
 
-use super::coefficients::{ARCTANGENT, LONG_LOG_0, LONG_LOG_1};
+use super::coefficients::{ARCTANGENT, LONG_LOG_0, LONG_LOG_1, LONG_LOG_2};
 use super::vector::{Three, Vec4, column, cross, dot, load3};
 use pintle::batch::{Row, Section, Tile};
 use pulp::x86::V3;
@@ -25,7 +25,7 @@ fn part<const N: usize>(v: V3, c: &[f64; N], first: usize, square: Vec4) -> Vec4
 }
 
 #[inline(always)]
-fn separation(v: V3, tile: &Tile) -> Three {
+pub(crate) fn separation(v: V3, tile: &Tile) -> Three {
     let (reference, a, b) =
         (load3(v, &tile.reference), load3(v, &tile.displacement[0]), load3(v, &tile.displacement[1]));
     [reference[0] + (b[0] - a[0]), reference[1] + (b[1] - a[1]), reference[2] + (b[2] - a[2])]
@@ -33,7 +33,7 @@ fn separation(v: V3, tile: &Tile) -> Three {
 
 /// A row that depends on d alone: −g, g × D, g, 0.
 #[inline(always)]
-fn put_translation(v: V3, out: &mut Row, value: Vec4, g: Three, separation: Three) {
+pub(crate) fn put_translation(v: V3, out: &mut Row, value: Vec4, g: Three, separation: Three) {
     let zero = Vec4::splat(v, 0.0);
     let arm = cross(g, separation);
     value.store(&mut out.value);
@@ -47,7 +47,7 @@ fn put_translation(v: V3, out: &mut Row, value: Vec4, g: Three, separation: Thre
 
 /// A row that depends on Q alone: 0, −h, 0, h.
 #[inline(always)]
-fn put_rotation(v: V3, out: &mut Row, value: Vec4, h: Three) {
+pub(crate) fn put_rotation(v: V3, out: &mut Row, value: Vec4, h: Three) {
     let zero = Vec4::splat(v, 0.0);
     value.store(&mut out.value);
     for i in 0..3 {
@@ -71,6 +71,18 @@ pub(crate) fn slide_plane(v: V3, tile: &Tile, out: &mut [Row]) {
 /// φ_i of ROTATION, principal: with the quaternion (w, v) of Q, φ = K(w) v and ∂φ/∂ρ = ½ K (w I − v^) − ½ K′ v vᵀ, along e_i^a.
 #[inline(always)]
 pub(crate) fn rotation(v: V3, tile: &Tile, out: &mut [Row]) {
+    put_log(v, &turn_of(v, tile), out);
+}
+
+/// A rotation R whose variation is a spin along the directions of a.
+pub(crate) struct RelativeTurn {
+    pub(crate) directions: [Three; 3],
+    r: [[Vec4; 3]; 3],
+}
+
+/// Q.
+#[inline(always)]
+pub(crate) fn turn_of(v: V3, tile: &Tile) -> RelativeTurn {
     let (a1, a2, a3) =
         (column(v, &tile.triad[0], 0), column(v, &tile.triad[0], 1), column(v, &tile.triad[0], 2));
     let (b1, b2, b3) =
@@ -80,16 +92,57 @@ pub(crate) fn rotation(v: V3, tile: &Tile, out: &mut [Row]) {
         [dot(a2, b1), dot(a2, b2), dot(a2, b3)],
         [dot(a3, b1), dot(a3, b2), dot(a3, b3)],
     ];
-    put_log(v, [a1, a2, a3], &r, out);
+    RelativeTurn { directions: [a1, a2, a3], r }
+}
+
+/// Q Q₀ᵀ.
+#[inline(always)]
+pub(crate) fn turn_of_frozen(v: V3, tile: &Tile, section: &Section) -> RelativeTurn {
+    let RelativeTurn { directions, r: q } = turn_of(v, tile);
+    let (f1, f2, f3) = (
+        load3(v, &section.initial_orientation[0]),
+        load3(v, &section.initial_orientation[1]),
+        load3(v, &section.initial_orientation[2]),
+    );
+    let r = [
+        [dot(q[0], f1), dot(q[0], f2), dot(q[0], f3)],
+        [dot(q[1], f1), dot(q[1], f2), dot(q[1], f3)],
+        [dot(q[2], f1), dot(q[2], f2), dot(q[2], f3)],
+    ];
+    RelativeTurn { directions, r }
+}
+
+/// The unit quaternion (w, v), and K, K′, K″ at w.
+pub(crate) struct QuaternionLog {
+    pub(crate) w: Vec4,
+    pub(crate) v: Three,
+    pub(crate) k: Vec4,
+    pub(crate) slope: Vec4,
+    pub(crate) curve: Vec4,
+}
+
+impl RelativeTurn {
+    #[inline(always)]
+    pub(crate) fn log(&self, v: V3) -> QuaternionLog {
+        let [w, x, y, z] = quaternion(v, &self.r);
+        let c = (Vec4::splat(v, 1.0) - w) * Vec4::splat(v, 0.5);
+        let half_curve = polynomial(v, &LONG_LOG_2, c - Vec4::splat(v, 0.25));
+        QuaternionLog {
+            w,
+            v: [x, y, z],
+            k: polynomial(v, &LONG_LOG_0, c),
+            slope: polynomial(v, &LONG_LOG_1, c),
+            curve: half_curve + half_curve,
+        }
+    }
 }
 
 /// The rows of the rotation vector of R, whose variation is a spin along the directions of a.
 #[inline(always)]
-fn put_log(v: V3, [a1, a2, a3]: [Three; 3], r: &[[Vec4; 3]; 3], out: &mut [Row]) {
-    let (one, half) = (Vec4::splat(v, 1.0), Vec4::splat(v, 0.5));
-    let [w, x, y, z] = quaternion(v, r);
-    let c = (one - w) * half;
-    let (k, slope) = (polynomial(v, &LONG_LOG_0, c), polynomial(v, &LONG_LOG_1, c));
+fn put_log(v: V3, turn: &RelativeTurn, out: &mut [Row]) {
+    let [a1, a2, a3] = turn.directions;
+    let half = Vec4::splat(v, 0.5);
+    let QuaternionLog { w, v: [x, y, z], k, slope, .. } = turn.log(v);
     let (half_k, half_slope) = (k * half, slope * half);
     let kw = half_k * w;
     let u = [x, y, z];
@@ -148,7 +201,7 @@ const QUARTER_REST: f64 = 3.061_616_997_868_383e-17 + (std::f64::consts::FRAC_PI
 
 /// The angle of the point (x, y).
 #[inline(always)]
-fn atan2(v: V3, y: Vec4, x: Vec4) -> Vec4 {
+pub(crate) fn atan2(v: V3, y: Vec4, x: Vec4) -> Vec4 {
     let (zero, one, two) = (Vec4::splat(v, 0.0), Vec4::splat(v, 1.0), Vec4::splat(v, 2.0));
     let (across, along) = (y.abs(), x.abs());
     let (smaller, larger) = (across.min(along), across.max(along));
@@ -170,12 +223,12 @@ fn atan2(v: V3, y: Vec4, x: Vec4) -> Vec4 {
 
 /// a x + b y.
 #[inline(always)]
-fn combined(a: Three, x: Vec4, b: Three, y: Vec4) -> Three {
+pub(crate) fn combined(a: Three, x: Vec4, b: Three, y: Vec4) -> Three {
     [a[0].fma(x, b[0] * y), a[1].fma(x, b[1] * y), a[2].fma(x, b[2] * y)]
 }
 
 #[inline(always)]
-fn scaled(a: Three, x: Vec4) -> Three {
+pub(crate) fn scaled(a: Three, x: Vec4) -> Three {
     [a[0] * x, a[1] * x, a[2] * x]
 }
 
@@ -224,22 +277,5 @@ pub(crate) fn cardan(v: V3, tile: &Tile, out: &mut [Row]) {
 #[inline(always)]
 pub(crate) fn translator(v: V3, tile: &Tile, section: &Section, out: &mut [Row]) {
     slide_plane(v, tile, &mut out[..3]);
-    let (a1, a2, a3) =
-        (column(v, &tile.triad[0], 0), column(v, &tile.triad[0], 1), column(v, &tile.triad[0], 2));
-    let (b1, b2, b3) =
-        (column(v, &tile.triad[1], 0), column(v, &tile.triad[1], 1), column(v, &tile.triad[1], 2));
-    let q1 = [dot(a1, b1), dot(a1, b2), dot(a1, b3)];
-    let q2 = [dot(a2, b1), dot(a2, b2), dot(a2, b3)];
-    let q3 = [dot(a3, b1), dot(a3, b2), dot(a3, b3)];
-    let (f1, f2, f3) = (
-        load3(v, &section.initial_orientation[0]),
-        load3(v, &section.initial_orientation[1]),
-        load3(v, &section.initial_orientation[2]),
-    );
-    let r = [
-        [dot(q1, f1), dot(q1, f2), dot(q1, f3)],
-        [dot(q2, f1), dot(q2, f2), dot(q2, f3)],
-        [dot(q3, f1), dot(q3, f2), dot(q3, f3)],
-    ];
-    put_log(v, [a1, a2, a3], &r, &mut out[3..]);
+    put_log(v, &turn_of_frozen(v, tile, section), &mut out[3..]);
 }

@@ -127,4 +127,5 @@ def main():
     serve(errors, {"JAX": jax.__version__, "jaxlib": jaxlib.__version__}, measure)
 
 
-main()
+if __name__ == "__main__":
+    main()

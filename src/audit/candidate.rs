@@ -28,9 +28,10 @@
 use super::bound::Bound;
 use super::case::{Case, dof_size, moved};
 use super::certificate::certificate;
-use super::coverage::Coverage;
+use super::coverage::{Coverage, Lack};
 use super::diagnosis::Symptoms;
 use super::engine::{Settings, checks_of};
+use super::model::{Finding, ModelReport};
 use super::mutant::{self, mutants};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
 use super::outcome::{Against, Check, Report, Subject};
@@ -41,6 +42,7 @@ use super::verdict::{Score, Surroundings, Verdict, judge, try_mutants};
 use crate::connector::{Components, Definition, NodalRow, State};
 use crate::node::DOFS;
 use crate::scalar::elementary::norm;
+use crate::scene::{Diagnostic, Span};
 
 /// What a candidate gives at a state: the residual of each constrained component and the displacement of any other, and their
 /// rows of derivatives by the nodal degrees of freedom.
@@ -100,12 +102,16 @@ impl<'a> Candidate<'a> {
 
     /// Draws states about the initial one and checks what the routine gives there: its values against the connector's, its
     /// Jacobian against differences on 237 bits *and* against differences of its own values, so that a wrong derivative is told
-    /// from another formula.
+    /// from another formula. Where the states leave out a region of configuration space, a finding of the report says so.
     pub fn check(&self, routine: impl Fn(&State<f64>) -> Given) -> Report {
         let mut found: Vec<Check> = Vec::new();
+        let mut coverage = Coverage::default();
         let mut cases = 0;
         for (i, case) in self.cases() {
             cases += 1;
+            if let Some(step) = case.last() {
+                coverage.add(self.definition, &step.state);
+            }
             let wide = i < self.settings.wide_states;
             checks_of(&mut found, self.judge(&case, &routine, wide));
         }
@@ -120,8 +126,28 @@ impl<'a> Candidate<'a> {
             constant: super::C,
             subjects: vec![subject],
             atlas: Vec::new(),
-            models: Vec::new(),
+            models: self.lacks(coverage).into_iter().collect(),
         }
+    }
+
+    /// What the states leave out, if anything.
+    fn lacks(&self, coverage: Coverage) -> Option<ModelReport> {
+        let gaps = coverage.gaps();
+        if gaps.is_empty() {
+            return None;
+        }
+        let finding = |lack: Lack| {
+            let reason = "the states drawn about the initial one";
+            let found = Diagnostic::finding(lack.code, Span::default(), lack.message, reason);
+            Finding::from(found.help(lack.remedy).in_file(self.name))
+        };
+        Some(ModelReport {
+            scene: self.name.to_string(),
+            states: usize::try_from(coverage.samples).unwrap_or(usize::MAX),
+            assembly: None,
+            coverage,
+            findings: gaps.into_iter().map(finding).collect(),
+        })
     }
 
     fn judge(&self, case: &Case, routine: &impl Fn(&State<f64>) -> Given, wide: bool) -> Vec<Check> {

@@ -115,10 +115,12 @@ impl Check {
 
     /// Says why numbers are wrong, and keeps them to be shown.
     pub(super) fn explain(&mut self, symptoms: &Symptoms<'_>, want: &Entries<Wanted>) {
-        if !matches!(self.verdict, Verdict::Wrong) {
+        if !matches!(self.verdict, Verdict::Wrong | Verdict::UnstableFormula) {
             return;
         }
-        self.diagnosis = diagnose(symptoms).map(Box::new);
+        // A formula that loses digits need not be mistaken.
+        let is_told = |found: &Diagnosis| self.verdict == Verdict::Wrong || found.is_whole();
+        self.diagnosis = diagnose(symptoms).filter(is_told).map(Box::new);
         if symptoms.quantity == Quantity::FirstDerivatives {
             self.comparison = Some(Box::new(Comparison::new(symptoms.got, want, symptoms.bound)));
         }
@@ -333,6 +335,19 @@ impl Report {
             }
         }
         found
+    }
+
+    /// Subjects with mismatches of which there is no counter-example: those of multi-point constraints, frictions and slopes of
+    /// behaviour, which a file of a connector alone does not hold; each with the kinds of numbers.
+    pub fn without_counter_example(&self) -> Vec<(String, Vec<Quantity>)> {
+        let of = |subject: &Subject| {
+            let failed = subject.checks.iter().filter(|check| check.verdict.is_mismatch());
+            let mut kinds: Vec<Quantity> =
+                failed.filter(|check| check.failing.is_none()).filter_map(|check| check.quantity).collect();
+            kinds.dedup();
+            (!kinds.is_empty()).then(|| (subject.title(), kinds))
+        };
+        self.subjects.iter().filter_map(of).collect()
     }
 
     /// Entries compared in all.

@@ -135,10 +135,12 @@ impl Sheet {
 
     /// Judges the numbers, with mutants of them where `proves`, and says why where they are wrong.
     pub fn check(&self, nearness: f64, proves: bool, state: &str, case: Option<&Case>) -> Check {
-        let score =
-            if proves && nearness > 0.0 { self.try_mistakes(&self.all_mistakes()) } else { Score::default() };
+        let judgement = self.judge(nearness);
+        // A check that speaks has proved that it can; mutants are made of right numbers.
+        let proves = proves && nearness > 0.0 && !judgement.verdict.is_mismatch();
+        let score = if proves { self.try_mistakes(&self.all_mistakes()) } else { Score::default() };
         let mut check = Check::new(Some(self.quantity), Against::Oracle(Oracle::WideDifferences));
-        check.add_at(self.judge(nearness), score, state, case);
+        check.add_at(judgement, score, state, case);
         if check.verdict == Verdict::Wrong {
             check.diagnosis = diagnose_sheet(self).map(Box::new);
         }

@@ -45,6 +45,7 @@
 
 mod advance;
 mod kernel;
+mod layout;
 mod passes;
 mod tile;
 
@@ -54,7 +55,7 @@ use passes::Pass;
 use pulp::Arch;
 
 pub use advance::advance;
-pub use kernel::{CompactRow, HessianRow, Row};
+pub use layout::{CompactRow, HessianRow, Layout, Row};
 pub use tile::{Four, History, Section, Tile};
 
 /// Why connectors cannot be evaluated as a batch.

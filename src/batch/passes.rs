@@ -70,7 +70,7 @@ formulas! {
     1: Cosine(1, 2) by cosine;
     1: Cosine(1, 3) by cosine;
     3: Cardan(1) by cardan, Cardan(2) by cardan, Cardan(3) by cardan;
-    3: Cardan(1) by cardan, Cosine(1, 2) by cosine, Cosine(1, 3) by cosine;
+    3: Cardan(1) by cardan, Cosine(1, 3) by cosine, Cosine(1, 2) by cosine;
     1: Cardan(1) by cardan;
     1: Cardan(2) by cardan;
     1: Cardan(3) by cardan;

@@ -428,4 +428,54 @@ mod tests {
         assert_eq!(at(&step, 1.0, 0.0)[0], -0.5);
         assert_eq!(at(&step, 7.0, 0.0), [4.0, 0.0, 0.0]);
     }
+
+    /// Before t0 the value is A0; there the slope changes, and so it does at the first and last point of lines.
+    #[test]
+    fn slopes_on_both_sides_of_a_corner() {
+        let periodic = amplitude("PERIODIC", &[1.0, 3.0, 0.25, 0.125, 0.0, 0.5]);
+        let modulated = amplitude("MODULATED", &[1.5, 2.0, 0.25, 10.0, 1.5]);
+        let decay = amplitude("DECAY", &[-1.0, 5.0, 0.25, 0.5]);
+        assert_eq!(at(&periodic, 0.0, 0.0), [0.125, 0.0, 0.0]);
+        assert_eq!(at(&modulated, 0.0, 0.0), [1.5, 0.0, 0.0]);
+        assert_eq!(at(&decay, 0.0, 0.0), [-1.0, 0.0, 0.0]);
+        assert_eq!(periodic.corner(0.25, 0.0), Some([0.0, 1.5]));
+        assert_eq!(modulated.corner(0.25, 0.0), None, "a product of two sines that both vanish is flat");
+        assert_eq!(decay.corner(0.25, 0.0), Some([0.0, -10.0]));
+        assert_eq!((periodic.corner(0.3, 0.0), decay.corner(0.2, 0.0)), (None, None));
+        let table = amplitude("TABULAR", &[0.5, 0.0, 1.0, 2.0, 2.0, 0.0]);
+        for smoothing in [0.0, 0.25] {
+            assert_eq!(table.corner(0.5, smoothing), Some([0.0, 4.0]));
+            assert_eq!(table.corner(2.0, smoothing), Some([-2.0, 0.0]));
+            assert_eq!(table.corner(0.75, smoothing), None);
+        }
+        assert_eq!((table.corner(1.0, 0.0), table.corner(1.0, 0.25)), (Some([4.0, -2.0]), None));
+        let step = amplitude("SMOOTH STEP", &[0.0, 0.5, 2.0, -1.5]);
+        assert_eq!(step.corner(0.0, 0.0), None);
+    }
+
+    #[test]
+    fn points_in_order_with_slopes_that_are_doubles() {
+        let span = Span::default();
+        let code = |points: &[[f64; 2]]| check(points, "A", span).err().map(|fault| fault.code());
+        assert_eq!(code(&[[0.0, 1.0], [1.0, 3.0], [1.0, 5.0], [2.0, -1e300]]), None);
+        assert_eq!(code(&[[1.0, 1.0], [0.5, 3.0]]), Some(Code::TableOrder));
+        assert_eq!(
+            code(&[[0.0, -1e308], [1.0, 1e308]]),
+            Some(Code::NumberOutOfRange),
+            "a rise that is no double"
+        );
+        assert_eq!(code(&[[0.0, 0.0], [1e-300, 1e10]]), Some(Code::NumberOutOfRange), "a slope that is none");
+        assert_eq!(
+            code(&[[0.0, 0.0], [1e-310, 0.0]]),
+            Some(Code::NumberOutOfRange),
+            "an interval without inverse"
+        );
+    }
+
+    #[test]
+    fn what_is_no_function_of_time_is_said() {
+        let user = amplitude("USER", &[1.0]);
+        assert!(!user.is_function() && user.evaluate(0.5, 0.0).is_none() && user.corner(0.0, 0.0).is_none());
+        assert!(amplitude("TABULAR", &[0.0, 1.0]).is_function());
+    }
 }

@@ -4,7 +4,6 @@
 //! [`FrictionCriterion::contact_formula`]) read the same terms, so that what `pintle explain` shows is what is computed.
 
 use super::{Evidence, FORCE};
-use std::fmt::Write;
 
 /// A parameter of predefined friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -273,7 +272,7 @@ impl FrictionCriterion {
         for term in terms {
             let Some(load) = term.load.formula(present) else { continue };
             let join = if sum.is_empty() { "" } else { " + " };
-            let _ = write!(sum, "{join}{}", friction.term(&term.factor, &load));
+            sum.push_str(&format!("{join}{}", friction.term(&term.factor, &load)));
         }
         let arm = friction.product(arm);
         if arm.is_empty() { sum } else { format!("{arm} ({sum})") }

@@ -5,7 +5,7 @@ use super::{Failure, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
-use pintle::audit::{Oracle, Planted, Report, Settings, Target, audit_catalogue, audit_scenes};
+use pintle::audit::{Oracle, Planted, Quantity, Report, Settings, Target, audit_catalogue, audit_scenes};
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
 use pintle::evaluate::{Plan, Selection};
@@ -271,6 +271,14 @@ fn save(folder: &Path, report: &Report) -> Result<(), Failure> {
     for (name, example) in report.counter_examples() {
         let text = serde_json::to_string_pretty(&example).map_err(|error| cannot(&error))?;
         fs::write(folder.join(name), text + "\n").map_err(|error| cannot(&error))?;
+    }
+    for (subject, kinds) in report.without_counter_example() {
+        let kinds: Vec<&str> = kinds.into_iter().map(Quantity::name).collect();
+        anstream::eprintln!(
+            "note: no counter-example of {subject}: {}; the file has a place for a connector alone, not for constraints, frictions and \
+             behaviours: audit the scene again instead",
+            kinds.join(", ")
+        );
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! The command line: its definition, and what each command does.
 
 pub(crate) mod audit;
+pub(crate) mod bench;
 pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
@@ -60,6 +61,8 @@ pub(crate) enum Command {
     Audit(Box<audit::Audit>),
     /// Judge the state of a counter-example again
     Replay(replay::Replay),
+    /// Measure what values, Jacobians and Hessians cost on this machine, at which error
+    Bench(bench::Bench),
     /// Print the completions of a shell
     #[command(after_long_help = manual::COMPLETIONS_HELP)]
     Completions(manual::Completions),

@@ -79,7 +79,7 @@ impl<R: Differentiable> Connector<R> {
         let mut rows = [None; 6];
         let input = Differentiation { state, history: &history, active: &self.kind.active, second: false };
         self.relative_derivatives(&input, measures, tally, &mut |(k, _), gradient, _| {
-            rows[k] = Some(CompactRow { arm: state.pair.arm(&gradient), gradient });
+            rows[k] = Some(CompactRow { arm: state.pair.arm(gradient), gradient: *gradient });
         });
         for (k, measure) in measures.iter().filter(|(_, measure)| measure.is_one_form()) {
             tally.gradients += 1;

@@ -1,13 +1,13 @@
 //! Rows of first and second derivatives, and rates: the same measures on numbers with derivatives.
 
 use super::{
-    Branch, Components, Connector, Evaluation, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally,
+    Branch, Components, Connector, Evaluation, Linear, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally,
 };
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
 use crate::scalar::{Differentiable, Scalar, Seeded};
 use crate::vector::{self, Vector, column};
-use num_dual::{Dual, HyperDual};
+use num_dual::{Dual, DualSVec, HyperDual};
 
 impl<R: Differentiable> Connector<R> {
     pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
@@ -78,23 +78,24 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
         take: &mut impl FnMut(usize, NodalRow<R>, Option<NodalMatrix<R>>),
     ) {
-        let Differentiation { state, active, second, .. } = *input;
-        let mut nodal =
-            |(k, measure): (usize, Measure), gradient: RelativeGradient<R>, relative: [[R; 8]; 8]| {
-                // A measure that no direction of a enters does not feel a turn.
-                let mut active = *active;
-                if !measure.turns_with_a() {
-                    active[node::THETA_A..node::PSI_A].fill(false);
+        let Differentiation { state, active, .. } = *input;
+        let mut nodal = |(k, measure): (usize, Measure),
+                         gradient: &RelativeGradient<R>,
+                         relative: Option<&[[R; 8]; 8]>| {
+            // A measure that no direction of a enters does not feel a turn.
+            let mut active = *active;
+            if !measure.turns_with_a() {
+                active[node::THETA_A..node::PSI_A].fill(false);
+            }
+            let mut row = state.pair.nodal_row(gradient);
+            for (entry, active) in row.iter_mut().zip(&active) {
+                if !active {
+                    *entry = R::integer(0);
                 }
-                let mut row = state.pair.nodal_row(&gradient);
-                for (entry, active) in row.iter_mut().zip(&active) {
-                    if !active {
-                        *entry = R::integer(0);
-                    }
-                }
-                let hessian = || Box::new(state.pair.nodal_hessian(&gradient, &relative, &active));
-                take(k, row, second.then(hessian));
-            };
+            }
+            let hessian = |relative| Box::new(state.pair.nodal_hessian(gradient, relative, &active));
+            take(k, row, relative.map(hessian));
+        };
         self.relative_derivatives(input, measures, tally, &mut nodal);
         for (k, measure) in measures.iter().filter(|(_, measure)| measure.is_one_form()) {
             let (row, hessian) = self.one_form_row(input, *measure, tally);
@@ -108,7 +109,7 @@ impl<R: Differentiable> Connector<R> {
         input: &Differentiation<'_, R>,
         measures: &[(usize, Measure)],
         tally: &mut Tally,
-        take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
+        take: &mut impl FnMut((usize, Measure), &RelativeGradient<R>, Option<&[[R; 8]; 8]>),
     ) {
         let Differentiation { state, history, second, .. } = *input;
         let from = (self, state, history);
@@ -128,6 +129,23 @@ impl<R: Differentiable> Connector<R> {
             tally.hessians += functions;
         } else {
             tally.gradients += functions;
+        }
+    }
+
+    /// Makes zero what a row of a measure has for degrees of freedom that are not active, or do not matter to it.
+    #[inline(always)]
+    pub(super) fn mask(&self, measure: Measure, row: &mut NodalRow<R>) {
+        // A measure that no direction of a enters does not feel a turn.
+        if !measure.turns_with_a() {
+            row[node::THETA_A..node::PSI_A].fill(R::integer(0));
+        }
+        if self.kind.is_free && !measure.dependence().flow {
+            return;
+        }
+        for (entry, active) in row.iter_mut().zip(&self.kind.active) {
+            if !active {
+                *entry = R::integer(0);
+            }
         }
     }
 
@@ -190,7 +208,7 @@ fn turned_triad<S: Scalar>(triad: &vector::Matrix<S::Real>, theta: Vector<S>) ->
 
 /// Which relative variations carry derivatives: those that a measure depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Seeds {
+pub(super) enum Seeds {
     Translation,
     Rotation,
     Motion,
@@ -199,7 +217,8 @@ enum Seeds {
 }
 
 impl Seeds {
-    fn of(measure: Measure) -> Self {
+    #[inline(always)]
+    pub(super) fn of(measure: Measure) -> Self {
         if measure.is_one_form() {
             return Self::None;
         }
@@ -211,24 +230,81 @@ impl Seeds {
         }
     }
 
+    /// The first of the variations, in the order δ, ρ, Ψ_a, Ψ_b, and what they vary.
+    #[inline(always)]
+    const fn span(self) -> (usize, Dependence) {
+        let (first, translation, rotation, flow) = match self {
+            Self::Translation => (0, true, false, false),
+            Self::Rotation => (3, false, true, false),
+            Self::Motion => (0, true, true, false),
+            Self::All | Self::None => (0, true, true, true),
+        };
+        (first, Dependence { translation, rotation, flow })
+    }
+
+    /// Its bit in a set.
+    #[inline(always)]
+    pub(super) const fn bit(self) -> u8 {
+        1 << self as u8
+    }
+
+    /// The measures that depend on just these variations, with their values and nodal rows: [`Seeds::pass`] of the first order without
+    /// what the rows of these variations do not have. `self` is a constant, so that each gets code of its own, with its own measures.
+    #[inline(always)]
+    pub(super) fn linearize<R: Differentiable, const N: usize>(
+        self,
+        (connector, pair, history): (&Connector<R>, &Pair<R>, &History<R>),
+        evaluate: impl Fn(Measure, &mut Shared<'_, R::Gradient<N>>) -> R::Gradient<N>,
+        measures: &[Measure],
+        out: &mut [Linear<R>],
+    ) {
+        let (first, needed) = self.span();
+        let relative = pair.seeded::<R::Gradient<N>, N>(needed, first);
+        let mut shared = Shared::new(&relative, &pair.a.triad, &connector.kind.section, history);
+        let separation = pair.separation();
+        let zero = [R::integer(0); 3];
+        for (measure, out) in measures.iter().zip(out) {
+            if Self::of(*measure) != self {
+                continue;
+            }
+            let value = evaluate(*measure, &mut shared);
+            let gradient = value.gradient();
+            let part = |at: usize| {
+                let mut part = zero;
+                for i in 0..3 {
+                    if at + i >= first && at + i < first + N {
+                        part[i] = gradient[at + i - first];
+                    }
+                }
+                part
+            };
+            let (g, h, [psi_a, psi_b, _]) = (part(0), part(3), part(6));
+            out.value = value.real();
+            // −g, g × D − h, ∂Ψ_a, g, h, ∂Ψ_b ([`Pair::nodal_row`]).
+            let (minus_g, arm) = match self {
+                Self::Rotation => (zero, h.map(|h| -h)),
+                Self::Translation => (g.map(|g| -g), vector::cross(g, separation)),
+                _ => (g.map(|g| -g), vector::sub(vector::cross(g, separation), h)),
+            };
+            let ([a1, a2, a3], [r1, r2, r3], [g1, g2, g3], [h1, h2, h3]) = (minus_g, arm, g, h);
+            out.row = [a1, a2, a3, r1, r2, r3, psi_a, g1, g2, g3, h1, h2, h3, psi_b];
+            connector.mask(*measure, &mut out.row);
+        }
+    }
+
     /// Evaluates those measures that depend on just these variations, on numbers with derivatives along them, and hands on their
     /// relative derivatives.
     fn pass<R: Differentiable, S: Seeded<N, Real = R>, const N: usize>(
         self,
         (connector, state, history): (&Connector<R>, &State<R>, &History<R>),
         measures: &[(usize, Measure)],
-        take: &mut impl FnMut((usize, Measure), RelativeGradient<R>, [[R; 8]; 8]),
+        take: &mut impl FnMut((usize, Measure), &RelativeGradient<R>, Option<&[[R; 8]; 8]>),
     ) {
         let mut own = measures.iter().filter(|(_, measure)| Self::of(*measure) == self).peekable();
         if own.peek().is_none() {
             return;
         }
-        let (first, needed) = match self {
-            Self::Translation => (0, Dependence { translation: true, ..Dependence::default() }),
-            Self::Rotation => (3, Dependence { rotation: true, ..Dependence::default() }),
-            Self::Motion => (0, Dependence { translation: true, rotation: true, flow: false }),
-            Self::All | Self::None => (0, Dependence { translation: true, rotation: true, flow: true }),
-        };
+        let (first, needed) = self.span();
         let zero = R::integer(0);
         let relative = state.pair.seeded::<S, N>(needed, first);
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &connector.kind.section, history);
@@ -236,14 +312,18 @@ impl Seeds {
             let value = measure.evaluate(&mut shared);
             let mut gradient = [zero; 8];
             gradient[first..first + N].copy_from_slice(&value.gradient());
+            let [g1, g2, g3, h1, h2, h3, psi_a, psi_b] = gradient;
+            let gradient =
+                RelativeGradient { translation: [g1, g2, g3], rotation: [h1, h2, h3], flow: [psi_a, psi_b] };
+            if S::ORDER < 2 {
+                take((*k, *measure), &gradient, None);
+                continue;
+            }
             let mut hessian = [[zero; 8]; 8];
             for (i, line) in value.hessian().into_iter().enumerate() {
                 hessian[first + i][first..first + N].copy_from_slice(&line);
             }
-            let [g1, g2, g3, h1, h2, h3, psi_a, psi_b] = gradient;
-            let gradient =
-                RelativeGradient { translation: [g1, g2, g3], rotation: [h1, h2, h3], flow: [psi_a, psi_b] };
-            take((*k, *measure), gradient, hessian);
+            take((*k, *measure), &gradient, Some(&hessian));
         }
     }
 }
@@ -341,7 +421,7 @@ impl Connector<f64> {
     /// First derivatives by dual numbers in the fourteen nodal degrees of freedom: [`Pair::moved`] instead of the relative pair
     /// and the nodal maps. About 25 times slower than rows; a witness for them.
     pub(crate) fn nodal_rows(&self, state: &State<f64>, branch: &Branch<f64>) -> Components<NodalRow<f64>> {
-        type Nodal = <f64 as Differentiable>::Gradient<DOFS>;
+        type Nodal = DualSVec<f64, DOFS>;
         let seeds: [Nodal; DOFS] = std::array::from_fn(|j| Seeded::<DOFS>::seed(0.0, j));
         let values = self.on_moved_nodes(state, branch, &seeds);
         std::array::from_fn(|k| {
@@ -380,7 +460,7 @@ impl Connector<f64> {
         state: &State<f64>,
         branch: &Branch<f64>,
     ) -> Components<(NodalRow<f64>, NodalMatrix<f64>)> {
-        type Inner = <f64 as Differentiable>::Gradient<DOFS>;
+        type Inner = DualSVec<f64, DOFS>;
         let mut found = self.kind.rows.map(|row| row.map(|_| ([0.0; DOFS], Box::new([[0.0; DOFS]; DOFS]))));
         for j in (0..DOFS).filter(|j| self.kind.active[*j]) {
             let seeds: [Dual<Inner>; DOFS] = std::array::from_fn(|i| {
@@ -416,9 +496,19 @@ impl Connector<f64> {
         branch: &Branch<f64>,
         dofs: &[S; DOFS],
     ) -> Components<S> {
-        let relative = state.pair.moved(dofs).relative();
+        self.on_nodes(&state.pair.moved(dofs), &state.pair.a.triad, branch)
+    }
+
+    /// What is differentiated, as a function of the nodes, on any number; `triad_a` is the real part of the triad of a.
+    pub(crate) fn on_nodes<S: Scalar<Real = f64>>(
+        &self,
+        pair: &Pair<S>,
+        triad_a: &vector::Matrix<f64>,
+        branch: &Branch<f64>,
+    ) -> Components<S> {
+        let relative = pair.relative();
         let history = branch.history();
-        let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.kind.section, &history);
+        let mut shared = Shared::new(&relative, triad_a, &self.kind.section, &history);
         std::array::from_fn(|k| self.kind.rows[k].map(|row| row.differentiated.evaluate(&mut shared)))
     }
 

@@ -9,14 +9,17 @@ mod branch;
 mod compact;
 mod derivatives;
 mod flags;
+mod linear;
 mod request;
 
 pub use branch::{Branch, Increment, Turns};
 pub(crate) use branch::{Follower, nearest_turn};
 pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
+use derivatives::Seeds;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
+pub use linear::Linear;
 pub use request::{Mask, Output, Request, Tally};
 
 use crate::catalog::{Condition, ConnectionType, PLANE, Slot};
@@ -96,6 +99,8 @@ struct Row {
     position: Measure,
     /// What is differentiated: the residual of a constrained component, else the position.
     differentiated: Measure,
+    /// The relative variations along which it has derivatives.
+    seeds: Seeds,
     /// Whether that is the printed function, which vanishes initially, rather than the position with its initial value.
     vanishes: bool,
 }
@@ -118,6 +123,8 @@ struct Kind<R> {
     references: Components<R>,
     stops: Components<Stop>,
     active: [bool; DOFS],
+    /// Whether all of them are active, but for those of material flow.
+    is_free: bool,
     reach: [bool; DOFS],
     is_planar: bool,
     /// Before any motion.
@@ -233,7 +240,8 @@ impl<R: Differentiable> Connector<R> {
             if position.winds() {
                 turns[k].principal = start;
             }
-            rows[k] = Some(Row { slot, position, differentiated, vanishes });
+            rows[k] =
+                Some(Row { slot, position, differentiated, seeds: Seeds::of(differentiated), vanishes });
             starts[k] = start;
             references[k] = definition.references[k].map(|reference| match position.unit() {
                 Unit::Angle => R::from_f64(reference) * R::pi() / R::integer(180),
@@ -260,6 +268,7 @@ impl<R: Differentiable> Connector<R> {
             references,
             stops: definition.stops,
             active,
+            is_free: (0..DOFS).all(|j| active[j] || DOF_NUMBER[j] == 10),
             reach,
             is_planar: definition.planar,
             branch,

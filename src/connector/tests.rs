@@ -56,6 +56,55 @@ fn nodal_maps_equal_naive_seeding() {
     }
 }
 
+/// The short way gives the numbers of the long one, also where degrees of freedom are fixed, and leaves alone what is not wanted.
+#[test]
+fn linearized_is_evaluated() {
+    let free = |entry: &Arc<ConnectionType>| Definition {
+        flow_scale: 50.0,
+        ..Definition::new(entry.clone(), pair(0.2))
+    };
+    let alterations: [fn(&mut Definition); 3] = [
+        |_| {},
+        |definition| definition.moves = [false, true],
+        |definition| definition.rotates = [true, false],
+    ];
+    let mut compared = 0;
+    for entry in crate::catalog::TABLE {
+        let entry = Arc::new(entry.clone());
+        for alter in alterations {
+            let mut definition = free(&entry);
+            alter(&mut definition);
+            let connector = Connector::<f64>::new(&definition);
+            let mut state = State { pair: pair(0.25), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+            state.pair.reference = definition.initial.reference;
+            let branch = connector.advance(&state, &Increment::none(), &connector.initial_branch());
+            let request = Request::new(&[Output::CP, Output::RES], [true; 6], 1);
+            let found = connector.evaluate_on(&state, branch, &request, &mut Tally::default());
+            for wanted in [[true; 6], [false, true, false, true, true, false]] {
+                let mut rows = [Linear::default(); 6];
+                let count = connector.linearize(&state.pair, &branch, wanted, &mut rows);
+                let values = connector.values(&state.pair, &branch, wanted);
+                let components: Vec<usize> =
+                    (0..6).filter(|k| wanted[*k] && connector.differentiated(*k).is_some()).collect();
+                let of_rows: Vec<usize> = rows[..count].iter().map(|row| row.component).collect();
+                assert_eq!(of_rows, components, "{}", entry.name);
+                for row in &rows[..count] {
+                    let k = row.component;
+                    assert_eq!(Some(row.row), found.jacobian[k], "{} {k}", entry.name);
+                    assert_eq!(Some(row.value), values[k], "{} {k}", entry.name);
+                    if connector.differentiated(k) == connector.position_measure(k) {
+                        assert_eq!(Some(row.value), found.position[k], "{} {k}", entry.name);
+                    } else {
+                        assert_eq!(Some(row.value), found.residual[k], "{} {k}", entry.name);
+                    }
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 300, "{compared}");
+}
+
 /// A node b that turns, from the initial state, by `angle` about a global axis, whole turns included.
 fn turned(name: &str, of_b: [f64; 3], axis: [f64; 3], angle: f64) -> (Evaluation<f64>, Vec<Flag>) {
     let still = |triad| node::Node { displacement: [0.0; 3], triad, flow: 0.0 };

@@ -6,7 +6,7 @@ use crate::behavior::friction::{self, Status};
 use crate::behavior::state::Outcome;
 use crate::behavior::{Forces, Tangent, Unknown};
 use crate::catalog::COMPONENT;
-use crate::connector::{Branch, Connector, Flag, NodalMatrix, Output, Request, StopStatus, Turns};
+use crate::connector::{Branch, Connector, Flag, Output, Request, StopStatus, Turns};
 use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcElement, MpcForces, MpcResult};
 use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc::{self, DOFS as MPC_DOFS, ROWS as MPC_ROWS};
@@ -53,37 +53,18 @@ pub struct NodalDerivative {
 impl Nodal {
     fn of(connector: &Connector<f64>, nodes: [Option<Label>; 2], forces: &ForceResult) -> Self {
         let kept: Vec<usize> = (0..DOFS).filter(|j| connector.active()[*j]).collect();
-        let matrix = |of: &NodalMatrix<f64>| {
-            kept.iter().map(|i| kept.iter().map(|j| of[*i][*j]).collect()).collect::<Vec<Vec<f64>>>()
-        };
         let reached = |j: &usize| connector.reach()[*j];
         let force = |(j, force): (usize, f64)| {
             let end = usize::from(j >= DOFS / 2);
             NodalForce { name: DOF[j], node: nodes[end], role: ["a", "b"][end], dof: DOF_NUMBER[j], force }
         };
-        let square = [
-            (Output::KG, &forces.geometric),
-            (Output::DNF, &forces.derivative),
-            (Output::KT, &forces.tangent),
-            (Output::CT, &forces.damping),
-        ];
-        let mut derivatives: Vec<NodalDerivative> = square
-            .into_iter()
-            .filter_map(|(output, of)| Some(NodalDerivative { output, by: None, rows: matrix(of.as_ref()?) }))
-            .collect();
         let reactions = REACTION.into_iter().zip(&forces.by_reactions);
         let columns: Vec<(&'static str, &[f64; DOFS])> = reactions
             .chain([("T2", &forces.by_beyond)])
             .filter_map(|(name, column)| Some((name, column.as_ref()?)))
             .collect();
-        if !columns.is_empty() {
-            let row = |i: &usize| columns.iter().map(|(_, column)| column[*i]).collect();
-            derivatives.push(NodalDerivative {
-                output: Output::KR,
-                by: Some(columns.iter().map(|(name, _)| *name).collect()),
-                rows: kept.iter().map(row).collect(),
-            });
-        }
+        let square = [&forces.geometric, &forces.derivative, &forces.tangent, &forces.damping];
+        let derivatives = derivatives(&kept, square, &columns);
         let entries = forces.nodal.iter().flatten().copied().enumerate();
         Self { forces: entries.filter(|(j, _)| reached(j)).map(force).collect(), derivatives }
     }
@@ -98,33 +79,14 @@ impl Nodal {
             let node = element.nodes.get(place).copied();
             NodalForce { name: kind.column_name(*j), node, role, dof, force: forces.nodal[*j] }
         };
-        let matrix = |of: &mpc::force::DofMatrix<f64>| {
-            kept.iter().map(|i| kept.iter().map(|j| of[*i][*j]).collect()).collect::<Vec<Vec<f64>>>()
-        };
-        let square = [
-            (Output::KG, &forces.geometric),
-            (Output::DNF, &forces.derivative),
-            (Output::KT, &forces.tangent),
-            (Output::CT, &forces.damping),
-        ];
-        let mut derivatives: Vec<NodalDerivative> = square
-            .into_iter()
-            .filter_map(|(output, of)| Some(NodalDerivative { output, by: None, rows: matrix(of.as_ref()?) }))
-            .collect();
         let columns: Vec<(&'static str, &[f64; MPC_DOFS])> = forces
             .by_multipliers
             .iter()
             .enumerate()
             .filter_map(|(row, column)| Some((kind.row_name(row), column.as_ref()?)))
             .collect();
-        if !columns.is_empty() {
-            let row = |i: &usize| columns.iter().map(|(_, column)| column[*i]).collect();
-            derivatives.push(NodalDerivative {
-                output: Output::KR,
-                by: Some(columns.iter().map(|(name, _)| *name).collect()),
-                rows: kept.iter().map(row).collect(),
-            });
-        }
+        let square = [&forces.geometric, &forces.derivative, &forces.tangent, &forces.damping];
+        let derivatives = derivatives(kept, square, &columns);
         let forces = if wants(Output::NF) { kept.iter().map(force).collect() } else { Vec::new() };
         Self { forces, derivatives }
     }
@@ -132,6 +94,27 @@ impl Nodal {
     fn is_empty(&self) -> bool {
         self.forces.is_empty() && self.derivatives.is_empty()
     }
+}
+
+/// The tables of derivatives of nodal forces by the degrees of freedom kept: KG, DNF, KT and CT, as far as they are there, and KR by
+/// columns.
+fn derivatives<const N: usize>(
+    kept: &[usize],
+    square: [&Option<Box<[[f64; N]; N]>>; 4],
+    columns: &[(&'static str, &[f64; N])],
+) -> Vec<NodalDerivative> {
+    let outputs = [Output::KG, Output::DNF, Output::KT, Output::CT];
+    let tables = outputs.into_iter().zip(square).filter_map(|(output, of)| {
+        let of = of.as_ref()?;
+        let rows = kept.iter().map(|i| kept.iter().map(|j| of[*i][*j]).collect()).collect();
+        Some(NodalDerivative { output, by: None, rows })
+    });
+    let by_reactions = (!columns.is_empty()).then(|| NodalDerivative {
+        output: Output::KR,
+        by: Some(columns.iter().map(|(name, _)| *name).collect()),
+        rows: kept.iter().map(|i| columns.iter().map(|(_, column)| column[*i]).collect()).collect(),
+    });
+    tables.chain(by_reactions).collect()
 }
 
 /// Whether anything acts on the angle of a hinge, or what the constraint transmits is known.

@@ -8,7 +8,6 @@ use crate::symbolic::{
     Frame, FrictionModel, FrictionTraceError, Function, Graph, Id, Input, Inputs, Model, Shape,
 };
 use std::collections::BTreeSet;
-use std::fmt::Write;
 
 /// What to export to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -259,20 +258,19 @@ impl Export {
     fn header(&self, target: Target) -> String {
         let mut text = String::new();
         let frame = self.model.frame;
-        let _ = writeln!(
-            text,
-            "{}, {} variables. Written by pintle {}; do not edit.\n",
+        text.push_str(&format!(
+            "{}, {} variables. Written by pintle {}; do not edit.\n\n",
             self.name,
             frame.name(),
             crate::VERSION
-        );
+        ));
         for fact in &self.facts {
             for line in textwrap(fact) {
-                let _ = writeln!(text, "{line}");
+                text.push_str(&format!("{line}\n"));
             }
         }
         for routine in self.routines() {
-            let _ = writeln!(text, "\n{}", routine.name);
+            text.push_str(&format!("\n{}\n", routine.name));
             for input in &routine.takes {
                 let line = format!(
                     "in  {} {}, {}: {}",
@@ -282,14 +280,14 @@ impl Export {
                     input.meaning
                 );
                 for line in textwrap(&line) {
-                    let _ = writeln!(text, "  {line}");
+                    text.push_str(&format!("  {line}\n"));
                 }
             }
             for output in &routine.gives {
                 let shape: String = output.shape.iter().map(|n| format!("[{n}]")).collect();
                 let line = format!("out {} {shape}, {}: {}", output.name, output.unit, output.meaning);
                 for line in textwrap(&line) {
-                    let _ = writeln!(text, "  {line}");
+                    text.push_str(&format!("  {line}\n"));
                 }
             }
         }
@@ -322,7 +320,7 @@ fn facts(connection: &ConnectionType, model: &Model, frictions: &[FrictionModel]
     for function in &model.functions {
         let mut fact = format!("{} = {}", function.name(), function.measure.formula());
         if let Some(set) = function.measure.singular_set() {
-            let _ = write!(fact, "; singular: {}", set.at);
+            fact.push_str(&format!("; singular: {}", set.at));
         }
         if function.measure.is_one_form() {
             fact.push_str("; a one-form: its row is given, it has no value; the second derivatives are how its row changes");
@@ -395,13 +393,18 @@ fn c_function(prefix: &str, routine: &Routine<'_>, written: &Listing) -> String 
     let parameters: Vec<String> = inputs.chain(outputs).collect();
     let mut text = format!("void pintle_{prefix}_{}({})\n{{\n", routine.name, parameters.join(", "));
     for statement in &written.statements {
-        let _ = writeln!(text, "    {statement}");
+        text.push_str(&format!("    {statement}\n"));
     }
     for (output, place, result) in entries(routine, written) {
-        let _ = writeln!(text, "    {}{} = {};", output.name, subscript(&output.shape, place), result.text);
+        text.push_str(&format!(
+            "    {}{} = {};\n",
+            output.name,
+            subscript(&output.shape, place),
+            result.text
+        ));
     }
     for input in &routine.takes {
-        let _ = writeln!(text, "    (void){};", input.name);
+        text.push_str(&format!("    (void){};\n", input.name));
     }
     text.push_str("}\n");
     text
@@ -417,9 +420,9 @@ fn nested(shape: &[usize], texts: &[String], indent: usize, line_end: &str) -> S
     let margin = " ".repeat(indent + 4);
     let mut text = String::from("[\n");
     for part in texts.chunks(size.max(1)) {
-        let _ = write!(text, "{margin}{}{line_end}", nested(rest, part, indent + 4, line_end));
+        text.push_str(&format!("{margin}{}{line_end}", nested(rest, part, indent + 4, line_end)));
     }
-    let _ = write!(text, "{}]", " ".repeat(indent));
+    text.push_str(&format!("{}]", " ".repeat(indent)));
     text
 }
 
@@ -448,24 +451,23 @@ fn rust_function(routine: &Routine<'_>, written: &Listing) -> String {
     let result = if types.len() == 1 { types.concat() } else { format!("({})", types.join(", ")) };
     let mut text =
         format!("/// {}.\n", routine.gives.iter().map(|output| output.name).collect::<Vec<_>>().join(", "));
-    let _ = writeln!(text, "pub fn {}({}) -> {result} {{", routine.name, parameters.join(", "));
+    text.push_str(&format!("pub fn {}({}) -> {result} {{\n", routine.name, parameters.join(", ")));
     let names: Vec<String> = routine.takes.iter().map(|input| input.name.to_lowercase()).collect();
     if !names.is_empty() {
-        let _ = writeln!(text, "    let _ = ({},);", names.join(", "));
+        text.push_str(&format!("    let _ = ({},);\n", names.join(", ")));
     }
     for statement in &written.statements {
-        let _ = writeln!(text, "    {statement}");
+        text.push_str(&format!("    {statement}\n"));
     }
     let all: Vec<String> = routine
         .gives
         .iter()
         .map(|output| nested(&output.shape, &results_of(output, routine, written), 4, ",\n"))
         .collect();
-    let _ = writeln!(
-        text,
-        "    {}\n}}",
+    text.push_str(&format!(
+        "    {}\n}}\n",
         if all.len() == 1 { all.concat() } else { format!("({})", all.join(", ")) }
-    );
+    ));
     text
 }
 
@@ -474,9 +476,9 @@ fn python_function(routine: &Routine<'_>, written: &Listing, arrays: bool) -> St
     let mut text = format!("def {}({}):\n", routine.name, names.join(", "));
     let what: Vec<String> =
         routine.gives.iter().map(|output| format!("{}: {}", output.name, output.meaning)).collect();
-    let _ = writeln!(text, "    \"\"\"{}.\"\"\"", what.join("; "));
+    text.push_str(&format!("    \"\"\"{}.\"\"\"\n", what.join("; ")));
     for statement in &written.statements {
-        let _ = writeln!(text, "    {statement}");
+        text.push_str(&format!("    {statement}\n"));
     }
     let all: Vec<String> = routine
         .gives
@@ -486,7 +488,7 @@ fn python_function(routine: &Routine<'_>, written: &Listing, arrays: bool) -> St
             if arrays { format!("jnp.array({nested}, dtype=jnp.float64)") } else { nested }
         })
         .collect();
-    let _ = writeln!(text, "    return {}", all.join(", "));
+    text.push_str(&format!("    return {}\n", all.join(", ")));
     text
 }
 
@@ -505,7 +507,7 @@ fn latex_section(routine: &Routine<'_>, written: &Listing) -> String {
     let name = routine.name.replace('_', " ");
     let mut text = format!("\\section*{{{name}}}\n");
     for part in lines.chunks(30) {
-        let _ = writeln!(text, "\\begin{{align*}}\n{}\n\\end{{align*}}", part.join("\\\\\n"));
+        text.push_str(&format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n", part.join("\\\\\n")));
     }
     text
 }

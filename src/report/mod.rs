@@ -4,6 +4,7 @@
 //! drops (`anstream`); it fits the width that the caller names.
 
 pub mod audit;
+pub mod bench;
 mod block;
 pub mod csv;
 mod evaluation;

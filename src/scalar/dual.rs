@@ -188,7 +188,24 @@ macro_rules! differentiable {
     )* };
 }
 
-differentiable!(f64, Wide);
+differentiable!(Wide);
+
+/// Dual numbers of plain arrays: half of num-dual's time, for those hold their derivatives as an option and multiply what is zero.
+impl Differentiable for f64 {
+    type Gradient<const N: usize> = FirstOrder<Self, N>;
+    type Hessian<const N: usize> = SecondOrder<Self, N>;
+    type Time = Dual2<Self>;
+
+    #[inline(always)]
+    fn moving(value: Self, velocity: Self, acceleration: Self) -> Self::Time {
+        Dual2::new(value, velocity, acceleration)
+    }
+
+    #[inline(always)]
+    fn rates(moving: Self::Time) -> (Self, Self) {
+        (moving.v1, moving.v2)
+    }
+}
 
 /// Dual numbers of plain arrays, in place of num-dual's: those ask of the number underneath an order and a conversion to `f64`,
 /// which four lanes do not have.

@@ -113,6 +113,18 @@ pub fn atan2<S: Scalar>(y: S, x: S) -> S {
     angle + t - (t * t * t).scale(S::Real::ratio(1, 3))
 }
 
+/// The angle of the point (x, 0 − y), as [`atan2`] gives it: half a turn is +π for y = 0 too.
+#[inline(always)]
+pub fn atan2_opposite<S: Scalar>(y: S, x: S) -> S {
+    if !S::Real::HAS_LANES || S::ORDER != 1 {
+        return atan2(S::zero() - y, x);
+    }
+    // Without the opposite of y, whose square is that of y, lanes take its reciprocal once for this and for |(y, x)|.
+    let value = (S::Real::integer(0) - y.real()).arctangent(x.real());
+    let [s, c] = S::Real::inverted([y.real(), x.real()]);
+    y.scale_add(-c, x.scale(s)).with_real(value)
+}
+
 /// |v|, 1 / 2 / 4 u for components between 1e−300 and 1e300.
 ///
 /// With u = v₀/|v₀|, a = u·e and p the components of e across u: |v| = (|v₀| + a) √(1 + t·t), t = p/(|v₀| + a); nothing

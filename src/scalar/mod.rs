@@ -244,10 +244,22 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
         T::pick(mask, yes, no)
     }
 
+    /// The lesser of two numbers.
+    #[inline(always)]
+    fn lesser(self, other: Self) -> Self {
+        Self::either(self.less(other), self, other)
+    }
+
     /// Whether a test holds that leads to the same number sooner; a number that records formulas takes no shortcuts.
     #[inline(always)]
     fn shortcut(test: impl FnOnce() -> Self::Mask) -> bool {
         Self::holds(test())
+    }
+
+    /// As [`Real::shortcut`], where a number is positive.
+    #[inline(always)]
+    fn shortcut_where_positive(number: impl FnOnce() -> Self) -> bool {
+        Self::shortcut(|| Self::integer(0).less(number()))
     }
 
     /// As [`Real::choose`] between two formulas of the same quantity that differ in rounding only; a number that records formulas
@@ -290,7 +302,7 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// exp maps the rotation vector φ to the unit quaternion (w, k φ).
     fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>);
 
-    /// The Taylor coefficients, to the order asked for, of K(c) = 2 acos(c) / √(1 − c²) at c in (−1, 1]: log maps the unit
+    /// The Taylor coefficients, to the order asked for, of K(c) = 2 acos(c) / √(1 − c²) at c in [0, 1]: log maps the unit
     /// quaternion (w, v), w ≥ 0, to the rotation vector K(w) v. K(1) = 2; the function is analytic there and through c = 0.
     fn log_series(c: Self, order: usize) -> Series<Self>;
 }

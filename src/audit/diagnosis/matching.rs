@@ -77,7 +77,7 @@ impl Matching<'_> {
             return Some(first);
         }
         let wider = LOST[1..].iter().filter_map(|wider| self.explain(*wider));
-        let whole = wider.into_iter().find(|found| found.unexplained == 0 && !found.causes.is_empty());
+        let whole = wider.into_iter().find(|found| found.is_whole());
         Some(whole.unwrap_or(first))
     }
 

@@ -171,6 +171,11 @@ impl Diagnosis {
         lines
     }
 
+    /// Whether known mistakes explain all that is wrong.
+    pub fn is_whole(&self) -> bool {
+        self.unexplained == 0 && !self.causes.is_empty()
+    }
+
     /// Whether it says more than another about the same check: all is explained, by fewer mistakes, with fewer alternatives.
     pub(super) fn is_clearer_than(&self, other: &Self) -> bool {
         let rank = |one: &Self| {

@@ -4,13 +4,13 @@ use super::{Entry, ExportError, comment, entry, list, matrix, number, vector};
 use crate::audit::case::Case;
 use crate::audit::counterexample::CounterExample;
 use crate::audit::quantity::{Numbers, Quantity, request};
-use crate::connector::Branch;
+use crate::catalog::Loading;
+use crate::connector::{Branch, Connector};
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::so3;
 use crate::vector::{Vector, dot};
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 /// The formulas, a second time: they know nothing of the Rust source.
 const FORMULAS: &str = include_str!("../../../scripts/reference_formulas.py");
@@ -46,7 +46,8 @@ impl CounterExample {
     /// the script does not follow histories. What a FLOW-CONVERTER has accumulated it sums up by itself.
     ///
     /// # Errors
-    /// What cannot be replayed; a mismatch of a law, or of a kind of number that the formulas do not have.
+    /// What cannot be replayed; a mismatch of a law, or of a kind of number that the formulas do not have: moments of constraints that
+    /// are conjugate to no component, reactions of the ground.
     pub fn jax(&self) -> Result<String, ExportError> {
         let case = self.case()?;
         let connector = case.connector();
@@ -54,13 +55,7 @@ impl CounterExample {
             return Err(ExportError::Lost("it has no state".to_string()));
         };
         let found = match self.quantity {
-            Some(Quantity::NodalForces | Quantity::GeometricStiffness) => {
-                let message = format!(
-                    "{}: the JAX formulas have values, derivatives, rates and accelerations, and no forces; export a Rust test",
-                    self.entry
-                );
-                return Err(ExportError::Lost(message));
-            }
+            Some(Quantity::NodalForces | Quantity::GeometricStiffness) => self.of_force(&case, &connector)?,
             _ => entry(self, &Numbers::of(&evaluation))?,
         };
         let mut script = String::from(FORMULAS);
@@ -71,18 +66,40 @@ impl CounterExample {
         history(&mut script, &case, &evaluation.branch);
         let active: Vec<&str> =
             connector.active().iter().map(|active| if *active { "True" } else { "False" }).collect();
-        let written = writeln!(
-            script,
-            "RATES = {}\nACCELERATIONS = {}\nACTIVE = [{}]\nBETA = {}",
+        script.push_str(&format!(
+            "RATES = {}\nACCELERATIONS = {}\nACTIVE = [{}]\nBETA = {}\n",
             list(&last.state.velocity),
             list(&last.state.acceleration),
             active.join(", "),
             number(case.definition.flow_scale)
-        );
-        debug_assert!(written.is_ok());
+        ));
         script.push_str("\n\n");
         script.push_str(JUDGES);
         Ok(script)
+    }
+
+    /// The derivative that a nodal force of a unit force is, or its change: that of the component, where its force is conjugate to it.
+    fn of_force(&self, case: &Case, connector: &Connector<f64>) -> Result<Entry, ExportError> {
+        let found = entry(self, &crate::audit::product(case).unwrap_or_default())?;
+        let Entry { quantity, k, i } = found;
+        let lost = |why: &str| {
+            let message = format!("{}: {why}; export a Rust test", self.entry);
+            Err(ExportError::Lost(message))
+        };
+        let is_conjugate = matches!(case.definition.connection.loading(k), Some(Loading::Conjugate));
+        if !is_conjugate || connector.differentiated(k) != connector.position_measure(k) {
+            return lost(
+                "the JAX formulas have derivatives, and this force is not conjugate to what is differentiated",
+            );
+        }
+        let (quantity, columns) = match quantity {
+            Quantity::NodalForces => (Quantity::FirstDerivatives, vec![i]),
+            _ => (Quantity::SecondDerivatives, vec![i / DOFS, i % DOFS]),
+        };
+        if columns.iter().any(|j| connector.reach()[*j] && !connector.active()[*j]) {
+            return lost("the JAX formulas have no derivatives by what the ground holds");
+        }
+        Ok(Entry { quantity, k, i })
     }
 
     fn describe(&self, script: &mut String, case: &Case, Entry { quantity, k, i }: Entry) {
@@ -100,17 +117,13 @@ impl CounterExample {
             "{} by {}: {} against {}, written by pintle {}",
             case.definition.connection.name, self.subject, self.entry, self.against, self.version
         );
-        let written = write!(
-            script,
-            "ABOUT = {}\nTYPE = {}\nFIELD, PLACE = {}, {place}\nGIVEN = float({:?})\nWANTED = float({:?})\nTOLERANCE = float({:?})\n",
+        script.push_str(&format!("ABOUT = {}\nTYPE = {}\nFIELD, PLACE = {}, {place}\nGIVEN = float({:?})\nWANTED = float({:?})\nTOLERANCE = float({:?})\n",
             text(&words),
             text(kind),
             text(field),
             number(self.got.0),
             number(self.want.0),
-            number(self.tolerance.0)
-        );
-        debug_assert!(written.is_ok());
+            number(self.tolerance.0)));
     }
 }
 
@@ -119,28 +132,24 @@ fn history(script: &mut String, case: &Case, branch: &Branch<f64>) {
     let turns = branch.turns.map(|turns| turns.turns);
     let sheet = case.last().map_or(0.0, |last| sheet(&last.state.pair, branch.rotation_vector));
     let start = case.start.map_or(0.0, |start| start.accumulated + start.accumulated_rest);
-    let written = write!(
-        script,
+    script.push_str(&format!(
         "TURNS = {}\nSHEET, SIDE, TWIST, START = {}, {}, {}, {}\nINCREMENTS = [\n",
         list(&turns),
         number(sheet),
         number(branch.euler_sign),
         number(branch.torsion.turns),
         number(start)
-    );
-    debug_assert!(written.is_ok());
+    ));
     for step in &case.path {
         let (a, increment) = (&step.state.pair.a, &step.increment);
         let [turn_a, turn_b] = &increment.rotation;
-        let written = writeln!(
-            script,
-            "    ({}, {}, {}, {}),",
+        script.push_str(&format!(
+            "    ({}, {}, {}, {}),\n",
             matrix(&a.triad),
             vector(turn_a),
             vector(turn_b),
             number(increment.flow[1])
-        );
-        debug_assert!(written.is_ok());
+        ));
     }
     script.push_str("]\n");
 }

@@ -7,6 +7,7 @@ mod markdown;
 mod model;
 mod summary;
 
+pub(crate) use html::figure;
 pub use html::{Audited, Supplement, figures, html};
 pub use human::human;
 pub use junit::junit;

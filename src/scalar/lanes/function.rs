@@ -59,28 +59,26 @@ fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) 
 /// The angle of (x, y), 1.5 u; signs of zeros as IEEE 754 asks.
 ///
 /// With t = smaller/larger of |x|, |y| in [0, 1]: atan t, or π/4 + atan((t − 1)/(t + 1)) beyond π/8, each by one division; then
-/// the octant as a multiple of π/4. Which formula holds is a factor ±1 by the sign of a difference: masks do not vectorise.
+/// the octant as a multiple of π/4.
 #[inline(always)]
 pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) -> Lanes<FUSED> {
-    let (one, two, half) = (Lanes::splat(1.0), Lanes::splat(2.0), Lanes::splat(0.5));
+    let (one, two) = (Lanes::splat(1.0), Lanes::splat(2.0));
     let (across, along) = (y.magnitude(), x.magnitude());
-    // 1 where |x| ≥ |y|, −1 elsewhere.
-    let flat = one.with_sign_of(along - across);
-    let smaller = across.lesser(along);
-    let larger = across.greater(along);
-    // 1 beyond π/8, 0 elsewhere and at the origin.
-    let beyond = one.with_sign_of(larger * Lanes::splat(TAN_EIGHTH) - smaller).multiply_add(-half, half);
-    let numerator = smaller - beyond * larger;
-    let denominator = beyond.multiply_add(smaller, larger).greater(Lanes::splat(SMALLEST));
+    let (smaller, larger) = (across.lesser(along), along.greater(across));
+    // Negative beyond π/8, and beyond π/4.
+    let eighth = larger * Lanes::splat(TAN_EIGHTH) - smaller;
+    let quarter = along - across;
+    let numerator = Lanes::by_sign(eighth, smaller - larger, smaller);
+    let denominator = Lanes::by_sign(eighth, smaller + larger, larger.greater(Lanes::splat(SMALLEST)));
     let t = numerator / denominator;
     let square = t * t;
     let angle = (polynomial(&ARCTANGENT, square) * square).multiply_add(t, t);
-    // The angle is quarters π/4 + turn·angle; each mirror is exact.
-    let forwards = one.with_sign_of(x);
-    let quarters = flat.multiply_add(beyond - one, one);
-    let quarters = forwards.multiply_add(quarters - two, two);
-    let turn = flat * forwards;
-    let rest = quarters.multiply_add(Lanes::splat(QUARTER_REST), turn * angle);
+    // The angle is quarters π/4 ± angle; each mirror is exact.
+    let quarters = Lanes::by_sign(eighth, one, Lanes::splat(0.0));
+    let quarters = Lanes::by_sign(quarter, two - quarters, quarters);
+    let quarters = Lanes::by_sign(x, two + two - quarters, quarters);
+    let angle = angle.mirrored_by(quarter).mirrored_by(x);
+    let rest = quarters.multiply_add(Lanes::splat(QUARTER_REST), angle);
     quarters.multiply_add(Lanes::splat(QUARTER), rest).with_sign_of(y)
 }
 
@@ -125,58 +123,106 @@ pub(super) fn square<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) ->
     square
 }
 
-/// Whether squares, and reciprocals of squares, are below 1e279 in every lane: nothing overflows, or loses digits to subnormals.
-/// One comparison, of the sum.
+/// The exponent of a double.
+const EXPONENT: u64 = 0x7ff << 52;
+
+/// Powers of two p and 1/p that bring the largest of |v| into [1, 2), and p v, whose squares neither overflow nor lose digits to
+/// subnormals: 0 where v = 0.
 #[inline(always)]
-pub(super) fn is_usual<const FUSED: bool>(square: Lanes<FUSED>, inverse: Lanes<FUSED>) -> bool {
-    let [a, b, c, d] = (square + inverse).0;
-    (a + b) + (c + d) < 1e279
+fn rescaled<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> (Lanes<FUSED>, [Lanes<FUSED>; N]) {
+    let mut largest = v[0].magnitude();
+    for component in v.iter().skip(1) {
+        largest = component.magnitude().greater(largest);
+    }
+    let scale = opposite_power(largest);
+    let mut scaled = v;
+    for component in &mut scaled {
+        *component = *component * scale;
+    }
+    (scale, scaled)
 }
 
-/// v/|v| and |v| of every magnitude.
-#[cold]
-#[inline(never)]
-pub(super) fn any_direction_and_norm<const FUSED: bool, const N: usize>(
+/// 2⁻ᵉ where 2ᵉ ≤ x < 2ᵉ⁺¹; 2¹⁰²³ at 0.
+#[inline(always)]
+fn opposite_power<const FUSED: bool>(x: Lanes<FUSED>) -> Lanes<FUSED> {
+    const SUM: u64 = (2 * 1023) << 52;
+    x.each(|lane| f64::from_bits(SUM.wrapping_sub(lane.to_bits() & EXPONENT)))
+}
+
+/// |p v|², and 1/|p v|²: the square is at least 1, but for v = 0, where any factor will do, and for subnormal numbers, whose
+/// reciprocals would overflow.
+#[inline(always)]
+fn square_and_inverse<const FUSED: bool, const N: usize>(
+    scaled: [Lanes<FUSED>; N],
+) -> (Lanes<FUSED>, Lanes<FUSED>) {
+    let square = square(scaled);
+    (square, Lanes::splat(1.0) / square.greater(Lanes::splat(1.0)))
+}
+
+/// v/|v| and |v|. The division is that of [`inverted`], beside the square root.
+#[inline(always)]
+pub(super) fn direction_and_norm<const FUSED: bool, const N: usize>(
     v: [Lanes<FUSED>; N],
 ) -> ([Lanes<FUSED>; N], Lanes<FUSED>) {
-    let (scale, square) = rescaled_square(v);
+    let (scale, scaled) = rescaled(v);
+    let (square, inverse) = square_and_inverse(scaled);
     let norm = square.square_root();
-    let inverse = norm.reciprocal_or_zero();
-    (v.map(|component| component * scale * inverse), norm / scale)
+    let factor = norm * inverse;
+    let mut unit = scaled;
+    for component in &mut unit {
+        *component = *component * factor;
+    }
+    (unit, norm * opposite_power(scale))
 }
 
-/// v/|v|² of every magnitude, 0 where that overflows.
-#[cold]
-#[inline(never)]
-pub(super) fn any_inverted<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> [Lanes<FUSED>; N] {
-    let (scale, square) = rescaled_square(v);
-    let inverse = square.reciprocal_or_zero();
-    let inverted = v.map(|component| component * scale * inverse * scale);
-    let sum = inverted.iter().fold(Lanes::splat(0.0), |sum, component| sum + component.magnitude());
-    let infinite = Lanes::splat(f64::MAX).less(sum);
-    inverted.map(|component| Lanes::select(infinite, Lanes::splat(0.0), component))
+/// v/|v|².
+#[inline(always)]
+pub(super) fn inverted<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> [Lanes<FUSED>; N] {
+    let (scale, scaled) = rescaled(v);
+    let factor = square_and_inverse(scaled).1 * scale;
+    let mut inverted = scaled;
+    for component in &mut inverted {
+        *component = *component * factor;
+    }
+    inverted
 }
 
-/// A power of two p for each lane such that the squares of p v neither overflow nor lose digits to subnormals, and |p v|².
-fn rescaled_square<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> (Lanes<FUSED>, Lanes<FUSED>) {
-    let mut largest = Lanes::splat(0.0);
-    for component in v {
-        largest = largest.both(component, |m, x| m.max(x.abs()));
+/// The unit quaternion, w ≥ 0, of a rotation R: the column of 4 q qᵀ with the largest diagonal entry.
+#[inline(always)]
+pub(super) fn quaternion<const FUSED: bool>(r: &[[Lanes<FUSED>; 3]; 3]) -> [Lanes<FUSED>; 4] {
+    let one = Lanes::splat(1.0);
+    let (sum, difference) = (r[1][1] + r[2][2], r[1][1] - r[2][2]);
+    let (plus, minus) = (one + r[0][0], one - r[0][0]);
+    let diagonal = [plus + sum, plus - sum, minus + difference, minus - difference];
+    let (x, y, z) = (r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]);
+    let (xy, xz, yz) = (r[0][1] + r[1][0], r[0][2] + r[2][0], r[1][2] + r[2][1]);
+    let (upper, first) =
+        larger((diagonal[0], [diagonal[0], x, y, z]), (diagonal[1], [x, diagonal[1], xy, xz]));
+    let (lower, last) =
+        larger((diagonal[2], [y, xy, diagonal[2], yz]), (diagonal[3], [z, xz, yz, diagonal[3]]));
+    let (largest, column) = larger((upper, first), (lower, last));
+    // |column|² is 4 times its diagonal entry. Adding zero makes +0 of −0, whose sign is none.
+    let sign = column[0] + Lanes::splat(0.0);
+    let inverse = (Lanes::splat(0.5) / largest.square_root()).with_sign_of(sign);
+    let mut unit = column;
+    for component in &mut unit {
+        *component = *component * inverse;
     }
-    let scale = largest.each(|m| {
-        if m > 1e140 {
-            2f64.powi(-600)
-        } else if m < 1e-140 {
-            2f64.powi(600)
-        } else {
-            1.0
-        }
-    });
-    let mut square = Lanes::splat(0.0);
-    for component in v {
-        square = square + (component * scale) * (component * scale);
+    unit
+}
+
+/// What stands with the larger key, and that key.
+#[inline(always)]
+fn larger<const FUSED: bool>(
+    a: (Lanes<FUSED>, [Lanes<FUSED>; 4]),
+    b: (Lanes<FUSED>, [Lanes<FUSED>; 4]),
+) -> (Lanes<FUSED>, [Lanes<FUSED>; 4]) {
+    let difference = a.0 - b.0;
+    let mut column = a.1;
+    for i in 0..4 {
+        column[i] = Lanes::by_sign(difference, b.1[i], a.1[i]);
     }
-    (scale, square)
+    (a.0.greater(b.0), column)
 }
 
 /// The coefficients of K at c in [0, 1], to the second.

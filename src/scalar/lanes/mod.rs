@@ -3,8 +3,8 @@
 //! Every operation is written out for the four lanes, without a branch, so that the compiler makes vector instructions of
 //! it: those of the processor that [`pulp`] finds at run time, where the loop around it is compiled for that
 //! ([`crate::batch`]). Where lanes may need different formulas both are computed and the result selected, or one formula
-//! serves the whole domain; what only rare arguments need (magnitudes beyond 1e±140, sines of large angles) is computed
-//! lane by lane when one of the four does.
+//! serves the whole domain, as norms are taken of vectors scaled by a power of two; what only rare arguments need (sines of large
+//! angles) is computed lane by lane when one of the four does.
 
 mod dual;
 mod function;
@@ -39,11 +39,11 @@ impl LaneMask {
         self.count() > 0.0
     }
 
-    /// In how many lanes it holds: as a sum of doubles, which vectorises.
+    /// In how many lanes it holds: as a sum of doubles, half and half, which vectorises.
     #[inline(always)]
     fn count(self) -> f64 {
         let one = |holds: bool| if holds { 1.0 } else { 0.0 };
-        (one(self.0[0]) + one(self.0[1])) + (one(self.0[2]) + one(self.0[3]))
+        (one(self.0[0]) + one(self.0[2])) + (one(self.0[1]) + one(self.0[3]))
     }
 }
 
@@ -68,16 +68,24 @@ impl<const FUSED: bool> Lanes<FUSED> {
         Self([function(a, e), function(b, f), function(c, g), function(d, h)])
     }
 
-    /// The lesser of each pair of lanes that are not NaN: one instruction.
-    #[inline(always)]
-    fn lesser(self, other: Self) -> Self {
-        self.both(other, |x, y| if x < y { x } else { y })
-    }
-
     /// The greater of each pair of lanes that are not NaN: one instruction.
     #[inline(always)]
     fn greater(self, other: Self) -> Self {
         self.both(other, |x, y| if x > y { x } else { y })
+    }
+
+    /// `negative` where the sign bit of `sign` is set, else `positive`: one instruction.
+    #[inline(always)]
+    fn by_sign(sign: Self, negative: Self, positive: Self) -> Self {
+        let lane = |i: usize| if sign.0[i].is_sign_negative() { negative.0[i] } else { positive.0[i] };
+        Self([lane(0), lane(1), lane(2), lane(3)])
+    }
+
+    /// −self where the sign bit of `sign` is set.
+    #[inline(always)]
+    fn mirrored_by(self, sign: Self) -> Self {
+        const SIGN: u64 = 1 << 63;
+        self.both(sign, |x, s| f64::from_bits(x.to_bits() ^ (s.to_bits() & SIGN)))
     }
 
     /// An answer for each pair of lanes.
@@ -256,33 +264,32 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
         function::arctangent(self, x)
     }
 
+    /// By the signs of all lanes joined: sums of answers would make the compiler split vectors.
+    #[inline(always)]
+    fn shortcut_where_positive(number: impl FnOnce() -> Self) -> bool {
+        let [a, b, c, d] = number().0;
+        (a.to_bits() | b.to_bits() | c.to_bits() | d.to_bits()) >> 63 == 0
+    }
+
+    /// Of lanes that are not NaN: one instruction.
+    #[inline(always)]
+    fn lesser(self, other: Self) -> Self {
+        self.both(other, |x, y| if x < y { x } else { y })
+    }
+
+    #[inline(always)]
+    fn quaternion_of(r: &[[Self; 3]; 3]) -> [Self; 4] {
+        function::quaternion(r)
+    }
+
     #[inline(always)]
     fn direction_and_norm<const N: usize>(v: [Self; N]) -> ([Self; N], Self) {
-        let square = function::square(v);
-        let norm = square.square_root();
-        let inverse = Self::splat(1.0) / norm;
-        if !function::is_usual(square, inverse * inverse) {
-            return function::any_direction_and_norm(v);
-        }
-        let mut unit = v;
-        for component in &mut unit {
-            *component = *component * inverse;
-        }
-        (unit, norm)
+        function::direction_and_norm(v)
     }
 
     #[inline(always)]
     fn inverted<const N: usize>(v: [Self; N]) -> [Self; N] {
-        let square = function::square(v);
-        let inverse = Self::splat(1.0) / square;
-        if !function::is_usual(square, inverse) {
-            return function::any_inverted(v);
-        }
-        let mut inverted = v;
-        for component in &mut inverted {
-            *component = *component * inverse;
-        }
-        inverted
+        function::inverted(v)
     }
 
     fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>) {
@@ -297,7 +304,7 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
 
     #[inline(always)]
     fn log_series(c: Self, order: usize) -> Series<Self> {
-        if order > 2 || c.less(Self::splat(0.0)).any() {
+        if order > 2 {
             return function::log_series_lane_by_lane(c, order);
         }
         function::log_series(c, order)

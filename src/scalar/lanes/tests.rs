@@ -2,7 +2,9 @@
 
 use super::{LANES, Lanes, Real};
 use crate::scalar::elementary::{atan2, norm};
-use crate::scalar::{Differentiable, Seeded, Wide};
+use crate::scalar::{Differentiable, Scalar, Seeded, Wide};
+use crate::so3;
+use crate::vector::{self, Matrix};
 
 type Fused = Lanes<true>;
 
@@ -52,7 +54,8 @@ fn sines_and_cosines() {
 
 #[test]
 fn norms_of_every_size() {
-    let points = grid();
+    let mut points = grid();
+    points.extend([[1e300, -3e299], [1e-300, 2e-300], [1e300, 1e-300], [-1e-300, 0.0]]);
     lane_by_lane(
         &points,
         |[x, y]| Fused::direction_and_norm([x, y]).1,
@@ -122,4 +125,85 @@ fn derivatives_of_angles_and_norms() {
     };
     check(atan2(lanes[0], lanes[1]), |[y, x]| atan2(y, x));
     check(norm(lanes), norm);
+}
+
+/// Logs, torsions and component flexions of rotations on lanes, with first and second derivatives, are those of doubles: at no
+/// rotation and near it, at exact quarter and half turns about every axis, near half turns, anywhere.
+#[test]
+fn rotations_are_those_of_doubles() {
+    type Second = <Fused as Differentiable>::Hessian<3>;
+    type One = <f64 as Differentiable>::Hessian<3>;
+    let axes: [[f64; 3]; 6] = [
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.6, 0.0, -0.8],
+        [-0.36, 0.48, 0.8],
+        [0.48, 0.64, -0.6],
+    ];
+    let angles = [0.0, 1e-9, 0.3, 1.2, 1.6, 2.2, 3.0, 3.13];
+    let mut rotations: Vec<Matrix<f64>> = Vec::new();
+    for axis in axes {
+        for angle in angles {
+            rotations.push(so3::matrix(so3::exp(axis.map(|e| e * angle))));
+            rotations.push(so3::matrix(so3::exp(axis.map(|e| -e * angle))));
+        }
+    }
+    for (i, j) in [(1, 2), (2, 0), (0, 1)] {
+        // A quarter turn and a half one, exact.
+        let mut quarter = [[0.0; 3]; 3];
+        (quarter[3 - i - j][3 - i - j], quarter[i][j], quarter[j][i]) = (1.0, -1.0, 1.0);
+        rotations.push(quarter);
+        rotations.push(vector::product(&quarter, &quarter));
+    }
+    /// φ, β, α_1 and α_2 of exp(σ^) R.
+    fn measured<S: Scalar>(r: &Matrix<S>, spin: [S; 3]) -> [S; 6] {
+        let [x, y, z] = spin;
+        let zero = S::zero();
+        let skew = [[zero, -z, y], [z, zero, -x], [-y, x, zero]];
+        let (first, second) = (vector::product(&skew, r), vector::product(&skew, &vector::product(&skew, r)));
+        let half = S::Real::ratio(1, 2);
+        let turned = [0, 1, 2].map(|i| [0, 1, 2].map(|j| r[i][j] + first[i][j] + second[i][j].scale(half)));
+        let log = so3::log_along(&turned, Some(spin));
+        let [x, y] = so3::component_flexions(&turned, Some(spin), S::Real::integer(0));
+        [log[0], log[1], log[2], so3::torsion_along(&turned, Some(spin)), x, y]
+    }
+    for shift in 0..rotations.len() {
+        // Each lane another kind of rotation.
+        let at = |lane: usize| &rotations[(shift + 17 * lane) % rotations.len()];
+        let r = [0, 1, 2]
+            .map(|i| [0, 1, 2].map(|j| Second::from_real(Lanes([0, 1, 2, 3].map(|lane| at(lane)[i][j])))));
+        let found = measured(&r, [0, 1, 2].map(|k| Second::seed(Fused::integer(0), k)));
+        for lane in 0..LANES {
+            let r = at(lane).map(|row| row.map(One::from_real));
+            let expected = measured(&r, [0, 1, 2].map(|k| One::seed(0.0, k)));
+            // Torsion and flexions end where the third directions are opposite, the log's derivatives grow towards half a turn.
+            let to_opposite = 1.0 + at(lane)[2][2];
+            let trace = at(lane)[0][0] + at(lane)[1][1] + at(lane)[2][2];
+            for c in 0..6 {
+                let distance: f64 =
+                    if c < 3 { (trace + 1.0).max(0.0).sqrt() } else { to_opposite.max(0.0).sqrt() };
+                if distance < 0.05 {
+                    continue;
+                }
+                let size = 1.0 / distance;
+                let near = |x: f64, y: f64, scale: f64| (x - y).abs() <= 2e-15 * (scale + y.abs());
+                let (x, y) = (found[c].real().0[lane], expected[c].real());
+                assert!(near(x, y, size), "{c} of {:?}: {x:e}, one: {y:e}", at(lane));
+                for j in 0..3 {
+                    let (x, y) = (found[c].gradient()[j].0[lane], expected[c].gradient()[j]);
+                    assert!(near(x, y, size * size), "∂{c}/∂{j} of {:?}: {x:e}, one: {y:e}", at(lane));
+                    for k in 0..3 {
+                        let (x, y) = (found[c].hessian()[j][k].0[lane], expected[c].hessian()[j][k]);
+                        let scale = size * size * size;
+                        assert!(
+                            near(x, y, 4.0 * scale),
+                            "∂²{c}/∂{j}∂{k} of {:?}: {x:e}, one: {y:e}",
+                            at(lane)
+                        );
+                    }
+                }
+            }
+        }
+    }
 }

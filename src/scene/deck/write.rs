@@ -18,7 +18,6 @@ use crate::scene::model::{Dimension, MotionType, Operation, PointKind};
 use crate::scene::orientation::System;
 use crate::scene::span::{Span, Spanned};
 use indexmap::IndexMap;
-use std::fmt::Write as _;
 
 /// Members of a set on one data line.
 const MEMBERS_PER_LINE: usize = 16;
@@ -1358,7 +1357,7 @@ impl Deck {
 /// The shortest digits that read back to the same double.
 fn number(value: f64) -> String {
     let mut text = String::new();
-    let _ = write!(text, "{value:?}");
+    text.push_str(&format!("{value:?}"));
     text
 }
 

@@ -16,7 +16,6 @@ use super::super::span::Spanned;
 use super::form::{self, Document, Entries, Item, placeless};
 use super::{Format, SCHEMA};
 use serde_json::Value;
-use std::fmt::Write as _;
 use toml_writer::{ToTomlKey, ToTomlValue, TomlKeyBuilder, TomlStringBuilder};
 
 /// A scene as text, and what of its file is not in it.
@@ -804,7 +803,7 @@ fn json(text: &mut String, value: &Value, depth: usize) {
         Value::Object(fields) => {
             for (key, value) in fields {
                 begin(text);
-                let _ = write!(text, "{}: ", Value::from(key.as_str()));
+                text.push_str(&format!("{}: ", Value::from(key.as_str())));
                 json(text, value, depth + 1);
             }
         }
@@ -840,10 +839,10 @@ fn inline(text: &mut String, value: &Value) {
         // An empty item; a field that is not there is not written at all.
         Value::Null => text.push_str("\"\""),
         Value::Bool(truth) => {
-            let _ = write!(text, "{truth}");
+            text.push_str(&format!("{truth}"));
         }
         Value::Number(number) => {
-            let _ = write!(text, "{number}");
+            text.push_str(&format!("{number}"));
         }
         Value::String(string) => {
             text.push_str(&TomlStringBuilder::new(string).as_basic().to_toml_value());
@@ -861,7 +860,7 @@ fn inline(text: &mut String, value: &Value) {
             text.push_str("{ ");
             for (place, (name, value)) in fields.iter().enumerate() {
                 text.push_str(if place > 0 { ", " } else { "" });
-                let _ = write!(text, "{} = ", key(name));
+                text.push_str(&format!("{} = ", key(name)));
                 inline(text, value);
             }
             text.push_str(" }");
@@ -910,7 +909,7 @@ fn toml_table(text: &mut String, fields: &serde_json::Map<String, Value>, path: 
     let any = fields.values().any(|value| has_header(value, path));
     let has_header = |value: &Value| any && is_table(value);
     for (name, value) in fields.iter().filter(|(_, value)| !has_header(value)) {
-        let _ = write!(text, "{} = ", key(name));
+        text.push_str(&format!("{} = ", key(name)));
         match value {
             Value::Array(items) if !fits(value) => {
                 text.push_str("[\n");
@@ -938,7 +937,7 @@ fn toml_table(text: &mut String, fields: &serde_json::Map<String, Value>, path: 
         match value {
             Value::Array(items) => {
                 for item in items {
-                    let _ = writeln!(text, "\n[[{path}]]");
+                    text.push_str(&format!("\n[[{path}]]\n"));
                     if let Value::Object(fields) = item {
                         toml_table(text, fields, &path);
                     }
@@ -948,7 +947,7 @@ fn toml_table(text: &mut String, fields: &serde_json::Map<String, Value>, path: 
                 let any = fields.values().any(|value| self::has_header(value, &path));
                 let headed = any && fields.values().all(is_table);
                 if !headed {
-                    let _ = writeln!(text, "\n[{path}]");
+                    text.push_str(&format!("\n[{path}]\n"));
                 }
                 toml_table(text, fields, &path);
             }

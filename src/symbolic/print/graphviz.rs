@@ -4,7 +4,6 @@ use super::text::{PART, Unicode};
 use super::{Language, Text};
 use crate::symbolic::graph::{Graph, Id, Node};
 use crate::symbolic::input::Inputs;
-use std::fmt::Write;
 
 /// The graph that `roots` are formed from, in the DOT language: `dot -Tsvg` draws it. Arrows lead from operands to what is formed of
 /// them; those of operands that may not be exchanged are numbered.
@@ -25,21 +24,20 @@ pub fn graphviz(graph: &Graph, inputs: &Inputs, roots: &[(String, Id)]) -> Strin
             ),
             other => (operation(other), ""),
         };
-        let _ = writeln!(text, "  n{} [label=\"{}\"{style}];", id.0, label.replace('"', "\\\""));
+        text.push_str(&format!("  n{} [label=\"{}\"{style}];\n", id.0, label.replace('"', "\\\"")));
         let ordered = !matches!(node, Node::Add(..) | Node::Multiply(..) | Node::Norm(_));
         let operands = node.operands();
         for (i, operand) in operands.iter().enumerate() {
             let number =
                 if ordered && operands.len() > 1 { format!(" [label=\"{}\"]", i + 1) } else { String::new() };
-            let _ = writeln!(text, "  n{} -> n{}{number};", operand.0, id.0);
+            text.push_str(&format!("  n{} -> n{}{number};\n", operand.0, id.0));
         }
     }
     for (i, (name, id)) in roots.iter().enumerate() {
-        let _ = writeln!(
-            text,
-            "  r{i} [label=\"{name}\", style=\"rounded,filled\", fillcolor=\"#e6f4ea\"];\n  n{} -> r{i};",
+        text.push_str(&format!(
+            "  r{i} [label=\"{name}\", style=\"rounded,filled\", fillcolor=\"#e6f4ea\"];\n  n{} -> r{i};\n",
             id.0
-        );
+        ));
     }
     text.push_str("}\n");
     text

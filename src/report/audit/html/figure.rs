@@ -4,14 +4,13 @@ use crate::audit::{Comparison, Illustration};
 use crate::catalog::COMPONENT;
 use crate::node::{DOF, DOFS};
 use askama::Template;
-use std::fmt::Write;
 
 /// The style of figures.
 pub(super) const STYLE: &str = include_str!("figure.css");
 
 /// Where a figure goes: into a page, or into a file of its own, which brings its style.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(crate) enum Place {
     Page,
     File,
 }
@@ -26,21 +25,23 @@ impl Place {
 }
 
 /// A curve on log axes.
-pub(super) struct Curve {
-    pub(super) name: &'static str,
-    /// 1, 2, 3: colour and dashes.
-    pub(super) colour: u8,
-    pub(super) points: Vec<[f64; 2]>,
+pub(crate) struct Curve<'a> {
+    pub(crate) name: &'a str,
+    /// 1, 2, 3 …: colour and dashes.
+    pub(crate) colour: u8,
+    pub(crate) points: Vec<[f64; 2]>,
 }
 
 /// What a plot on log axes shows.
-pub(super) struct LogPlot<'a> {
-    pub(super) title: &'a str,
-    pub(super) x_name: &'a str,
-    pub(super) y_name: &'a str,
-    pub(super) curves: Vec<Curve>,
+pub(crate) struct LogPlot<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) x_name: &'a str,
+    pub(crate) y_name: &'a str,
+    pub(crate) curves: Vec<Curve<'a>>,
     /// Horizontal lines with a name.
-    pub(super) levels: Vec<(f64, &'static str)>,
+    pub(crate) levels: Vec<(f64, &'static str)>,
+    /// Whether the names of the curves stand below the axes.
+    pub(crate) has_legend: bool,
 }
 
 struct Tick {
@@ -73,6 +74,7 @@ struct PlotTemplate<'a> {
     style: Option<&'static str>,
     width: f64,
     height: f64,
+    axis_name: f64,
     left: f64,
     right: f64,
     top: f64,
@@ -83,6 +85,15 @@ struct PlotTemplate<'a> {
     y_ticks: Vec<Tick>,
     levels: Vec<Level<'a>>,
     curves: Vec<Drawn>,
+    names: Vec<Name<'a>>,
+}
+
+/// A curve in the legend.
+struct Name<'a> {
+    x: f64,
+    y: f64,
+    colour: u8,
+    text: &'a str,
 }
 
 /// A whole number of decades that holds all values, and the decades to label.
@@ -136,8 +147,22 @@ fn rounded(x: f64) -> f64 {
 
 impl LogPlot<'_> {
     /// The plot as SVG.
-    pub(super) fn svg(&self, place: Place) -> String {
-        let (width, height, left, right, top, bottom) = (420.0, 250.0, 48.0, 408.0, 26.0, 206.0);
+    pub(crate) fn svg(&self, place: Place) -> String {
+        let (width, mut height, left, right, top, bottom) = (420.0, 250.0, 48.0, 408.0, 26.0, 206.0);
+        let names: Vec<Name<'_>> = if self.has_legend {
+            let each = self.curves.iter().enumerate();
+            each.map(|(i, curve)| Name {
+                x: left + (i % 2) as f64 * 180.0,
+                y: height + 10.0 + (i / 2) as f64 * 16.0,
+                colour: curve.colour,
+                text: curve.name,
+            })
+            .collect()
+        } else {
+            Vec::new()
+        };
+        let axis_name = height - 4.0;
+        height += names.len().div_ceil(2) as f64 * 16.0;
         let all = || self.curves.iter().flat_map(|curve| &curve.points);
         let x = Axis::new(all().map(|p| p[0]), left + 6.0, right - 6.0);
         let levels = self.levels.iter().map(|(value, _)| *value);
@@ -147,8 +172,7 @@ impl LogPlot<'_> {
             let mut dots = Vec::new();
             for [h, error] in curve.points.iter().copied().filter(|p| p[1].is_finite()) {
                 let at = [x.at(h), y.at(error)];
-                let written = write!(line, "{},{} ", at[0], at[1]);
-                debug_assert!(written.is_ok());
+                line.push_str(&format!("{},{} ", at[0], at[1]));
                 let title = format!("{}: {h:.1e}, {error:.3e}", curve.name);
                 dots.push(Dot { x: at[0], y: at[1], clamped: error == 0.0, title });
             }
@@ -159,6 +183,7 @@ impl LogPlot<'_> {
             style: place.style(),
             width,
             height,
+            axis_name,
             left,
             right,
             top,
@@ -169,6 +194,7 @@ impl LogPlot<'_> {
             y_ticks: y.ticks(7),
             levels: self.levels.iter().map(|(value, name)| Level { at: y.at(*value), name }).collect(),
             curves: curves.collect(),
+            names,
         };
         rendered(&page)
     }
@@ -190,6 +216,7 @@ pub(super) fn steps(shown: &Illustration, place: Place) -> String {
             Curve { name: "central difference", colour: 2, points: shown.steps.differences.clone() },
         ],
         levels: vec![(1.0, "tolerance")],
+        has_legend: false,
     };
     plot.svg(place)
 }

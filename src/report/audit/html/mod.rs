@@ -2,7 +2,7 @@
 //! Everything from the input is escaped by the templates.
 
 mod drawing;
-mod figure;
+pub(crate) mod figure;
 mod labels;
 mod page;
 

@@ -24,8 +24,17 @@ impl Said {
     }
 }
 
-struct Problem {
+/// What is to be said of one subject: what tells most, and the rest.
+struct ProblemGroup {
     subject: String,
+    is_mild: bool,
+    shown: Vec<Problem>,
+    rest: Vec<Problem>,
+    /// How many they are.
+    more: String,
+}
+
+struct Problem {
     is_mild: bool,
     said: String,
     /// Sentences with codes.
@@ -112,25 +121,34 @@ struct ApproachCard {
 
 struct ScoreRow {
     name: &'static str,
-    killed: u64,
-    decisive: u64,
-    survived: u64,
-    equivalent: u64,
-    below: u64,
+    killed: Count,
+    decisive: Count,
+    survived: Count,
+    equivalent: Count,
+    below: Count,
     share: f64,
     percent: String,
 }
 
+/// A count, shown with thin spaces between thousands.
+struct Count(u64);
+
+impl std::fmt::Display for Count {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&grouped(self.0))
+    }
+}
+
 /// Mutants with one kind of mistake.
 struct KindRow {
-    name: String,
+    name: &'static str,
     code: &'static str,
-    killed: u64,
-    decisive: u64,
-    survived: u64,
-    equivalent: u64,
-    below: u64,
-    by_laws: u64,
+    killed: Count,
+    decisive: Count,
+    survived: Count,
+    equivalent: Count,
+    below: Count,
+    by_laws: Count,
     share: f64,
     percent: String,
 }
@@ -157,7 +175,7 @@ struct PageTemplate {
     scenes: String,
     facts: Vec<(&'static str, String)>,
     sections: Vec<(&'static str, &'static str)>,
-    problems: Vec<Problem>,
+    problems: Vec<ProblemGroup>,
     models: Vec<ModelSection>,
     coverage: Vec<CoverageSection>,
     drawings: Vec<Figure>,
@@ -284,26 +302,51 @@ fn full_name(subject: &Subject) -> String {
     }
 }
 
-fn problems(report: &Report) -> Vec<Problem> {
+fn problems(report: &Report) -> Vec<ProblemGroup> {
     let mut found = Vec::new();
     for subject in &report.subjects {
-        for check in telling(subject) {
-            found.push(problem(subject, check));
+        let all: Vec<Problem> = telling(subject).map(|check| problem(subject, check)).collect();
+        if !all.is_empty() {
+            found.push(group(full_name(subject), all));
         }
     }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
         let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
-        found.push(Problem {
-            subject: format!("{} {}", approach.connection, approach.component),
+        let problem = Problem {
             is_mild: false,
             said: format!("At {}: declared {:?}, seen {seen}.", approach.at, approach.declared),
             diagnosis: Vec::new(),
             heat: String::new(),
             numbers: String::new(),
             more: Vec::new(),
-        });
+        };
+        found.push(group(format!("{} {}", approach.connection, approach.component), vec![problem]));
     }
     found
+}
+
+/// Each diagnosis is shown once, at the first check that it is of; without any, the first check. The rest is folded.
+fn group(subject: String, mut all: Vec<Problem>) -> ProblemGroup {
+    all.sort_by_key(|problem| problem.is_mild);
+    let is_mild = all.iter().all(|problem| problem.is_mild);
+    let (mut shown, mut rest): (Vec<Problem>, Vec<Problem>) = (Vec::new(), Vec::new());
+    for mut problem in all {
+        let is_new = !problem.diagnosis.is_empty()
+            && shown.iter().all(|known: &Problem| known.diagnosis != problem.diagnosis);
+        if is_new {
+            shown.push(problem);
+        } else {
+            if !problem.diagnosis.is_empty() {
+                problem.heat = String::new();
+            }
+            rest.push(problem);
+        }
+    }
+    if shown.is_empty() && !rest.is_empty() {
+        shown.push(rest.remove(0));
+    }
+    let more = count(rest.len(), "more check");
+    ProblemGroup { subject, is_mild, shown, rest, more }
 }
 
 fn problem(subject: &Subject, check: &Check) -> Problem {
@@ -327,7 +370,6 @@ fn problem(subject: &Subject, check: &Check) -> Problem {
         check.score.survivors.iter().map(|(mistake, entry)| format!("Survived: {mistake} ({entry}).")),
     );
     Problem {
-        subject: full_name(subject),
         is_mild: !check.verdict.is_mismatch() && check.score.survived == 0,
         said: capital(&format!("{of}{}: {}.", check.against.name(), check.verdict.headline().name())),
         diagnosis: check
@@ -522,6 +564,7 @@ pub(super) fn approach(found: &Approach, place: Place) -> String {
             curve("largest derivative", 3, |rung| rung.steepness),
         ],
         levels: vec![(crate::audit::C, "tolerance")],
+        has_legend: false,
     };
     plot.svg(place)
 }
@@ -584,26 +627,26 @@ fn scores(report: &Report) -> Vec<ScoreRow> {
         let key = (matches!(check.against, Against::Law(_)), check.against);
         let row = by_check.entry(key).or_insert_with(|| ScoreRow {
             name: check.against.name(),
-            killed: 0,
-            decisive: 0,
-            survived: 0,
-            equivalent: 0,
-            below: 0,
+            killed: Count(0),
+            decisive: Count(0),
+            survived: Count(0),
+            equivalent: Count(0),
+            below: Count(0),
             share: 0.0,
             percent: String::new(),
         });
         // What a law does not notice is no survivor.
-        row.killed += check.score.killed;
-        row.decisive += check.score.decisive();
-        row.survived += check.score.survived;
-        row.equivalent += check.score.equivalent;
-        row.below += check.score.below_resolution;
+        row.killed.0 += check.score.killed;
+        row.decisive.0 += check.score.decisive();
+        row.survived.0 += check.score.survived;
+        row.equivalent.0 += check.score.equivalent;
+        row.below.0 += check.score.below_resolution;
     }
     let mut rows: Vec<ScoreRow> = by_check.into_values().collect();
     for row in &mut rows {
-        (row.share, row.percent) = share(row.killed, row.decisive);
+        (row.share, row.percent) = share(row.killed.0, row.decisive.0);
     }
-    rows.retain(|row| row.decisive + row.equivalent + row.below > 0);
+    rows.retain(|row| row.decisive.0 + row.equivalent.0 + row.below.0 > 0);
     rows
 }
 
@@ -620,14 +663,14 @@ fn kinds(report: &Report) -> Vec<KindRow> {
     let row = |(cause, OfKind { by_oracles, by_laws }): (Cause, OfKind)| {
         let (share, percent) = share(by_oracles.killed, by_oracles.decisive());
         KindRow {
-            name: capital(cause.meaning()),
+            name: cause.meaning(),
             code: cause.code().as_str(),
-            killed: by_oracles.killed,
-            decisive: by_oracles.decisive(),
-            survived: by_oracles.survived,
-            equivalent: by_oracles.equivalent,
-            below: by_oracles.below_resolution,
-            by_laws,
+            killed: Count(by_oracles.killed),
+            decisive: Count(by_oracles.decisive()),
+            survived: Count(by_oracles.survived),
+            equivalent: Count(by_oracles.equivalent),
+            below: Count(by_oracles.below_resolution),
+            by_laws: Count(by_laws),
             share,
             percent,
         }

@@ -1,0 +1,243 @@
+//! What a row of four elements holds, and how the derivatives of a measure become it.
+
+use super::Four;
+use crate::node::Dependence;
+use crate::scalar::Scalar;
+use crate::scalar::lanes::Lanes;
+use crate::vector::{Matrix, Vector, cross, dot, sub, transpose};
+
+/// Values and rows of first derivatives of one measure of four elements, in the order x_a, θ_a, x_b, θ_b.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct Row {
+    /// The value, principal where it winds.
+    pub value: Four,
+    /// The derivatives.
+    pub columns: [Four; 12],
+}
+
+/// What determines a row: its columns x_a are the opposite of x_b.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct CompactRow {
+    /// The value, principal where it winds.
+    pub value: Four,
+    /// The columns θ_a.
+    pub turning_a: [Four; 3],
+    /// The columns x_b.
+    pub moving_b: [Four; 3],
+    /// The columns θ_b.
+    pub turning_b: [Four; 3],
+}
+
+/// A row with second derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct HessianRow {
+    /// The value and first derivatives.
+    pub row: Row,
+    /// The second derivatives, both indices in the order of the row.
+    pub hessian: [[Four; 12]; 12],
+}
+
+/// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`].
+pub trait Layout: Put<true> + Put<false> {}
+
+impl Layout for Row {}
+impl Layout for CompactRow {}
+impl Layout for HessianRow {}
+
+/// Where the derivatives of a measure go; nothing outside of this crate can implement it.
+pub trait Put<const FUSED: bool>: Copy + Default {
+    /// The order of the derivatives.
+    const ORDER: usize;
+
+    /// Writes a row.
+    fn put(&mut self, value: Lanes<FUSED>, of: &Derivatives<FUSED>);
+}
+
+/// The derivatives by the relative variations δ and ρ, and x_b − x_a.
+#[derive(Debug)]
+pub struct Derivatives<const FUSED: bool> {
+    pub(super) needed: Dependence,
+    /// Whether a turn of a alone changes the value.
+    pub(super) turns_with_a: bool,
+    pub(super) separation: Vector<Lanes<FUSED>>,
+    pub(super) translation: Vector<Lanes<FUSED>>,
+    pub(super) rotation: Vector<Lanes<FUSED>>,
+    pub(super) second: [[Lanes<FUSED>; 6]; 6],
+}
+
+impl<const FUSED: bool> Derivatives<FUSED> {
+    /// The columns θ_a: g × D − h.
+    #[inline(always)]
+    fn turning_a(&self) -> Vector<Lanes<FUSED>> {
+        let (g, h) = (self.translation, self.rotation);
+        if !self.turns_with_a {
+            return [Lanes::splat(0.0); 3];
+        }
+        if !self.needed.translation {
+            return [-h[0], -h[1], -h[2]];
+        }
+        let arm = cross(g, self.separation);
+        if self.needed.rotation { sub(arm, h) } else { arm }
+    }
+}
+
+impl<const FUSED: bool> Put<FUSED> for Row {
+    const ORDER: usize = 1;
+
+    #[inline(always)]
+    fn put(&mut self, value: Lanes<FUSED>, of: &Derivatives<FUSED>) {
+        let arm = of.turning_a();
+        self.value = value.0;
+        for i in 0..3 {
+            let g = of.translation[i];
+            self.columns[i] = if of.needed.translation { (-g).0 } else { g.0 };
+            self.columns[3 + i] = arm[i].0;
+            self.columns[6 + i] = g.0;
+            self.columns[9 + i] = of.rotation[i].0;
+        }
+    }
+}
+
+impl<const FUSED: bool> Put<FUSED> for CompactRow {
+    const ORDER: usize = 1;
+
+    #[inline(always)]
+    fn put(&mut self, value: Lanes<FUSED>, of: &Derivatives<FUSED>) {
+        let arm = of.turning_a();
+        self.value = value.0;
+        for i in 0..3 {
+            self.turning_a[i] = arm[i].0;
+            self.moving_b[i] = of.translation[i].0;
+            self.turning_b[i] = of.rotation[i].0;
+        }
+    }
+}
+
+/// Where the degrees of freedom of each node begin in a row.
+const XA: usize = 0;
+const THETA_A: usize = 3;
+const XB: usize = 6;
+const THETA_B: usize = 9;
+
+type Block<const FUSED: bool> = Matrix<Lanes<FUSED>>;
+
+/// Writes a block and, apart from the diagonal, its transpose.
+#[inline(always)]
+fn write<const FUSED: bool>(to: &mut [[Four; 12]; 12], at: (usize, usize), block: &Block<FUSED>) {
+    for i in 0..3 {
+        for j in 0..3 {
+            to[at.0 + i][at.1 + j] = block[i][j].0;
+            if at.0 != at.1 {
+                to[at.1 + j][at.0 + i] = block[i][j].0;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn negated<const FUSED: bool>(block: &Block<FUSED>) -> Block<FUSED> {
+    let mut result = *block;
+    for i in 0..3 {
+        for j in 0..3 {
+            result[i][j] = -block[i][j];
+        }
+    }
+    result
+}
+
+/// The rows a_i × D of a block a: a times the matrix of D ×.
+#[inline(always)]
+fn levered<const FUSED: bool>(block: &Block<FUSED>, separation: Vector<Lanes<FUSED>>) -> Block<FUSED> {
+    [cross(block[0], separation), cross(block[1], separation), cross(block[2], separation)]
+}
+
+#[inline(always)]
+fn difference<const FUSED: bool>(a: &Block<FUSED>, b: &Block<FUSED>) -> Block<FUSED> {
+    [sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2])]
+}
+
+impl<const FUSED: bool> Put<FUSED> for HessianRow {
+    const ORDER: usize = 2;
+
+    /// As [`Pair::nodal_hessian`], block by block: Lᵀ H L and the second variations of the map L.
+    #[inline(always)]
+    fn put(&mut self, value: Lanes<FUSED>, of: &Derivatives<FUSED>) {
+        self.row.put(value, of);
+        let to = &mut self.hessian;
+        let zero = [[Lanes::splat(0.0); 3]; 3];
+        let (g, h, separation) = (of.translation, of.rotation, of.separation);
+        let half = Lanes::splat(0.5);
+        let (mut dd, mut dr, mut rr) = (zero, zero, zero);
+        for i in 0..3 {
+            for j in 0..3 {
+                dd[i][j] = of.second[i][j];
+                dr[i][j] = of.second[i][3 + j];
+                rr[i][j] = of.second[3 + i][3 + j];
+            }
+        }
+        let Dependence { translation, rotation, .. } = of.needed;
+        // Blocks that vanish with what the measure does not depend on are written as zeros, and not computed.
+        let minus = if translation { negated(&dd) } else { zero };
+        write(to, (XA, XA), &dd);
+        write(to, (XB, XB), &dd);
+        write(to, (XA, XB), &minus);
+        write(to, (XB, THETA_B), &dr);
+        write(to, (XA, THETA_B), &if translation && rotation { negated(&dr) } else { zero });
+        write(to, (THETA_B, THETA_B), &rr);
+        if !of.turns_with_a {
+            for at in [XA, XB, THETA_B, THETA_A] {
+                write(to, (at, THETA_A), &zero);
+            }
+            return;
+        }
+        let mut d_theta = zero;
+        let mut theta_theta;
+        if translation {
+            d_theta = levered(&dd, separation);
+            if rotation {
+                d_theta = difference(&d_theta, &dr);
+            }
+        }
+        let mut r_theta = if rotation { negated(&rr) } else { zero };
+        if translation && rotation {
+            r_theta = difference(&levered(&transpose(&dr), separation), &rr);
+        }
+        if translation {
+            // (D ×)ᵀ d_theta: the columns of d_theta crossed with D.
+            theta_theta = transpose(&levered(&transpose(&d_theta), separation));
+            if rotation {
+                theta_theta = difference(&theta_theta, &r_theta);
+            }
+            let along = dot(g, separation);
+            for i in 0..3 {
+                for j in 0..3 {
+                    let mut centripetal = g[i].multiply_add(separation[j], g[j] * separation[i]) * half;
+                    if i == j {
+                        centripetal = centripetal - along;
+                    }
+                    theta_theta[i][j] = theta_theta[i][j] + centripetal;
+                }
+            }
+            // The transposed matrix of g ×.
+            for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+                d_theta[i][j] = d_theta[i][j] + g[k];
+                d_theta[j][i] = d_theta[j][i] - g[k];
+            }
+        } else {
+            theta_theta = rr;
+        }
+        if rotation {
+            for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+                r_theta[i][j] = h[k].multiply_add(half, r_theta[i][j]);
+                r_theta[j][i] = h[k].multiply_add(-half, r_theta[j][i]);
+            }
+        }
+        write(to, (XB, THETA_A), &d_theta);
+        write(to, (XA, THETA_A), &if translation { negated(&d_theta) } else { zero });
+        write(to, (THETA_B, THETA_A), &r_theta);
+        write(to, (THETA_A, THETA_A), &theta_theta);
+    }
+}

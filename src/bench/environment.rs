@@ -1,0 +1,83 @@
+//! The machine and the program.
+
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::fs;
+
+/// What numbers were measured on, by what and when.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Environment {
+    /// The version of pintle.
+    pub pintle: Cow<'static, str>,
+    /// The day, UTC: 2026-01-31.
+    pub date: String,
+    /// The processor's own name, as far as the system tells it.
+    pub processor: String,
+    /// The vector units that it has, of those that matter here.
+    pub features: Vec<Cow<'static, str>>,
+    /// Its cores, as this program may use them.
+    pub cores: usize,
+    /// What runs or waits on them, averaged over a minute, where the system tells it.
+    pub load: Option<f64>,
+    /// Operating system and architecture.
+    pub system: String,
+    /// The compiler.
+    pub rustc: Cow<'static, str>,
+    /// The target that it compiled for.
+    pub target: Cow<'static, str>,
+    /// Whether it was asked for the fastest program: if not, times mean little.
+    pub is_optimised: bool,
+}
+
+impl Environment {
+    /// This machine and program, now.
+    pub fn here() -> Self {
+        Self {
+            pintle: crate::VERSION.into(),
+            date: chrono::Utc::now().format("%Y-%m-%d").to_string(),
+            processor: processor(),
+            features: features(),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            load: fs::read_to_string("/proc/loadavg")
+                .ok()
+                .and_then(|text| text.split_whitespace().next()?.parse().ok()),
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            rustc: env!("PINTLE_RUSTC").into(),
+            target: env!("PINTLE_TARGET").into(),
+            is_optimised: env!("PINTLE_OPT_LEVEL") == "3" && !cfg!(debug_assertions),
+        }
+    }
+
+    /// In one line.
+    pub fn line(&self) -> String {
+        let load = self.load.map_or_else(String::new, |load| format!(", load {load:.1}"));
+        let features =
+            if self.features.is_empty() { String::new() } else { format!(" ({})", self.features.join("/")) };
+        let Self { date, processor, cores, system, rustc, pintle, .. } = self;
+        format!(
+            "{date}, {processor}{features}, one of {cores} cores{load}, {system}; pintle {pintle}, {rustc}"
+        )
+    }
+}
+
+fn processor() -> String {
+    let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let line = text.lines().find(|line| line.starts_with("model name") || line.starts_with("Model"));
+    let name = line.and_then(|line| line.split_once(':')).map(|(_, name)| name.trim());
+    name.map_or_else(|| std::env::consts::ARCH.to_string(), str::to_string)
+}
+
+#[cfg(target_arch = "x86_64")]
+fn features() -> Vec<Cow<'static, str>> {
+    let all = [
+        ("AVX2", std::is_x86_feature_detected!("avx2")),
+        ("FMA", std::is_x86_feature_detected!("fma")),
+        ("AVX-512", std::is_x86_feature_detected!("avx512f")),
+    ];
+    all.into_iter().filter(|(_, has)| *has).map(|(name, _)| name.into()).collect()
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn features() -> Vec<Cow<'static, str>> {
+    Vec::new()
+}

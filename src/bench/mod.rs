@@ -1,0 +1,310 @@
+//! What does a value, a Jacobian or a Hessian cost here, and at which error?
+//!
+//! A type ([`Subject`]) is measured at states far from its singular points and near them ([`Place`]), with every way to get the
+//! numbers ([`Method`]) that the library has ([`Way`]) or the caller brings. The truth is the 237-bit scalar: values by it, derivatives by
+//! differences on it that have no step to tune. Errors come first, and pintle's own are asserted before anything is timed; then rounds
+//! take turns, and of each way the least time counts, so that a machine with other work on it disturbs all alike.
+//!
+//! ```
+//! use pintle::bench::{Order, Settings, measure};
+//! use pintle::catalog::ConnectionType;
+//!
+//! let settings = Settings { rounds: 1, states: 1, ..Settings::default() };
+//! let report = measure(&settings, &[ConnectionType::named("SLIDE-PLANE", None)?], &|_| {})?;
+//! let ours = report.points.iter().find(|point| point.method == "pintle" && point.order == Order::Jacobian);
+//! assert!(ours.is_some_and(|point| point.largest_error < 1e-14 && point.nanoseconds > 0.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod complex;
+mod environment;
+mod method;
+mod subject;
+
+pub use environment::Environment;
+pub use method::{Method, Prepared, Way};
+pub use subject::{Element, Order, Place, Subject};
+
+use crate::catalog::ConnectionType;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// What to measure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Rounds, in which every way takes its turn.
+    pub rounds: usize,
+    /// States of each type and place.
+    pub states: usize,
+    /// How far the states near a singular point are from it (rad, or lengths of the connector).
+    pub distance: f64,
+    /// How long a way is repeated in a round; once in any case.
+    pub budget: Duration,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { rounds: 8, states: 16, distance: 1e-4, budget: Duration::from_millis(1) }
+    }
+}
+
+/// What one way costs, at which error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// The connection type.
+    pub connection: String,
+    /// Which states.
+    pub place: Place,
+    /// What is computed.
+    pub order: Order,
+    /// The way.
+    pub method: Cow<'static, str>,
+    /// Its step, of a way that has one.
+    pub step: Option<f64>,
+    /// The error of the median state: the largest of an entry over the largest number of its row.
+    #[serde(deserialize_with = "or_infinite")]
+    pub median_error: f64,
+    /// The error of the worst state.
+    #[serde(deserialize_with = "or_infinite")]
+    pub largest_error: f64,
+    /// The least time of one state, all rows (ns).
+    #[serde(deserialize_with = "or_infinite")]
+    pub nanoseconds: f64,
+    /// The least time of the slowest round: how noisy the machine was.
+    pub slowest_round: f64,
+}
+
+/// JSON has no infinity: it is null there.
+fn or_infinite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::INFINITY))
+}
+
+impl Point {
+    /// Whether another point is one of the same diagram.
+    pub fn is_beside(&self, other: &Self) -> bool {
+        (&self.connection, self.place, self.order) == (&other.connection, other.place, other.order)
+    }
+}
+
+/// A type that is not measured at a place.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Omitted {
+    /// The type.
+    pub connection: String,
+    /// Which states.
+    pub place: Place,
+    /// Why.
+    pub why: Cow<'static, str>,
+}
+
+/// What was measured, where and when.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// `pintle-bench/1`.
+    pub schema: Cow<'static, str>,
+    /// The machine and the program.
+    pub environment: Environment,
+    /// Rounds that took turns.
+    pub rounds: usize,
+    /// States of each type and place.
+    pub states: usize,
+    /// How far the states near a singular point are from it (rad, or lengths of the connector).
+    pub distance: f64,
+    /// A point for each type, place, order, way and step.
+    pub points: Vec<Point>,
+    /// What could not be measured.
+    pub omitted: Vec<Omitted>,
+}
+
+/// pintle's own numbers are not right, so that their time means nothing.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{method}, {} of {connection}: the error is {error:.1e} where {bound:.1e} is allowed; nothing was timed", order.name())]
+pub struct Wrong {
+    /// The type.
+    pub connection: String,
+    /// What is wrong.
+    pub order: Order,
+    /// The way.
+    pub method: &'static str,
+    /// The largest error.
+    pub error: f64,
+    /// The largest error allowed.
+    pub bound: f64,
+}
+
+/// Measures types with every way that the library has; `progress` is told the name of each type that is prepared.
+///
+/// # Errors
+/// [`Wrong`] where pintle's own numbers are not those of the 237-bit scalar.
+pub fn measure(
+    settings: &Settings,
+    types: &[ConnectionType],
+    progress: &dyn Fn(&str),
+) -> Result<Report, Wrong> {
+    let mut report = Report::new(settings);
+    let ways = Way::all();
+    let methods: Vec<&dyn Method> = ways.iter().map(|way| way as &dyn Method).collect();
+    for connection in types {
+        progress(&connection.name);
+        let subjects: Vec<Subject> = report.subjects(settings, connection);
+        report.points.extend(measure_subjects(settings, &subjects, &methods)?);
+    }
+    Ok(report)
+}
+
+impl Report {
+    /// Without points.
+    pub fn new(settings: &Settings) -> Self {
+        let Settings { rounds, states, distance, .. } = *settings;
+        Self {
+            schema: "pintle-bench/1".into(),
+            environment: Environment::here(),
+            rounds,
+            states,
+            distance,
+            points: Vec::new(),
+            omitted: Vec::new(),
+        }
+    }
+
+    /// A type at both places; says where it cannot be measured.
+    pub fn subjects(&mut self, settings: &Settings, connection: &ConnectionType) -> Vec<Subject> {
+        let mut found = Vec::new();
+        for place in Place::ALL {
+            match Subject::new(connection, place, settings.states, settings.distance) {
+                Some(subject) => found.push(subject),
+                None => self.omitted.push(Omitted {
+                    connection: connection.name.to_string(),
+                    place,
+                    why: match place {
+                        Place::Far => "it has no function of the nodes".into(),
+                        Place::Near => "it has no singular point".into(),
+                    },
+                }),
+            }
+        }
+        found
+    }
+}
+
+/// Measures subjects with methods: errors, then times in rounds that take turns.
+///
+/// # Errors
+/// [`Wrong`] where pintle's own numbers are not those of the 237-bit scalar.
+pub fn measure_subjects(
+    settings: &Settings,
+    subjects: &[Subject],
+    methods: &[&dyn Method],
+) -> Result<Vec<Point>, Wrong> {
+    let mut session = Session::new(settings, subjects, methods)?;
+    for _ in 0..settings.rounds {
+        session.round();
+    }
+    Ok(session.points())
+}
+
+/// Ways whose errors are known, timed round by round.
+pub struct Session<'s> {
+    trials: Vec<Trial<'s>>,
+    budget: Duration,
+}
+
+impl<'s> Session<'s> {
+    /// Every method for every subject that it is a way for.
+    ///
+    /// # Errors
+    /// [`Wrong`] where pintle's own numbers are not those of the 237-bit scalar.
+    pub fn new(settings: &Settings, subjects: &'s [Subject], methods: &[&dyn Method]) -> Result<Self, Wrong> {
+        let mut trials = Vec::new();
+        for subject in subjects {
+            for method in methods {
+                let Some(prepared) = method.prepare(subject) else { continue };
+                trials.push(Trial::new(settings, subject, *method, prepared)?);
+            }
+        }
+        Ok(Self { trials, budget: settings.budget })
+    }
+
+    /// Times each way once; the times of this round (ns per state), in the order of the points.
+    pub fn round(&mut self) -> Vec<f64> {
+        let mut times: Vec<f64> = Vec::with_capacity(self.trials.len());
+        for i in 0..self.trials.len() {
+            let (before, rest) = self.trials.split_at_mut(i);
+            let Some(trial) = rest.first_mut() else { continue };
+            // Ways that differ in their steps alone take the same time.
+            let same = before.last().filter(|known| {
+                let (point, known) = (&trial.point, &known.point);
+                point.step.is_some() && known.is_beside(point) && known.method == point.method
+            });
+            let time = match (same, times.last()) {
+                (Some(_), Some(time)) => *time,
+                _ => trial.time(self.budget),
+            };
+            trial.take(time);
+            times.push(time);
+        }
+        times
+    }
+
+    /// What is known after the rounds up to now.
+    pub fn points(&self) -> Vec<Point> {
+        self.trials.iter().map(|trial| trial.point.clone()).collect()
+    }
+}
+
+/// One way for one subject.
+struct Trial<'s> {
+    point: Point,
+    states: usize,
+    prepared: Box<dyn Prepared + 's>,
+}
+
+impl<'s> Trial<'s> {
+    fn new(
+        settings: &Settings,
+        subject: &Subject,
+        method: &dyn Method,
+        mut prepared: Box<dyn Prepared + 's>,
+    ) -> Result<Self, Wrong> {
+        prepared.run();
+        let order = method.order();
+        let [median_error, largest_error] = subject.errors(order, &prepared.numbers());
+        let (error, bound) = (largest_error, subject.bound(order, settings.distance));
+        let connection = subject.connection.name.to_string();
+        if method.is_ours() && error > bound {
+            return Err(Wrong { connection, order, method: method.name(), error, bound });
+        }
+        let point = Point {
+            connection,
+            place: subject.place,
+            order,
+            method: method.name().into(),
+            step: method.step(),
+            median_error,
+            largest_error,
+            nanoseconds: f64::INFINITY,
+            slowest_round: 0.0,
+        };
+        Ok(Self { point, states: subject.elements.len(), prepared })
+    }
+
+    /// The least time of a state, ns.
+    fn time(&mut self, budget: Duration) -> f64 {
+        let (begin, mut least) = (Instant::now(), f64::INFINITY);
+        loop {
+            let start = Instant::now();
+            black_box(&mut self.prepared).run();
+            least = least.min(start.elapsed().as_secs_f64());
+            if begin.elapsed() >= budget {
+                return 1e9 * least / self.states as f64;
+            }
+        }
+    }
+
+    fn take(&mut self, time: f64) {
+        self.point.nanoseconds = self.point.nanoseconds.min(time);
+        self.point.slowest_round = self.point.slowest_round.max(time);
+    }
+}

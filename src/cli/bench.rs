@@ -1,0 +1,147 @@
+//! `pintle bench`.
+
+use super::{Failure, page_width};
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use pintle::bench::{Report, Settings, measure};
+use pintle::catalog::{ConnectionType, TABLE};
+use pintle::report::bench as report;
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+const HELP: &str = "\
+For each type, far from its singular points and near one (or near half a turn,
+where a rotation vector is measured): the time of one state with all its rows,
+and the error against 237-bit numbers, of pintle one connector at a time, of
+finite differences over a sweep of steps, of the complex step, and of dual
+numbers with a direction for every degree of freedom of the nodes. Errors are
+the largest of an entry over the largest number of its row; those of pintle are
+asserted before anything is timed. The ways take turns in rounds, on one thread,
+and of each the least time counts, so that other work on the machine disturbs
+all alike; the column × pintle is the ratio to trust. Tables show of a sweep the
+step with the smallest error; JSON and CSV have all.
+
+One-forms (FLOW-CONVERTER) have no function to difference and are left out.
+Batches on vector lanes, rows by hand, JAX and CasADi are measured by the crate's
+benches: cargo bench --bench work_precision, and scripts/measure.py.
+
+Exit codes: 1 where a number of pintle is wrong (nothing is timed then), 4 where
+nothing can be measured.
+
+Examples:
+  pintle bench HINGE
+  pintle bench REVOLUTE \"CARTESIAN CARDAN\" --plots figures
+  pintle bench --rounds 20 --format csv > times.csv";
+
+/// How times are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BenchFormat {
+    /// Tables for reading
+    #[default]
+    Human,
+    /// One JSON document, schema pintle-bench/1
+    Json,
+    /// One table in long form
+    Csv,
+    /// Markdown, for a comment on a change
+    Markdown,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = HELP)]
+pub(crate) struct Bench {
+    /// Connection types, in any case; a free pair as one word in quotes; without any, the whole catalogue
+    #[arg(value_name = "TYPE")]
+    types: Vec<String>,
+    /// Rounds, in which every way takes its turn
+    #[arg(long, value_name = "COUNT", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    rounds: u32,
+    /// States of each type and place
+    #[arg(long, value_name = "COUNT", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    states: u32,
+    /// How far states near a singular point are from it (rad, or lengths of the connector)
+    #[arg(long, value_name = "DISTANCE", default_value_t = 1e-4, value_parser = distance)]
+    near: f64,
+    /// Draw time against error into this folder, a figure for each type, place and order, as SVG files
+    #[arg(long, value_name = "FOLDER")]
+    plots: Option<PathBuf>,
+    /// How to write it
+    #[arg(long, value_enum, default_value_t)]
+    format: BenchFormat,
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(distance) if (1e-12..=0.1).contains(&distance) => Ok(distance),
+        _ => Err(format!("{text:?} is not a distance from 1e-12 to 0.1")),
+    }
+}
+
+/// Measures and writes the report.
+pub(crate) fn run(arguments: &Bench) -> Result<(), Failure> {
+    let types: Vec<ConnectionType> = match arguments.types.as_slice() {
+        [] => TABLE.to_vec(),
+        names => names.iter().map(|name| named(name)).collect::<Result<_, _>>()?,
+    };
+    let settings = Settings {
+        rounds: arguments.rounds as usize,
+        states: arguments.states as usize,
+        distance: arguments.near,
+        ..Settings::default()
+    };
+    let bar = ProgressBar::new(types.len() as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}") {
+        bar.set_style(style);
+    }
+    let progress = |name: &str| {
+        bar.inc(1);
+        bar.set_message(name.to_string());
+    };
+    let found = measure(&settings, &types, &progress);
+    bar.finish_and_clear();
+    let found = found.map_err(|wrong| {
+        super::eval::complain("error", &wrong.to_string());
+        Failure::Mismatch
+    })?;
+    if let Some(folder) = &arguments.plots {
+        draw(folder, &found)?;
+    }
+    if found.points.is_empty() {
+        return Err(Failure::Nothing("of these types there is nothing to measure but one-forms".into()));
+    }
+    write(arguments.format, &found)
+}
+
+/// A type, or the two of a free pair.
+fn named(name: &str) -> Result<ConnectionType, Failure> {
+    let words: Vec<&str> = name.split_whitespace().collect();
+    match words[..] {
+        // Some types have names of two words.
+        [first, second] => super::connection(name, None).or_else(|_| super::connection(first, Some(second))),
+        _ => super::connection(name, None),
+    }
+}
+
+fn draw(folder: &Path, found: &Report) -> Result<(), Failure> {
+    let cannot = |path: &Path, error: &io::Error| {
+        Failure::Input(format!("cannot write figures to {}: {error}", path.display()))
+    };
+    fs::create_dir_all(folder).map_err(|error| cannot(folder, &error))?;
+    for (name, svg) in report::figures(found) {
+        let path = folder.join(name);
+        fs::write(&path, svg).map_err(|error| cannot(&path, &error))?;
+    }
+    Ok(())
+}
+
+fn write(format: BenchFormat, found: &Report) -> Result<(), Failure> {
+    let mut out = BufWriter::new(anstream::stdout().lock());
+    match format {
+        BenchFormat::Human => report::human(&mut out, found, page_width(&io::stdout()))?,
+        BenchFormat::Json => report::json(&mut out, found)?,
+        BenchFormat::Csv => report::csv(&mut out, found)?,
+        BenchFormat::Markdown => report::markdown(&mut out, found)?,
+    }
+    Ok(out.flush()?)
+}

@@ -1,0 +1,286 @@
+//! Times against errors: for reading, as JSON, CSV, Markdown, and drawn.
+
+use super::audit::figure::{Curve, LogPlot, Place as On};
+use super::layout;
+use crate::bench::{Order, Place, Point, Report};
+use std::io::{self, Write};
+
+/// The version of the JSON form.
+pub const SCHEMA: &str = "pintle-bench/1";
+
+/// The points of one diagram: a type, a place, an order.
+struct Diagram<'a> {
+    points: Vec<&'a Point>,
+}
+
+impl<'a> Diagram<'a> {
+    /// All, in the order of the report.
+    fn all(report: &'a Report) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for point in &report.points {
+            let own =
+                all.iter_mut().find(|diagram| diagram.points.iter().any(|known| known.is_beside(point)));
+            match own {
+                Some(diagram) => diagram.points.push(point),
+                None => all.push(Self { points: vec![point] }),
+            }
+        }
+        all
+    }
+
+    fn first(&self) -> Option<&'a Point> {
+        self.points.first().copied()
+    }
+
+    /// The least time of pintle itself, one by one.
+    fn ours(&self) -> Option<f64> {
+        self.points.iter().find(|point| point.method == "pintle").map(|point| point.nanoseconds)
+    }
+
+    /// A point of each way, of a sweep of steps the one with the smallest error, the fastest way first.
+    fn best(&self) -> Vec<(&'a Point, usize)> {
+        let mut best: Vec<(&Point, usize)> = Vec::new();
+        for point in &self.points {
+            match best.iter_mut().find(|(known, _)| known.method == point.method) {
+                Some((known, steps)) => {
+                    *steps += 1;
+                    if point.largest_error < known.largest_error {
+                        *known = point;
+                    }
+                }
+                None => best.push((point, 1)),
+            }
+        }
+        best.sort_by(|(a, _), (b, _)| a.nanoseconds.total_cmp(&b.nanoseconds));
+        best
+    }
+}
+
+/// A time with three digits.
+fn time(nanoseconds: f64) -> String {
+    match nanoseconds {
+        ns if ns < 10.0 => format!("{ns:.2} ns"),
+        ns if ns < 100.0 => format!("{ns:.1} ns"),
+        ns if ns < 1000.0 => format!("{ns:.0} ns"),
+        ns if ns < 1e4 => format!("{:.2} µs", ns / 1e3),
+        ns if ns < 1e5 => format!("{:.1} µs", ns / 1e3),
+        ns if ns < 1e6 => format!("{:.0} µs", ns / 1e3),
+        ns => format!("{:.2} ms", ns / 1e6),
+    }
+}
+
+fn times(ratio: Option<f64>) -> String {
+    match ratio {
+        Some(ratio) if ratio < 10.0 => format!("{ratio:.2}"),
+        Some(ratio) if ratio < 100.0 => format!("{ratio:.1}"),
+        Some(ratio) => format!("{ratio:.0}"),
+        None => String::new(),
+    }
+}
+
+fn error(error: f64) -> String {
+    if error == 0.0 { "0".into() } else { format!("{error:.1e}") }
+}
+
+fn where_(place: Place, distance: f64) -> String {
+    match place {
+        Place::Far => "far from singular points".into(),
+        Place::Near => format!("{distance:.0e} from a singular point or half a turn"),
+    }
+}
+
+const HEAD: [&str; 7] = ["", "way", "time", "× pintle", "median error", "largest error", "step"];
+
+/// The lines of a type at a place: an order by the other.
+fn lines(report: &Report, connection: &str, place: Place) -> Vec<Vec<String>> {
+    let mut lines = Vec::new();
+    for diagram in Diagram::all(report) {
+        let Some(first) = diagram.first().filter(|p| p.connection == connection && p.place == place) else {
+            continue;
+        };
+        for (i, (point, steps)) in diagram.best().into_iter().enumerate() {
+            let order = if i == 0 { first.order.name() } else { "" };
+            let step = point.step.map(|step| format!("{step:.0e}, best of {steps}"));
+            lines.push(vec![
+                order.to_string(),
+                point.method.to_string(),
+                time(point.nanoseconds),
+                times(diagram.ours().map(|ours| point.nanoseconds / ours)),
+                error(point.median_error),
+                error(point.largest_error),
+                step.unwrap_or_default(),
+            ]);
+        }
+    }
+    lines
+}
+
+/// The types and places of a report, in its order.
+fn sections(report: &Report) -> Vec<(&str, Place)> {
+    let mut found: Vec<(&str, Place)> = Vec::new();
+    for point in &report.points {
+        let section = (point.connection.as_str(), point.place);
+        if !found.contains(&section) {
+            found.push(section);
+        }
+    }
+    found
+}
+
+/// What the numbers are.
+fn legend(report: &Report) -> String {
+    let Report { rounds, states, .. } = report;
+    format!(
+        "times: the least of {rounds} rounds that took turns, of one state with all its rows, one thread, {states} states; errors: \
+         the largest of an entry over the largest number of its row, against 237 bits"
+    )
+}
+
+/// What the reader must know before the numbers.
+fn warnings(report: &Report) -> Vec<String> {
+    let mut found = Vec::new();
+    if !report.environment.is_optimised {
+        found.push("built without optimisation: these times say nothing of a release build".into());
+    }
+    let cores = report.environment.cores as f64;
+    if let Some(load) = report.environment.load.filter(|load| *load > 1.0) {
+        let busy = if load > cores { "the machine is overloaded" } else { "the machine does other work" };
+        found.push(format!("{busy} (load {load:.1}): trust the ratios more than the times"));
+    }
+    found
+}
+
+/// Writes tables for reading.
+///
+/// # Errors
+/// Where the stream cannot be written to.
+pub fn human(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
+    for line in layout::wrap(&report.environment.line(), width) {
+        writeln!(out, "{line}")?;
+    }
+    for warning in warnings(report) {
+        writeln!(out, "{}", layout::styled(layout::CARE, warning))?;
+    }
+    for (connection, place) in sections(report) {
+        writeln!(out, "\n{}, {}", layout::styled(layout::BOLD, connection), where_(place, report.distance))?;
+        write!(out, "{}", layout::table(&HEAD, &lines(report, connection, place)))?;
+    }
+    writeln!(out)?;
+    for omitted in &report.omitted {
+        writeln!(out, "{}, {}: not measured: {}", omitted.connection, omitted.place.name(), omitted.why)?;
+    }
+    for line in layout::wrap(&legend(report), width) {
+        writeln!(out, "{}", layout::styled(layout::DIM, line))?;
+    }
+    Ok(())
+}
+
+/// Writes tables as GitHub-flavoured Markdown.
+///
+/// # Errors
+/// Where the stream cannot be written to.
+pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+    writeln!(out, "{}.", report.environment.line())?;
+    for warning in warnings(report) {
+        writeln!(out, "\n**Note:** {warning}.")?;
+    }
+    for (connection, place) in sections(report) {
+        writeln!(out, "\n**{connection}**, {}\n", where_(place, report.distance))?;
+        writeln!(out, "| {} |\n|---|---|---:|---:|---:|---:|---|", HEAD.join(" | "))?;
+        for line in lines(report, connection, place) {
+            writeln!(out, "| {} |", line.join(" | "))?;
+        }
+    }
+    for omitted in &report.omitted {
+        writeln!(out, "\n{}, {}: not measured: {}.", omitted.connection, omitted.place.name(), omitted.why)?;
+    }
+    writeln!(out, "\nIn the table {}.", legend(report))
+}
+
+/// Writes every point, of all steps, as one JSON document, schema [`SCHEMA`]. An error without bound is `null`.
+///
+/// # Errors
+/// Where the stream cannot be written to.
+pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, report).map_err(io::Error::from)?;
+    writeln!(out)
+}
+
+/// Writes every point, of all steps, as a table with a heading line.
+///
+/// # Errors
+/// Where the stream cannot be written to.
+pub fn csv(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+    let mut writer = csv::Writer::from_writer(out);
+    let heading = [
+        "type",
+        "place",
+        "order",
+        "method",
+        "step",
+        "nanoseconds",
+        "slowest_round",
+        "median_error",
+        "largest_error",
+    ];
+    writer.write_record(heading)?;
+    for point in &report.points {
+        let number = |x: f64| format!("{x:e}");
+        writer.write_record([
+            point.connection.as_str(),
+            point.place.name(),
+            point.order.name(),
+            &point.method,
+            &point.step.map(number).unwrap_or_default(),
+            &number(point.nanoseconds),
+            &number(point.slowest_round),
+            &number(point.median_error),
+            &number(point.largest_error),
+        ])?;
+    }
+    writer.flush()
+}
+
+/// Time against error on log axes, a figure for each type, place and order, by file name.
+pub fn figures(report: &Report) -> Vec<(String, String)> {
+    Diagram::all(report)
+        .iter()
+        .filter_map(|diagram| {
+            let Point { connection, place, order, .. } = diagram.first()?;
+            if *order == Order::Value && diagram.points.len() < 2 {
+                return None;
+            }
+            let mut names: Vec<&str> = Vec::new();
+            for point in &diagram.points {
+                if !names.contains(&point.method.as_ref()) {
+                    names.push(&point.method);
+                }
+            }
+            let curves = names.iter().enumerate().map(|(i, name)| Curve {
+                name,
+                colour: (i % 8) as u8 + 1,
+                points: diagram
+                    .points
+                    .iter()
+                    .filter(|point| point.method == *name && point.largest_error.is_finite())
+                    .map(|point| [point.largest_error, point.nanoseconds])
+                    .collect(),
+            });
+            let plot = LogPlot {
+                title: &format!("{connection}, {}, {}", order.name(), where_(*place, report.distance)),
+                x_name: "largest error / largest number of the row",
+                y_name: "ns per state",
+                curves: curves.collect(),
+                levels: Vec::new(),
+                has_legend: true,
+            };
+            let words = format!("{connection} {} {}", order.name(), place.name());
+            let name: Vec<String> = words
+                .split(|c: char| !c.is_ascii_alphanumeric())
+                .filter(|word| !word.is_empty())
+                .map(str::to_ascii_lowercase)
+                .collect();
+            Some((format!("{}.svg", name.join("-")), plot.svg(On::File)))
+        })
+        .collect()
+}
