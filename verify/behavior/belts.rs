@@ -169,7 +169,7 @@ fn the_angle_of_wrap_is_that_of_the_solver() {
     assert_eq!(angle(&deck("", "0.06, 1.25")), Some(1.25));
     let model = Model::compile(&explicit).unwrap();
     let states = [state(0.0, 0.0, [0.0; 2]), state(1.0, 0.1, sliding(0.1))];
-    let results = walk(&model, &["CSF", "TANGENT", "KT"], &states);
+    let results = walk(&model, &["CSF", "TANGENT", "KT", "KR"], &states);
     let first = of(&model, &results[1], FIRST);
     let slip = &first.behavior.as_ref().unwrap().slips[0];
     assert!((slip.beyond.unwrap().angle - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "{slip:?}");
