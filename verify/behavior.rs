@@ -1,7 +1,7 @@
 //! Forces that follow from motions: against JAX, against the wide scalar, and by what must hold of springs, dampers, stops, locks,
 //! failures and drives.
 
-mod belts; // friction over a ring
+pub(crate) mod belts; // friction over a ring
 mod drives; // motions and loads, step by step
 mod tangents; // consistent tangents
 

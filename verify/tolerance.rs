@@ -181,6 +181,9 @@ pub(crate) const NODAL_TANGENT: f64 = 1e-13;
 /// sides use them; what is left is 1e5 times the rounding of strains.
 pub(crate) const BELT_FRICTION: f64 = 1e-12;
 
+/// Slopes of an angle of wrap against central differences on doubles with a step of 1e-5: its square, and rounding over the step.
+pub(crate) const BELT_ANGLE: f64 = 1e-9;
+
 /// Slopes of a belt's friction, over the stiffness of its segments: a slope is that of a table times e^(μα) − 1.
 pub(crate) const BELT_SLOPE: f64 = 1e-14;
 

@@ -159,6 +159,8 @@ pub fn slopes(case: &Case, behavior: &Behavior) -> Option<Slopes> {
                 want: want[i],
                 scale: still[i].to_f64().abs() / size + want[i].to_f64().abs(),
                 class: (i / 3, column / 3, 0),
+                error: 0.0,
+                sides: None,
             });
         }
     }

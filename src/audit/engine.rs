@@ -57,6 +57,8 @@ pub enum Planted {
     WrongEntry,
     /// The same derivative has the wrong sign: a mutant that changes it once more is right.
     WrongSign,
+    /// The largest slope of a friction force is multiplied by 1 + 1e-6.
+    WrongFriction,
     /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
     LostAnswer,
 }
@@ -67,7 +69,7 @@ impl Planted {
         match self {
             Self::WrongEntry => Some(1.0 + 1e-6),
             Self::WrongSign => Some(-1.0),
-            Self::LostAnswer => None,
+            Self::WrongFriction | Self::LostAnswer => None,
         }
     }
 
@@ -80,6 +82,15 @@ impl Planted {
             *entry *= factor;
         }
         numbers.set(Quantity::FirstDerivatives, rows);
+    }
+
+    /// The slopes of friction with the fault in them.
+    pub(super) fn spoil_friction(self, slopes: &mut [Vec<f64>]) {
+        let all = slopes.iter_mut().take(6).flatten();
+        let largest = all.max_by(|x, y| x.abs().total_cmp(&y.abs()));
+        if let Some(entry) = largest.filter(|_| self == Self::WrongFriction) {
+            *entry *= 1.0 + 1e-6;
+        }
     }
 
     /// The same of a sheet.

@@ -49,11 +49,13 @@ pub enum Invariant {
     Turns,
     /// e1a·e2b = 0 and its family: a turn about the free axis, however far, leaves the printed constraints met.
     FreeAxis,
+    /// What a friction remembers at a state is what it left at the state before, and its increment is what lies between the two.
+    Carried,
 }
 
 impl Invariant {
     /// Every law.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::RigidModes,
         Self::Frame,
         Self::Equilibrium,
@@ -67,6 +69,7 @@ impl Invariant {
         Self::Start,
         Self::Turns,
         Self::FreeAxis,
+        Self::Carried,
     ];
 
     /// In words.
@@ -85,6 +88,7 @@ impl Invariant {
             Self::Start => "zero at the start",
             Self::Turns => "turns through ±π and 2πk",
             Self::FreeAxis => "turns about the free axis",
+            Self::Carried => "friction from state to state",
         }
     }
 }
@@ -222,7 +226,7 @@ impl<'a> Context<'a> {
             Invariant::Halves => self.halves(),
             Invariant::Restored => self.restored(),
             Invariant::Restricted => self.restricted(),
-            Invariant::Start | Invariant::Turns | Invariant::FreeAxis => Vec::new(),
+            Invariant::Start | Invariant::Turns | Invariant::FreeAxis | Invariant::Carried => Vec::new(),
         }
     }
 

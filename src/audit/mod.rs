@@ -40,6 +40,7 @@ pub mod sample;
 mod scene;
 pub mod sheet;
 pub mod shrink;
+mod slopes;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 pub mod truth;

@@ -167,6 +167,8 @@ pub fn mutants(quantity: Quantity, scene: &Scene<'_>) -> Vec<Mutant> {
         | Quantity::FrictionGradient
         | Quantity::FrictionHessian
         | Quantity::FrictionTangent
+        | Quantity::FrictionForce
+        | Quantity::ConsistentTangent
         | Quantity::BehaviorTangent => {}
     }
     found

@@ -32,14 +32,18 @@ pub enum Quantity {
     FrictionGradient,
     /// Their second derivatives.
     FrictionHessian,
+    /// What friction does in an increment: its forces, the slip, what presses.
+    FrictionForce,
     /// The consistent tangent of an increment with friction.
     FrictionTangent,
     /// The slopes of elastic and viscous forces.
     BehaviorTangent,
+    /// The slopes of all forces of a connector together: springs, dampers, reactions, and friction that they press.
+    ConsistentTangent,
 }
 
 /// How many quantities there are.
-const COUNT: usize = Quantity::BehaviorTangent as usize + 1;
+const COUNT: usize = Quantity::ConsistentTangent as usize + 1;
 
 impl Quantity {
     /// Every quantity of a connector's components, in the order of reports.
@@ -51,6 +55,17 @@ impl Quantity {
         Self::Acceleration,
         Self::NodalForces,
         Self::GeometricStiffness,
+    ];
+
+    /// Every quantity of behaviour and friction, in the order of reports.
+    pub const OF_BEHAVIOR: [Self; 7] = [
+        Self::FrictionCriterion,
+        Self::FrictionGradient,
+        Self::FrictionHessian,
+        Self::FrictionForce,
+        Self::FrictionTangent,
+        Self::BehaviorTangent,
+        Self::ConsistentTangent,
     ];
 
     /// In words.
@@ -68,6 +83,8 @@ impl Quantity {
             Self::FrictionHessian => "friction Hessians",
             Self::FrictionTangent => "friction tangents",
             Self::BehaviorTangent => "tangents of elastic and viscous forces",
+            Self::FrictionForce => "friction forces and slip",
+            Self::ConsistentTangent => "consistent tangents",
         }
     }
 
@@ -86,6 +103,8 @@ impl Quantity {
             Self::FrictionHessian => "∂²Φ",
             Self::FrictionTangent => "∂F_f",
             Self::BehaviorTangent => "∂F",
+            Self::FrictionForce => "F_f",
+            Self::ConsistentTangent => "∂CTF",
         }
     }
 

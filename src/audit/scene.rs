@@ -4,10 +4,12 @@ use super::behavior::audit_behavior;
 use super::case::{Case, Step};
 use super::certificate::{certificate, certificate_of_mpc};
 use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread};
+use super::friction::{Slipping, audit_slipping, drawn, slipping};
 use super::mpc::MpcCase;
 use super::outcome::{Check, Report, Subject};
 use super::sample::{Draw, about_initial};
-use crate::connector::Request;
+use crate::behavior::state::History;
+use crate::connector::{Output, Request};
 use crate::evaluate::{ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence};
 use crate::scalar::elementary::norm;
 use crate::scene::State;
@@ -42,7 +44,7 @@ struct Gathered {
 
 /// A case of one connector or constraint.
 enum Work {
-    Connector(Box<Case>, Arc<ElementBehavior>),
+    Connector(Box<Case>, Arc<ElementBehavior>, Option<Box<Slipping>>),
     Mpc(Box<MpcCase>),
 }
 
@@ -73,9 +75,11 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
         progress(target.name);
     }
     // Walking needs every planned thing in the order of the plan.
-    let nothing = Plan { request: Request::nothing(0), ..plan.clone() };
-    let mut walk = walk(model, &nothing);
+    let follows = Plan { request: followed(target), ..plan.clone() };
+    let mut walk = walk(model, &follows);
     let wide = spread(states.len(), wide_states);
+    // What the frictions of each connector remember.
+    let mut left: Vec<History> = vec![History::default(); plan.connectors.len()];
     for (index, state) in states.iter().enumerate() {
         let mut place = 0;
         let number = state.number.unwrap_or(index as u64);
@@ -83,7 +87,13 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
             let work = match placed {
                 Item::Connector(placed) => {
                     let behavior = Arc::clone(&model.connectors[placed.index].behavior);
-                    Work::Connector(Box::new(case(model, &placed, number)), behavior)
+                    let case = case(model, &placed, number);
+                    let slides = placed.behavior.as_ref().filter(|_| behavior.behavior.slips_at_all());
+                    let now = slides.map(|outcome| outcome.history.clone()).unwrap_or_default();
+                    let before = left.get_mut(place).map(|left| std::mem::replace(left, now));
+                    let slips = slipping(&placed, &behavior, &case, before.unwrap_or_default());
+                    let slips = slips.or_else(|| drawn(&case, &behavior, &model.schedule, (settings, index)));
+                    Work::Connector(Box::new(case), behavior, slips.map(Box::new))
                 }
                 Item::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, &placed, number))),
             };
@@ -105,8 +115,14 @@ fn judge(settings: &Settings, pieces: Vec<Piece>, gathered: &mut [Gathered]) {
     let found: Vec<(usize, Vec<Check>)> = pieces
         .into_par_iter()
         .map(|Piece { place, index, is_wide, work }| match work {
-            Work::Connector(case, element) => {
+            Work::Connector(case, element, slips) => {
                 let mut checks = audit_case(&case, settings, is_wide, index);
+                let proves = is_wide || index.is_multiple_of(SOMETIMES);
+                checks.extend(
+                    slips
+                        .into_iter()
+                        .flat_map(|slips| audit_slipping(&slips, &element, settings, (is_wide, proves))),
+                );
                 if is_wide {
                     checks.extend(audit_behavior(&case, &element.behavior, settings, true));
                 }
@@ -141,7 +157,11 @@ fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gat
             };
             let case = about_initial(&element.definition(), index, length, name, draw);
             let is_wide = wide.contains(&index);
-            let work = case.map(|case| Work::Connector(Box::new(case), Arc::clone(&element.behavior)));
+            let work = case.map(|case| {
+                let behavior = Arc::clone(&element.behavior);
+                let slips = drawn(&case, &behavior, &model.schedule, (settings, index));
+                Work::Connector(Box::new(case), behavior, slips.map(Box::new))
+            });
             pieces.extend(work.map(|work| Piece { place, index, is_wide, work }));
         }
         if pieces.len() >= AT_ONCE {
@@ -160,6 +180,17 @@ fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gat
         Ok(())
     });
     judge(settings, pieces, gathered);
+}
+
+/// What is asked of a walk: nothing, and where there is friction its forces and slopes, so that its history is followed.
+fn followed(target: &Target<'_>) -> Request {
+    let slides = |at: &usize| {
+        target.model.connectors.get(*at).is_some_and(|element| element.behavior.behavior.slips_at_all())
+    };
+    if !target.plan.connectors.iter().any(slides) {
+        return Request::nothing(0);
+    }
+    Request::new(&[Output::CSF, Output::TANGENT], [true; 6], 0)
 }
 
 /// s: the larger of the present and the initial length; that of the model where the nodes coincide.

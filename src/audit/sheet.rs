@@ -24,12 +24,35 @@ pub struct Entry {
     pub scale: f64,
     /// Entries of one class have one unit: what is rounded in one of them may be found in another.
     pub class: (usize, usize, usize),
+    /// How far what it must be may be off by itself; on top of C u times the scale.
+    pub error: f64,
+    /// On a kink: the derivatives from below and from above. Any number between them may stand for the derivative there.
+    pub sides: Option<[Wide; 2]>,
 }
 
 impl Entry {
-    /// C u times the conditioned scale.
+    /// A number that has a reference without an error of its own.
+    pub const fn new(name: String, got: f64, want: Wide, scale: f64, class: (usize, usize, usize)) -> Self {
+        Self { name, got, want, scale, class, error: 0.0, sides: None }
+    }
+
+    /// C u times the conditioned scale, and the error of the reference.
     pub const fn tolerance(&self) -> f64 {
-        C * U * self.scale
+        C * U * self.scale + self.error
+    }
+
+    /// What a number must be: on a kink, what of the interval between both derivatives is nearest to it.
+    fn target(&self, got: f64) -> Wide {
+        let Some([below, above]) = self.sides else { return self.want };
+        let got = Wide::from_f64(got);
+        let (low, high) = if below < above { (below, above) } else { (above, below) };
+        if got < low {
+            low
+        } else if got > high {
+            high
+        } else {
+            got
+        }
     }
 }
 
@@ -92,25 +115,30 @@ impl Sheet {
         let mut worst: Option<Finding> = None;
         let largest = self.entries.iter().fold(0.0_f64, |most, entry| most.max(entry.got.abs()));
         let mut coarse = false;
-        for (i, Entry { name, got, want, .. }) in self.entries.iter().enumerate() {
-            let tolerance = self.tolerance(i);
-            let units = units(*got, *want, tolerance);
-            coarse |= self.quantity != Quantity::Value && largest > 0.0 && tolerance > COARSE * largest;
+        let mut kink: Option<Finding> = None;
+        for (i, entry) in self.entries.iter().enumerate() {
+            let Entry { name, got, scale, sides, .. } = entry;
+            let (tolerance, want) = (self.tolerance(i), entry.target(*got));
+            let units = units(*got, want, tolerance);
+            coarse |= self.quantity != Quantity::Value && largest > 0.0 && C * U * scale > COARSE * largest;
+            let one_sided = sides.map(|sides| sides.map(|side| side.to_f64()));
+            let found = || {
+                let (entry, want) = (name.clone(), want.to_f64());
+                Finding { entry, at: None, got: *got, want, tolerance, units, one_sided }
+            };
             let is_worse = worst.as_ref().is_none_or(|worst| units > worst.units || !got.is_finite());
+            if kink.is_none() && sides.is_some() {
+                kink = Some(found());
+            }
             if is_worse {
-                worst = Some(Finding {
-                    entry: name.clone(),
-                    at: None,
-                    got: *got,
-                    want: want.to_f64(),
-                    tolerance,
-                    units,
-                    one_sided: None,
-                });
+                worst = Some(found());
             }
             if !got.is_finite() {
                 return Judgement { verdict: Verdict::Invalid, worst, compared: self.entries.len() };
             }
+        }
+        if let (Some(kink), Some(true)) = (kink, worst.as_ref().map(|worst| worst.units <= 1.0)) {
+            return Judgement { verdict: Verdict::Kink, worst: Some(kink), compared: self.entries.len() };
         }
         let verdict = match &worst {
             None => Verdict::Undecided,
@@ -125,7 +153,7 @@ impl Sheet {
     /// Every mistake: those of single entries, and those that it knows besides.
     pub fn all_mistakes(&self) -> Vec<Change> {
         let mut found = Vec::new();
-        for (i, entry) in self.entries.iter().enumerate() {
+        for (i, entry) in self.entries.iter().enumerate().filter(|(_, entry)| entry.sides.is_none()) {
             let of_entry = of_number(entry.got, entry.scale);
             found.extend(of_entry.map(|(mistake, x)| Change { mistake, changes: vec![(i, x)] }));
         }
@@ -135,11 +163,23 @@ impl Sheet {
 
     /// Judges the numbers, with mutants of them where `proves`, and says why where they are wrong.
     pub fn check(&self, nearness: f64, proves: bool, state: &str, case: Option<&Case>) -> Check {
+        self.check_against(Oracle::WideDifferences, nearness, proves, state, case)
+    }
+
+    /// The same, where what the numbers must be is what an oracle says.
+    pub(super) fn check_against(
+        &self,
+        oracle: Oracle,
+        nearness: f64,
+        proves: bool,
+        state: &str,
+        case: Option<&Case>,
+    ) -> Check {
         let judgement = self.judge(nearness);
         // A check that speaks has proved that it can; mutants are made of right numbers.
         let proves = proves && nearness > 0.0 && !judgement.verdict.is_mismatch();
         let score = if proves { self.try_mistakes(&self.all_mistakes()) } else { Score::default() };
-        let mut check = Check::new(Some(self.quantity), Against::Oracle(Oracle::WideDifferences));
+        let mut check = Check::new(Some(self.quantity), Against::Oracle(oracle));
         check.add_at(judgement, score, state, case);
         if check.verdict == Verdict::Wrong {
             check.diagnosis = diagnose_sheet(self).map(Box::new);
@@ -153,9 +193,12 @@ impl Sheet {
         let (mut missed, mut smallest) = (0.0_f64, f64::INFINITY);
         let wanted: Vec<Wanted> = self.entries.iter().map(|entry| entry.want.into()).collect();
         for Change { mistake, changes } in mistakes {
-            let noticed = changes.iter().any(|(i, x)| {
-                let want = wanted.get(*i);
-                want.is_some_and(|want| want.units(*x, self.tolerance(*i)) > 1.0)
+            let noticed = changes.iter().any(|(i, x)| match (self.entries.get(*i), wanted.get(*i)) {
+                (Some(entry), _) if entry.sides.is_some() => {
+                    units(*x, entry.target(*x), self.tolerance(*i)) > 1.0
+                }
+                (_, Some(want)) => want.units(*x, self.tolerance(*i)) > 1.0,
+                _ => false,
             });
             let change = |(i, x): &(usize, f64)| {
                 let moved = self.entries.get(*i).map_or(0.0, |entry| (x - entry.got).abs());

@@ -106,6 +106,16 @@ impl Drives {
 }
 
 impl Schedule {
+    /// How many steps have a place in time: motions and loads of the others are not evaluated.
+    pub const fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Whether no step has a place in time.
+    pub const fn is_empty(&self) -> bool {
+        self.steps.is_empty()
+    }
+
     /// The steps of a scene.
     pub fn new(scene: &Scene) -> Self {
         let mut schedule = Self::default();
@@ -138,7 +148,8 @@ impl Schedule {
     }
 }
 
-fn takes_time(step: &Step) -> bool {
+/// Whether a step goes on in time: a linear perturbation does not.
+pub(crate) const fn takes_time(step: &Step) -> bool {
     !step.perturbation
 }
 

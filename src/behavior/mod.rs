@@ -29,7 +29,7 @@ pub mod table;
 mod tangent;
 
 pub use law::ForceKink;
-pub use slide::{Beyond, Slip};
+pub use slide::{Beyond, Slip, Wrap};
 pub use tangent::Tangent;
 
 use crate::connector::Components;
@@ -107,10 +107,12 @@ pub enum Unknown {
     Part,
     /// The two belts at a ring do not run on, one from the other.
     OpposedBelts,
-    /// The angle of wrap is that between the segments of a belt, and changes as they move: the slope along it is not formed.
+    /// The angle of wrap is that between the segments of a belt, which are in line or folded back: it has no derivative there.
     WrapAngle,
     /// What presses is the force of a component for which none is given.
     ContactForce,
+    /// Forces are given that are not those of the connector: none of them is taken.
+    ForcesRefused,
     /// Friction was not known at an earlier state, so that what it left is not known.
     FrictionHistory,
     /// It follows from a velocity that is neither given nor asked for (output CV).
@@ -134,10 +136,13 @@ impl Unknown {
             Self::Reaction => "motions do not tell a reaction, and no total force is given",
             Self::Part => "a part of it is not known",
             Self::WrapAngle => {
-                "the angle of wrap is measured between the segments, and the slope of friction along it is not formed: give the contact angle"
+                "the angle of wrap is measured between segments that are in line or folded back, where it has no derivative"
             }
             Self::OpposedBelts => "the two belts at the ring both end there: neither runs on in the other",
             Self::ContactForce => "what presses is the force of a component for which none is given",
+            Self::ForcesRefused => {
+                "the forces given are not those of the connector, and none of them is taken"
+            }
             Self::FrictionHistory => {
                 "friction was not known at an earlier state, so that what it left is not known"
             }

@@ -1,9 +1,11 @@
 //! The frictions of a connector at one state: what presses, and what sticks or slips under it.
 
-use super::friction::{self, BeltInput, FLOW, Frictions};
+use super::friction::{self, BeltInput, FLOW, Frictions, wrap_angle};
 use super::state::{Behavior, History, Kinematics};
 use super::{Conditions, Forces, Motion, Unknown};
 use crate::connector::{Components, Mask};
+use crate::scalar::{Differentiable, Scalar, Seeded};
+use crate::vector::{Vector, add};
 
 /// A friction at a state.
 #[derive(Clone, Debug)]
@@ -29,8 +31,35 @@ pub struct Beyond {
     pub tension: Result<f64, Unknown>,
     /// The angle of wrap α (rad).
     pub angle: f64,
-    /// Whether that is the angle between the segments, so that it changes as they move.
-    pub is_measured: bool,
+    /// How that changes as the nodes move.
+    pub wrap: Wrap,
+}
+
+/// How an angle of wrap changes as the nodes of both segments move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wrap {
+    /// Not at all: the section data give the angle.
+    Given,
+    /// By ∂α/∂x of the node where the first segment begins, the ring, and the node where the second one ends; global components.
+    Measured([Vector<f64>; 3]),
+    /// The segments are in line, or folded back: it has no derivative there.
+    Kink,
+}
+
+impl Wrap {
+    /// The angle between two segments that are given by their directions (the angle of wrap by decision D-26), with how it changes.
+    pub(crate) fn measured(first: Vector<f64>, second: Vector<f64>) -> (f64, Self) {
+        type Moving = <f64 as Differentiable>::Gradient<6>;
+        let seeded = |of: Vector<f64>, at: usize| [0, 1, 2].map(|i| Moving::seed(of[i], at + i));
+        let (first, second) = (seeded(first, 0), seeded(second, 3));
+        let zero = [0.0; 3].map(Moving::from_real);
+        let (angle, flags) = wrap_angle(zero, first, add(first, second));
+        let [g1, g2, g3, h1, h2, h3] = angle.gradient();
+        let (before, after) = ([-g1, -g2, -g3], [h1, h2, h3]);
+        let ring = [g1 - h1, g2 - h2, g3 - h3];
+        let wrap = if flags.is_empty() { Self::Measured([before, ring, after]) } else { Self::Kink };
+        (angle.real(), wrap)
+    }
 }
 
 /// The components that slide.

@@ -7,11 +7,12 @@
 //! ∂CSF/∂λ ≠ 0 (the part −μ ∂F_N/∂λ of Φ) makes the tangent unsymmetric. Applied loads do not change with the motion.
 
 use super::friction::{Branch, FLOW};
-use super::slide::{Beyond, Slip};
+use super::slide::{Beyond, Slip, Wrap};
 use super::state::{Behavior, History, Outcome};
 use super::{Conditions, Motion, Unknown};
 use crate::connector::{Components, Mask, StopStatus};
 use crate::scalar::{Differentiable, Scalar, Seeded};
+use crate::vector::Vector;
 
 /// The slopes of component forces: ∂F_i/∂x_j, i and j from u1, u2, u3, ur1, ur2, ur3.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +25,11 @@ pub struct Tangent<R> {
     pub reaction: [[R; 6]; 6],
     /// ∂F_i/∂T2 by the tension of the belt on the other side of the ring at b.
     pub beyond: [R; 6],
+    /// ∂F_i/∂α by the angle of wrap of a belt at the ring at b, where that is measured between the segments.
+    pub angle: [R; 6],
+    /// ∂α/∂x of that angle: of the node where the first segment begins, the ring, and the node where the second one ends; global
+    /// components.
+    pub wrap: Option<[Vector<R>; 3]>,
     /// The components that have a reaction: constrained, or held by a stop, a lock, a prescribed motion or a rigid elasticity.
     pub reacting: Mask,
     /// The time step, where velocities are increments over it: then dF_i/du_j = ∂F_i/∂u_j + ∂F_i/∂v_j/Δt.
@@ -44,6 +50,8 @@ impl<R: Differentiable> Tangent<R> {
             velocity: matrix,
             reaction: matrix,
             beyond: [zero; 6],
+            angle: [zero; 6],
+            wrap: None,
             reacting: [false; 6],
             time_step,
             time: [zero; 6],
@@ -69,7 +77,7 @@ impl<R: Differentiable> Tangent<R> {
         for matrix in [&mut self.displacement, &mut self.velocity, &mut self.reaction] {
             matrix[k] = [zero; 6];
         }
-        (self.beyond[k], self.time[k]) = (zero, zero);
+        (self.beyond[k], self.angle[k], self.time[k]) = (zero, zero, zero);
     }
 }
 
@@ -137,11 +145,12 @@ impl Behavior {
             tangent.reaction[k][k] = 1.0;
         }
         for (i, slip) in outcome.slips.iter().enumerate() {
-            let slopes = self.slopes_of(i, slip, outcome, conditions);
+            let slopes = self.slopes_of(i, slip, outcome, (conditions, history));
             for (k, slopes) in slopes.into_iter().enumerate() {
-                let Some(Slopes { displacement, forces, duration, beyond, unknown: missing }) = slopes else {
-                    continue;
-                };
+                let Some(slopes) = slopes else { continue };
+                let Slopes { displacement, forces, duration, beyond, angle, wrap, unknown: missing } = slopes;
+                tangent.angle[k] += angle;
+                tangent.wrap = tangent.wrap.or(wrap);
                 tangent.time[k] += duration;
                 tangent.beyond[k] += beyond;
                 for j in 0..6 {
@@ -183,13 +192,13 @@ impl Behavior {
         i: usize,
         slip: &Slip,
         outcome: &Outcome,
-        conditions: &Conditions,
+        (conditions, history): (&Conditions, &History),
     ) -> Components<Slopes> {
         let mut found = [None; 6];
         let (Some(state), Ok(_)) = (&slip.before, &slip.outcome) else { return found };
         if let Some(friction) = self.friction.frictions.get(i) {
             let input = slip.input(state, outcome.duration, &outcome.motion, conditions);
-            let (_, tangent) = friction.tangent(state, &input, Branch::Decided);
+            let (_, tangent) = friction.tangent_while(state, &input, Branch::Decided, history.failed);
             for k in (0..6).filter(|k| slip.components[*k]) {
                 let of = tangent.force[k];
                 found[k] = Some(Slopes {
@@ -197,20 +206,28 @@ impl Behavior {
                     forces: of.forces,
                     duration: of.duration,
                     beyond: 0.0,
+                    angle: 0.0,
+                    wrap: None,
                     unknown: None,
                 });
             }
-        } else if let (Some(belt), Some(Beyond { tension: Ok(tension), angle, is_measured })) =
+        } else if let (Some(belt), Some(Beyond { tension: Ok(tension), angle, wrap })) =
             (&self.friction.belt, slip.beyond)
         {
             let input = slip.belt_input((tension, angle), outcome.duration, conditions);
-            let (_, tangent) = belt.tangent(state, &input, Branch::Decided);
+            let (outcome, tangent) = belt.tangent(state, &input, Branch::Decided);
             let mut slopes = Slopes {
                 displacement: [0.0; 6],
                 forces: [0.0; 6],
                 duration: tangent.duration,
                 beyond: tangent.tension[1],
-                unknown: (is_measured && tangent.angle != 0.0).then_some(Unknown::WrapAngle),
+                angle: if matches!(wrap, Wrap::Measured(_)) { tangent.angle } else { 0.0 },
+                wrap: match wrap {
+                    Wrap::Measured(gradient) => Some(gradient),
+                    Wrap::Given | Wrap::Kink => None,
+                },
+                // In line nothing holds, and to all sides it would: that is no slope of zero.
+                unknown: (wrap == Wrap::Kink && outcome.normal > 0.0).then_some(Unknown::WrapAngle),
             };
             (slopes.displacement[FLOW], slopes.forces[0]) = (tangent.flow, tangent.tension[0]);
             found[FLOW] = Some(slopes);
@@ -228,6 +245,9 @@ struct Slopes {
     duration: f64,
     /// By the tension on the other side of the ring.
     beyond: f64,
+    /// By the angle of wrap, where it is measured, and how that changes as nodes move.
+    angle: f64,
+    wrap: Option<[Vector<f64>; 3]>,
     /// Why they are not all that there are.
     unknown: Option<Unknown>,
 }

@@ -1,7 +1,7 @@
 //! `pintle audit`.
 
 use super::eval::{Loaded, Source, load, source};
-use super::{Failure, page, page_width};
+use super::{Failure, Sign, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
@@ -10,9 +10,9 @@ use pintle::catalog::TABLE;
 use pintle::connector::Request;
 use pintle::evaluate::{Plan, Selection};
 use pintle::report::audit as report;
-use pintle::scene::{GALLERY, Scene};
-use std::fs;
-use std::io::{self, BufWriter, Write};
+use pintle::scene::{Diagnostic, ForceFile, GALLERY, Scene};
+use std::fs::{self, File};
+use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 const HELP: &str = "\
@@ -66,6 +66,8 @@ pub(crate) enum Plant {
     WrongEntry,
     /// A derivative has the wrong sign
     WrongSign,
+    /// A slope of a friction force is wrong
+    WrongFriction,
     /// Answers of the oracles are lost
     LostAnswer,
 }
@@ -75,6 +77,7 @@ impl From<Plant> for Planted {
         match plant {
             Plant::WrongEntry => Self::WrongEntry,
             Plant::WrongSign => Self::WrongSign,
+            Plant::WrongFriction => Self::WrongFriction,
             Plant::LostAnswer => Self::LostAnswer,
         }
     }
@@ -89,6 +92,12 @@ pub(crate) struct Audit {
     /// States of the nodes of the scene (.csv or .json); without it, those of the scene, or states drawn about the initial one
     #[arg(long, value_name = "FILE")]
     at: Option<PathBuf>,
+    /// Component forces of connectors at the states (.csv or .json), as for `pintle eval`: what presses on frictions
+    #[arg(long, value_name = "FILE", requires = "scenes")]
+    forces: Option<PathBuf>,
+    /// What a positive force of a constrained component means in the file of forces
+    #[arg(long, value_enum, default_value_t, requires = "forces")]
+    force_sign: Sign,
     /// Only these connectors of the scenes, by element number or element set; MPCs are then left out
     #[arg(long, value_name = "NUMBER|SET", value_delimiter = ',', requires = "scenes")]
     connector: Vec<String>,
@@ -158,6 +167,9 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     if arguments.at.is_some() && arguments.scenes.len() != 1 {
         return Err(Failure::Usage("--at gives the states of one scene: name one".into()));
     }
+    if arguments.forces.is_some() && arguments.scenes.len() != 1 {
+        return Err(Failure::Usage("--forces gives the forces of one scene: name one".into()));
+    }
     let settings = settings(arguments);
     let levels = levels(arguments)?;
     let is_catalogue = arguments.scenes.is_empty();
@@ -167,7 +179,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     };
     let loaded = sources
         .iter()
-        .map(|source| load(*source, arguments.at.as_deref()))
+        .map(|source| with_forces(*source, arguments))
         .collect::<Result<Vec<Loaded>, Failure>>()?;
     let selection = match arguments.connector.as_slice() {
         [] => Selection::All,
@@ -228,6 +240,26 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         save(folder, &report)?;
     }
     verdict(arguments.strict, &report)
+}
+
+/// A scene with its states and their forces, which are checked.
+fn with_forces(source: Source<'_>, arguments: &Audit) -> Result<Loaded, Failure> {
+    let mut loaded = load(source, arguments.at.as_deref())?;
+    let file = match source {
+        Source::File(path) => Path::new(path),
+        Source::Gallery(example) => Path::new(example.name),
+    };
+    let file = arguments.forces.as_deref().or(arguments.at.as_deref()).unwrap_or(file);
+    let show = |error: Diagnostic| match File::open(file) {
+        Ok(text) => error.with_source(BufReader::new(text)),
+        Err(_) => error,
+    };
+    if let Some(forces) = &arguments.forces {
+        let forces = ForceFile::read(forces, &loaded.scene, arguments.force_sign.into())?;
+        forces.attach(&mut loaded.states, 0).map_err(show)?;
+    }
+    loaded.model.check_forces(&loaded.states, 0, &file.display().to_string()).map_err(show)?;
+    Ok(loaded)
 }
 
 /// How bad the findings of each code are taken to be.

@@ -122,10 +122,7 @@ pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
 
 /// A scene with its states, or the initial one, and its forces.
 fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
-    let sign = match arguments.force_sign {
-        Sign::Internal => ForceSign::Internal,
-        Sign::ConstraintsOnB => ForceSign::ConstraintsOnB,
-    };
+    let sign = arguments.force_sign.into();
     let Loaded { scene, mut states, model } = load(source, None)?;
     let forces = arguments.forces.as_deref().map(|file| Forces::open(file, &scene, sign)).transpose()?;
     let history = match &arguments.states {
@@ -167,6 +164,15 @@ pub(crate) fn load(source: Source<'_>, states: Option<&Path>) -> Result<Loaded, 
         show_diagnostic(&with_source(warning));
     }
     Ok(Loaded { scene, states, model })
+}
+
+impl From<Sign> for ForceSign {
+    fn from(sign: Sign) -> Self {
+        match sign {
+            Sign::Internal => Self::Internal,
+            Sign::ConstraintsOnB => Self::ConstraintsOnB,
+        }
+    }
 }
 
 /// The request: the outputs named, or what the scenes suggest.

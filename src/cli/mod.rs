@@ -346,7 +346,8 @@ Outputs:
   DRIVEN         what a connector motion prescribes; RES is how far off it is
   TANGENT        slopes of component forces: elastic, viscous, friction with its
                  consistent tangent; by displacement, velocity, reaction (CRF) of
-                 what is constrained or held, and time step
+                 what is constrained or held, time step, and at a ring the
+                 tension T2 and measured angle of wrap α beyond; ∂α by positions
   PM             moments by which the printed formula gives the same moment,
                  where that is another one
   LM             multipliers of the equations enforced (those of RES)

@@ -5,6 +5,7 @@ use crate::measure::{Margin, Measure, SingularClass, Unit};
 use crate::node::{DOFS, Pair};
 use crate::scalar::Real;
 use crate::scalar::elementary::norm;
+use crate::scene::Code;
 use crate::so3;
 use crate::vector::{self, column, dot, scale, sub};
 use serde::Serialize;
@@ -179,9 +180,21 @@ pub enum Flag {
         /// Given minus sum.
         by: f64,
     },
+    /// The forces that the state gives are not those of the connector or constraint, and none of them is taken.
+    ForcesRefused {
+        /// `all`.
+        component: &'static str,
+        /// The code of the error.
+        code: &'static str,
+    },
 }
 
 impl Flag {
+    /// That the forces of a state are refused with this code.
+    pub(crate) fn refused(code: Code) -> Self {
+        Self::ForcesRefused { component: "all", code: code.as_str() }
+    }
+
     /// The name, as JSON has it.
     pub const fn name(&self) -> &'static str {
         match self {
@@ -200,6 +213,7 @@ impl Flag {
             Self::Undecided { .. } => "undecided",
             Self::Friction { .. } => "friction",
             Self::OutOfBalance { .. } => "out-of-balance",
+            Self::ForcesRefused { .. } => "forces-refused",
         }
     }
 
@@ -220,7 +234,8 @@ impl Flag {
             | Self::Failed { component, .. }
             | Self::Undecided { component, .. }
             | Self::Friction { component, .. }
-            | Self::OutOfBalance { component, .. } => component,
+            | Self::OutOfBalance { component, .. }
+            | Self::ForcesRefused { component, .. } => component,
         }
     }
 }

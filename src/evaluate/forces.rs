@@ -36,6 +36,8 @@ pub struct ForceResult {
     pub by_reactions: Components<NodalRow<f64>>,
     /// The column of KR by the tension of the belt on the other side of the ring, where its friction depends on it.
     pub by_beyond: Option<NodalRow<f64>>,
+    /// The column of KR by the angle of wrap at the ring, where that is measured and its friction depends on it; KT holds it still.
+    pub by_angle: Option<NodalRow<f64>>,
     /// What needs care about them.
     pub flags: Vec<Flag>,
 }
@@ -106,13 +108,17 @@ impl<'a> ForceCheck<'a> {
     }
 }
 
-/// The internal forces of the components of a connector that its state gives, where they have been found to be those of its type.
+/// The internal forces of the components of a connector that its state gives; none where it gives none.
+///
+/// # Errors
+/// The code of the first force that is not of its type: [`ForceCheck`] tells more.
 pub(super) fn given_forces(
     connector: &Connector<f64>,
     state: &SceneState,
     element: Label,
-) -> Option<Components<f64>> {
-    component_forces(connector, state.forces.get(&element)?).ok()
+) -> Result<Option<Components<f64>>, Code> {
+    let given = state.forces.get(&element).map(|given| component_forces(connector, given));
+    given.transpose().map_err(|fault| fault.code)
 }
 
 /// The internal forces of the components of a connector.
@@ -233,6 +239,7 @@ impl ForceResult {
             damping: None,
             by_reactions: [None; 6],
             by_beyond: None,
+            by_angle: None,
             flags,
         };
         let has_slopes = |k: usize| connector.has_force(k);
@@ -302,8 +309,8 @@ impl ForceResult {
             for j in (0..6).filter(|j| slopes.reacting[*j]) {
                 result.by_reactions[j] = Some(column(&|k| slopes.reaction[k][j]));
             }
-            let depends = slopes.beyond.iter().any(|slope| *slope != 0.0);
-            result.by_beyond = depends.then(|| column(&|k| slopes.beyond[k]));
+            let given = |of: &[f64; 6]| of.iter().any(|slope| *slope != 0.0).then(|| column(&|k| of[k]));
+            (result.by_beyond, result.by_angle) = (given(&slopes.beyond), given(&slopes.angle));
         }
         Some(result)
     }

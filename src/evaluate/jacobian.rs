@@ -497,12 +497,12 @@ impl Jacobian {
         lengths.map(|length| values.split_off_mut(..length).unwrap_or_default()).collect()
     }
 
-    /// Writes the entries of a connector.
+    /// Writes the entries of a connector. A row that is not there has entries that are no numbers: the others keep their places.
     pub(super) fn write(&self, at: usize, rows: &Components<CompactRow<f64>>, values: &mut [f64]) {
         let block = &self.blocks[at];
         let mut values = values.iter_mut();
         for k in 0..6 {
-            let Some(row) = &rows[k] else { continue };
+            let row = rows[k].as_ref();
             let bits = block.columns[k];
             let mut end = |is_b: bool| {
                 let at = usize::from(is_b) * (DOFS / 2);
@@ -514,7 +514,7 @@ impl Jacobian {
                 let axes = block.axes[usize::from(is_b)];
                 for (from, group) in [(at, groups[0]), (at + 3, groups[1])] {
                     if bits >> from & 0b111 != 0 {
-                        let entries = self.turned(axes, row.group(group));
+                        let entries = row.map_or([f64::NAN; 3], |row| self.turned(axes, row.group(group)));
                         let columns = (0..3).filter(|i| bits >> (from + i) & 1 != 0);
                         columns.zip(&mut values).for_each(|(i, value)| *value = entries[i]);
                     }
@@ -522,7 +522,7 @@ impl Jacobian {
                 if bits >> (at + 6) & 1 != 0
                     && let Some(value) = values.next()
                 {
-                    *value = row.flow()[usize::from(is_b)];
+                    *value = row.map_or(f64::NAN, |row| row.flow()[usize::from(is_b)]);
                 }
             };
             end(block.is_swapped);
@@ -534,7 +534,10 @@ impl Jacobian {
     pub(super) fn write_mpc(&self, at: usize, rows: &mpc::Rows<mpc::Dofs<f64>>, values: &mut [f64]) {
         let MpcBlock { entries, axes } = &self.mpcs[at];
         for ((row, j), value) in entries.iter().zip(values) {
-            let Some(row) = &rows[usize::from(*row)] else { continue };
+            let Some(row) = &rows[usize::from(*row)] else {
+                *value = f64::NAN;
+                continue;
+            };
             let j = usize::from(*j);
             let (place, number) = Kind::column_dof(j);
             let axes = axes.get(place).copied().flatten();
@@ -620,4 +623,41 @@ fn number(model: &Model, plan: &Plan, fixed: &Fixed) -> Numbering {
         next += has.count_ones();
     }
     numbering
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::connector::{Request, Tally};
+    use crate::evaluate::Selection;
+    use crate::node::Pair;
+    use crate::scene::Scene;
+
+    /// A row that is not there is no number, and the others keep their places.
+    #[test]
+    fn a_missing_row_moves_no_other() {
+        let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+                    *CONNECTOR SECTION, ELSET=C\nJOIN\n";
+        let model = Model::compile(&Scene::parse("deck.inp", deck).unwrap()).unwrap();
+        let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+        let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::default());
+        let element = &model.connectors[0];
+        let still = crate::connector::State {
+            pair: Pair { ..element.definition().initial },
+            velocity: [0.0; DOFS],
+            acceleration: [0.0; DOFS],
+        };
+        let branch = element.connector.initial_branch();
+        let mut tally = Tally::default();
+        let mut rows = element.connector.compact_rows(&still, &branch, jacobian.wanted(0), &mut tally);
+        let mut whole = vec![0.0; jacobian.entries()];
+        jacobian.write(0, &rows, &mut whole);
+        rows[0] = None;
+        let mut lacking = vec![0.0; jacobian.entries()];
+        jacobian.write(0, &rows, &mut lacking);
+        let first = jacobian.offsets()[1];
+        assert!(first > 0 && whole.iter().all(|x| x.is_finite()));
+        assert!(lacking[..first].iter().all(|x| x.is_nan()), "{lacking:?}");
+        assert_eq!(lacking[first..], whole[first..]);
+    }
 }

@@ -25,7 +25,7 @@ pub use forces::{ForceCheck, ForceResult};
 pub use jacobian::{CompressedColumns, Equation, Fixed, ForeignPattern, Freedom, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};
-pub use mpc_forces::{Hinge, MpcForces};
+pub use mpc_forces::{Hinge, MpcForces, MpcSlopes};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
 pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};

@@ -74,6 +74,8 @@ pub struct Model {
     pub grounded: HashSet<Label>,
     /// The MPCs that are kept and not evaluated, by type, with their number.
     pub other_mpcs: BTreeMap<String, usize>,
+    /// The connectors that constrain what another one between the same nodes constrains already.
+    pub repeated: HashSet<Label>,
     /// The steps in time.
     pub schedule: Schedule,
     /// Element sets: the connectors in each, by index.

@@ -1,6 +1,6 @@
 //! The multi-point constraints of a scene: resolved once, evaluated at a state.
 
-use super::mpc_forces::{Hinge, MpcForces, given_forces, on_hinges, order};
+use super::mpc_forces::{Hinge, MpcForces, MpcSlopes, given_forces, on_hinges, order};
 use super::sequence::Moved;
 use crate::behavior::drive::{Drives, Schedule, on_angles};
 use crate::behavior::ground::Ground;
@@ -68,6 +68,8 @@ pub struct MpcResult {
     pub hinges: [Option<Hinge>; 2],
     /// What it transmits, where forces on its first node are given and it is asked for.
     pub forces: Option<Box<MpcForces>>,
+    /// What springs and dashpots on its angles do, where that is asked for and no forces are given.
+    pub slopes: Option<Box<MpcSlopes>>,
     /// The distances to singular points.
     pub margins: Margins,
     /// What needs care.
@@ -354,7 +356,12 @@ impl MpcElement {
         let given = if scene_state.mpc_forces.is_empty() {
             None
         } else {
-            scene_state.mpc_forces.get(&self.label()).and_then(|given| given_forces(self, given).ok())
+            scene_state.mpc_forces.get(&self.label()).map(|given| given_forces(self, given))
+        };
+        let (given, refused) = match given {
+            Some(Err((code, ..))) => (None, Some(Flag::refused(code))),
+            Some(Ok(given)) => (Some(given), None),
+            None => (None, None),
         };
         let given = given.filter(|_| request.outputs().any(asks_for_forces));
         let needed = given.map(|_| {
@@ -365,6 +372,7 @@ impl MpcElement {
         let mut evaluation =
             constraint.evaluate(&state, before, &turning, needed.as_ref().unwrap_or(request), tally);
         let mut flags = constraint.flags(&state, before, &turning, &evaluation);
+        flags.extend(refused);
         let margins = constraint.margins(&state, &evaluation);
         let misalignment = constraint.misalignment(&state);
         let moments = [0, 1].map(|i| {
@@ -376,6 +384,8 @@ impl MpcElement {
         });
         let forces = given
             .map(|given| MpcForces::of(self, (&state, &evaluation), &given, &moments, request, &mut flags));
+        let (slopes, lacks) = if forces.is_some() { (None, None) } else { MpcSlopes::of(&moments, request) };
+        flags.extend(lacks);
         let transmitted = on_hinges(forces.as_ref());
         let kind = constraint.kind();
         let hinges = [0, 1].map(|i| {
@@ -409,6 +419,7 @@ impl MpcElement {
             moments,
             hinges,
             forces: forces.map(Box::new),
+            slopes: slopes.map(Box::new),
             margins,
             flags,
         }

@@ -45,6 +45,47 @@ pub struct MpcForces {
     pub by_multipliers: Rows<Dofs<f64>>,
 }
 
+/// What springs and dashpots on the angles of hinges do, where the forces on the constraint are not given.
+#[derive(Clone, Debug)]
+pub struct MpcSlopes {
+    /// KT, without KG: the stiffness of springs alone.
+    pub tangent: Option<DofMatrix<f64>>,
+    /// CT: the damping of dashpots.
+    pub damping: Option<DofMatrix<f64>>,
+}
+
+/// The moments of springs and dashpots on the angles of both hinges, as far as they are known.
+type Moments = [Option<Result<HingeMoments, Unknown>>; 2];
+
+impl MpcSlopes {
+    /// Those that are asked for, and that KT lacks KG; nothing where no spring or dashpot acts.
+    pub(super) fn of(moments: &Moments, request: &Request) -> (Option<Self>, Option<Flag>) {
+        let wants = |output: Output| request.outputs().any(|one| one == output);
+        let acts = moments.iter().flatten().any(Result::is_ok);
+        if !acts || !(wants(Output::KT) || wants(Output::CT)) {
+            return (None, None);
+        }
+        let flag = wants(Output::KT).then_some(Flag::NotKnown {
+            component: "all",
+            quantity: Output::KG.name(),
+            why: "no forces are given on its first node, so that KT is the stiffness of its springs alone",
+        });
+        let tangent = wants(Output::KT).then(|| on_angles(moments, |moments| Some(moments.stiffness)));
+        let damping = wants(Output::CT).then(|| on_angles(moments, |moments| moments.damping));
+        (Some(Self { tangent, damping }), flag)
+    }
+}
+
+/// Slopes on the angles of hinges, as a matrix.
+fn on_angles(moments: &Moments, of: fn(&HingeMoments) -> Option<f64>) -> DofMatrix<f64> {
+    let mut matrix: DofMatrix<f64> = Box::new([[0.0; DOFS]; DOFS]);
+    for (i, moments) in moments.iter().enumerate() {
+        let slope = moments.and_then(Result::ok).and_then(|moments| of(&moments));
+        matrix[PHI + i][PHI + i] = slope.unwrap_or(0.0);
+    }
+    matrix
+}
+
 /// The order of derivatives that a request of forces needs.
 pub(super) fn order(request: &Request) -> u8 {
     let needs = |output: Output| match output {
@@ -101,7 +142,7 @@ impl MpcForces {
         element: &MpcElement,
         (state, evaluation): (&State<f64>, &Evaluation<f64>),
         given: &Dofs<f64>,
-        moments: &[Option<Result<HingeMoments, Unknown>>; 2],
+        moments: &Moments,
         request: &Request,
         flags: &mut Vec<Flag>,
     ) -> Self {
@@ -121,24 +162,15 @@ impl MpcForces {
         let wants = |output: Output| request.outputs().any(|one| one == output);
         let needs_geometric = wants(Output::KG) || wants(Output::KT);
         let geometric = needs_geometric.then(|| evaluation.geometric_stiffness(&multipliers));
-        let slopes = |of: fn(&HingeMoments) -> Option<f64>| {
-            moments.map(|moments| moments.and_then(Result::ok).and_then(|moments| of(&moments)))
-        };
-        let on_angles = |matrix: &mut DofMatrix<f64>, slopes: [Option<f64>; 2]| {
-            for (i, slope) in slopes.into_iter().enumerate() {
-                matrix[PHI + i][PHI + i] += slope.unwrap_or(0.0);
-            }
-        };
         let tangent = geometric.as_ref().filter(|_| wants(Output::KT)).map(|geometric| {
             let mut sum = geometric.clone();
-            on_angles(&mut sum, slopes(|moments| Some(moments.stiffness)));
+            let springs = on_angles(moments, |moments| Some(moments.stiffness));
+            for i in [PHI, PHI + 1] {
+                sum[i][i] += springs[i][i];
+            }
             sum
         });
-        let damping = wants(Output::CT).then(|| {
-            let mut matrix: DofMatrix<f64> = Box::new([[0.0; DOFS]; DOFS]);
-            on_angles(&mut matrix, slopes(|moments| moments.damping));
-            matrix
-        });
+        let damping = wants(Output::CT).then(|| on_angles(moments, |moments| moments.damping));
         Self {
             multipliers,
             nodal,

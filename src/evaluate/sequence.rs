@@ -7,20 +7,20 @@ use super::model::{ConnectorElement, ElementBehavior, Model};
 use super::mpc::{MpcResult, START};
 use super::parallel;
 use super::plan::Plan;
-use crate::behavior::friction::wrap_angle;
 use crate::behavior::state::{Event, History, Kinematics, Outcome, Velocities};
-use crate::behavior::{Beyond, Conditions, Tangent, Unknown};
+use crate::behavior::{Beyond, Conditions, Tangent, Unknown, Wrap};
 use crate::catalog::COMPONENT;
 use crate::connector::{
     Branch, CompactRow, Components, Evaluation, Flag, Increment, Mask, Output, Request, State, StopStatus,
     Tally, Turns,
 };
 use crate::measure::Margin;
+use crate::mpc::Dofs;
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::scene::{Label, NodeMotion, Rotation, State as SceneState};
 use crate::so3::{self, Quaternion};
-use crate::vector::{Matrix, Vector, add, identity, product, sub};
+use crate::vector::{Matrix, Vector, identity, product, sub};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
@@ -484,8 +484,10 @@ impl<'a> Sequence<'a> {
                     element.connector.compact_rows(&result.state, branch, jacobian.wanted(at), &mut tally);
                 jacobian.write(at, &rows, place);
                 let mut flags = result.flags;
-                let broken =
-                    |k: &usize| rows[*k].as_ref().is_some_and(|row: &CompactRow<f64>| !row.is_finite());
+                let wanted = jacobian.wanted(at);
+                let broken = |k: &usize| {
+                    wanted[*k] && rows[*k].as_ref().is_none_or(|row: &CompactRow<f64>| !row.is_finite())
+                };
                 flags.extend(
                     (0..6)
                         .filter(broken)
@@ -518,7 +520,9 @@ impl<'a> Sequence<'a> {
             let place = rest.split_off_mut(..jacobian.mpc_entries(at)).unwrap_or_default();
             jacobian.write_mpc(at, &result.evaluation.jacobian, place);
             let rows = &result.evaluation.jacobian;
-            let broken = |row: &usize| rows[*row].is_some_and(|row| row.iter().any(|x| !x.is_finite()));
+            let has = element.constraint.rows();
+            let is_broken = |row: &Dofs<f64>| row.iter().any(|x| !x.is_finite());
+            let broken = |row: &usize| has[*row] && rows[*row].as_ref().is_none_or(is_broken);
             let broken = (0..rows.len()).filter(broken).map(|row| Flag::NotFinite {
                 component: element.constraint.kind().row_name(row),
                 quantity: "derivative",
@@ -572,15 +576,13 @@ impl<'a> Sequence<'a> {
             let Some((next, beyond)) = next else {
                 found.insert(
                     index,
-                    Beyond { tension: Err(Unknown::OpposedBelts), angle: 0.0, is_measured: false },
+                    Beyond { tension: Err(Unknown::OpposedBelts), angle: 0.0, wrap: Wrap::Given },
                 );
                 continue;
             };
-            let angle = ring.angle.unwrap_or_else(|| {
-                let direction = |of: &ConnectorElement| place(of, of.nodes.map(at)).0.pair.separation();
-                let [first, second] = [direction(element), direction(beyond)];
-                wrap_angle([0.0; 3], first, add(first, second)).0
-            });
+            let direction = |of: &ConnectorElement| place(of, of.nodes.map(at)).0.pair.separation();
+            let measured = || Wrap::measured(direction(element), direction(beyond));
+            let (angle, wrap) = ring.angle.map_or_else(measured, |angle| (angle, Wrap::Given));
             let memory = plan.connectors.binary_search(&next).ok().and_then(|place| connectors.get(place));
             // What came before is not known of a segment that is not planned.
             let is_known = self.states == 0 || memory.is_some_and(|memory| memory.behavior.is_some());
@@ -589,7 +591,7 @@ impl<'a> Sequence<'a> {
             } else {
                 Err(Unknown::Part)
             };
-            found.insert(index, Beyond { tension, angle, is_measured: ring.angle.is_none() });
+            found.insert(index, Beyond { tension, angle, wrap });
         }
         found
     }
@@ -672,7 +674,8 @@ impl Context<'_> {
         tally: &mut Tally,
     ) -> Result<f64, Unknown> {
         let (connector, behavior) = (&element.connector, &element.behavior);
-        let given = given_forces(connector, self.scene_state, element.label).unwrap_or_default();
+        let given = given_forces(connector, self.scene_state, element.label);
+        let given = given.map_err(|_| Unknown::ForcesRefused)?.unwrap_or_default();
         if behavior.is_empty() {
             return given[0].ok_or(Unknown::Part);
         }
@@ -729,6 +732,8 @@ impl Context<'_> {
         let after = evaluation.branch;
         let mut flags = connector.flags_of(followed, &margins, &increment, &state, [&before, &after]);
         let given = given_forces(connector, scene_state, element.label);
+        flags.extend(given.err().map(Flag::refused));
+        let given = given.unwrap_or_default();
         let none = History::default();
         let history = memory.behavior.as_deref().unwrap_or(&none);
         let outcome = behavior.map(|behavior| {

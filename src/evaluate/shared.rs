@@ -61,6 +61,7 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
                 components.join(", ")
             );
             let label = "by the rules for several connectors on the same nodes [R]";
+            model.repeated.insert(element.label);
             warnings.push(
                 Diagnostic::warning(Code::RepeatedConstraint, place, message, label)
                     .help("remove one of the two: how they share the constraint force is not determined")

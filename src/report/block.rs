@@ -7,7 +7,9 @@ use crate::behavior::state::Outcome;
 use crate::behavior::{Forces, Tangent, Unknown};
 use crate::catalog::COMPONENT;
 use crate::connector::{Branch, Connector, Flag, Output, Request, StopStatus, Turns};
-use crate::evaluate::{ConnectorResult, ForceResult, HingeMoments, Model, MpcElement, MpcForces, MpcResult};
+use crate::evaluate::{
+    ConnectorResult, ForceResult, HingeMoments, Model, MpcElement, MpcForces, MpcResult, MpcSlopes,
+};
 use crate::measure::{Margin, SingularClass, Unit};
 use crate::mpc::{self, DOFS as MPC_DOFS, ROWS as MPC_ROWS};
 use crate::node::{DOF, DOF_NUMBER, DOFS, End};
@@ -60,7 +62,7 @@ impl Nodal {
         };
         let reactions = REACTION.into_iter().zip(&forces.by_reactions);
         let columns: Vec<(&'static str, &[f64; DOFS])> = reactions
-            .chain([("T2", &forces.by_beyond)])
+            .chain([("T2", &forces.by_beyond), ("α", &forces.by_angle)])
             .filter_map(|(name, column)| Some((name, column.as_ref()?)))
             .collect();
         let square = [&forces.geometric, &forces.derivative, &forces.tangent, &forces.damping];
@@ -89,6 +91,18 @@ impl Nodal {
         let derivatives = derivatives(kept, square, &columns);
         let forces = if wants(Output::NF) { kept.iter().map(force).collect() } else { Vec::new() };
         Self { forces, derivatives }
+    }
+
+    /// Of an MPC without forces, by the degrees of freedom that it has.
+    fn of_springs(slopes: &MpcSlopes, kept: &[usize]) -> Self {
+        let rows = |of: &mpc::force::DofMatrix<f64>| {
+            kept.iter().map(|i| kept.iter().map(|j| of[*i][*j]).collect()).collect()
+        };
+        let square = [(Output::KT, &slopes.tangent), (Output::CT, &slopes.damping)];
+        let derivatives = square
+            .into_iter()
+            .filter_map(|(output, of)| Some(NodalDerivative { output, by: None, rows: rows(of.as_ref()?) }));
+        Self { forces: Vec::new(), derivatives: derivatives.collect() }
     }
 
     fn is_empty(&self) -> bool {
@@ -447,6 +461,7 @@ impl<'a> Block<'a> {
             Some(HingeFacts { name, given, axis: evaluation.axes[i]?, moments, constraint })
         });
         let nodal = result.forces.as_deref().map(|forces| Nodal::of_mpc(element, forces, request, &kept));
+        let nodal = nodal.or_else(|| result.slopes.as_deref().map(|slopes| Nodal::of_springs(slopes, &kept)));
         let mut flags = result.flags.clone();
         flags.extend(not_known_of_hinges(request, result, entry.angles));
         Self {
@@ -531,7 +546,11 @@ const REACTION: [&str; 6] = ["CRF1", "CRF2", "CRF3", "CRM1", "CRM2", "CRM3"];
 /// The names of component velocities.
 const VELOCITY: [&str; 6] = ["v1", "v2", "v3", "vr1", "vr2", "vr3"];
 
-/// The slopes that are not zero: force, by what (u, v, CRF, the tension T2 beyond a ring, the time step dt), slope.
+/// The positions on which an angle of wrap depends: of node a, of the ring b, and of c, where the segment beyond ends.
+const WRAP: [&str; 9] = ["xa1", "xa2", "xa3", "xb1", "xb2", "xb3", "xc1", "xc2", "xc3"];
+
+/// The slopes that are not zero: force, by what (u, v, CRF, the tension T2 beyond a ring and the measured angle of wrap α there, the
+/// time step dt), slope; then those of α by positions.
 pub(crate) fn slopes(tangent: &Tangent<f64>) -> Vec<(&'static str, &'static str, f64)> {
     let mut all = Vec::new();
     for i in 0..6 {
@@ -539,9 +558,11 @@ pub(crate) fn slopes(tangent: &Tangent<f64>) -> Vec<(&'static str, &'static str,
         let by = of(COMPONENT, tangent.displacement[i])
             .chain(of(VELOCITY, tangent.velocity[i]))
             .chain(of(REACTION, tangent.reaction[i]))
-            .chain([("T2", tangent.beyond[i]), ("dt", tangent.time[i])]);
+            .chain([("T2", tangent.beyond[i]), ("α", tangent.angle[i]), ("dt", tangent.time[i])]);
         all.extend(by.map(|(name, slope)| (FORCE[i], name, slope)));
     }
+    let places = tangent.wrap.iter().flatten().flatten();
+    all.extend(WRAP.into_iter().zip(places).map(|(place, slope)| ("α", place, *slope)));
     all.retain(|(_, _, slope)| *slope != 0.0);
     all
 }
@@ -711,6 +732,9 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
         Flag::Friction { component, what } => format!("the friction of {component}: {what}"),
         Flag::OutOfBalance { component, by } => format!(
             "the force given for {component} is {by:.6e} more than its parts, and nothing holds the component that could take it"
+        ),
+        Flag::ForcesRefused { code, .. } => format!(
+            "the forces that the state gives are not its own, and none of them is taken: pintle explain {code}"
         ),
         Flag::LargeIncrement { component, change } => format!(
             "{component} moved by {change:.6} rad since the previous state, more than 0.9 π: its turns are not certain"

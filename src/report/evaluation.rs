@@ -1,6 +1,7 @@
 //! What `pintle eval` writes: one stream of blocks, written as they come, in one of three formats.
 
 use super::block::{Block, Kind};
+use crate::behavior::drive::takes_time;
 use crate::connector::Tally;
 use crate::evaluate::{Model, Plan, SUBOPTIONS};
 use crate::grammar;
@@ -166,10 +167,29 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
             ["boundary condition", "boundary conditions"],
         ),
         (in_steps(&loads), ["nodal or distributed load", "nodal or distributed loads"]),
-        (steps.len(), ["step", "steps"]),
     ] {
         add(count as u64, what, Vec::new());
     }
+    // Motions and loads of connectors follow the steps in time; what follows none of them is left.
+    let driven = |step: &Step| step.connector_motions.len() + step.connector_loads.len();
+    let (mut in_time, mut left) = (0, 0);
+    for step in steps {
+        let follows = takes_time(step) && in_time < model.schedule.len();
+        in_time += usize::from(takes_time(step));
+        left += if follows { 0 } else { driven(step) };
+    }
+    let what = [
+        "connector motion or load of a step without a place in time",
+        "connector motions and loads of steps without a place in time",
+    ];
+    add(left as u64, what, Vec::new());
+    let evaluated = in_steps(&driven) - left;
+    let mut details = vec!["states are given, and none is solved for".to_string()];
+    if evaluated > 0 {
+        details.push(format!("evaluated, by the time of states: connector motions and loads, {evaluated}"));
+    }
+    add(steps.len() as u64, ["solution of a step", "solutions of steps"], details);
+    add(in_steps(&|step| step.outputs.len()) as u64, ["output request", "output requests"], Vec::new());
     let Skipped { keywords, element_types, parameters: _, comments: _ } = &scene.skipped;
     let kinds = [
         (keywords, "*", ["skipped keyword", "skipped keywords"]),

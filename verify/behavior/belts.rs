@@ -1,9 +1,9 @@
 //! Friction of belts over rings, along histories of states: the deck of the gallery with its friction, from which the forces at every
 //! free degree of freedom vanish.
 
-use crate::tolerance::{BELT_BALANCE, BELT_FRICTION, BELT_SLOPE};
-use pintle::behavior::Unknown;
-use pintle::behavior::friction::Status;
+use crate::tolerance::{BELT_ANGLE, BELT_BALANCE, BELT_FRICTION, BELT_SLOPE};
+use pintle::behavior::friction::{Status, wrap_angle};
+use pintle::behavior::{Unknown, Wrap};
 use pintle::connector::Flag;
 use pintle::evaluate::{Branches, ConnectorResult, Model, Plan, Selection, Sequence, request};
 use pintle::scene::{ElementForces, GALLERY, Label, NodeMotion, Rotation, Scene, State};
@@ -13,7 +13,7 @@ const FIRST: Label = Label::of(None, 103);
 const SECOND: Label = Label::of(None, 104);
 
 /// The belt of the gallery with the friction that its deck has in comments.
-fn deck(stick: &str, angle: &str) -> Scene {
+pub(crate) fn deck(stick: &str, angle: &str) -> Scene {
     let example = GALLERY.iter().find(|example| example.name == "seat_belt").unwrap();
     let with = |text: &str, from: &str, to: &str| {
         assert!(text.contains(from), "{from}");
@@ -28,14 +28,14 @@ fn deck(stick: &str, angle: &str) -> Scene {
     Scene::parse("belt.inp", &with(&text, "0.06, 1.5707963", angle)).unwrap()
 }
 
-const STIFFNESS: f64 = 1e9;
+pub(crate) const STIFFNESS: f64 = 1e9;
 /// As the deck gives it, to eight digits.
 #[expect(clippy::approx_constant, reason = "the number of the deck")]
-const ALPHA: f64 = 1.5707963;
+pub(crate) const ALPHA: f64 = 1.5707963;
 
 /// Ψ10 and Ψ20 of the belt at a pull p, sliding over the ring: 12500 Ψ10 = T1 = 1e5 (1/l1 − 1), T2 = 1e5 ((1 + p)/l2 − 1) = T1 e^(μα),
 /// l1 = 1 + Ψ10 − Ψ20, l2 = 1 + Ψ20; by bisection on Ψ10.
-fn sliding(pull: f64) -> [f64; 2] {
+pub(crate) fn sliding(pull: f64) -> [f64; 2] {
     let ratio = (0.2 * ALPHA).exp();
     let flows = |psi10: f64| {
         let tension = 12_500.0 * psi10;
@@ -50,7 +50,7 @@ fn sliding(pull: f64) -> [f64; 2] {
     flows(0.5 * (low + high))
 }
 
-fn state(time: f64, pull: f64, [psi10, psi20]: [f64; 2]) -> State {
+pub(crate) fn state(time: f64, pull: f64, [psi10, psi20]: [f64; 2]) -> State {
     let flow = |flow: f64| NodeMotion { flow, ..NodeMotion::default() };
     let drum = NodeMotion { rotation: Rotation::Vector([0.0, 0.0, 50.0 * psi10]), ..NodeMotion::default() };
     let end = NodeMotion { displacement: [pull, 0.0, 0.0], ..NodeMotion::default() };
@@ -169,11 +169,42 @@ fn the_angle_of_wrap_is_that_of_the_solver() {
     assert_eq!(angle(&deck("", "0.06, 1.25")), Some(1.25));
     let model = Model::compile(&explicit).unwrap();
     let states = [state(0.0, 0.0, [0.0; 2]), state(1.0, 0.1, sliding(0.1))];
-    let results = walk(&model, &["CSF", "TANGENT", "KT"], &states);
+    let results = walk(&model, &["CSF", "TANGENT", "KT", "KR"], &states);
     let first = of(&model, &results[1], FIRST);
     let slip = &first.behavior.as_ref().unwrap().slips[0];
     assert!((slip.beyond.unwrap().angle - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "{slip:?}");
-    // It changes as the segments move: a tangent without that would be another one.
+    // It changes as the segments move: by ∂CSF2/∂α times ∂α/∂x, which KT leaves to KR. CSF2 = T1 (e^(μα) − 1).
+    let tangent = first.tangent.as_ref().unwrap();
+    assert_eq!(tangent.unknown[1], None);
+    let held = slip.outcome.as_ref().unwrap().normal;
+    let want = 0.2 * held * (0.2 * std::f64::consts::FRAC_PI_2).exp();
+    assert!((tangent.angle[1] - want).abs() < BELT_SLOPE * held, "{} {want}", tangent.angle[1]);
+    let forces = first.forces.as_ref().unwrap();
+    assert!(forces.tangent.is_some());
+    let column = forces.by_angle.unwrap();
+    assert_eq!((column[13], column[6]), (tangent.angle[1], 0.0));
+    // By differences of the angle itself, at the places of nodes 10, 20 and 30.
+    let at = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.1, 1.0, 0.0]];
+    let angle = |node: usize, axis: usize, h: f64| {
+        let mut at = at;
+        at[node][axis] += h;
+        wrap_angle(at[0], at[1], at[2]).0
+    };
+    let wrap = tangent.wrap.unwrap();
+    for node in 0..3 {
+        for axis in 0..3 {
+            let slope = (angle(node, axis, 1e-5) - angle(node, axis, -1e-5)) / 2e-5;
+            assert!((wrap[node][axis] - slope).abs() < BELT_ANGLE, "{node} {axis}: {wrap:?} {slope}");
+        }
+    }
+    // Segments in line: the angle has no derivative, and the slope is not known; nor is the force zero beside it.
+    let mut text = deck("", "0.06");
+    text.solver = Some(pintle::scene::Solver::Explicit);
+    text.nodes.get_mut(&Label::of(None, 30)).unwrap().coordinates = [0.0, 2.0, 0.0];
+    let model = Model::compile(&text).unwrap();
+    let results = walk(&model, &["CSF", "TANGENT", "KT"], &[state(0.0, 0.0, [0.0, 0.01])]);
+    let first = of(&model, &results[0], FIRST);
+    assert_eq!(first.behavior.as_ref().unwrap().slips[0].beyond.unwrap().wrap, Wrap::Kink);
     assert_eq!(first.tangent.as_ref().unwrap().unknown[1], Some(Unknown::WrapAngle));
     assert!(first.forces.as_ref().unwrap().tangent.is_none());
     let model = Model::compile(&deck("", "0.06, 1.25")).unwrap();

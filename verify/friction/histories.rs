@@ -271,3 +271,19 @@ fn friction_that_is_not_followed_is_not_missed() {
             .any(|result| result.flags.iter().any(|flag| matches!(flag, Flag::OutOfBalance { .. })))
     );
 }
+
+/// Forces that are not those of the connector are not taken, and that is told: by a state of a library's caller, for files are refused.
+#[test]
+fn forces_that_are_refused_are_told() {
+    let model = slider_crank();
+    let mut states = path();
+    states.truncate(1);
+    let given = states[0].forces.get_mut(&SLIDE).unwrap();
+    given.total[3] = None;
+    let result = walk(&model, SLIDE, &["CTF", "CSF"], &states).remove(0);
+    let told = |flag: &Flag| matches!(flag, Flag::ForcesRefused { .. });
+    assert!(result.flags.iter().any(told), "{:?}", result.flags);
+    assert_eq!(result.behavior.unwrap().total.value[1], None);
+    let result = walk(&model, SLIDE, &["CTF", "CSF"], &path()[..1]).remove(0);
+    assert!(!result.flags.iter().any(told), "{:?}", result.flags);
+}

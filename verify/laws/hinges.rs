@@ -54,7 +54,7 @@ fn moments_and_prescribed_angles() {
     let scene = Scene::parse("joint.inp", DECK).unwrap();
     let model = Model::compile(&scene).unwrap();
     let left: Vec<_> = unevaluated(&scene, &model).into_iter().map(|note| (note.count, note.what)).collect();
-    assert_eq!(left, [(2, "steps")], "what acts on hinges alone is evaluated");
+    assert_eq!(left, [(2, "solutions of steps")], "what acts on hinges alone is evaluated");
     for time in [0.0, 0.25, 1.5, 2.0] {
         let result = step(&model, &state(time, [0.4, 0.3 * time + 0.01], -0.2));
         let [first, second] = result.hinges.map(Option::unwrap);
@@ -67,7 +67,31 @@ fn moments_and_prescribed_angles() {
         near(second.residual[1].unwrap(), -0.3);
         assert!(second.constraint.is_err() && second.reaction.is_err() && second.load.is_none());
         assert!(result.forces.is_none());
+        // What spring and dashpot do to KT and CT is known without forces; that KG is not is told.
+        let slopes = result.slopes.as_ref().unwrap();
+        let (stiffness, damping) = (slopes.tangent.as_ref().unwrap(), slopes.damping.as_ref().unwrap());
+        let mut rest: f64 = -2.5 - 0.5;
+        rest += stiffness.iter().chain(damping.iter()).flatten().map(|x| x.abs()).sum::<f64>();
+        assert_eq!((stiffness[PHI][PHI], damping[PHI][PHI], rest), (2.5, 0.5, 0.0));
+        let told = |flag: &Flag| matches!(flag, Flag::NotKnown { quantity: "KG", component: "all", .. });
+        assert!(result.flags.iter().any(told), "{:?}", result.flags);
     }
+    let block = |text: &str| {
+        let scene = Scene::parse("joint.inp", text).unwrap();
+        let model = Model::compile(&scene).unwrap();
+        step(&model, &state(0.25, [0.4, 0.1], -0.2))
+    };
+    let bare = DECK.replace("*ELEMENT, TYPE=SPRING1, ELSET=K\n11, 3\n*SPRING, ELSET=K\n6\n2.5\n", "");
+    let bare = bare.replace("*ELEMENT, TYPE=DASHPOT1, ELSET=C\n13, 3\n*DASHPOT, ELSET=C\n6\n0.5\n", "");
+    assert!(block(&bare).slopes.is_none() && block(DECK).slopes.is_some());
+    // Forces that it does not transmit are refused, and that is told.
+    let mut refused = state(0.25, [0.4, 0.1], 0.0);
+    refused
+        .mpc_forces
+        .insert("1-2-3-4".into(), ElementForces { total: [None; 6], ..ElementForces::default() });
+    let result = step(&model, &refused);
+    let told = |flag: &Flag| matches!(flag, Flag::ForcesRefused { code: "forces::missing-component", .. });
+    assert!(result.forces.is_none() && result.flags.iter().any(told), "{:?}", result.flags);
     // OP=NEW: the moment stays as it was at the end of its step, the angle goes on from there.
     let result = step(&model, &state(2.5, [0.4, 0.75], 0.0));
     let [first, second] = result.hinges.map(Option::unwrap);

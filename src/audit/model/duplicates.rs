@@ -4,7 +4,7 @@ use super::finding::{About, Finding};
 use super::gather::Gathered;
 use crate::evaluate::{ConnectorElement, Model};
 use crate::scene::{Code, Label, Scene};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// What two connectors have in common that do the same: the type, what is attached, the nodes in ascending order, and the bits of
 /// both triads in the order of the nodes.
@@ -12,7 +12,6 @@ type Same<'a> = (&'a str, Option<&'a str>, [Option<Label>; 2], [u64; 18]);
 
 /// Connectors that are there twice. Those that constrain the same components alike are told by a rule, and not again.
 pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
-    let told: HashSet<Label> = repeated(model);
     let mut first: HashMap<Same<'_>, Label> = HashMap::new();
     let mut gathered = Gathered::default();
     for element in &model.connectors {
@@ -22,7 +21,7 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
         let key = same(element, behavior);
         match first.get(&key) {
             None => drop(first.insert(key, element.label)),
-            Some(_) if told.contains(&element.label) => {}
+            Some(_) if model.repeated.contains(&element.label) => {}
             Some(other) => {
                 let message = format!(
                     "element {} joins the nodes of element {other}, and is a {} with the same behaviour",
@@ -53,11 +52,4 @@ fn same<'a>(element: &'a ConnectorElement, behavior: Option<&'a str>) -> Same<'a
         *bits = (entry + 0.0).to_bits();
     }
     (&element.connector.connection().name, behavior, ends.map(|(node, _)| node), bits)
-}
-
-/// The elements of which a rule says that they repeat constraints of another.
-fn repeated(model: &Model) -> HashSet<Label> {
-    let told = model.warnings.iter().filter(|warning| warning.code() == Code::RepeatedConstraint);
-    let label = |message: &str| message.strip_prefix("element ")?.split(' ').next()?.parse().ok();
-    told.filter_map(|warning| label(warning.message())).collect()
 }

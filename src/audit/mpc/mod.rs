@@ -189,7 +189,7 @@ impl MpcCase {
                         _ => (row_name, (0, 0)),
                     };
                     let class = (row / 3, class.0, class.1);
-                    sheet.entries.push(Entry { name, got, want, scale, class });
+                    sheet.entries.push(Entry::new(name, got, want, scale, class));
                 }
             }
         }

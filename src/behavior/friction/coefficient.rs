@@ -2,6 +2,7 @@
 
 use super::flags::Flags;
 use super::{Context, Ordered};
+use crate::behavior::Conditions;
 use crate::behavior::table::{Table, Variable};
 use crate::scalar::elementary::exp;
 use crate::scalar::{Real, Scalar};
@@ -81,6 +82,12 @@ impl Coefficient {
             return Err(CoefficientError::TestData { first, second, rate, limit: kinetic });
         }
         Ok(Self::Exponential { at_rest: first, kinetic, decay })
+    }
+
+    /// μ at a slip rate and a contact force.
+    pub(crate) fn at<R: Ordered>(&self, rate: R, normal: R, conditions: &Conditions) -> R {
+        let context = Context { conditions, ..Context::default() };
+        self.evaluate(rate, normal, &context, &mut Flags::default())
     }
 
     /// μ at a slip rate and a contact force.

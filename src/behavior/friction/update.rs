@@ -301,11 +301,24 @@ impl Friction {
         input: &Input<'_, R>,
         branch: Branch,
     ) -> (Outcome<R>, Tangent<R>) {
+        self.tangent_while(state, input, branch, [false; 6])
+    }
+
+    /// The same where some components slide no more: their positions and motions move, and no slip follows.
+    pub(crate) fn tangent_while<R: Ordered + Differentiable>(
+        &self,
+        state: &State<R>,
+        input: &Input<'_, R>,
+        branch: Branch,
+        failed: [bool; 6],
+    ) -> (Outcome<R>, Tangent<R>) {
         let constant = R::Gradient::<INPUTS>::from_real;
         let mut seeded = input.map(constant);
         for k in 0..6 {
             let moved = R::Gradient::<INPUTS>::seed(R::integer(0), k);
-            seeded.displacement[k] = seeded.displacement[k] + moved;
+            if !failed[k] {
+                seeded.displacement[k] = seeded.displacement[k] + moved;
+            }
             seeded.context.position[k] = seeded.context.position[k] + moved;
             seeded.context.motion[k] = seeded.context.motion[k] + moved;
             seeded.forces[k] = R::Gradient::seed(input.forces[k], 6 + k);
@@ -330,7 +343,7 @@ impl Friction {
     }
 
     /// R_k of each sliding component (from 0): K_k = K_s R_k².
-    fn radii(&self) -> Vec<(usize, f64)> {
+    pub(crate) fn radii(&self) -> Vec<(usize, f64)> {
         match &self.criterion.tangential {
             Tangential::Norm(components) => components.clone(),
             Tangential::Potential(potential) => {
@@ -338,6 +351,20 @@ impl Friction {
                 potential.components().into_iter().map(|k| (k, radius(k))).collect()
             }
         }
+    }
+
+    /// F_N and the limit after the slip Δγ, at the contact force of an increment.
+    pub(crate) fn limit_after<R: Ordered + Differentiable>(
+        &self,
+        state: &State<R>,
+        input: &Input<'_, R>,
+        increment: R,
+    ) -> [R; 2] {
+        let flags = &mut Flags::default();
+        let contact = self.criterion.pressing.evaluate(&input.forces, &input.context, flags);
+        let Limit { normal, limit, .. } =
+            self.limit(contact, state.accumulated_slip, input, increment, flags);
+        [normal, limit]
     }
 
     /// F_N, μ and the limit after the slip Δγ.

@@ -1,7 +1,7 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
-use super::summary::{LEGEND, Row, detectable, failed, headline, self_test as tested, telling};
+use super::summary::{LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling};
 use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
 use crate::grammar::{agree, count};
@@ -98,7 +98,7 @@ fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         let rows: Vec<Vec<String>> = of_it.map(cells).collect();
         let first = if scene.is_none() { "type" } else { "connector" };
         let mut heading = vec![first, "derivative", "formula", "declaration", "states"];
-        heading.extend(Quantity::ALL.map(Quantity::symbol));
+        heading.extend(symbols());
         heading.push("δ seen");
         write!(out, "{}", table(&heading, &rows))?;
     }

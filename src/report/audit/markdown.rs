@@ -1,8 +1,8 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
-use super::summary::{LEGEND, Row, detectable, failed, headline, self_test, telling};
+use super::summary::{LEGEND, Row, detectable, failed, headline, self_test, symbols, telling};
 use crate::audit::model::Finding;
-use crate::audit::{Check, Quantity, Report, Subject};
+use crate::audit::{Check, Report, Subject};
 use crate::grammar::count;
 use std::io::{self, Write};
 
@@ -167,7 +167,7 @@ fn table(page: &mut Page, report: &Report) {
         let all = count(report.subjects.len(), "subject");
         page.add(&format!("<details><summary>Verdicts on {all}</summary>\n"));
     }
-    let symbols = Quantity::ALL.map(Quantity::symbol);
+    let symbols = symbols();
     let heading = format!(
         "| connector | derivative | formula | declaration | states | {} | δ seen |\n|---|---|---|---|---:|{}---:|",
         symbols.join(" | "),

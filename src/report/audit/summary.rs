@@ -5,7 +5,7 @@ use crate::grammar::count;
 use std::collections::BTreeMap;
 
 /// What the columns of the table of verdicts say.
-pub(super) const LEGEND: &str = "f … f̈: worst error in units of its tolerance; δ seen: the smallest relative error of an entry \
+pub(super) const LEGEND: &str = "f … F: worst error in units of its tolerance, F: of springs, dampers and friction with their slopes; δ seen: the smallest relative error of an entry \
      that is noticed, median";
 
 /// The line of a subject in the table of verdicts.
@@ -15,7 +15,17 @@ pub(super) struct Row {
     pub(super) verdicts: [Verdict; 3],
     pub(super) states: u64,
     /// The worst error of the sharp oracles in units of the tolerance, by quantity.
-    pub(super) worst: [Option<f64>; Quantity::ALL.len()],
+    pub(super) worst: [Option<f64>; COLUMNS],
+}
+
+/// The quantities of components, and all of behaviour in one.
+const COLUMNS: usize = Quantity::ALL.len() + 1;
+
+/// The headings of the columns of [`Row::worst`].
+pub(super) fn symbols() -> [&'static str; COLUMNS] {
+    let mut symbols = ["F"; COLUMNS];
+    symbols.iter_mut().zip(Quantity::ALL).for_each(|(symbol, quantity)| *symbol = quantity.symbol());
+    symbols
 }
 
 impl Row {
@@ -24,14 +34,18 @@ impl Row {
             name: subject.name.clone(),
             verdicts: [subject.derivative, subject.formula, subject.declaration],
             states: subject.cases,
-            worst: Quantity::ALL.map(|quantity| worst(subject, quantity)),
+            worst: std::array::from_fn(|i| match Quantity::ALL.get(i) {
+                Some(quantity) => worst(subject, &[*quantity]),
+                None => worst(subject, &Quantity::OF_BEHAVIOR),
+            }),
         }
     }
 }
 
 /// The worst error of the sharp oracles in units of the tolerance; `None` where none answered.
-pub(super) fn worst(subject: &Subject, quantity: Quantity) -> Option<f64> {
-    let of_it = subject.checks.iter().filter(|check| check.quantity == Some(quantity) && is_sharp(check));
+pub(super) fn worst(subject: &Subject, quantities: &[Quantity]) -> Option<f64> {
+    let is_it = |check: &&Check| check.quantity.is_some_and(|quantity| quantities.contains(&quantity));
+    let of_it = subject.checks.iter().filter(is_it).filter(|check| is_sharp(check));
     of_it
         .map(|check| check.largest)
         .fold(None, |most: Option<f64>, x| Some(most.map_or(x, |most| most.max(x))))

@@ -8,11 +8,14 @@ use crate::vector::{self, Matrix};
 
 type Fused = Lanes<true>;
 
-/// Two doubles are at most this many roundings of the larger one apart.
+/// Two doubles are at most this many roundings of the larger one apart, or differ below the normal numbers, where the scaling of one
+/// double by a fixed power of two makes 0 of what that of lanes keeps: 1e-160 over 1e150.
 fn close(x: f64, y: f64, units: f64) -> bool {
+    let subnormal = x != y && (x - y).abs() < f64::MIN_POSITIVE;
     x == y && x.is_sign_negative() == y.is_sign_negative()
         || (x - y).abs() <= units * f64::EPSILON / 2.0 * y.abs()
         || x.is_nan() && y.is_nan()
+        || subnormal
 }
 
 fn lane_by_lane(

@@ -9,7 +9,7 @@ use crate::audit::model::ModelReport;
 use crate::audit::oracle::Shares;
 use crate::audit::{Against, Approach, Cause, Check, Quantity, Report, Subject, U, Verdict};
 use crate::grammar::count;
-use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, telling};
+use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, symbols, telling};
 use askama::Template;
 use std::collections::BTreeMap;
 use std::io;
@@ -235,7 +235,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         coverage: report.models.iter().filter_map(coverage).collect(),
         drawings,
         verdict_key: Verdict::ALL.into_iter().filter(|v| v.headline() == *v).map(Said::of).collect(),
-        symbols: Quantity::ALL.map(Quantity::symbol).into(),
+        symbols: symbols().into(),
         rows: report.subjects.iter().map(verdict_row).collect(),
         undecided: undecided(report),
         cards: cards(supplement),

@@ -1,0 +1,322 @@
+//! Friction of a belt around a ring: |T2 − T1| ≤ min(T1, T2) (exp(μ α) − 1), with derivatives by the tensions and the angle of wrap,
+//! and what an increment does.
+//!
+//! The force is typed here a second time, in closed form where μ does not depend on the slip rate.
+
+use super::criterion::{PARTS, magnitudes, parts};
+use super::increment::{branch_of, exact_state, forced};
+use super::{Judged, checks, reach};
+use crate::audit::engine::Settings;
+use crate::audit::mutant::Mistake;
+use crate::audit::oracle::Oracle;
+use crate::audit::outcome::Check;
+use crate::audit::quantity::Quantity;
+use crate::audit::sheet::{Change, Entry, Sheet};
+use crate::audit::slopes::{FIRST_STEP, Slopes};
+use crate::behavior::Conditions;
+use crate::behavior::friction::{
+    Belt, BeltInput, BeltTangent, Branch, Derivatives, FLOW, Ordered, Outcome, State, Status, StickStiffness,
+};
+use crate::scalar::elementary::exp;
+use crate::scalar::{Differentiable, Real, Scalar, Wide};
+
+const SECOND_STEP: f64 = 1e-18;
+
+/// What an increment of a belt depends on.
+const INPUTS: [&str; 5] = ["Δu2", "T1", "T2", "α", "Δt"];
+
+/// T1, T2, α.
+const POINT: [&str; 3] = ["T1", "T2", "α"];
+
+/// A belt at an increment.
+pub(super) struct BeltCase {
+    /// The state, in words.
+    pub(super) name: String,
+    pub(super) belt: Belt,
+    pub(super) before: State<f64>,
+    pub(super) flow: f64,
+    pub(super) tension: [f64; 2],
+    pub(super) angle: f64,
+    pub(super) duration: Option<f64>,
+    pub(super) conditions: Conditions,
+    pub(super) length: f64,
+}
+
+fn results<R: Copy>(outcome: &Outcome<R>) -> Vec<R> {
+    vec![outcome.force[FLOW], outcome.slip_increment, outcome.normal, outcome.limit, outcome.accumulated_slip]
+}
+
+fn flat<R: Copy>(tangent: &BeltTangent<R>) -> Vec<Vec<R>> {
+    let [first, second] = tangent.tension;
+    vec![vec![tangent.flow, first, second, tangent.angle, tangent.duration]]
+}
+
+impl BeltCase {
+    /// All checks at this state.
+    pub(super) fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
+        let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
+        let mut sheets = self.criterion_sheets(settings, wide, outcome.coefficient);
+        sheets.extend(self.increment_sheets(settings, wide, &outcome, &tangent));
+        checks(sheets, settings, &self.name, proves)
+    }
+
+    fn sizes(&self) -> [f64; 3] {
+        let tension = self.tension[0].abs().max(self.tension[1].abs());
+        let tension = if tension > 0.0 { tension } else { 1.0 };
+        [tension, tension, self.angle.abs().max(1.0)]
+    }
+
+    /// T1, T2 and α after one has moved.
+    fn point<R: Real>(&self, k: usize, h: R) -> [R; 3] {
+        let [first, second] = self.tension;
+        let mut point = [first, second, self.angle].map(R::from_f64);
+        point[k] = point[k] + h;
+        point
+    }
+
+    fn values<R: Ordered>(&self, [first, second, angle]: [R; 3], coefficient: f64) -> [R; 4] {
+        parts(self.belt.at([first, second], angle, R::from_f64(coefficient)).0)
+    }
+
+    fn derivatives<R: Ordered + Differentiable>(
+        &self,
+        [first, second, angle]: [R; 3],
+        coefficient: f64,
+    ) -> [Derivatives<R>; 4] {
+        parts(self.belt.derivatives([first, second], angle, R::from_f64(coefficient)).0)
+    }
+
+    fn criterion_sheets(&self, settings: &Settings, wide: bool, coefficient: f64) -> Vec<Judged> {
+        let sizes = self.sizes();
+        let point = self.point(0, 0.0);
+        let got = self.derivatives(point, coefficient);
+        let values = got.map(|part| part.value);
+        let gradients_of = |all: [Derivatives<f64>; 4]| all.map(|part| part.gradient[..3].to_vec()).to_vec();
+        // min(T1, T2) (exp(μ α) − 1) is of the size of the tensions.
+        let magnitudes = magnitudes(&values);
+        let gradients = Slopes {
+            quantity: Quantity::FrictionGradient,
+            outputs: PARTS.map(String::from).to_vec(),
+            over: "/",
+            rows: PARTS.map(|part| format!("∂{part}")).to_vec(),
+            columns: POINT.map(String::from).to_vec(),
+            class: |_, j| (0, j / 2, 0),
+            inputs: POINT.map(String::from).to_vec(),
+            sizes: sizes.to_vec(),
+            reach: reach(&point, &sizes),
+            kinds: vec![0, 1, 2, 3],
+            magnitudes: magnitudes.clone(),
+            got: gradients_of(got),
+            step: FIRST_STEP,
+            wide: Box::new(|k, h| self.values(self.point(k, h), coefficient).to_vec()),
+            narrow: Box::new(|k, h| self.values(self.point(k, h), coefficient).to_vec()),
+            slopes: Box::new(move |k, h| gradients_of(self.derivatives(self.point(k, h), coefficient))),
+            dual: Box::new(|| {
+                let all = self.derivatives(self.point(0, Wide::zero()), coefficient);
+                all.map(|part| part.gradient[..3].to_vec()).to_vec()
+            }),
+            mistaken: Vec::new(),
+        };
+        let scales = gradients.value_scales();
+        let mut sheets = gradients.sheets(settings, wide);
+        let is_smooth = |p: usize| {
+            let mut sharp = sheets.iter().filter(|(oracle, _)| *oracle == Oracle::WideDifferences);
+            sharp.all(|(_, sheet)| sheet.entries[3 * p..3 * p + 3].iter().all(|entry| entry.sides.is_none()))
+        };
+        let smooth: Vec<usize> = (0..4).filter(|p| is_smooth(*p)).collect();
+        let named = |(p, k): (usize, usize)| format!("²{}/∂{}", PARTS[p], POINT[k]);
+        let all: Vec<(usize, usize)> = smooth.iter().flat_map(|p| (0..3).map(|k| (*p, k))).collect();
+        let hessian_of = |found: [Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
+            all.iter().map(|(p, k)| found[*p].hessian[*k][..3].to_vec()).collect()
+        };
+        let hessians = Slopes {
+            quantity: Quantity::FrictionHessian,
+            outputs: all.iter().copied().map(named).collect(),
+            over: "",
+            rows: smooth.iter().map(|p| format!("∂²{}", PARTS[*p])).collect(),
+            columns: Vec::new(),
+            class: |i, j| (0, i % 3 / 2, j / 2),
+            inputs: POINT.map(String::from).to_vec(),
+            sizes: sizes.to_vec(),
+            reach: reach(&point, &sizes),
+            kinds: (0..all.len()).collect(),
+            magnitudes: all.iter().map(|(p, k)| scales[*p] / sizes[*k]).collect(),
+            got: hessian_of(got),
+            step: SECOND_STEP,
+            wide: Box::new(|l, h| {
+                let at = self.point(l, h);
+                let slope = |(p, k): &(usize, usize)| {
+                    let g = Wide::from_f64(SECOND_STEP * sizes[*k]);
+                    let along = |g: Wide| {
+                        let mut moved = at;
+                        moved[*k] += g;
+                        self.values(moved, coefficient)[*p]
+                    };
+                    (along(g) - along(-g)) / (g + g)
+                };
+                all.iter().map(slope).collect()
+            }),
+            narrow: Box::new(|l, h| {
+                let found = self.derivatives(self.point(l, h), coefficient);
+                all.iter().map(|(p, k)| found[*p].gradient[*k]).collect()
+            }),
+            slopes: Box::new(|l, h| hessian_of(self.derivatives(self.point(l, h), coefficient))),
+            dual: Box::new(|| {
+                let found = self.derivatives(self.point(0, Wide::zero()), coefficient);
+                all.iter().map(|(p, k)| found[*p].hessian[*k][..3].to_vec()).collect()
+            }),
+            mistaken: Vec::new(),
+        };
+        sheets.extend(hessians.sheets(settings, wide));
+        if wide && settings.oracles.contains(&Oracle::WideDifferences) {
+            let want = self.values(self.point(0, Wide::zero()), coefficient);
+            let entry = |p: usize| Entry::new(PARTS[p].to_string(), values[p], want[p], scales[p], (0, 0, 0));
+            let mut sheet = Sheet::new(Quantity::FrictionCriterion);
+            sheet.rows = PARTS.map(String::from).to_vec();
+            sheet.entries = (0..4).map(entry).collect();
+            sheets.push((Oracle::WideDifferences, sheet));
+        }
+        sheets
+    }
+
+    fn input<R: Real>(&self, j: usize, h: R) -> BeltInput<'_, R> {
+        let mut input = BeltInput {
+            flow: R::from_f64(self.flow),
+            tension: self.tension.map(R::from_f64),
+            angle: R::from_f64(self.angle),
+            duration: self.duration.map(R::from_f64),
+            conditions: &self.conditions,
+        };
+        match j {
+            0 => input.flow = input.flow + h,
+            1 | 2 => input.tension[j - 1] = input.tension[j - 1] + h,
+            3 => input.angle = input.angle + h,
+            _ => input.duration = input.duration.map(|duration| duration + h),
+        }
+        input
+    }
+
+    fn increment_sheets(
+        &self,
+        settings: &Settings,
+        wide: bool,
+        outcome: &Outcome<f64>,
+        tangent: &BeltTangent<f64>,
+    ) -> Vec<Judged> {
+        const LEAST: f64 = 1e-9;
+        let (belt, before) = (&self.belt, exact_state::<Wide>(&self.before));
+        let (on, steady) = (branch_of(outcome), forced(outcome));
+        let [first, second, angle] = self.sizes();
+        let slip = outcome.stick_stiffness.map_or(0.0, |stiffness| (outcome.limit / stiffness).abs());
+        let flow = (self.flow.abs() + slip).max(LEAST * self.length);
+        let sizes = vec![flow, first, second, angle, self.duration.unwrap_or(1.0)];
+        let mut reaches = sizes.clone();
+        reaches[1..4].copy_from_slice(&reach(&self.point(0, 0.0), &self.sizes()));
+        let mut got = flat(tangent);
+        settings.planted.into_iter().for_each(|planted| planted.spoil_friction(&mut got));
+        let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
+        let mut uncoupled = got.clone();
+        uncoupled[0][1..4].fill(0.0);
+        let wrong = flat(&belt.tangent(&self.before, &self.input(0, 0.0), other).1);
+        let force = |outcome: &Outcome<f64>| vec![outcome.force[FLOW]];
+        let slopes = Slopes {
+            quantity: Quantity::FrictionTangent,
+            outputs: vec!["CSF2".into()],
+            over: "/",
+            rows: vec!["∂CSF2".into()],
+            columns: INPUTS.map(String::from).to_vec(),
+            class: |_, j| (0, [0, 1, 1, 2, 3][j], 0),
+            inputs: INPUTS.map(String::from).to_vec(),
+            sizes,
+            reach: reaches,
+            kinds: vec![0],
+            magnitudes: vec![outcome.force[FLOW].abs()],
+            got,
+            step: FIRST_STEP,
+            wide: Box::new(|j, h| vec![belt.update(&before, &self.input(j, h), on).force[FLOW]]),
+            narrow: Box::new(|j, h| force(&belt.update(&self.before, &self.input(j, h), steady))),
+            slopes: Box::new(|j, h| flat(&belt.tangent(&self.before, &self.input(j, h), steady).1)),
+            dual: Box::new(|| flat(&belt.tangent(&before, &self.input(0, Wide::zero()), on).1)),
+            mistaken: vec![(Mistake::StickForSlip, wrong), (Mistake::CouplingMissing, uncoupled)],
+        };
+        let scale = slopes.value_scales()[0];
+        let mut sheets = slopes.sheets(settings, wide);
+        if !wide {
+            return sheets;
+        }
+        let limit = outcome.limit.abs().max(scale);
+        let scales = [scale, flow, first, limit, flow + outcome.accumulated_slip.abs()];
+        let update = belt.update(&before, &self.input(0, Wide::zero()), on);
+        let wrong = results(&belt.update(&self.before, &self.input(0, 0.0), other));
+        for oracle in [Oracle::WideDifferences, Oracle::WideDual] {
+            let want = match oracle {
+                _ if !settings.oracles.contains(&oracle) => None,
+                Oracle::WideDual => Some(results(&update)),
+                _ => self.closed(&before, outcome, on),
+            };
+            let Some(want) = want else { continue };
+            let names = ["CSF2", "Δγ", "CNF", "limit", "CASU"];
+            let got = results(outcome);
+            let class = |i: usize| ([0, 1, 0, 0, 1][i], 0, 0);
+            let entry = |i: usize| Entry::new(names[i].to_string(), got[i], want[i], scales[i], class(i));
+            let mut sheet = Sheet::new(Quantity::FrictionForce);
+            sheet.rows = names.map(String::from).to_vec();
+            sheet.entries = (0..names.len()).map(entry).collect();
+            let changes = wrong.iter().copied().enumerate().collect();
+            sheet.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
+            sheets.push((oracle, sheet));
+        }
+        sheets
+    }
+
+    /// CSF2, Δγ, the tension that holds, the limit and CASU; nothing where nothing holds.
+    fn closed(&self, before: &State<Wide>, outcome: &Outcome<f64>, on: Branch) -> Option<Vec<Wide>> {
+        const STEPS: usize = 12;
+        let (zero, one) = (Wide::zero(), Wide::integer(1));
+        let [first, second, angle] = self.point(0, zero);
+        let duration = self.duration.filter(|duration| *duration > 0.0).map(Wide::from_f64);
+        let limit = |held: Wide, slip: Wide| {
+            let rate = duration.map_or(zero, |duration| slip / duration);
+            let coefficient = self.belt.coefficient.at(rate, held, &self.conditions);
+            let limit = held * (exp(coefficient * angle) - one);
+            let most = self.belt.maximum.map(Wide::from_f64);
+            most.filter(|most| *most < limit).unwrap_or(limit)
+        };
+        let flow = Wide::from_f64(self.flow);
+        let kept = match (self.belt.stick_stiffness, before.stick_stiffness) {
+            (StickStiffness::Given(stiffness), _) => Some(Wide::from_f64(stiffness)),
+            (StickStiffness::ElasticSlip(_), kept) => kept,
+        };
+        let drawn = before.force[FLOW] + kept.unwrap_or(one) * flow;
+        let tension = if drawn < zero { second } else { first };
+        let held = if tension > zero { tension } else { zero };
+        let at_rest = limit(held, zero);
+        let holds = at_rest > zero;
+        if !holds {
+            return None;
+        }
+        let stiffness = match (kept, self.belt.stick_stiffness) {
+            (Some(kept), _) => kept,
+            (None, StickStiffness::ElasticSlip(slip)) => at_rest / Wide::from_f64(slip),
+            (None, StickStiffness::Given(stiffness)) => Wide::from_f64(stiffness),
+        };
+        let trial = before.force[FLOW] + stiffness * flow;
+        let slips = match on {
+            Branch::Stick => false,
+            Branch::Slip => true,
+            Branch::Decided => trial.abs() > at_rest,
+        };
+        let mut slip = if slips { Wide::from_f64(outcome.slip_increment) } else { zero };
+        if slips {
+            for _ in 0..STEPS {
+                let left = |slip: Wide| trial.abs() - stiffness * slip - limit(held, slip);
+                let h = Wide::from_f64(FIRST_STEP) * (trial.abs() / stiffness);
+                let slope = (left(slip + h) - left(slip - h)) / (h + h);
+                slip -= left(slip) / slope;
+            }
+        }
+        let sign = if drawn < zero { -one } else { one };
+        let force = if slips { limit(held, slip) * sign } else { trial };
+        Some(vec![force, slip, held, limit(held, slip), before.accumulated_slip + slip])
+    }
+}

@@ -1,0 +1,196 @@
+//! P, F_C, F_N and Φ at given forces, with first and second derivatives.
+
+use super::{FrictionCase, Judged, group_sizes, reach};
+use crate::audit::engine::Settings;
+use crate::audit::mutant::Mistake;
+use crate::audit::oracle::Oracle;
+use crate::audit::quantity::Quantity;
+use crate::audit::sheet::{Change, Entry, Sheet};
+use crate::audit::slopes::{FIRST_STEP, Slopes};
+use crate::behavior::friction::{Criterion, Derivatives, Ordered, Point};
+use crate::catalog::FORCE;
+use crate::scalar::{Differentiable, Real, Scalar, Wide};
+
+const SECOND_STEP: f64 = 1e-18;
+
+/// What is judged of a criterion, by name.
+pub(super) const PARTS: [&str; 4] = ["P", "F_C", "F_N", "Φ"];
+
+/// Of which parts each is formed: Φ is a difference, and what counts is what it is formed from.
+pub(super) const FORMED: [&[usize]; 4] = [&[0], &[1], &[1, 2], &[0, 2]];
+
+/// The parts in their order.
+pub(super) fn parts<T>(point: Point<T>) -> [T; 4] {
+    let Point { tangential, contact, normal, criterion } = point;
+    [tangential, contact, normal, criterion]
+}
+
+/// The sum of the magnitudes of what each part is formed from.
+pub(super) fn magnitudes(values: &[f64; 4]) -> Vec<f64> {
+    FORMED.iter().map(|of| of.iter().map(|part| values[*part].abs()).sum()).collect()
+}
+
+impl FrictionCase {
+    fn derivatives<R: Ordered + Differentiable>(
+        &self,
+        criterion: &Criterion,
+        forces: &[R; 6],
+    ) -> [Derivatives<R>; 4] {
+        let coefficient = R::from_f64(self.coefficient);
+        parts(criterion.derivatives(forces, coefficient, self.friction.maximum, &self.context()).0)
+    }
+
+    fn values<R: Ordered>(&self, forces: &[R; 6]) -> [R; 4] {
+        let coefficient = R::from_f64(self.coefficient);
+        let at = self.friction.criterion.at(forces, coefficient, self.friction.maximum, &self.context());
+        parts(at.0)
+    }
+
+    /// The sizes of tractions, and of what presses.
+    fn point_sizes(&self) -> [f64; 6] {
+        let sliding = self.friction.criterion.tangential.components();
+        group_sizes(&self.point, [0, 1, 2, 3, 4, 5].map(|k| sliding.contains(&k)), self.length)
+    }
+
+    /// The forces after one has moved.
+    fn moved<R: Real>(&self, k: usize, h: R) -> [R; 6] {
+        let mut forces = self.point.map(R::from_f64);
+        forces[k] = forces[k] + h;
+        forces
+    }
+
+    /// The gradients of the parts by differences.
+    fn gradients(&self, at: &[Wide; 6], sizes: &[f64; 6]) -> [[Wide; 6]; 4] {
+        let mut found = [[Wide::zero(); 6]; 4];
+        for k in 0..6 {
+            let h = Wide::from_f64(SECOND_STEP * sizes[k]);
+            let along = |h: Wide| {
+                let mut forces = *at;
+                forces[k] += h;
+                self.values(&forces)
+            };
+            let (plus, minus) = (along(h), along(-h));
+            for p in 0..4 {
+                found[p][k] = (plus[p] - minus[p]) / (h + h);
+            }
+        }
+        found
+    }
+
+    pub(super) fn criterion_sheets(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
+        let criterion = &self.friction.criterion;
+        let sizes = self.point_sizes();
+        let got = self.derivatives(criterion, &self.point);
+        let mistaken: Vec<(Mistake, [Derivatives<f64>; 4])> = criterion
+            .factor_mistakes()
+            .into_iter()
+            .map(|(mistake, criterion)| (Mistake::from(mistake), self.derivatives(&criterion, &self.point)))
+            .collect();
+        let named = |part: &str| format!("{part}{}", self.title);
+        let inputs = || FORCE.map(String::from).to_vec();
+        let values = got.map(|part| part.value);
+        let gradient_of = |all: &[Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
+            all.iter().map(|part| part.gradient.to_vec()).collect()
+        };
+        let gradients = Slopes {
+            quantity: Quantity::FrictionGradient,
+            outputs: PARTS.map(named).to_vec(),
+            over: "/",
+            rows: PARTS.map(|part| format!("∂{}", named(part))).to_vec(),
+            columns: inputs(),
+            class: |_, j| (0, j / 3, 0),
+            inputs: inputs(),
+            sizes: sizes.to_vec(),
+            reach: reach(&self.point, &sizes),
+            kinds: vec![0, 1, 2, 3],
+            magnitudes: magnitudes(&values),
+            got: gradient_of(&got),
+            step: FIRST_STEP,
+            wide: Box::new(|k, h| self.values(&self.moved(k, h)).to_vec()),
+            narrow: Box::new(|k, h| self.values(&self.moved(k, h)).to_vec()),
+            slopes: Box::new(move |k, h| gradient_of(&self.derivatives(criterion, &self.moved(k, h)))),
+            dual: Box::new(|| {
+                let all = self.derivatives(criterion, &self.point.map(Wide::from_f64));
+                all.iter().map(|part| part.gradient.to_vec()).collect()
+            }),
+            mistaken: mistaken.iter().map(|(mistake, wrong)| (*mistake, gradient_of(wrong))).collect(),
+        };
+        let scales = gradients.value_scales();
+        let mut sheets = gradients.sheets(settings, wide);
+        // Where a part has a kink along some force, it has no second derivatives.
+        let is_smooth = |p: usize| {
+            let mut sharp = sheets.iter().filter(|(oracle, _)| *oracle == Oracle::WideDifferences);
+            sharp.all(|(_, sheet)| sheet.entries[6 * p..6 * p + 6].iter().all(|entry| entry.sides.is_none()))
+        };
+        let smooth: Vec<usize> = (0..4).filter(|p| is_smooth(*p)).collect();
+        sheets.extend(self.hessian_sheets(settings, wide, &smooth, &got, &mistaken, &scales));
+        if wide && settings.oracles.contains(&Oracle::WideDifferences) {
+            let want = self.values(&self.point.map(Wide::from_f64));
+            let entry = |p: usize| Entry::new(named(PARTS[p]), values[p], want[p], scales[p], (0, 0, 0));
+            let mut sheet = Sheet::new(Quantity::FrictionCriterion);
+            sheet.rows = PARTS.map(named).to_vec();
+            sheet.entries = (0..4).map(entry).collect();
+            let of = |(mistake, wrong): &(Mistake, [Derivatives<f64>; 4])| Change {
+                mistake: *mistake,
+                changes: wrong.iter().map(|part| part.value).enumerate().collect(),
+            };
+            sheet.mistakes = mistaken.iter().map(of).collect();
+            sheets.push((Oracle::WideDifferences, sheet));
+        }
+        sheets
+    }
+
+    fn hessian_sheets(
+        &self,
+        settings: &Settings,
+        wide: bool,
+        smooth: &[usize],
+        got: &[Derivatives<f64>; 4],
+        mistaken: &[(Mistake, [Derivatives<f64>; 4])],
+        scales: &[f64],
+    ) -> Vec<Judged> {
+        let criterion = &self.friction.criterion;
+        let sizes = self.point_sizes();
+        let hessian_of = |all: &[Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
+            smooth.iter().flat_map(|p| all[*p].hessian.map(|row| row.to_vec())).collect()
+        };
+        let mut outputs = Vec::new();
+        let mut magnitudes = Vec::new();
+        for p in smooth {
+            for k in 0..6 {
+                outputs.push(format!("²{}{}/∂{}", PARTS[*p], self.title, FORCE[k]));
+                magnitudes.push(scales[*p] / sizes[k]);
+            }
+        }
+        let hessians = Slopes {
+            quantity: Quantity::FrictionHessian,
+            over: "",
+            rows: smooth.iter().map(|p| format!("∂²{}{}", PARTS[*p], self.title)).collect(),
+            columns: Vec::new(),
+            class: |i, j| (0, i % 6 / 3, j / 3),
+            inputs: FORCE.map(String::from).to_vec(),
+            sizes: sizes.to_vec(),
+            reach: reach(&self.point, &sizes),
+            kinds: (0..outputs.len()).collect(),
+            outputs,
+            magnitudes,
+            got: hessian_of(got),
+            step: SECOND_STEP,
+            wide: Box::new(|k, h| {
+                let all = self.gradients(&self.moved(k, h), &sizes);
+                smooth.iter().flat_map(|p| all[*p]).collect()
+            }),
+            narrow: Box::new(|k, h| {
+                let all = self.derivatives(criterion, &self.moved(k, h));
+                smooth.iter().flat_map(|p| all[*p].gradient).collect()
+            }),
+            slopes: Box::new(move |k, h| hessian_of(&self.derivatives(criterion, &self.moved(k, h)))),
+            dual: Box::new(|| {
+                let all = self.derivatives(criterion, &self.point.map(Wide::from_f64));
+                smooth.iter().flat_map(|p| all[*p].hessian.map(|row| row.to_vec())).collect()
+            }),
+            mistaken: mistaken.iter().map(|(mistake, wrong)| (*mistake, hessian_of(wrong))).collect(),
+        };
+        hessians.sheets(settings, wide)
+    }
+}

@@ -1,0 +1,442 @@
+//! What an increment does: forces that satisfy the equations of stick and slip, and their slopes.
+//!
+//! The equations are typed here a second time, and solved on 237 bits by Newton's method with differences for all derivatives:
+//! f_k = f_tr,k − K_k Δγ ∂P/∂f_k and P(f) = L(Δγ), from the product's solution on. Of the product they share P, F_N and L.
+
+use super::{FrictionCase, Judged, force_sizes, group_sizes, kind, reach};
+use crate::audit::engine::Settings;
+use crate::audit::mutant::Mistake;
+use crate::audit::oracle::Oracle;
+use crate::audit::quantity::Quantity;
+use crate::audit::sheet::{Change, Entry, Sheet};
+use crate::audit::slopes::{FIRST_STEP, Slopes};
+use crate::behavior::friction::{
+    Branch, Context, Flag, Friction, Input, Outcome, Partial, State, Status, StickStiffness, Tangent,
+};
+use crate::catalog::{COMPONENT, FORCE};
+use crate::scalar::{Real, Scalar, Wide};
+
+/// Six forces, Δγ, F_N, the limit.
+const RESULTS: usize = 9;
+/// Six Δu, six forces that press, Δt.
+const INPUTS: usize = 13;
+
+/// The state of a friction on another real number, exactly.
+pub(super) fn exact_state<R: Real>(state: &State<f64>) -> State<R> {
+    State {
+        force: state.force.map(R::from_f64),
+        accumulated_slip: R::from_f64(state.accumulated_slip),
+        stick_stiffness: state.stick_stiffness.map(R::from_f64),
+    }
+}
+
+/// The branch on which an increment is differentiated on 237 bits: the one that its criterion tells, unless rounding decides.
+pub(super) fn branch_of(outcome: &Outcome<f64>) -> Branch {
+    if outcome.flags.contains(&Flag::Threshold) { forced(outcome) } else { Branch::Decided }
+}
+
+/// The branch that was taken, for steps that may lead over the threshold.
+pub(super) const fn forced(outcome: &Outcome<f64>) -> Branch {
+    match outcome.status {
+        Status::Stick => Branch::Stick,
+        Status::Slip => Branch::Slip,
+        Status::Free => Branch::Decided,
+    }
+}
+
+fn results<R: Copy>(outcome: &Outcome<R>) -> [R; RESULTS] {
+    let [f1, f2, f3, m1, m2, m3] = outcome.force;
+    [f1, f2, f3, m1, m2, m3, outcome.slip_increment, outcome.normal, outcome.limit]
+}
+
+fn partials<R: Copy>(tangent: &Tangent<R>) -> Vec<Vec<R>> {
+    let flat = |of: &Partial<R>| {
+        of.displacement.iter().chain(&of.forces).chain([&of.duration]).copied().collect::<Vec<_>>()
+    };
+    let rest = [&tangent.slip_increment, &tangent.normal, &tangent.limit];
+    tangent.force.iter().chain(rest).map(flat).collect()
+}
+
+/// CSF1 … CSM3.
+pub(super) fn output(k: usize) -> String {
+    format!("CS{}", FORCE[k].to_uppercase())
+}
+
+impl FrictionCase {
+    fn input<R: Real>(&self, j: usize, h: R) -> Input<'_, R> {
+        let all = |x: [f64; 6]| x.map(R::from_f64);
+        let mut input = Input {
+            displacement: all(self.displacement),
+            forces: all(self.forces),
+            duration: self.duration.map(R::from_f64),
+            context: self.context(),
+        };
+        match j {
+            // A displacement moves its position and motion too.
+            0..6 => {
+                for of in [&mut input.displacement, &mut input.context.position, &mut input.context.motion] {
+                    of[j] = of[j] + h;
+                }
+            }
+            6..12 => input.forces[j - 6] = input.forces[j - 6] + h,
+            _ => input.duration = input.duration.map(|duration| duration + h),
+        }
+        input
+    }
+
+    /// Sizes of the inputs of an increment: Δu in slips that reach the limit, forces, Δt.
+    fn input_sizes(&self, outcome: &Outcome<f64>) -> [f64; INPUTS] {
+        /// An increment that has no size of its own: a part of the connector's length, or of a radian.
+        const LEAST: f64 = 1e-9;
+        let presses = self.friction.criterion.pressing_components();
+        let forces = group_sizes(&self.forces, presses, self.length);
+        let slip = outcome.stick_stiffness.map_or(0.0, |stiffness| (outcome.limit / stiffness).abs());
+        std::array::from_fn(|j| match j {
+            0..6 => {
+                let unit = if j < 3 { self.length } else { 1.0 };
+                let size = self.displacement[j].abs() + slip;
+                if size.is_finite() { size.max(LEAST * unit) } else { unit }
+            }
+            6..12 => forces[j - 6],
+            _ => self.duration.unwrap_or(1.0),
+        })
+    }
+
+    pub(super) fn increment_sheets(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
+        let friction = &self.friction;
+        let still = self.input(0, 0.0);
+        let (outcome, tangent) = friction.tangent(&self.before, &still, Branch::Decided);
+        let on = branch_of(&outcome);
+        let steady = forced(&outcome);
+        let before: State<Wide> = exact_state(&self.before);
+        let sizes = self.input_sizes(&outcome);
+        let mut reaches = sizes;
+        reaches[6..12].copy_from_slice(&reach(&self.forces, &sizes[6..12]));
+        let mut got = partials(&tangent);
+        settings.planted.into_iter().for_each(|planted| planted.spoil_friction(&mut got));
+        let names = |k: usize| match k {
+            0..6 => FORCE[k],
+            6 => "Δγ",
+            7 => "F_N",
+            _ => "limit",
+        };
+        let inputs = COMPONENT.iter().map(|name| format!("Δ{name}"));
+        let inputs = inputs.chain(FORCE.map(String::from)).chain(["Δt".to_string()]);
+        let inputs: Vec<String> = inputs.collect();
+        let update = |j: usize, h: Wide| friction.update(&before, &self.input(j, h), on);
+        let slopes = Slopes {
+            quantity: Quantity::FrictionTangent,
+            outputs: (0..RESULTS).map(|i| format!("{}{}", names(i), self.title)).collect(),
+            over: "/",
+            rows: (0..RESULTS).map(|i| format!("∂{}{}", names(i), self.title)).collect(),
+            columns: inputs.clone(),
+            class: |i, j| (kind(i), j / 3, 0),
+            inputs,
+            sizes: sizes.to_vec(),
+            reach: reaches.to_vec(),
+            // The forces share what they are returned from: each is as uncertain as the largest of its kind.
+            kinds: vec![0, 0, 0, 1, 1, 1, 2, 3, 4],
+            magnitudes: results(&outcome).iter().map(|x| x.abs()).collect(),
+            got: got.clone(),
+            step: FIRST_STEP,
+            wide: Box::new(|j, h| results(&update(j, h)).to_vec()),
+            narrow: Box::new(|j, h| {
+                results(&friction.update(&self.before, &self.input(j, h), steady)).to_vec()
+            }),
+            slopes: Box::new(|j, h| partials(&friction.tangent(&self.before, &self.input(j, h), steady).1)),
+            dual: Box::new(|| partials(&friction.tangent(&before, &self.input(0, Wide::zero()), on).1)),
+            mistaken: self.mistaken(&outcome, &got),
+        };
+        let scales = slopes.value_scales();
+        let mut sheets = slopes.sheets(settings, wide);
+        if wide {
+            sheets.extend(self.force_sheets(settings, &outcome, on, &scales));
+        }
+        sheets
+    }
+
+    /// The same numbers with mistakes in them.
+    fn mistaken(&self, outcome: &Outcome<f64>, got: &[Vec<f64>]) -> Vec<(Mistake, Vec<Vec<f64>>)> {
+        let (friction, input) = (&self.friction, &self.input(0, 0.0));
+        let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
+        let mut found = vec![(Mistake::StickForSlip, partials_of(friction, &self.before, input, other))];
+        let uncoupled = |row: &Vec<f64>| {
+            let held = |(j, x): (usize, &f64)| if (6..12).contains(&j) { 0.0 } else { *x };
+            row.iter().enumerate().map(held).collect()
+        };
+        found.push((Mistake::CouplingMissing, got.iter().map(uncoupled).collect()));
+        for (mistake, criterion) in friction.criterion.factor_mistakes() {
+            let wrong = Friction { criterion, ..friction.clone() };
+            found.push((Mistake::from(mistake), partials_of(&wrong, &self.before, input, Branch::Decided)));
+        }
+        found
+    }
+
+    /// CSF, Δγ, CNF, the limit and CASU.
+    fn force_sheets(
+        &self,
+        settings: &Settings,
+        outcome: &Outcome<f64>,
+        on: Branch,
+        scales: &[f64],
+    ) -> Vec<Judged> {
+        let before: State<Wide> = exact_state(&self.before);
+        let input = self.input(0, Wide::zero());
+        let on_wide = self.friction.update(&before, &input, on);
+        let sliding = self.friction.criterion.tangential.components();
+        let listed = |outcome: &Outcome<f64>| {
+            let mut all: Vec<f64> = sliding.iter().map(|k| outcome.force[*k]).collect();
+            all.extend([outcome.slip_increment, outcome.normal, outcome.limit, outcome.accumulated_slip]);
+            all
+        };
+        let mut names: Vec<String> = sliding.iter().map(|k| output(*k)).collect();
+        names.extend(["Δγ", "CNF", "limit", "CASU"].map(String::from));
+        let got = listed(outcome);
+        let mut allowed: Vec<f64> = sliding.iter().map(|k| scales[*k]).collect();
+        allowed.extend([scales[6], scales[7], scales[8], scales[6] + outcome.accumulated_slip.abs()]);
+        let branch = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
+        let other = listed(&self.friction.update(&self.before, &self.input(0, 0.0), branch));
+        let solved = || Equations::new(self, &before, &input, outcome).solved(on);
+        let of_wide = |force: [Wide; 6], [slip, normal, limit]: [Wide; 3]| {
+            let mut all: Vec<Wide> = sliding.iter().map(|k| force[*k]).collect();
+            all.extend([slip, normal, limit, before.accumulated_slip + slip]);
+            all
+        };
+        let mut sheets = Vec::new();
+        for oracle in [Oracle::WideDifferences, Oracle::WideDual] {
+            if !settings.oracles.contains(&oracle) {
+                continue;
+            }
+            let want = if oracle == Oracle::WideDual {
+                let Outcome { slip_increment, normal, limit, .. } = on_wide;
+                Some(of_wide(on_wide.force, [slip_increment, normal, limit]))
+            } else {
+                solved().map(|(force, rest)| of_wide(force, rest))
+            };
+            let Some(want) = want else { continue };
+            let label = |i: usize| format!("{}{}", names[i], self.title);
+            // Forces and moments, slips, what presses.
+            let unit = |i: usize| sliding.get(i).map_or_else(|| 2 + i - sliding.len(), |k| k / 3);
+            let entry = |i: usize| Entry::new(label(i), got[i], want[i], allowed[i], (unit(i), 0, 0));
+            let mut sheet = Sheet::new(Quantity::FrictionForce);
+            sheet.rows = (0..got.len()).map(label).collect();
+            sheet.entries = (0..got.len()).map(entry).collect();
+            let changes = other.iter().copied().enumerate().collect();
+            sheet.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
+            sheets.push((oracle, sheet));
+        }
+        sheets
+    }
+}
+
+fn partials_of(
+    friction: &Friction,
+    before: &State<f64>,
+    input: &Input<'_, f64>,
+    on: Branch,
+) -> Vec<Vec<f64>> {
+    partials(&friction.tangent(before, input, on).1)
+}
+
+/// The equations of stick and slip on 237 bits.
+struct Equations<'a> {
+    case: &'a FrictionCase,
+    before: &'a State<Wide>,
+    input: &'a Input<'a, Wide>,
+    outcome: &'a Outcome<f64>,
+    /// K_k of the sliding components.
+    stiffness: Vec<(usize, Wide)>,
+    /// K_s.
+    of_slip: Option<Wide>,
+    trial: [Wide; 6],
+    sizes: [f64; 6],
+}
+
+impl<'a> Equations<'a> {
+    fn new(
+        case: &'a FrictionCase,
+        before: &'a State<Wide>,
+        input: &'a Input<'a, Wide>,
+        outcome: &'a Outcome<f64>,
+    ) -> Self {
+        let friction = &case.friction;
+        let [_, at_rest] = friction.limit_after(before, input, Wide::zero());
+        let of_slip = match (friction.stick_stiffness, before.stick_stiffness) {
+            (StickStiffness::Given(stiffness), _) => Some(Wide::from_f64(stiffness)),
+            (StickStiffness::ElasticSlip(_), Some(kept)) => Some(kept),
+            (StickStiffness::ElasticSlip(slip), None) if at_rest > Wide::zero() => {
+                Some(at_rest / Wide::from_f64(slip))
+            }
+            (StickStiffness::ElasticSlip(_), None) => None,
+        };
+        let squares = friction.radii().into_iter().map(|(k, radius)| {
+            let radius = Wide::from_f64(radius);
+            (k, of_slip.unwrap_or_else(Wide::zero) * radius * radius)
+        });
+        let stiffness: Vec<(usize, Wide)> = squares.collect();
+        let mut trial = [Wide::zero(); 6];
+        for (k, stiffness) in &stiffness {
+            trial[*k] = before.force[*k] + *stiffness * input.displacement[*k];
+        }
+        let sizes = force_sizes(&trial.map(|x| x.to_f64()), case.length);
+        Self { case, before, input, outcome, stiffness, of_slip, trial, sizes }
+    }
+
+    /// P after some slip: its scale factors may move with what surrounds it.
+    fn potential(&self, force: &[Wide; 6], slip: Wide) -> Wide {
+        let accumulated_slip = self.before.accumulated_slip + slip;
+        let context = Context { accumulated_slip, ..self.input.context.clone() };
+        self.case.friction.criterion.at(force, Wide::zero(), None, &context).0.tangential
+    }
+
+    fn limit(&self, slip: Wide) -> [Wide; 2] {
+        self.case.friction.limit_after(self.before, self.input, slip)
+    }
+
+    /// Forces, and Δγ, F_N and the limit; nothing where an increment has no such solution, which it tells by a flag.
+    fn solved(&self, on: Branch) -> Option<([Wide; 6], [Wide; 3])> {
+        let zero = Wide::zero();
+        let end = |force: [Wide; 6], slip: Wide| {
+            let [normal, limit] = self.limit(slip);
+            Some((force, [slip, normal, limit]))
+        };
+        let lost = |flag: &Flag| matches!(flag, Flag::NoAdmissibleTraction | Flag::Unstable);
+        if self.outcome.flags.iter().any(lost) || self.outcome.status == Status::Free {
+            return None;
+        }
+        let [_, at_rest] = self.limit(zero);
+        let magnitude = self.potential(&self.trial, zero);
+        let slips = match on {
+            Branch::Stick => false,
+            Branch::Slip => true,
+            Branch::Decided => magnitude > at_rest,
+        };
+        if !slips {
+            return end(self.trial, zero);
+        }
+        if self.outcome.flags.contains(&Flag::ReturnedAlongTraction) {
+            return self.along_traction(magnitude).and_then(|(force, slip)| end(force, slip));
+        }
+        self.against_gradient().and_then(|(force, slip)| end(force, slip))
+    }
+
+    /// ∂P/∂f_k by differences.
+    fn gradient(&self, force: &[Wide; 6], slip: Wide) -> Vec<Wide> {
+        let along = |k: usize, h: Wide| {
+            let mut moved = *force;
+            moved[k] += h;
+            self.potential(&moved, slip)
+        };
+        let of = |(k, _): &(usize, Wide)| {
+            let h = Wide::from_f64(FIRST_STEP * self.sizes[*k]);
+            (along(*k, h) - along(*k, -h)) / (h + h)
+        };
+        self.stiffness.iter().map(of).collect()
+    }
+
+    /// What of the equations is left: of the flow, then P − L.
+    fn left(&self, force: &[Wide; 6], slip: Wide) -> Vec<Wide> {
+        let gradient = self.gradient(force, slip);
+        let flow =
+            |((k, stiffness), g): (&(usize, Wide), Wide)| force[*k] - self.trial[*k] + *stiffness * slip * g;
+        let mut left: Vec<Wide> = self.stiffness.iter().zip(gradient).map(flow).collect();
+        left.push(self.potential(force, slip) - self.limit(slip)[1]);
+        left
+    }
+
+    /// Newton's method from the product's solution.
+    fn against_gradient(&self) -> Option<([Wide; 6], Wide)> {
+        /// Differences of gradients that are differences: steps between those of both.
+        const STEP: f64 = 1e-15;
+        const STEPS: usize = 12;
+        let stiffness = self.of_slip?;
+        let n = self.stiffness.len() + 1;
+        let mut force = [Wide::zero(); 6];
+        for (k, _) in &self.stiffness {
+            force[*k] = Wide::from_f64(self.outcome.force[*k]);
+        }
+        let mut slip = Wide::from_f64(self.outcome.slip_increment);
+        let largest = self.sizes.iter().fold(0.0_f64, |most, size| most.max(*size));
+        let slip_size = Wide::from_f64(largest) / stiffness;
+        for _ in 0..STEPS {
+            let left = self.left(&force, slip);
+            let mut columns = Vec::with_capacity(n);
+            for j in 0..n {
+                let (mut moved, mut slid) = (force, slip);
+                let h = match self.stiffness.get(j) {
+                    Some((k, _)) => {
+                        let h = Wide::from_f64(STEP * self.sizes[*k]);
+                        moved[*k] += h;
+                        h
+                    }
+                    None => {
+                        let h = Wide::from_f64(STEP) * slip_size;
+                        slid += h;
+                        h
+                    }
+                };
+                let there = self.left(&moved, slid);
+                columns.push(there.iter().zip(&left).map(|(a, b)| (*a - *b) / h).collect::<Vec<_>>());
+            }
+            let step = solve(&columns, &left)?;
+            for ((k, _), by) in self.stiffness.iter().zip(&step) {
+                force[*k] -= *by;
+            }
+            slip -= *step.last()?;
+        }
+        Some((force, slip))
+    }
+
+    /// f = s f_tr with P(f) = L, and the slip that this takes, by the secant method from the product's solution.
+    fn along_traction(&self, magnitude: Wide) -> Option<([Wide; 6], Wide)> {
+        const STEPS: usize = 12;
+        self.of_slip?;
+        let whole = self.stiffness.iter().fold(Wide::zero(), |sum, (k, stiffness)| {
+            sum + self.trial[*k] * self.trial[*k] / (*stiffness * magnitude)
+        });
+        let forces = |share: Wide| self.trial.map(|x| x * share);
+        let slip = |share: Wide| (Wide::integer(1) - share) * whole;
+        let left = |share: Wide| self.potential(&forces(share), slip(share)) - self.limit(slip(share))[1];
+        let (k, _) = self.stiffness.iter().find(|(k, _)| self.trial[*k] != Wide::zero())?;
+        let mut share = Wide::from_f64(self.outcome.force[*k]) / self.trial[*k];
+        for _ in 0..STEPS {
+            let h = Wide::from_f64(FIRST_STEP);
+            let slope = (left(share + h) - left(share - h)) / (h + h);
+            if slope == Wide::zero() {
+                return None;
+            }
+            share -= left(share) / slope;
+        }
+        Some((forces(share), slip(share)))
+    }
+}
+
+/// Solves a small system given by columns; nothing where it is singular.
+fn solve(columns: &[Vec<Wide>], right: &[Wide]) -> Option<Vec<Wide>> {
+    let n = right.len();
+    let mut rows: Vec<Vec<Wide>> =
+        (0..n).map(|i| columns.iter().map(|column| column[i]).chain([right[i]]).collect()).collect();
+    for at in 0..n {
+        let pivot = (at..n).max_by(|a, b| {
+            let size = |row: &usize| rows[*row][at].abs().to_f64();
+            size(a).total_cmp(&size(b))
+        })?;
+        rows.swap(at, pivot);
+        if rows[at][at] == Wide::zero() {
+            return None;
+        }
+        for row in at + 1..n {
+            let factor = rows[row][at] / rows[at][at];
+            for column in at..=n {
+                let by = factor * rows[at][column];
+                rows[row][column] -= by;
+            }
+        }
+    }
+    let mut found = vec![Wide::zero(); n];
+    for at in (0..n).rev() {
+        let known = (at + 1..n).fold(Wide::zero(), |sum, j| sum + rows[at][j] * found[j]);
+        found[at] = (rows[at][n] - known) / rows[at][at];
+    }
+    Some(found)
+}

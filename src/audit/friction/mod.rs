@@ -1,0 +1,218 @@
+//! Friction: P, F_C, F_N and Φ with their derivatives by the forces, and what an increment does, with its consistent tangent:
+//! predefined of a type at drawn forces, any of a scene's connector at its states, after its history.
+//!
+//! | module | question |
+//! |---|---|
+//! | `criterion` | are P, F_C, F_N, Φ, their gradients and Hessians right? |
+//! | `increment` | do the forces satisfy the equations of stick and slip, and are their slopes right? |
+//! | `belt` | the same for a belt around a ring |
+//! | `total` | are the slopes of all forces of a connector right, with what presses its frictions? |
+//! | `scene` | what of a connector's friction is judged at a state? |
+//!
+//! Central differences of values on 237 bits with h = s·1e-25 give first, with h = s·1e-18 second derivatives: no dual number enters
+//! them. s is the largest force, or the largest moment. Beside them stand the dual numbers on 237 bits, and differences on doubles.
+
+mod belt;
+mod criterion;
+mod increment;
+mod scene;
+mod total;
+
+pub(super) use scene::{Slipping, audit_slipping, drawn, slipping};
+
+use super::engine::Settings;
+use super::mutant::Mistake;
+use super::oracle::Oracle;
+use super::outcome::Check;
+use super::quantity::Quantity;
+use super::sample::Draw;
+use super::sheet::Sheet;
+use crate::behavior::Conditions;
+use crate::behavior::friction::{
+    Coefficient, Context, Criterion, FactorMistake, Friction, State, StickStiffness,
+};
+use crate::catalog::{ConnectionType, Contact};
+use crate::scalar::Real;
+
+/// A friction at given forces, and an increment of it.
+#[derive(Clone, Debug)]
+pub struct FrictionCase {
+    /// The state, in words.
+    name: String,
+    /// What follows the names of entries: nothing for the only friction of a connector.
+    title: String,
+    friction: Friction,
+    coefficient: f64,
+    /// The forces at which the criterion is judged: tractions in the sliding components, what presses in the others.
+    point: [f64; 6],
+    /// What it remembers from before the increment.
+    before: State<f64>,
+    displacement: [f64; 6],
+    /// What presses in the increment.
+    forces: [f64; 6],
+    position: [f64; 6],
+    motion: [f64; 6],
+    /// The slip accumulated at the end.
+    accumulated_slip: f64,
+    duration: Option<f64>,
+    conditions: Conditions,
+    /// The connector's own length.
+    length: f64,
+}
+
+/// Cases of every predefined criterion of a type, spatial, with parameters and forces drawn; none for a type without, and for a
+/// belt around a ring, whose law is another.
+pub fn friction_cases(connection: &ConnectionType, settings: &Settings, count: usize) -> Vec<FrictionCase> {
+    let mut found = Vec::new();
+    let Some(friction) =
+        connection.friction.filter(|f| f.criteria.iter().all(|c| c.contact != Contact::Belt))
+    else {
+        return found;
+    };
+    let draw = &mut Draw::new(&format!("{} {} friction", settings.seed, connection.name));
+    for i in 0..count {
+        let numbers: Vec<Option<f64>> =
+            friction.parameters.iter().map(|_| Some(draw.between(0.2, 2.0))).collect();
+        let Ok(criteria) = Criterion::predefined(&friction, &numbers, &[], false) else { continue };
+        // Away from zero, where norms have no derivative.
+        let mut six = |size: f64| {
+            [0; 6].map(|_| {
+                let x = draw.between(-size, size);
+                if x < 0.0 { x - 0.1 * size } else { x + 0.1 * size }
+            })
+        };
+        let (forces, position) = (six(3.0), six(0.8));
+        // Some increments stick, some slip.
+        let displacement = six([0.002, 0.05, 0.2][i % 3]);
+        for (n, criterion) in criteria.into_iter().enumerate() {
+            let coefficient = draw.between(0.05, 0.6);
+            let duration = draw.between(0.01, 0.2);
+            let friction = Friction {
+                criterion,
+                coefficient: Coefficient::Constant(coefficient),
+                maximum: None,
+                stick_stiffness: StickStiffness::Given(draw.between(20.0, 60.0)),
+                radius: 1.0,
+            };
+            found.push(FrictionCase {
+                name: format!("{} friction {} state {i}", connection.name, n + 1),
+                title: String::new(),
+                friction,
+                coefficient,
+                point: forces,
+                before: State::default(),
+                displacement,
+                forces,
+                position,
+                motion: position,
+                accumulated_slip: 0.0,
+                duration: Some(duration),
+                conditions: Conditions::default(),
+                length: 1.0,
+            });
+        }
+    }
+    found
+}
+
+/// What is judged of a friction: numbers in a sheet, by an oracle.
+type Judged = (Oracle, Sheet);
+
+/// The checks that sheets make at a state.
+fn checks(sheets: Vec<Judged>, settings: &Settings, name: &str, proves: bool) -> Vec<Check> {
+    let filled = sheets.into_iter().filter(|(_, sheet)| !sheet.entries.is_empty());
+    let judged = filled.map(|(oracle, mut sheet)| {
+        settings.planted.into_iter().for_each(|planted| planted.spoil_sheet(&mut sheet));
+        sheet.check_against(oracle, 1.0, proves, name, None)
+    });
+    judged.collect()
+}
+
+/// The unit of a result of an increment: forces, moments, and the others each by itself.
+const fn kind(i: usize) -> usize {
+    if i < 6 { i / 3 } else { i }
+}
+
+impl FrictionCase {
+    /// The criterion and the state, in words.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The numbers at this state, and what they must be by differences on 237 bits: the criterion, its first and second derivatives, the
+    /// tangent.
+    pub fn sheets(&self) -> Vec<Sheet> {
+        let settings = Settings { oracles: [Oracle::WideDifferences].into(), ..Settings::default() };
+        let mut sheets = self.criterion_sheets(&settings, true);
+        sheets.extend(self.increment_sheets(&settings, true));
+        let sheets = sheets.into_iter().map(|(_, sheet)| sheet);
+        sheets.filter(|sheet| sheet.quantity != Quantity::FrictionForce).collect()
+    }
+
+    /// All checks at this state, with mutants.
+    pub fn audit(&self, settings: &Settings) -> Vec<Check> {
+        self.judged(settings, true, true)
+    }
+
+    /// All checks at this state: those on 237 bits if `wide`, with mutants if it `proves`.
+    fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
+        let mut sheets = self.criterion_sheets(settings, wide);
+        sheets.extend(self.increment_sheets(settings, wide));
+        checks(sheets, settings, &self.name, proves)
+    }
+
+    fn context<R: Real>(&self) -> Context<'_, R> {
+        let all = |x: [f64; 6]| x.map(R::from_f64);
+        Context {
+            position: all(self.position),
+            motion: all(self.motion),
+            accumulated_slip: R::from_f64(self.accumulated_slip),
+            conditions: &self.conditions,
+        }
+    }
+}
+
+/// The sizes of forces and moments: the largest force, and the largest moment; where one of them is all zero, what the other makes of it
+/// with the connector's length; 1 where nothing acts.
+fn force_sizes(forces: &[f64; 6], length: f64) -> [f64; 6] {
+    let largest = |of: &[f64]| of.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let (force, moment) = match (largest(&forces[..3]), largest(&forces[3..])) {
+        (0.0, 0.0) => (1.0, length),
+        (0.0, moment) => (moment / length, moment),
+        (force, 0.0) => (force, force * length),
+        both => both,
+    };
+    [force, force, force, moment, moment, moment]
+}
+
+/// The sizes of two groups of forces apart, those chosen and the others: tractions and what presses are of sizes of their own. A group
+/// that is all zero has the sizes of both.
+fn group_sizes(forces: &[f64; 6], chosen: [bool; 6], length: f64) -> [f64; 6] {
+    let overall = force_sizes(forces, length);
+    let of = |group: bool| {
+        let own: [f64; 6] = std::array::from_fn(|k| if chosen[k] == group { forces[k] } else { 0.0 });
+        if own == [0.0; 6] { overall } else { force_sizes(&own, length) }
+    };
+    let (inside, outside) = (of(true), of(false));
+    std::array::from_fn(|k| if chosen[k] { inside[k] } else { outside[k] })
+}
+
+/// How far each number may go before something else than its slope is seen: to zero, and where it is zero, as far as the smallest of
+/// the others.
+fn reach(of: &[f64], sizes: &[f64]) -> Vec<f64> {
+    let least = of.iter().filter(|x| **x != 0.0).fold(f64::INFINITY, |least, x| least.min(x.abs()));
+    let own = |(x, size): (&f64, &f64)| {
+        let clear = if *x == 0.0 { least } else { x.abs() };
+        if clear.is_finite() { clear.min(*size) } else { *size }
+    };
+    of.iter().zip(sizes).map(own).collect()
+}
+
+impl From<FactorMistake> for Mistake {
+    fn from(mistake: FactorMistake) -> Self {
+        match mistake {
+            FactorMistake::NumberLeftOut => Self::NumberLeftOut,
+            FactorMistake::Multiplied => Self::MultipliedInsteadOfDivided,
+        }
+    }
+}

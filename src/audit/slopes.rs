@@ -1,0 +1,227 @@
+//! Slopes of a function of a few numbers, judged by every oracle that can answer: differences on 237 bits, the product's dual
+//! numbers there, differences on doubles.
+
+use super::bound::U;
+use super::engine::Settings;
+use super::mutant::Mistake;
+use super::oracle::Oracle;
+use super::quantity::Quantity;
+use super::sheet::{Change, Entry, Sheet};
+use crate::scalar::{Scalar, Wide};
+
+/// The step of differences on 237 bits, in sizes of an input.
+pub(in crate::audit) const FIRST_STEP: f64 = 1e-25;
+
+/// Where one of its inputs has moved by some amount, what a function gives there.
+type At<'a, T, V> = Box<dyn Fn(usize, T) -> V + 'a>;
+
+/// A function with the slopes that are given for it. Slopes are by outputs, then by inputs.
+pub(in crate::audit) struct Slopes<'a> {
+    pub(in crate::audit) quantity: Quantity,
+    /// The names of slopes are `∂{output}{over}∂{input}`.
+    pub(in crate::audit) outputs: Vec<String>,
+    pub(in crate::audit) over: &'static str,
+    pub(in crate::audit) inputs: Vec<String>,
+    /// What an input is measured by, positive.
+    pub(in crate::audit) sizes: Vec<f64>,
+    /// How far an input may go while the function bends little: steps on doubles are parts of it.
+    pub(in crate::audit) reach: Vec<f64>,
+    /// The rows of the sheet, and what stands in their columns, as sentences name them; a matrix in one row has no columns.
+    pub(in crate::audit) rows: Vec<String>,
+    pub(in crate::audit) columns: Vec<String>,
+    /// The class of each slope.
+    pub(in crate::audit) class: fn(usize, usize) -> (usize, usize, usize),
+    /// Outputs with the same number share what they are computed from: each is as uncertain as the largest of them.
+    pub(in crate::audit) kinds: Vec<usize>,
+    /// The magnitude of what each output is formed from.
+    pub(in crate::audit) magnitudes: Vec<f64>,
+    /// The slopes given.
+    pub(in crate::audit) got: Vec<Vec<f64>>,
+    /// The step of differences on 237 bits, in sizes.
+    pub(in crate::audit) step: f64,
+    /// The function on 237 bits.
+    pub(in crate::audit) wide: At<'a, Wide, Vec<Wide>>,
+    /// The function on doubles.
+    pub(in crate::audit) narrow: At<'a, f64, Vec<f64>>,
+    /// The slopes on doubles.
+    pub(in crate::audit) slopes: At<'a, f64, Vec<Vec<f64>>>,
+    /// The slopes by dual numbers on 237 bits.
+    pub(in crate::audit) dual: Box<dyn Fn() -> Vec<Vec<Wide>> + 'a>,
+    /// The same slopes with a mistake in them.
+    pub(in crate::audit) mistaken: Vec<(Mistake, Vec<Vec<f64>>)>,
+}
+
+/// What differences on 237 bits say.
+struct Truth {
+    slopes: Vec<Vec<Wide>>,
+    sides: Vec<Vec<Option<[Wide; 2]>>>,
+}
+
+impl Slopes<'_> {
+    /// The sheets of the oracles that are asked, each with the mistakes to be tried on it; on doubles only unless `wide`.
+    pub(in crate::audit) fn sheets(&self, settings: &Settings, wide: bool) -> Vec<(Oracle, Sheet)> {
+        let asked = |oracle: Oracle| settings.oracles.contains(&oracle);
+        let scales = self.scales();
+        let mut found = Vec::new();
+        let truth = (wide && [Oracle::WideDifferences, Oracle::WideDual].into_iter().any(asked))
+            .then(|| self.truth(&scales));
+        if let Some(truth) = truth {
+            if asked(Oracle::WideDual) {
+                let dual = (self.dual)();
+                let at = |i: usize, j: usize| (value(&dual, i, j), 0.0, truth.sides[i][j]);
+                found.push(self.sheet(Oracle::WideDual, &scales, at));
+            }
+            if asked(Oracle::WideDifferences) {
+                let at = |i: usize, j: usize| (truth.slopes[i][j], 0.0, truth.sides[i][j]);
+                found.push(self.sheet(Oracle::WideDifferences, &scales, at));
+            }
+        }
+        if asked(Oracle::Differences) {
+            let estimates = self.differences(&scales);
+            let at = |i: usize, j: usize| {
+                let (slope, error) = estimates[i][j];
+                (Wide::from_f64(slope), error, None)
+            };
+            found.push(self.sheet(Oracle::Differences, &scales, at));
+        }
+        found
+    }
+
+    fn sheet(
+        &self,
+        oracle: Oracle,
+        scales: &Scales,
+        at: impl Fn(usize, usize) -> (Wide, f64, Option<[Wide; 2]>),
+    ) -> (Oracle, Sheet) {
+        let mut entries = Vec::new();
+        for (i, output) in self.outputs.iter().enumerate() {
+            for (j, input) in self.inputs.iter().enumerate() {
+                let (want, error, sides) = at(i, j);
+                let name = format!("∂{output}{}∂{input}", self.over);
+                let (got, scale) = (self.got[i][j], scales.entries[i][j]);
+                let class = (self.class)(i, j);
+                entries.push(Entry { error, sides, ..Entry::new(name, got, want, scale, class) });
+            }
+        }
+        let mut sheet = Sheet::new(self.quantity);
+        (sheet.rows, sheet.columns, sheet.entries) = (self.rows.clone(), self.columns.clone(), entries);
+        let is_kink = |place: &usize| sheet.entries.get(*place).is_some_and(|entry| entry.sides.is_some());
+        let of = |(mistake, wrong): &(Mistake, Vec<Vec<f64>>)| Change {
+            mistake: *mistake,
+            changes: wrong
+                .iter()
+                .flatten()
+                .copied()
+                .enumerate()
+                .filter(|(place, _)| !is_kink(place))
+                .collect(),
+        };
+        let mistakes = self.mistaken.iter().map(of).collect();
+        sheet.mistakes = mistakes;
+        (oracle, sheet)
+    }
+
+    fn truth(&self, scales: &Scales) -> Truth {
+        /// Sides that differ by more than this part of the scale are two; where the function is smooth they agree to the step.
+        const APART: f64 = 1e-12;
+        let still = (self.wide)(0, Wide::zero());
+        let (m, n) = (self.outputs.len(), self.inputs.len());
+        let mut truth = Truth { slopes: vec![vec![Wide::zero(); n]; m], sides: vec![vec![None; n]; m] };
+        for j in 0..n {
+            let h = Wide::from_f64(self.step * self.sizes[j]);
+            let (plus, minus) = ((self.wide)(j, h), (self.wide)(j, -h));
+            for i in 0..m {
+                truth.slopes[i][j] = (plus[i] - minus[i]) / (h + h);
+                let sides = [(still[i] - minus[i]) / h, (plus[i] - still[i]) / h];
+                let gap = (sides[1] - sides[0]).abs().to_f64();
+                if gap > APART * scales.entries[i][j] {
+                    truth.sides[i][j] = Some(sides);
+                }
+            }
+        }
+        truth
+    }
+
+    /// The conditioned scales of slopes and values, from the slopes given and how they change: good enough for a bound, and
+    /// the same for every oracle.
+    fn scales(&self) -> Scales {
+        const STEP: f64 = 1e-5;
+        let (m, n) = (self.outputs.len(), self.inputs.len());
+        let own = |i: usize| {
+            let slopes = self.got[i].iter().zip(&self.sizes).map(|(slope, size)| slope.abs() * size);
+            self.magnitudes[i] + slopes.sum::<f64>()
+        };
+        let own: Vec<f64> = (0..m).map(own).collect();
+        let of_kind = |i: usize| {
+            let alike = (0..m).filter(|other| self.kinds[*other] == self.kinds[i]);
+            alike.map(|other| own[other]).fold(0.0, f64::max)
+        };
+        let values: Vec<f64> = (0..m).map(of_kind).collect();
+        let mut entries: Vec<Vec<f64>> =
+            values.iter().map(|f| self.sizes.iter().map(|size| f / size).collect()).collect();
+        for l in 0..n {
+            let h = STEP * self.reach[l];
+            let (plus, minus) = ((self.slopes)(l, h), (self.slopes)(l, -h));
+            for i in 0..m {
+                for j in 0..n {
+                    let bent = (value(&plus, i, j) - value(&minus, i, j)).abs() / (2.0 * h);
+                    if bent.is_finite() {
+                        entries[i][j] += bent * self.sizes[l];
+                    }
+                }
+            }
+        }
+        Scales { values, entries }
+    }
+
+    /// Central differences on doubles: the best of a ladder of steps, with an estimate of its own error.
+    fn differences(&self, scales: &Scales) -> Vec<Vec<(f64, f64)>> {
+        const LADDER: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
+        let still = (self.narrow)(0, 0.0);
+        let (m, n) = (self.outputs.len(), self.inputs.len());
+        let mut found = vec![vec![(f64::NAN, f64::INFINITY); n]; m];
+        for j in 0..n {
+            let sides = LADDER.map(|h| {
+                let h = h * self.reach[j];
+                ((self.narrow)(j, h), (self.narrow)(j, -h), h)
+            });
+            for i in 0..m {
+                let estimates = sides.each_ref().map(|(plus, minus, h)| {
+                    let jump = ((plus[i] - still[i]) - (still[i] - minus[i])).abs() / h;
+                    ((plus[i] - minus[i]) / (2.0 * h), jump, 16.0 * U * scales.values[i] / h)
+                });
+                for pair in estimates.windows(2) {
+                    let [(coarse, wider, _), (fine, jump, rounding)] = pair else { continue };
+                    let mut error = (coarse - fine).abs() + rounding;
+                    // Sides that do not come together as steps shrink have a kink between them.
+                    if *jump > 0.5 * wider + 2.0 * rounding {
+                        error += jump;
+                    }
+                    if error < found[i][j].1 {
+                        found[i][j] = (*fine, error);
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Conditioned scales.
+pub(in crate::audit) struct Scales {
+    /// Of the outputs.
+    pub(in crate::audit) values: Vec<f64>,
+    /// Of the slopes.
+    pub(in crate::audit) entries: Vec<Vec<f64>>,
+}
+
+impl Slopes<'_> {
+    /// The conditioned scales of the outputs.
+    pub(in crate::audit) fn value_scales(&self) -> Vec<f64> {
+        self.scales().values
+    }
+}
+
+fn value<T: Copy>(of: &[Vec<T>], i: usize, j: usize) -> T {
+    of[i][j]
+}

@@ -1,0 +1,332 @@
+//! Friction of scenes: predefined, defined by users, of belts; at given forces along a history of states, and at drawn ones.
+
+use crate::behavior::belts::{ALPHA, STIFFNESS, deck as belt, sliding, state as pulled};
+use crate::tolerance::BELT_SLOPE;
+use pintle::audit::sample::Draw;
+use pintle::audit::{
+    Against, Check, Invariant, Oracle, Planted, Quantity, Report, Settings, Target, Verdict, audit_scenes,
+};
+use pintle::behavior::friction::Status;
+use pintle::evaluate::{Model, Plan, Selection, Sequence, request};
+use pintle::report;
+use pintle::scene::{ElementForces, Label, NodeMotion, Rotation, Scene, State};
+use std::collections::BTreeSet;
+
+/// A guide with the predefined friction of its type, a plate that slips in two directions along a potential, and a rod with two
+/// frictions, pressed by springs and by itself.
+const DECK: &str = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 1., 0., 0.\n4, 2., 0., 0.\n5, 0., 1., 0.\n6, 0., 1., 0.\n\
+    *ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+    *ELEMENT, TYPE=CONN3D2, ELSET=GUIDE\n101, 1, 2\n*ELEMENT, TYPE=CONN3D2, ELSET=ROD\n102, 3, 4\n\
+    *ELEMENT, TYPE=CONN3D2, ELSET=PLATE\n103, 5, 6\n\
+    *CONNECTOR SECTION, ELSET=GUIDE, BEHAVIOR=BG\nTRANSLATOR\nO,\n\
+    *CONNECTOR SECTION, ELSET=ROD, BEHAVIOR=BR\nCARTESIAN, CARDAN\nO,\n\
+    *CONNECTOR SECTION, ELSET=PLATE, BEHAVIOR=BP\nSLIDE-PLANE\nO,\n\
+    *CONNECTOR BEHAVIOR, NAME=BG\n*CONNECTOR FRICTION, PREDEFINED, STICK STIFFNESS=1.E3\n0.05, 0.1, 10.\n*FRICTION\n0.1\n\
+    *CONNECTOR BEHAVIOR, NAME=BR\n*CONNECTOR ELASTICITY, COMPONENT=2\n150.,\n*CONNECTOR ELASTICITY, COMPONENT=3\n50.,\n\
+    *CONNECTOR DAMPING, COMPONENT=2\n3.,\n\
+    *CONNECTOR DERIVED COMPONENT, NAME=N\n2, 3\n1., 2.\n\
+    *CONNECTOR FRICTION, COMPONENT=1, CONTACT FORCE=N, STICK STIFFNESS=1.E3\n, 0.5\n*FRICTION\n0.3\n\
+    *CONNECTOR FRICTION, COMPONENT=4, STICK STIFFNESS=1.E2\n, 10., 0.\n, 20., 0.5\n*FRICTION\n0.1\n\
+    *CONNECTOR BEHAVIOR, NAME=BP\n*CONNECTOR ELASTICITY, COMPONENT=2\n100.,\n\
+    *CONNECTOR FRICTION, CONTACT FORCE=1, STICK STIFFNESS=500.\n, 2.\n\
+    *CONNECTOR POTENTIAL, EXPONENT=3.\n2, 1.\n3, 0.5\n*FRICTION, EXPONENTIAL DECAY\n0.5, 0.2, 3.\n";
+
+fn compiled(scene: &Scene) -> Model {
+    Model::compile(scene).unwrap_or_else(|error| panic!("{}", error.render(100, false)))
+}
+
+fn model(deck: &str) -> Model {
+    compiled(&Scene::parse("deck.inp", deck).unwrap_or_else(|error| panic!("{}", error.render(100, false))))
+}
+
+/// A walk to and fro: long steps that slip, short ones that stick, under forces that change.
+fn path() -> Vec<State> {
+    let draw = &mut Draw::new("frictions");
+    let mut at = [[0.0; 3]; 3];
+    let mut turned = 0.0;
+    let step = |i: u32, draw: &mut Draw| draw.between(-1.0, 1.0) * [0.3, 1e-3, 1e-4][i as usize % 3];
+    (1..=12)
+        .map(|i| {
+            let mut state = State { time: Some(0.1 * f64::from(i)), ..State::default() };
+            turned += step(i, draw);
+            for (place, node, free) in [(0, 2_u64, 0..1), (1, 4, 0..3), (2, 6, 1..3)] {
+                free.for_each(|axis| at[place][axis] += step(i, draw));
+                let rotation = if node == 4 { [turned, 0.0, 0.0] } else { [0.0; 3] };
+                let velocity = if node == 4 { [0.0, draw.between(-1.0, 1.0), 0.0] } else { [0.0; 3] };
+                let motion = NodeMotion {
+                    displacement: at[place],
+                    rotation: Rotation::Vector(rotation),
+                    velocity,
+                    ..NodeMotion::default()
+                };
+                state.nodes.insert(node.into(), motion);
+            }
+            for (element, scale) in [(101_u64, 2.0), (103, 20.0)] {
+                let total = [(); 6].map(|()| Some(draw.between(-1.0, 1.0) * scale));
+                // SLIDE-PLANE has forces 1, 2, 3 only.
+                let kept = if element == 103 { 3 } else { 6 };
+                let total = [0, 1, 2, 3, 4, 5].map(|k| total[k].filter(|_| k < kept));
+                state.forces.insert(element.into(), ElementForces { total, ..ElementForces::default() });
+            }
+            state
+        })
+        .collect()
+}
+
+fn audited(model: &Model, states: &[State], settings: &Settings) -> Report {
+    let plan = Plan::compile(model, &Selection::All, request(["CP"], 0).unwrap()).unwrap();
+    audit_scenes(settings, &[Target { name: "frictions", model, plan: &plan, states }], &|_| {})
+}
+
+fn brief() -> Settings {
+    let oracles = [Oracle::WideDifferences, Oracle::WideDual, Oracle::Differences].into();
+    Settings { wide_states: 4, oracles, ..Settings::default() }
+}
+
+const OF_FRICTION: [Quantity; 6] = [
+    Quantity::FrictionCriterion,
+    Quantity::FrictionGradient,
+    Quantity::FrictionHessian,
+    Quantity::FrictionForce,
+    Quantity::FrictionTangent,
+    Quantity::ConsistentTangent,
+];
+
+fn frictions(report: &Report) -> impl Iterator<Item = (&str, &Check)> {
+    let of = |check: &&Check| {
+        check.against == Against::Law(Invariant::Carried)
+            || check.quantity.is_some_and(|quantity| OF_FRICTION.contains(&quantity))
+    };
+    report
+        .subjects
+        .iter()
+        .flat_map(move |subject| subject.checks.iter().filter(of).map(|check| (subject.name.as_str(), check)))
+}
+
+fn human(report: &Report) -> String {
+    let mut text = Vec::new();
+    report::audit::human(&mut text, report, 120, true).unwrap();
+    String::from_utf8(text).unwrap()
+}
+
+/// Every friction of every connector, in stick and in slip, with every quantity, every oracle, and mutants that are noticed.
+#[test]
+fn frictions_of_a_scene_are_judged_along_its_history() {
+    let (model, states) = (model(DECK), path());
+    let plan = Plan::compile(&model, &Selection::All, request(["CSF"], 0).unwrap()).unwrap();
+    let mut walk = Sequence::new(&model, &plan);
+    let mut seen: BTreeSet<(usize, String)> = BTreeSet::new();
+    for state in &states {
+        for result in walk.step(state).connectors {
+            for slip in &result.behavior.as_ref().unwrap().slips {
+                seen.insert((result.index, format!("{:?}", slip.outcome.as_ref().unwrap().status)));
+            }
+        }
+    }
+    for index in 0..3 {
+        for status in [Status::Stick, Status::Slip] {
+            assert!(seen.contains(&(index, format!("{status:?}"))), "{index} {status:?}: {seen:?}");
+        }
+    }
+    let report = audited(&model, &states, &brief());
+    let page = human(&report);
+    assert_eq!((report.mismatches(), report.survivors(), report.undecided()), (0, 0, 0), "{page}");
+    for (name, check) in frictions(&report) {
+        assert_eq!(check.verdict.headline(), Verdict::Pass, "{name}: {check:?}");
+        assert!(check.score.killed > 20, "{name}: {check:?}");
+        assert!(!check.worst_state.as_deref().unwrap_or_default().contains("drawn"), "{name}: {check:?}");
+        let is_wide = matches!(check.against, Against::Oracle(Oracle::WideDifferences | Oracle::WideDual));
+        let (frictions, wide) = if name.contains("102") { (2, 4) } else { (1, 4) };
+        let states = if is_wide { wide } else { 12 };
+        let times = match check.quantity {
+            Some(Quantity::ConsistentTangent) | None => 1,
+            _ => frictions,
+        };
+        assert_eq!(check.states.values().sum::<u64>(), states * times, "{name}: {check:?}");
+    }
+    for subject in &report.subjects {
+        for quantity in OF_FRICTION {
+            let sharp = Against::Oracle(Oracle::WideDifferences);
+            let is_it = |check: &&Check| check.quantity == Some(quantity) && check.against == sharp;
+            assert!(subject.checks.iter().any(|check| is_it(&check)), "{} {quantity:?}", subject.name);
+        }
+    }
+}
+
+/// A slope that is wrong by 1e-6 is named, in every format; where nothing is planted, and of a neighbour without friction, nothing is said.
+#[test]
+fn an_error_in_a_friction_is_named() {
+    let (model, states) = (model(DECK), path());
+    let settings = Settings { planted: Some(Planted::WrongFriction), ..brief() };
+    let report = audited(&model, &states, &settings);
+    assert_eq!(report.mismatches(), 3);
+    for (name, check) in frictions(&report) {
+        let told = check.worst.as_ref().map_or("", |worst| worst.entry.as_str());
+        if check.quantity == Some(Quantity::FrictionTangent) {
+            assert_eq!(check.verdict, Verdict::Wrong, "{name}: {check:?}");
+            assert!(told.starts_with("∂f") || told.starts_with("∂m"), "{told}");
+        } else {
+            assert_ne!(check.verdict, Verdict::Wrong, "{name}: {check:?}");
+        }
+    }
+    let guide = report.subjects.iter().find(|subject| subject.name.contains("101")).unwrap();
+    let sharp = Against::Oracle(Oracle::WideDifferences);
+    let of = |check: &&Check| check.quantity == Some(Quantity::FrictionTangent) && check.against == sharp;
+    let entry = &guide.checks.iter().find(of).unwrap().worst.as_ref().unwrap().entry;
+    assert!(entry.starts_with("∂f1/∂"), "{entry}");
+    let mut pages = vec![human(&report)];
+    let mut text = Vec::new();
+    report::audit::json(&mut text, &report).unwrap();
+    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
+    report::audit::junit(&mut text, &report).unwrap();
+    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
+    report::audit::markdown(&mut text, &report).unwrap();
+    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
+    report::audit::html(&mut text, &report, &report::audit::Supplement::default()).unwrap();
+    pages.push(String::from_utf8(text).unwrap());
+    for page in pages {
+        assert!(page.contains(entry.as_str()), "{entry}: {page}");
+    }
+    // Neighbours: the planted fault is one of friction.
+    let bare = DECK.split("*CONNECTOR BEHAVIOR, NAME=BG").next().unwrap().replace(", BEHAVIOR=BG", "");
+    let bare = bare.replace(", BEHAVIOR=BR", "").replace(", BEHAVIOR=BP", "");
+    let report = audited(&crate::audit_friction::model(&bare), &states, &settings);
+    assert_eq!((report.mismatches(), frictions(&report).count()), (0, 0));
+}
+
+/// Where forces that press are not given, and where no states are, frictions are judged at drawn ones, which is said.
+#[test]
+fn frictions_without_forces_are_judged_at_drawn_ones() {
+    let model = model(DECK);
+    let mut states = path();
+    states.iter_mut().for_each(|state| state.forces.clear());
+    for states in [states.as_slice(), &[]] {
+        let report = audited(&model, states, &brief());
+        let page = human(&report);
+        assert_eq!((report.mismatches(), report.survivors(), report.undecided()), (0, 0, 0), "{page}");
+        for (name, check) in frictions(&report).filter(|(name, _)| !name.contains("102")) {
+            assert!(
+                check.worst_state.as_deref().unwrap_or_default().ends_with("drawn forces"),
+                "{name}: {check:?}"
+            );
+        }
+        assert!(frictions(&report).count() > 30, "{page}");
+    }
+    // What depends on a temperature that nobody gives is undecided.
+    let text = DECK.replace("*FRICTION\n0.3\n", "*FRICTION\n0.3, , , 20.\n0.2, , , 80.\n");
+    let report = audited(&crate::audit_friction::model(&text), &path(), &brief());
+    assert_eq!((report.mismatches(), report.undecided()), (0, 1));
+}
+
+/// A component that has failed slides no more, and the friction that it shares with another goes on without it.
+#[test]
+fn a_friction_that_lost_a_component_is_judged() {
+    let failing = DECK.replace(
+        "*CONNECTOR BEHAVIOR, NAME=BP\n",
+        "*CONNECTOR BEHAVIOR, NAME=BP\n*CONNECTOR FAILURE, COMPONENT=3, RELEASE=3\n-0.05, 0.05\n",
+    );
+    let (model, states) = (model(&failing), path());
+    let plan = Plan::compile(&model, &Selection::All, request(["CSF"], 0).unwrap()).unwrap();
+    let mut walk = Sequence::new(&model, &plan);
+    let last = states.iter().map(|state| walk.step(state)).last().unwrap();
+    assert!(last.connectors[2].behavior.as_ref().unwrap().failed[2]);
+    let report = audited(&model, &states, &Settings { wide_states: 6, ..brief() });
+    assert_eq!(
+        (report.mismatches(), report.survivors(), report.undecided()),
+        (0, 0, 0),
+        "{}",
+        human(&report)
+    );
+}
+
+/// At rest, where nothing slides and a traction has no direction, both derivatives are told, and none is called wrong.
+#[test]
+fn a_traction_of_zero_is_a_kink() {
+    let model = model(DECK);
+    let mut states = path();
+    states.truncate(1);
+    for motion in states[0].nodes.values_mut() {
+        *motion = NodeMotion::default();
+    }
+    let report = audited(&model, &states, &brief());
+    assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{}", human(&report));
+    let sharp = Against::Oracle(Oracle::WideDifferences);
+    let (_, check) = frictions(&report)
+        .find(|(name, check)| {
+            name.contains("101")
+                && check.quantity == Some(Quantity::FrictionGradient)
+                && check.against == sharp
+        })
+        .unwrap();
+    assert_eq!(check.verdict, Verdict::Kink, "{check:?}");
+    let worst = check.worst.as_ref().unwrap();
+    assert_eq!((worst.entry.as_str(), worst.one_sided), ("∂P/∂f1", Some([-1.0, 1.0])));
+}
+
+/// The belt of the gallery with its friction, pulled and let go: with the angle given, and measured between the segments.
+#[test]
+fn belts_are_judged_along_their_history() {
+    let flows =
+        [[0.0, 0.0], [0.01, 0.011], [0.012, 0.0115], [0.012, 0.011_500_1], [0.011, 0.006], [0.0, 0.0]];
+    let pulls = [0.0, 0.03, 0.03, 0.03, 0.03, 0.02];
+    let mut states: Vec<State> = (0..6).map(|i| pulled(1.0 + i as f64, pulls[i], flows[i])).collect();
+    states.push(pulled(8.0, 0.1, sliding(0.1)));
+    let mut explicit = belt(&format!(", STICK STIFFNESS={STIFFNESS}"), "0.06");
+    explicit.solver = Some(pintle::scene::Solver::Explicit);
+    for scene in
+        [belt(&format!(", STICK STIFFNESS={STIFFNESS}"), "0.06, 1.5707963"), belt("", "0.06, 1.25"), explicit]
+    {
+        let model = compiled(&scene);
+        let report = audited(&model, &states, &brief());
+        let page = human(&report);
+        assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{page}");
+        for subject in &report.subjects {
+            assert_eq!(subject.derivative.headline().max(Verdict::Kink), Verdict::Kink, "{page}");
+        }
+        let of_first = || frictions(&report).filter(|(name, _)| name.contains("103"));
+        assert!(of_first().count() >= 14, "{page}");
+        for (name, check) in
+            of_first().filter(|(_, check)| check.quantity == Some(Quantity::ConsistentTangent))
+        {
+            assert!(check.compared > 0, "{name}");
+        }
+        let settings = Settings { planted: Some(Planted::WrongFriction), ..brief() };
+        let report = audited(&model, &states, &settings);
+        assert_eq!(report.mismatches(), 1);
+        let wrong = frictions(&report).find(|(_, check)| check.verdict == Verdict::Wrong).unwrap();
+        assert!(wrong.0.contains("103"), "{}", wrong.0);
+        let entry = &wrong.1.worst.as_ref().unwrap().entry;
+        assert!(entry.starts_with("∂CSF2/∂"), "{entry}");
+    }
+}
+
+/// CNF of a belt is the smaller tension, and in slip CSF2 = min(T1, T2) (e^(μα) − 1) of it, T2 = T1 e^(μα) in the known solution.
+#[test]
+fn the_normal_force_of_a_belt_is_the_tension_that_holds() {
+    const FIRST: Label = Label::of(None, 103);
+    let model = compiled(&belt(&format!(", STICK STIFFNESS={STIFFNESS}"), "0.06, 1.5707963"));
+    let plan = Plan::compile(&model, &Selection::All, request(["CSF", "CNF", "CTF"], 0).unwrap()).unwrap();
+    let mut walk = Sequence::new(&model, &plan);
+    let growth = (0.2_f64 * ALPHA).exp_m1();
+    for i in 0..=10 {
+        let pull = 0.01 * f64::from(i);
+        let results = walk.step(&pulled(pull, pull, sliding(pull))).connectors;
+        let tension = |label: u64| {
+            let of =
+                |result: &&pintle::evaluate::ConnectorResult| model.connectors[result.index].label == label;
+            results.iter().find(of).unwrap().behavior.as_ref().unwrap().total.value[0].unwrap()
+        };
+        let [first, second] = [tension(103), tension(104)];
+        let is_first =
+            |result: &&pintle::evaluate::ConnectorResult| model.connectors[result.index].label == FIRST;
+        let result = results.iter().find(is_first).unwrap();
+        let slip = result.behavior.as_ref().unwrap().slips[0].outcome.as_ref().unwrap();
+        assert_eq!(slip.normal, first.min(second).max(0.0), "{slip:?}");
+        let limit = slip.normal * growth;
+        assert!((slip.limit - limit).abs() <= BELT_SLOPE * first, "{slip:?}");
+        if i > 0 {
+            assert_eq!(slip.status, Status::Slip);
+            assert!((slip.force[1] - limit).abs() <= BELT_SLOPE * first, "{slip:?} {limit}");
+        }
+    }
+}
