@@ -292,12 +292,29 @@ def printed(bench):
     return block
 
 
+def lanes(arguments):
+    """The bench of lanes, and what it says in one sentence."""
+    blocks = printed("lanes")(arguments)
+    text = blocks["lanes"]
+    means = re.findall(r"geometric mean of the speed: (\d+) %", text)
+    speeds = [int(speed) for speed in re.findall(r"speed (\d+) %", text)]
+    errors = [float(error) for error in re.findall(r"largest errors: lanes (\S+) (\S+)", text) for error in error]
+    if not means:
+        return blocks | {"lanes-summary": "This machine lacks the vector unit for which rows are written by hand."}
+    first = speeds[: len(speeds) // len(means)]
+    return blocks | {
+        "lanes-summary": f"Batches of four connectors reach {means[0]} % of the speed of rows differentiated by hand for the same vector unit"
+        f" ({min(first)} to {max(first)} %),\nwith second derivatives {means[1]} %, with errors of at most {max(errors):.1e} of the largest entry"
+        f" of a row ({datetime.date.today():%Y-%m-%d};\n[docs/performance.md](docs/performance.md))."
+    }
+
+
 # The blocks that each measurement writes.
 MEASUREMENTS = {
     peers: ("peers", "peers-summary"),
     work_precision: ("work-precision",),
     printed("single"): ("single",),
-    printed("lanes"): ("lanes",),
+    lanes: ("lanes", "lanes-summary"),
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
     printed("scale"): ("scale",),

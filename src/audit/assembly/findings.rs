@@ -2,6 +2,7 @@
 
 use super::{Assembly, Constraint, Holds, NotAssembled, Position, Redundant};
 use crate::audit::model::{About, Finding};
+use crate::grammar::{agree, count};
 use crate::scene::{Code, Label, Scene, Span};
 use std::collections::BTreeMap;
 
@@ -214,18 +215,18 @@ fn when(state: Option<u64>) -> String {
 fn near_singular(scene: &Scene, position: &Position, elsewhere: &Position, more: usize) -> Finding {
     let doubtful: Vec<String> = position.doubtful.iter().map(ToString::to_string).collect();
     let named = if doubtful.is_empty() { "the constraints".to_string() } else { listed(&doubtful) };
+    let depend = agree(doubtful.len(), ["depends", "depend"]);
     let distance = match position.gap.singular_values {
         Some([nonzero, _]) if nonzero < position.gap.nonzero => nonzero,
         _ => position.gap.nonzero,
     };
     let also = match more {
         0 => String::new(),
-        1 => " (and the like at 1 more state)".to_string(),
-        more => format!(" (and the like at {more} more states)"),
+        more => format!(" (and the like at {})", count(more, "more state")),
     };
     let message = format!(
         "{} the assembly is within {distance:.1e} (relative, of the constraint Jacobian) of a singular position, a change point say: {named} nearly \
-         depend on other constraints, so that the rank is {}, or less; {} it is certain, {}{also}",
+         {depend} on other constraints, so that the rank is {}, or less; {} it is certain, {}{also}",
         when(position.state),
         position.rank,
         when(elsewhere.state),
