@@ -69,12 +69,12 @@ impl Method for NumDual {
     }
 
     fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        let found = [Vec::new(), Vec::new()];
         Some(Box::new(ByNumDual {
             order: self.0,
             name: &subject.connection.name,
             flat: flat(subject),
-            found,
+            rows: Vec::new(),
+            hessians: Vec::new(),
         }))
     }
 }
@@ -83,18 +83,19 @@ struct ByNumDual<'s> {
     order: Order,
     name: &'s str,
     flat: Vec<[f64; 27]>,
-    found: [Vec<[[f64; 12]; 12]>; 2],
+    rows: Vec<[f64; 12]>,
+    hessians: Vec<[[f64; 12]; 12]>,
 }
 
 impl Prepared for ByNumDual<'_> {
     fn run(&mut self) {
-        let [first, second] = &mut self.found;
+        let (first, second) = (&mut self.rows, &mut self.hessians);
         first.clear();
         second.clear();
         for state in &self.flat {
             match self.order {
                 Order::Jacobian => naive::rows(self.name, state, &mut |_, x: DualSVec<f64, 12>| {
-                    first.push([Seeded::gradient(x); 12]);
+                    first.push(Seeded::gradient(x));
                 }),
                 _ => naive::rows(self.name, state, &mut |_, x: Dual2SVec<f64, 12>| {
                     second.push(Seeded::hessian(x));
@@ -105,8 +106,8 @@ impl Prepared for ByNumDual<'_> {
 
     fn numbers(&self) -> Vec<f64> {
         match self.order {
-            Order::Jacobian => self.found[0].iter().flat_map(|rows| spread(&rows[0])).collect(),
-            _ => self.found[1].iter().flat_map(spread_matrix).collect(),
+            Order::Jacobian => self.rows.iter().flat_map(spread).collect(),
+            _ => self.hessians.iter().flat_map(spread_matrix).collect(),
         }
     }
 }

@@ -217,6 +217,10 @@ impl<'a> Candidate<'a> {
             narrow.active(),
             &bound,
         );
+        if nearness == 0.0 {
+            // On a singular set there is no step for differences of its values.
+            return checks;
+        }
         let mut check = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
         let around = Surroundings { bound: &bound, exact: None, nearness, one_sided: None };
         let judgement =

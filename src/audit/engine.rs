@@ -167,10 +167,13 @@ pub fn audit_cases(
     Report::new(settings, subjects, Vec::new())
 }
 
-/// `wanted` places among `count`, evenly spread.
+/// `wanted` places among `count`, evenly spread; of one alone the last, for at the first nothing has moved yet.
 pub(super) fn spread(count: usize, wanted: usize) -> BTreeSet<usize> {
     let wanted = wanted.min(count).max(usize::from(count > 0));
-    (0..wanted).map(|i| i * count / wanted).collect()
+    match wanted {
+        1 => BTreeSet::from([count - 1]),
+        _ => (0..wanted).map(|i| i * count / wanted).collect(),
+    }
 }
 
 fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
@@ -289,7 +292,8 @@ fn judge_numbers(
     let mut checks = Vec::new();
     let Some(step) = case.last() else { return checks };
     let asked = |oracle: Oracle| settings.oracles.contains(&oracle);
-    let truth = if wide { Truth::of(case) } else { None };
+    // On a singular set differences on doubles have no step: only the wide ones tell its two sides.
+    let truth = (wide || narrow.nearness() == 0.0).then(|| Truth::of(case)).flatten();
     let answers = truth.as_ref().map(WideAnswers::of);
     let nearness = truth.as_ref().map_or_else(|| narrow.nearness(), Truth::nearness);
     let trusted = match &answers {

@@ -325,9 +325,9 @@ impl Report {
                     })
                 };
                 let small = shrink(case, &|case| same(case).is_some());
-                let example = CounterExample::of(same(&small).as_ref().unwrap_or(check), &subject.name);
-                let words: String = subject
-                    .name
+                let title = subject.title();
+                let example = CounterExample::of(same(&small).as_ref().unwrap_or(check), &title);
+                let words: String = title
                     .chars()
                     .map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
                     .collect();

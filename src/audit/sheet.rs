@@ -142,7 +142,10 @@ impl Sheet {
         }
         let verdict = match &worst {
             None => Verdict::Undecided,
-            Some(worst) if worst.units > 1.0 && nearness == 0.0 => Verdict::Kink,
+            // A value has no sides.
+            Some(worst) if worst.units > 1.0 && nearness == 0.0 && self.quantity != Quantity::Value => {
+                Verdict::Kink
+            }
             Some(worst) if worst.units > 1.0 => Verdict::Wrong,
             Some(_) if coarse => Verdict::IllConditioned,
             Some(_) => Verdict::Pass,

@@ -122,8 +122,9 @@ impl Slopes<'_> {
     }
 
     fn truth(&self, scales: &Scales) -> Truth {
-        /// Sides that differ by more than this part of the scale are two; where the function is smooth they agree to the step.
+        /// Sides that differ by more than this part of a usual slope are two; where the function is smooth they agree to the step.
         const APART: f64 = 1e-12;
+        const BEND: f64 = 1e6;
         let still = (self.wide)(0, Wide::zero());
         let (m, n) = (self.outputs.len(), self.inputs.len());
         let mut truth = Truth { slopes: vec![vec![Wide::zero(); n]; m], sides: vec![vec![None; n]; m] };
@@ -134,7 +135,9 @@ impl Slopes<'_> {
                 truth.slopes[i][j] = (plus[i] - minus[i]) / (h + h);
                 let sides = [(still[i] - minus[i]) / h, (plus[i] - still[i]) / h];
                 let gap = (sides[1] - sides[0]).abs().to_f64();
-                if gap > APART * scales.entries[i][j] {
+                // A smooth function bends by the step times the scale of its slope, which is far less, near a kink too.
+                let bend = BEND * self.step * scales.entries[i][j];
+                if gap > APART * scales.values[i] / self.sizes[j] + bend {
                     truth.sides[i][j] = Some(sides);
                 }
             }
@@ -219,6 +222,12 @@ impl Slopes<'_> {
     /// The conditioned scales of the outputs.
     pub(in crate::audit) fn value_scales(&self) -> Vec<f64> {
         self.scales().values
+    }
+
+    /// Which of the outputs have no kink along any input, whatever oracles are asked.
+    pub(in crate::audit) fn are_smooth(&self) -> Vec<bool> {
+        let sides = self.truth(&self.scales()).sides;
+        sides.iter().map(|along| along.iter().all(Option::is_none)).collect()
     }
 }
 

@@ -120,7 +120,7 @@ pub struct Report {
 
 /// pintle's own numbers are not right, so that their time means nothing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{method}, {} of {connection}: the error is {error:.1e} where {bound:.1e} is allowed; nothing was timed", order.name())]
+#[error("{method}, {} of {connection}: the error is {error:.1e} where {bound:.1e} is allowed; its time would mean nothing", order.name())]
 pub struct Wrong {
     /// The type.
     pub connection: String,

@@ -82,7 +82,16 @@ fn distance(text: &str) -> Result<f64, String> {
 pub(crate) fn run(arguments: &Bench) -> Result<(), Failure> {
     let types: Vec<ConnectionType> = match arguments.types.as_slice() {
         [] => TABLE.to_vec(),
-        names => names.iter().map(|name| named(name)).collect::<Result<_, _>>()?,
+        names => {
+            let mut types: Vec<ConnectionType> = Vec::new();
+            for name in names {
+                let connection = named(name)?;
+                if types.iter().all(|known| known.name != connection.name) {
+                    types.push(connection);
+                }
+            }
+            types
+        }
     };
     let settings = Settings {
         rounds: arguments.rounds as usize,
@@ -104,13 +113,11 @@ pub(crate) fn run(arguments: &Bench) -> Result<(), Failure> {
         super::eval::complain("error", &wrong.to_string());
         Failure::Mismatch
     })?;
-    if let Some(folder) = &arguments.plots {
-        draw(folder, &found)?;
-    }
     if found.points.is_empty() {
         return Err(Failure::Nothing("of these types there is nothing to measure but one-forms".into()));
     }
-    write(arguments.format, &found)
+    write(arguments.format, &found)?;
+    arguments.plots.as_ref().map_or(Ok(()), |folder| draw(folder, &found))
 }
 
 /// A type, or the two of a free pair.

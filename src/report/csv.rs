@@ -142,7 +142,10 @@ impl Lines<'_> {
     fn start(&self, block: &Block<'_>, component: &str, role: &str, unit: &str) -> io::Result<Vec<u8>> {
         let mut start = self.head.clone();
         write!(start, ",{component},{role},{unit},")?;
-        let flags = block.flags.iter().filter(|flag| flag.component() == component);
+        // What is said of all components stands with the first of a block, and with its nodal lines.
+        let is_first = component.is_empty() || block.rows.first().is_some_and(|row| row.name == component);
+        let is_here = |of: &str| of == component || of == "all" && is_first;
+        let flags = block.flags.iter().filter(|flag| is_here(flag.component()));
         for (at, flag) in flags.enumerate() {
             write!(start, "{}{}", if at > 0 { " " } else { "" }, flag.name())?;
         }

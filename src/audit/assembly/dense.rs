@@ -24,14 +24,15 @@ fn dense(matrix: &Sparse, rows: &[usize]) -> DMatrix<f64> {
     full
 }
 
-/// The singular values, the largest first.
+/// The singular values, the largest first; none where an entry is not finite, or where they are not found in reasonable time.
 pub(super) fn singular_values(matrix: &Sparse) -> Vec<f64> {
     let rows: Vec<usize> = (0..matrix.rows()).collect();
     let full = dense(matrix, &rows);
-    if full.is_empty() {
+    if full.is_empty() || !full.iter().all(|x| x.is_finite()) {
         return Vec::new();
     }
-    let mut values: Vec<f64> = full.singular_values().iter().copied().collect();
+    let Some(svd) = full.try_svd(false, false, f64::EPSILON, 10_000) else { return Vec::new() };
+    let mut values: Vec<f64> = svd.singular_values.iter().copied().collect();
     values.sort_by(|x, y| y.total_cmp(x));
     values
 }

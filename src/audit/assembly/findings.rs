@@ -138,14 +138,28 @@ fn at_states(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     states.dedup();
     let names: Vec<String> = at.iter().map(|one| one.to_string()).collect();
     let also = if states.len() > 1 {
-        format!(" (and the like at {} more states)", states.len() - 1)
+        format!(" (and the like at {})", count(states.len() - 1, "more state"))
     } else {
         String::new()
     };
+    /// What a change of the matrix by more than this makes zero is not zero to rounding, but to the digits of the state.
+    const ROUNDING: f64 = 1e-12;
+    let zero = assembly
+        .positions
+        .iter()
+        .find(|position| position.state == Some(*state))
+        .map(|position| position.gap.zero);
+    let holds = match zero {
+        Some(zero) if zero > ROUNDING => format!(
+            "to the digits of the state, which a relative change of the matrix by {zero:.0e} allows for, it holds there only: at another \
+             state given it does not"
+        ),
+        _ => Holds::Here.meaning().to_string(),
+    };
     let message = format!(
-        "at state {state}, {} depends on other constraints; {}{also}",
+        "at state {state}, {} {} on other constraints; {holds}{also}",
         listed(&names),
-        Holds::Here.meaning()
+        agree(names.len(), ["depends", "depend"]),
     );
     let reason = "the rank of the constraint Jacobian is smaller than at other given states";
     let remedy =

@@ -30,7 +30,8 @@ pub(super) fn along(
         };
         found.iter().flat_map(of_part).collect()
     };
-    let mut least = rows_of(initial);
+    // What is not decided proves nothing of other states.
+    let mut least = initial.iter().all(Found::is_decided).then(|| rows_of(initial));
     for (index, state) in states.iter().enumerate() {
         let is_looked_at = index % stride == 0 || index + 1 == states.len();
         let residuals = if is_looked_at { system.all_residuals(&sequence, state) } else { Vec::new() };
@@ -49,13 +50,16 @@ pub(super) fn along(
         }
         let found = look(system, &values, &residuals, false);
         assembly.positions.push(position(system, Some(number), &found, fixed));
+        if !found.iter().all(Found::is_decided) {
+            continue;
+        }
         let rows = rows_of(&found);
-        if rows.len() < least.len() {
-            least.clone_from(&rows);
+        if least.as_ref().is_none_or(|least| rows.len() < least.len()) {
+            least = Some(rows.clone());
         }
         dependent.push((number, rows));
     }
-    let usual: BTreeSet<u32> = least.into_iter().collect();
+    let usual: BTreeSet<u32> = least.into_iter().flatten().collect();
     for (state, rows) in dependent.iter().filter(|(_, rows)| rows.len() > usual.len()) {
         let more = rows.iter().filter(|row| !usual.contains(row)).take(rows.len() - usual.len());
         for row in more {

@@ -119,11 +119,9 @@ impl BeltCase {
         };
         let scales = gradients.value_scales();
         let mut sheets = gradients.sheets(settings, wide);
-        let is_smooth = |p: usize| {
-            let mut sharp = sheets.iter().filter(|(oracle, _)| *oracle == Oracle::WideDifferences);
-            sharp.all(|(_, sheet)| sheet.entries[3 * p..3 * p + 3].iter().all(|entry| entry.sides.is_none()))
-        };
-        let smooth: Vec<usize> = (0..4).filter(|p| is_smooth(*p)).collect();
+        // Where a part has a kink it has no second derivatives.
+        let are_smooth = gradients.are_smooth();
+        let smooth: Vec<usize> = (0..4).filter(|p| are_smooth[*p]).collect();
         let named = |(p, k): (usize, usize)| format!("²{}/∂{}", PARTS[p], POINT[k]);
         let all: Vec<(usize, usize)> = smooth.iter().flat_map(|p| (0..3).map(|k| (*p, k))).collect();
         let hessian_of = |found: [Derivatives<f64>; 4]| -> Vec<Vec<f64>> {

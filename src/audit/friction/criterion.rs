@@ -118,11 +118,8 @@ impl FrictionCase {
         let scales = gradients.value_scales();
         let mut sheets = gradients.sheets(settings, wide);
         // Where a part has a kink along some force, it has no second derivatives.
-        let is_smooth = |p: usize| {
-            let mut sharp = sheets.iter().filter(|(oracle, _)| *oracle == Oracle::WideDifferences);
-            sharp.all(|(_, sheet)| sheet.entries[6 * p..6 * p + 6].iter().all(|entry| entry.sides.is_none()))
-        };
-        let smooth: Vec<usize> = (0..4).filter(|p| is_smooth(*p)).collect();
+        let are_smooth = gradients.are_smooth();
+        let smooth: Vec<usize> = (0..4).filter(|p| are_smooth[*p]).collect();
         sheets.extend(self.hessian_sheets(settings, wide, &smooth, &got, &mistaken, &scales));
         if wide && settings.oracles.contains(&Oracle::WideDifferences) {
             let want = self.values(&self.point.map(Wide::from_f64));

@@ -198,11 +198,14 @@ fn group_sizes(forces: &[f64; 6], chosen: [bool; 6], length: f64) -> [f64; 6] {
 }
 
 /// How far each number may go before something else than its slope is seen: to zero, and where it is zero, as far as the smallest of
-/// the others.
+/// the others that are measured by the same size: of one unit.
 fn reach(of: &[f64], sizes: &[f64]) -> Vec<f64> {
-    let least = of.iter().filter(|x| **x != 0.0).fold(f64::INFINITY, |least, x| least.min(x.abs()));
+    let least = |size: f64| {
+        let alike = of.iter().zip(sizes).filter(|(x, other)| **x != 0.0 && **other == size);
+        alike.fold(f64::INFINITY, |least, (x, _)| least.min(x.abs()))
+    };
     let own = |(x, size): (&f64, &f64)| {
-        let clear = if *x == 0.0 { least } else { x.abs() };
+        let clear = if *x == 0.0 { least(*size) } else { x.abs() };
         if clear.is_finite() { clear.min(*size) } else { *size }
     };
     of.iter().zip(sizes).map(own).collect()

@@ -20,7 +20,12 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         for check in &subject.checks {
             suite.add_test_case(TestCase::new(title(check), status(check)));
         }
-        for (claim, verdict) in [("formula", subject.formula), ("declaration", subject.declaration)] {
+        let claims = [
+            ("derivative", subject.derivative),
+            ("formula", subject.formula),
+            ("declaration", subject.declaration),
+        ];
+        for (claim, verdict) in claims {
             suite.add_test_case(TestCase::new(format!("claim: {claim}"), plain(verdict)));
         }
         document.add_test_suite(suite);
@@ -93,7 +98,8 @@ fn title(check: &Check) -> String {
 }
 
 fn status(check: &Check) -> TestCaseStatus {
-    if check.score.survived > 0 {
+    // What is wrong comes before what was not noticed.
+    if check.score.survived > 0 && !check.verdict.is_mismatch() {
         let mut failure = TestCaseStatus::non_success(NonSuccessKind::Error);
         failure.set_message(format!("{} survived", count(check.score.survived, "mutant")));
         return failure;
