@@ -200,3 +200,45 @@ fn slopes_of_what_is_not_given_are_undecided() {
     assert_eq!(verdict("", "100."), "pass");
     assert_eq!(verdict(", DEPENDENCIES=1", "100., 20., 1.\n200., 40., 2."), "undecided");
 }
+
+/// A state on a singular set is a kink, not a mismatch, wherever it stands in a long history: differences on doubles have no step there.
+#[test]
+fn a_singular_state_in_a_long_history_is_a_kink() {
+    let deck = crate::cli::file(
+        "axial-through-zero.inp",
+        "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\nAXIAL\n",
+    );
+    let mut lines = "state,node,u1,u2\n".to_string();
+    for i in 0..40 {
+        let [along, across] = if i == 3 { [-1.0, 0.0] } else { [0.1 + 0.01 * f64::from(i), 0.2] };
+        lines += &format!("{i},2,{along:?},{across:?}\n");
+    }
+    let states = crate::cli::file("axial-through-zero.csv", &lines);
+    let found =
+        pintle(&["audit", &deck, "--at", &states, "--wide-states", "5", "--format", "json"]).assert().code(0);
+    let report: Value = serde_json::from_str(&stdout(&found)).unwrap();
+    let checks = report["subjects"][0]["checks"].as_array().unwrap();
+    let first = checks.iter().find(|check| {
+        check["quantity"] == "first-derivatives" && check["against"]["oracle"] == "wide-differences"
+    });
+    assert_eq!(first.unwrap()["verdict"], "kink", "{first:?}");
+    // JUnit tells all three claims.
+    let page = stdout(
+        &pintle(&["audit", &deck, "--at", &states, "--oracles", "nodal-dual", "--format", "junit"]).assert(),
+    );
+    for claim in ["derivative", "formula", "declaration"] {
+        assert!(page.contains(&format!("claim: {claim}")), "{page}");
+    }
+}
+
+/// Nodes at the end of the doubles overflow the constraint Jacobian: it is said, and the audit ends.
+#[test]
+fn an_assembly_that_overflows_ends() {
+    let deck = crate::cli::file(
+        "overflow.inp",
+        "*NODE\n1, 0., 0., 0.\n2, 1e200, 0., 0.\n3, -1.7e308, 0., 0.\n4, 1.7e308, 1., 0.\n\
+         *ELEMENT, TYPE=CONN3D2, ELSET=C\n11, 1, 2\n12, 2, 3\n13, 3, 4\n14, 4, 1\n*CONNECTOR SECTION, ELSET=C\nBEAM\n",
+    );
+    let page = stdout(&pintle(&["audit", &deck, "--wide-states", "1", "--drawn-states", "1"]).assert());
+    assert!(page.contains("assembly::"), "{page}");
+}

@@ -330,3 +330,27 @@ fn the_normal_force_of_a_belt_is_the_tension_that_holds() {
         }
     }
 }
+
+/// Where tensions vanish a belt's criterion has kinks: no second derivative is judged there, whatever oracle is asked, and a stiff
+/// belt has the same verdict as a soft one.
+#[test]
+fn a_belt_at_rest_is_no_mismatch() {
+    let gallery = include_str!("../decks/seat_belt.inp");
+    for stiffness in ["1e3", "1e9"] {
+        let deck = gallery
+            .replace(
+                "** *CONNECTOR FRICTION, PREDEFINED",
+                &format!("*CONNECTOR FRICTION, PREDEFINED, STICK STIFFNESS={stiffness}"),
+            )
+            .replace("** *FRICTION", "*FRICTION")
+            .replace("** 0.2", "0.2");
+        assert!(deck.contains("\n*FRICTION\n0.2"), "the deck has its friction in comments");
+        let deck = crate::cli::file(&format!("belt-at-rest-{stiffness}.inp"), &deck);
+        for more in [&[][..], &["--oracles", "differences"][..]] {
+            let arguments = [&["audit", &deck][..], more].concat();
+            let page = crate::cli::stdout(&crate::cli::pintle(&arguments).assert().code(0));
+            assert!(!page.contains(": wrong"), "{stiffness} {more:?}: {page}");
+            assert_eq!(page.contains("kink"), more.is_empty(), "{stiffness} {more:?}: {page}");
+        }
+    }
+}

@@ -312,7 +312,7 @@ impl Report {
 
     /// A counter-example for every failed check of an oracle, by file name, shrunk to the simplest values that still fail.
     pub fn counter_examples(&self) -> Vec<(String, CounterExample)> {
-        let mut found = Vec::new();
+        let mut found: Vec<(String, CounterExample)> = Vec::new();
         for subject in &self.subjects {
             let failed = subject.checks.iter().filter(|check| check.verdict.is_mismatch());
             for (i, check) in failed.enumerate() {
@@ -325,13 +325,16 @@ impl Report {
                     })
                 };
                 let small = shrink(case, &|case| same(case).is_some());
-                let title = subject.title();
-                let example = CounterExample::of(same(&small).as_ref().unwrap_or(check), &title);
-                let words: String = title
+                let example = CounterExample::of(same(&small).as_ref().unwrap_or(check), &subject.name);
+                let words: String = subject
+                    .name
                     .chars()
                     .map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
                     .collect();
-                found.extend(example.map(|example| (format!("{words}-{i}.json"), example)));
+                // Connectors of two scenes may have one name.
+                let mut names = (i..).map(|i| format!("{words}-{i}.json"));
+                let name = names.find(|name| found.iter().all(|(taken, _)| taken != name));
+                found.extend(name.zip(example));
             }
         }
         found
