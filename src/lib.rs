@@ -56,7 +56,7 @@
 //! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
 //! | [`audit`] | is it right, and how do we know? |
-//! | [`bench`] | what does it cost, at which error? |
+//! | [`mod@bench`] | what does it cost, at which error? |
 //! | [`report`] | how is it shown? |
 //!
 //! ```
