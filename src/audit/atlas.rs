@@ -245,12 +245,7 @@ pub fn near(
 /// Random states near the singular sets of a type: 1e-1 to 1e-12 away, from either side, from any direction, with both nodes
 /// turned besides. Nothing for a type that has no singular set.
 pub fn random_near(connection: &ConnectionType, draw: &mut Draw) -> Option<Case> {
-    let measures: Vec<Measure> = connection
-        .slots
-        .iter()
-        .filter_map(|slot| slot.position())
-        .filter(|measure| measure.singular_set().is_some())
-        .collect();
+    let measures: Vec<Measure> = connection.singular_measures().collect();
     let measure = *measures.get(draw.below(measures.len()))?;
     let sign = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
     let distance = sign * 10.0_f64.powf(-draw.between(1.0, 12.0));

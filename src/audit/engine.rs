@@ -16,7 +16,7 @@ use super::sample::{Draw, Extent, cases, random_case};
 use super::sheet::Sheet;
 use super::truth::Truth;
 use super::verdict::{Finding, Judgement, Score, Surroundings, Verdict, Wanted, judge, try_mutants};
-use crate::catalog::{ConnectionType, Slot, TABLE};
+use crate::catalog::{ConnectionType, TABLE};
 use crate::measure::Unit;
 use crate::node::DOFS;
 
@@ -178,8 +178,8 @@ pub(super) fn spread(count: usize, wanted: usize) -> BTreeSet<usize> {
 
 fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let regions = cases(connection, Extent::Full);
-    let has_singular_set = |slot: &Slot| slot.position().is_some_and(|m| m.singular_set().is_some());
-    let near = if connection.slots.iter().any(has_singular_set) { settings.near_singular_states } else { 0 };
+    let near =
+        if connection.singular_measures().next().is_some() { settings.near_singular_states } else { 0 };
     // Most of the wide states cover the regions, the others lie near singular sets.
     let near_wide = if near > 0 { settings.wide_states / 4 } else { 0 };
     let regular = settings.states.max(regions.len());

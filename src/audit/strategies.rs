@@ -92,12 +92,7 @@ pub fn history(definition: &Definition, turns: u32) -> impl Strategy<Value = Cas
 /// A state 1e-1 to 1e-12 from a singular set of the type, on either side and from any direction; nothing else for a type that
 /// has none.
 pub fn near_singular(connection: &ConnectionType) -> impl Strategy<Value = Option<Case>> + use<> {
-    let measures: Vec<Measure> = connection
-        .slots
-        .iter()
-        .filter_map(|slot| slot.position())
-        .filter(|measure| measure.singular_set().is_some())
-        .collect();
+    let measures: Vec<Measure> = connection.singular_measures().collect();
     let connection = connection.clone();
     let which = 0..measures.len().max(1);
     (which, 1.0..12.0_f64, -PI..PI, any::<bool>(), any::<u16>()).prop_map(

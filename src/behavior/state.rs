@@ -17,7 +17,7 @@ use super::limits::{Criterion, Passed, Verdict};
 use super::slide::{Beyond, Slip};
 use super::{Conditions, ForceKink, Forces, Motion, PRINTED, Unknown};
 use crate::catalog::ConnectionType;
-use crate::connector::{Components, Mask, Stop, StopStatus};
+use crate::connector::{Components, Evaluation, Mask, Stop, StopStatus};
 use crate::scene::{self, Diagnostic, MotionType};
 use num_dual::Dual2_64;
 use serde::{Deserialize, Serialize};
@@ -93,6 +93,23 @@ pub struct Kinematics<'a> {
     pub slides: bool,
     /// The belt on the other side of the ring at b, where there is one.
     pub beyond: Option<Beyond>,
+}
+
+impl<'a> Kinematics<'a> {
+    /// What an evaluation knows, where friction is followed and no belt goes on beyond b.
+    pub const fn of(evaluation: &'a Evaluation<f64>, time: Option<f64>, velocities: Velocities) -> Self {
+        Self {
+            position: &evaluation.position,
+            displacement: &evaluation.displacement,
+            constitutive: &evaluation.constitutive,
+            velocity: &evaluation.velocity,
+            acceleration: &evaluation.acceleration,
+            time,
+            velocities,
+            slides: true,
+            beyond: None,
+        }
+    }
 }
 
 /// Something that happened at a state, or needs care.

@@ -215,12 +215,7 @@ fn truth(case: &Case, element: &Element, components: &[usize]) -> Option<[Vec<Wi
 
 /// State `i` near a singular point of one of the measures, or near half a turn.
 fn case_near(connection: &ConnectionType, i: usize, distance: f64, draw: &mut Draw) -> Option<Case> {
-    let measures: Vec<Measure> = connection
-        .slots
-        .iter()
-        .filter_map(|slot| slot.position())
-        .filter(|measure| measure.singular_set().is_some())
-        .collect();
+    let measures: Vec<Measure> = connection.singular_measures().collect();
     let measure = *measures.get(i % measures.len().max(1))?;
     if matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_)) {
         let a0 = draw.triad();

@@ -265,6 +265,16 @@ pub struct ConnectionType {
 }
 
 impl ConnectionType {
+    /// What the components measure as positions, in their order.
+    pub fn positions(&self) -> impl Iterator<Item = Measure> + '_ {
+        self.slots.iter().filter_map(|slot| slot.position())
+    }
+
+    /// Those of [`ConnectionType::positions`] that have a singular set.
+    pub fn singular_measures(&self) -> impl Iterator<Item = Measure> + '_ {
+        self.positions().filter(|measure| measure.singular_set().is_some())
+    }
+
     /// A basic type by itself.
     pub const fn basic(half: &'static Half) -> Self {
         let [s1, s2, s3] = half.slots;

@@ -684,17 +684,8 @@ impl Context<'_> {
         let needed = behavior.request(&Request::nothing(0), false);
         tally.behaviors += 1;
         let evaluation = connector.evaluate(&state, &increment, &before, &needed, tally);
-        let now = Kinematics {
-            position: &evaluation.position,
-            displacement: &evaluation.displacement,
-            constitutive: &evaluation.constitutive,
-            velocity: &evaluation.velocity,
-            acceleration: &evaluation.acceleration,
-            time: self.scene_state.time,
-            velocities: self.velocities,
-            slides: false,
-            beyond: None,
-        };
+        let known = Kinematics::of(&evaluation, self.scene_state.time, self.velocities);
+        let now = Kinematics { slides: false, ..known };
         let driven = (&behavior.drives, &self.model.schedule);
         let none = History::default();
         let history = memory.and_then(|memory| memory.behavior.as_deref()).unwrap_or(&none);
@@ -737,17 +728,8 @@ impl Context<'_> {
         let none = History::default();
         let history = memory.behavior.as_deref().unwrap_or(&none);
         let outcome = behavior.map(|behavior| {
-            let now = Kinematics {
-                position: &evaluation.position,
-                displacement: &evaluation.displacement,
-                constitutive: &evaluation.constitutive,
-                velocity: &evaluation.velocity,
-                acceleration: &evaluation.acceleration,
-                time: scene_state.time,
-                velocities,
-                slides,
-                beyond: beyond.get(&index).copied(),
-            };
+            let known = Kinematics::of(&evaluation, scene_state.time, velocities);
+            let now = Kinematics { slides, beyond: beyond.get(&index).copied(), ..known };
             let given = given.unwrap_or_default();
             let driven = (&behavior.drives, &model.schedule);
             behavior.behavior.at(&now, &given, driven, conditions, history)

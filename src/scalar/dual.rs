@@ -169,10 +169,10 @@ pub trait Differentiable: Real {
 }
 
 macro_rules! differentiable {
-    ($($real:ty),*) => { $(
+    ($($real:ty: $first:ident, $second:ident;)*) => { $(
         impl Differentiable for $real {
-            type Gradient<const N: usize> = DualSVec<Self, N>;
-            type Hessian<const N: usize> = Dual2SVec<Self, N>;
+            type Gradient<const N: usize> = $first<Self, N>;
+            type Hessian<const N: usize> = $second<Self, N>;
             type Time = Dual2<Self>;
 
             #[inline(always)]
@@ -188,23 +188,10 @@ macro_rules! differentiable {
     )* };
 }
 
-differentiable!(Wide);
-
-/// Dual numbers of plain arrays: half of num-dual's time, for those hold their derivatives as an option and multiply what is zero.
-impl Differentiable for f64 {
-    type Gradient<const N: usize> = FirstOrder<Self, N>;
-    type Hessian<const N: usize> = SecondOrder<Self, N>;
-    type Time = Dual2<Self>;
-
-    #[inline(always)]
-    fn moving(value: Self, velocity: Self, acceleration: Self) -> Self::Time {
-        Dual2::new(value, velocity, acceleration)
-    }
-
-    #[inline(always)]
-    fn rates(moving: Self::Time) -> (Self, Self) {
-        (moving.v1, moving.v2)
-    }
+// On doubles plain arrays take half of num-dual's time: those hold their derivatives as an option and multiply what is zero.
+differentiable! {
+    Wide: DualSVec, Dual2SVec;
+    f64: FirstOrder, SecondOrder;
 }
 
 /// Dual numbers of plain arrays, in place of num-dual's: those ask of the number underneath an order and a conversion to `f64`,

@@ -151,17 +151,8 @@ pub(in crate::audit) fn drawn(
         angle: draw.between(0.3, 3.0),
         wrap: Wrap::Given,
     });
-    let now = Kinematics {
-        position: &evaluation.position,
-        displacement: &evaluation.displacement,
-        constitutive: &evaluation.constitutive,
-        velocity: &evaluation.velocity,
-        acceleration: &evaluation.acceleration,
-        time: Some(draw.between(0.01, 1.0)),
-        velocities: Velocities::Rates,
-        slides: true,
-        beyond,
-    };
+    let time = Some(draw.between(0.01, 1.0));
+    let now = Kinematics { beyond, ..Kinematics::of(&evaluation, time, Velocities::Rates) };
     let conditions = Conditions::default();
     let outcome = behavior.at(&now, &total, (&element.drives, schedule), &conditions, &history);
     let tangent = behavior.consistent_tangent(&outcome, &conditions, &history);

@@ -57,7 +57,7 @@ pub fn turning(connection: &ConnectionType) -> Turning {
             _ => false,
         })
     };
-    let position = |wanted: fn(Measure) -> bool| positions(connection).any(wanted);
+    let position = |wanted: fn(Measure) -> bool| connection.positions().any(wanted);
     if printed(Measure::Misalignment(1)) {
         Turning::Align
     } else if printed(Measure::Cosine(1, 2)) {
@@ -79,25 +79,21 @@ pub fn turning(connection: &ConnectionType) -> Turning {
     }
 }
 
-fn positions(connection: &ConnectionType) -> impl Iterator<Item = Measure> + '_ {
-    connection.slots.iter().filter_map(|slot| slot.position())
-}
-
 /// Whether the type measures a length that has no derivative where the nodes coincide, and so needs nodes apart.
 pub fn needs_length(connection: &ConnectionType) -> bool {
-    positions(connection).any(|m| m.singular_set().is_some_and(|set| set.unit == Unit::Length))
+    connection.positions().any(|m| m.singular_set().is_some_and(|set| set.unit == Unit::Length))
 }
 
 /// Whether turning b far against a, in the way that the type's rotations ask for, leads through e3b = −e3a, where its directions
 /// midway between a and b do not exist: PROJECTION CARTESIAN beside a joint that does not turn about e3.
 pub(super) fn turns_shafts_over(connection: &ConnectionType) -> bool {
-    positions(connection).any(Measure::counts_torsion)
+    connection.positions().any(Measure::counts_torsion)
         && !matches!(turning(connection), Turning::Torsion | Turning::Euler | Turning::Flow)
 }
 
 /// Whether the type measures an angle that does not exist, or has no derivative, where e3a and e3b are parallel.
 pub(super) fn needs_tilt(connection: &ConnectionType) -> bool {
-    positions(connection).any(|m| matches!(m, Measure::Euler(_) | Measure::Flexion | Measure::Sweep))
+    connection.positions().any(|m| matches!(m, Measure::Euler(_) | Measure::Flexion | Measure::Sweep))
 }
 
 /// Rx(angle).
