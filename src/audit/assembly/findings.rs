@@ -14,6 +14,7 @@ pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Find
     let mut found = redundancies(scene, assembly);
     found.extend(at_states(scene, assembly));
     found.extend(overdriven(scene, assembly));
+    found.extend(skipped(scene, assembly));
     found.extend(undecided(scene, assembly));
     found.extend(not_assembled(scene, assembly));
     found.extend(mechanism(scene, assembly));
@@ -180,18 +181,44 @@ fn overdriven(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     Some(finding.about(about(&assembly.overdriven.iter().collect::<Vec<_>>())))
 }
 
+/// Parts that were not looked at.
+fn skipped(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let largest = assembly.skipped.iter().max_by_key(|part| part.front)?;
+    let others = assembly.parts.saturating_sub(assembly.skipped.len());
+    let more = match assembly.skipped.len() - 1 {
+        0 => String::new(),
+        more => format!(" (and of {})", count(more, "part like it")),
+    };
+    let rest = match others {
+        0 => String::new(),
+        others => format!(
+            "; what is said besides is of the {} that {} looked at",
+            count(others, "other part"),
+            agree(others, ["was", "were"])
+        ),
+    };
+    let message = format!(
+        "the rank of the constraints was not found for the part of node {}, with {} and {}{more}: elimination would need dense matrices of {} \
+         columns{rest}",
+        largest.node,
+        count(largest.connectors, "connector"),
+        count(largest.degrees_of_freedom, "degree of freedom"),
+        largest.front
+    );
+    let reason = "the nodes are joined so densely that the constraint Jacobian fills when it is eliminated";
+    let remedy = "audit smaller pieces of the part as scenes of their own";
+    let finding = Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy);
+    Some(finding.about(About {
+        nodes: assembly.skipped.iter().map(|part| part.node).take(100).collect(),
+        ..About::default()
+    }))
+}
+
 fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    if assembly.positions.is_empty() && assembly.largest_front > 0 {
-        let message = format!(
-            "the rank of the constraints was not found: elimination would need dense matrices of {} columns",
-            assembly.largest_front
-        );
-        let reason =
-            "the nodes are joined so densely that the constraint Jacobian fills when it is eliminated";
-        let remedy = "audit parts of the model as scenes of their own";
-        return Some(Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy));
-    }
-    let is_open = |position: &&Position| !position.decided;
+    // Parts that were not looked at are told by themselves.
+    let is_open = |position: &&Position| {
+        !position.decided && (position.rank.is_some() || !position.doubtful.is_empty() || !position.finite)
+    };
     let position = assembly.positions.iter().find(is_open)?;
     // Where all is certain elsewhere, and the rank no smaller, it is the position that is near one of smaller rank.
     let elsewhere = assembly.positions.iter().find(|other| other.decided && other.rank >= position.rank);
@@ -225,6 +252,11 @@ fn when(state: Option<u64>) -> String {
     state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"))
 }
 
+/// A number, where it is known.
+fn number(known: Option<usize>) -> String {
+    known.map_or_else(|| "not known".to_string(), |number| number.to_string())
+}
+
 /// A position of which its digits do not tell whether it is singular, where another one is not.
 fn near_singular(scene: &Scene, position: &Position, elsewhere: &Position, more: usize) -> Finding {
     let doubtful: Vec<String> = position.doubtful.iter().map(ToString::to_string).collect();
@@ -242,9 +274,9 @@ fn near_singular(scene: &Scene, position: &Position, elsewhere: &Position, more:
         "{} the assembly is within {distance:.1e} (relative, of the constraint Jacobian) of a singular position, a change point say: {named} nearly \
          {depend} on other constraints, so that the rank is {}, or less; {} it is certain, {}{also}",
         when(position.state),
-        position.rank,
+        number(position.rank),
         when(elsewhere.state),
-        elsewhere.rank,
+        number(elsewhere.rank),
     );
     let reason = "more than rounding explains, and less than the digits of a state warrant";
     let remedy = "keep clear of this position, or drive through it with care: forces grow without bound near it, and the assembly can go on \
@@ -268,7 +300,8 @@ fn not_assembled(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
 }
 
 fn mechanism(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    let undriven = assembly.positions.first()?.undriven;
+    // Where a part was not looked at, those of the others.
+    let undriven = assembly.positions.first()?.undriven.unwrap_or(assembly.modes.len());
     if undriven == 0 {
         return None;
     }
