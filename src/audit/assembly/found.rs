@@ -4,12 +4,17 @@ use super::dense;
 use super::eliminate::{Outcome, Sparse, Task, eliminate};
 use super::system::{Origin, Part, Role, System};
 use super::{Constraint, Gap, Position};
+use crate::audit::bound::U;
 use crate::catalog::COMPONENT;
 use crate::evaluate::Source;
 use rayon::prelude::*;
 
 /// A singular value below this part of the largest that is not zero by rounding is decided by digits that decks do not have.
 const DIGITS: f64 = 1e-7;
+/// By so many rounding units an entry is off that was computed: directions, levers, and what a deck was written from.
+const COMPUTED: f64 = 1e3;
+/// By so many rounding units of itself a coordinate is off.
+const ROUNDED: f64 = 4.0;
 /// The size (the smaller of rows and columns) up to which singular values of a part are looked at at every state given, not only initially.
 const EVERYWHERE: usize = 60;
 
@@ -21,6 +26,8 @@ pub(super) struct Found {
     /// With drives: rank beyond that of the constraints, and what is free.
     driven: Option<(Outcome, Vec<u32>)>,
     singular_values: Option<[f64; 2]>,
+    /// Whether the singular values that count as zero are no larger than rounding makes them: by Weyl, no change moves one by more than its norm.
+    zero_is_zero: bool,
     pub(super) matrix: Option<Sparse>,
 }
 
@@ -36,7 +43,16 @@ impl Found {
 
     pub(super) fn is_decided(&self) -> bool {
         let digits = self.singular_values.is_none_or(|[nonzero, _]| nonzero > DIGITS);
-        self.constraints.is_decided() && self.undriven().is_decided() && digits
+        self.constraints.is_decided() && self.undriven().is_decided() && digits && self.zero_is_zero
+    }
+
+    /// Rows of the matrix of constraints whose independence, or dependence, is not certain.
+    fn doubtful(&self) -> &[u32] {
+        if !self.constraints.doubtful.is_empty() {
+            return &self.constraints.doubtful;
+        }
+        let is_zero = !self.zero_is_zero || self.constraints.remains;
+        if is_zero { self.constraints.widest.as_slice() } else { self.constraints.weakest.as_slice() }
     }
 }
 
@@ -57,14 +73,19 @@ pub(super) fn look(system: &System<'_>, values: &[f64], residuals: &[f64], keep:
             (eliminate(&matrix, &part.order, task), rows)
         });
         let is_small = dense::is_small(&matrix, if keep { dense::LARGEST } else { EVERYWHERE });
-        let singular_values = is_small.then(|| dense::singular_values(&matrix)).and_then(|values| {
+        let values = is_small.then(|| dense::singular_values(&matrix)).unwrap_or_default();
+        let [computed, rounded] = matrix.changes();
+        let allowed = U * (COMPUTED * computed + ROUNDED * rounded) + task.uncertainty * computed;
+        let zero_is_zero = values.get(constraints.rank).is_none_or(|zero| *zero <= allowed);
+        let singular_values = (!values.is_empty()).then_some(values).and_then(|values| {
             let largest = values.first().copied().filter(|largest| *largest > 0.0)?;
             let nonzero = values.get(constraints.rank.checked_sub(1)?)?;
             let zero = values.get(constraints.rank).copied().unwrap_or_default();
             Some([nonzero / largest, zero / largest])
         });
         let is_wanted = keep && is_small && !constraints.dependent.is_empty();
-        Some(Found { constraints, rows, driven, singular_values, matrix: is_wanted.then_some(matrix) })
+        let matrix = is_wanted.then_some(matrix);
+        Some(Found { constraints, rows, driven, singular_values, zero_is_zero, matrix })
     };
     system.parts.par_iter().map(of_part).collect()
 }
@@ -85,17 +106,19 @@ pub(super) fn position(
     let nonzero = outcomes().map(|outcome| outcome.gap[1]).fold(f64::INFINITY, f64::min);
     let values = known().filter_map(|found| found.singular_values);
     let singular_values = values.reduce(|x, y| [x[0].min(y[0]), x[1].max(y[1])]);
-    let doubtful = known().filter(|found| !found.is_decided()).flat_map(|found| {
-        let certain = &found.constraints.doubtful;
-        let named = if certain.is_empty() { found.constraints.weakest.as_slice() } else { certain };
-        named.iter().map(|row| constraint(system, found.rows[*row as usize]))
-    });
+    let doubtful = known()
+        .filter(|found| !found.is_decided())
+        .flat_map(|found| found.doubtful().iter().map(|row| constraint(system, found.rows[*row as usize])));
     Position {
         state,
         rank: sum(|found| found.constraints.rank),
         mobility: sum(|found| found.constraints.free.len()),
         undriven: sum(|found| found.undriven().free.len()),
         redundant: sum(|found| found.constraints.dependent.len()).map(|redundant| redundant + fixed),
+        undriven_undecided: known()
+            .filter(|found| !found.is_decided())
+            .map(|found| found.undriven().free.len())
+            .sum(),
         overdriven: sum(Found::overdriven),
         decided: found.iter().all(|found| found.as_ref().is_some_and(Found::is_decided)),
         finite: outcomes().all(|outcome| !outcome.overflows),

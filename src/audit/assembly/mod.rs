@@ -132,6 +132,8 @@ pub struct Redundant {
     pub constraint: Constraint,
     /// Where it does.
     pub holds: Holds,
+    /// Whether the rank of its part is certain. Where it is not, the constraint is redundant if what was taken for zero is zero.
+    pub decided: bool,
     /// The others that it follows from, where the part is small enough to say it; empty where all its nodes are held.
     pub from: Vec<Constraint>,
 }
@@ -145,6 +147,8 @@ pub struct Mode {
     pub nodes: Vec<Label>,
     /// The number of nodes that move; `None` where the part is too large to say it.
     pub moving: Option<usize>,
+    /// Whether the rank of its part is certain. Where it is not, this is a motion if what was taken for zero is zero.
+    pub decided: bool,
 }
 
 /// What lies between zero and not.
@@ -176,6 +180,8 @@ pub struct Position {
     pub mobility: Option<usize>,
     /// Those that nothing drives either.
     pub undriven: Option<usize>,
+    /// Those of them that belong to parts whose rank is not certain: as many if what was taken for zero is zero.
+    pub undriven_undecided: usize,
     /// The number of redundant constraints.
     pub redundant: Option<usize>,
     /// The number of drives that act on what is determined already.

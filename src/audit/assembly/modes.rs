@@ -14,7 +14,7 @@ pub(super) fn modes(system: &System<'_>, found: &[Option<Found>]) -> Vec<Mode> {
     let mut modes = Vec::new();
     for (part, found) in system.parts.iter().zip(found) {
         let Some(found) = found else { continue };
-        let outcome = found.undriven();
+        let (outcome, decided) = (found.undriven(), found.is_decided());
         for (at, column) in outcome.free.iter().enumerate() {
             if modes.len() >= LISTED {
                 return modes;
@@ -22,7 +22,7 @@ pub(super) fn modes(system: &System<'_>, found: &[Option<Found>]) -> Vec<Mode> {
             let leading = freedoms[part.columns[*column as usize] as usize];
             let is_known = outcome.has_pivots() || outcome.rank == 0;
             if at >= MODES || !is_known {
-                modes.push(Mode { leading, nodes: vec![leading.node], moving: None });
+                modes.push(Mode { leading, nodes: vec![leading.node], moving: None, decided });
                 continue;
             }
             let motion =
@@ -44,6 +44,7 @@ pub(super) fn modes(system: &System<'_>, found: &[Option<Found>]) -> Vec<Mode> {
                 leading,
                 nodes: nodes.iter().take(20).map(|(node, _)| *node).collect(),
                 moving,
+                decided,
             });
         }
     }

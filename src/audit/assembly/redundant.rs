@@ -20,6 +20,7 @@ pub(super) fn redundant(system: &System<'_>, found: &[Option<Found>], fixed: &[u
     let held = fixed.iter().map(|row| Redundant {
         constraint: constraint(system, *row),
         holds: Holds::Rigid,
+        decided: true,
         from: Vec::new(),
     });
     let of_parts: Vec<Vec<Redundant>> = system
@@ -30,7 +31,10 @@ pub(super) fn redundant(system: &System<'_>, found: &[Option<Found>], fixed: &[u
             let Some(found) = found.as_ref().filter(|found| !found.constraints.dependent.is_empty()) else {
                 return Vec::new();
             };
-            let (elsewhere, rows) = judge(system, part, found);
+            let decided = found.is_decided();
+            // Of what may not be redundant nothing is to be found elsewhere.
+            let (elsewhere, rows) =
+                if decided { judge(system, part, found) } else { (Vec::new(), Holds::Unjudged) };
             let dependent = &found.constraints.dependent;
             let here = only_here(dependent, &elsewhere);
             dependent
@@ -41,6 +45,7 @@ pub(super) fn redundant(system: &System<'_>, found: &[Option<Found>], fixed: &[u
                         Holds::Here if !here.contains(row) => Holds::Throughout,
                         holds => holds,
                     },
+                    decided,
                     from: match &found.matrix {
                         Some(matrix) if dependent.len() <= EXPLAINED => {
                             let made = dense::made_of(matrix, dependent, *row);
