@@ -73,7 +73,7 @@ pub(super) fn look(system: &System<'_>, values: &[f64], residuals: &[f64], keep:
             (eliminate(&matrix, &part.order, task), rows)
         });
         let is_small = dense::is_small(&matrix, if keep { dense::LARGEST } else { EVERYWHERE });
-        let values = is_small.then(|| dense::singular_values(&matrix)).unwrap_or_default();
+        let values = if is_small { dense::singular_values(&matrix) } else { Vec::new() };
         let [computed, rounded] = matrix.changes();
         let allowed = U * (COMPUTED * computed + ROUNDED * rounded) + task.uncertainty * computed;
         let zero_is_zero = values.get(constraints.rank).is_none_or(|zero| *zero <= allowed);
