@@ -334,7 +334,12 @@ fn distances_and_values_are_told_of_each() {
     fs::write(&states, "state,node,u1,u2,u3,ur1,ur2,ur3\n1,2,0,0,0,0,0.5,0\n2,2,0,0,0,0,1.5,0\n").unwrap();
     let arguments = ["audit", deck.to_str().unwrap(), "--at", states.to_str().unwrap(), "--model-only"];
     let page = stdout(&pintle(&arguments).assert().code(0));
-    assert!(page.contains("nearest singular point: ur1 of element 1 is 7.080e-2 rad from β = ±π/2 (lock), at state 2"), "{page}");
+    assert!(
+        page.contains(
+            "nearest singular point: ur1 of element 1 is 7.080e-2 rad from β = ±π/2 (lock), at state 2"
+        ),
+        "{page}"
+    );
     pintle(&[&arguments[..], &["--deny", "warnings"]].concat()).assert().code(1);
     let document = stdout(&pintle(&[&arguments[..], &["--format", "json"]].concat()).assert().code(0));
     let document: Value = serde_json::from_str(&document).unwrap();
