@@ -4,6 +4,7 @@
 use crate::audit::{judged, named};
 use pintle::audit::sample::{Draw, Extent, about_initial, cases};
 use pintle::audit::{Against, Case, Invariant, Numbers, Quantity, Report, Settings, audit_cases, invariant};
+use pintle::catalog::ConnectionType;
 use pintle::connector::Definition;
 use pintle::node::{Node, Pair};
 use pintle::vector::identity;
@@ -148,10 +149,8 @@ fn the_power_identity_knows_the_forces() {
 /// At the initial state of FLEXION-TORSION laws are asked of what is smooth there, and the numbers pass.
 #[test]
 fn laws_hold_beside_a_kink() {
-    let definition = special("CARTESIAN", |_| ());
-    let mut connection = definition.connection.as_ref().clone();
-    connection.slots[3..].copy_from_slice(&named("FLEXION-TORSION").slots[3..]);
-    let definition = Definition { connection: connection.into(), ..definition };
+    let connection = ConnectionType::named("CARTESIAN", Some("FLEXION-TORSION")).unwrap();
+    let definition = special("CARTESIAN", |definition| definition.connection = connection.clone().into());
     let case = about_initial(&definition, 0, 0.8, "initial".into(), &mut Draw::new("kink")).unwrap();
     let (numbers, bound, nearness) = judged(&case);
     assert_eq!(nearness, 0.0);

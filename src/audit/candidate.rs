@@ -28,13 +28,14 @@
 use super::bound::Bound;
 use super::case::{Case, dof_size, moved};
 use super::certificate::certificate;
+use super::conditioned::Conditioned;
 use super::coverage::{Coverage, Lack};
 use super::diagnosis::Symptoms;
 use super::engine::{Settings, checks_of};
 use super::model::{Finding, ModelReport};
 use super::mutant::{self, mutants};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
-use super::outcome::{Against, Check, Report, Subject};
+use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::quantity::{Entries, Numbers, Quantity};
 use super::sample::{Draw, about_initial};
 use super::truth::Truth;
@@ -116,7 +117,9 @@ impl<'a> Candidate<'a> {
             checks_of(&mut found, self.judge(&case, &routine, wide));
         }
         let connection = &self.definition.connection;
-        let mut subject = Subject::new(self.name.to_string(), certificate(connection), cases, found);
+        let expected = Expected::numbers(&[Quantity::Value, Quantity::FirstDerivatives]);
+        let mut subject =
+            Subject::new(self.name.to_string(), certificate(connection), cases, found, &expected);
         // A candidate's formula is judged state by state.
         let values = subject.checks.iter().filter(|check| check.quantity == Some(Quantity::Value));
         subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
@@ -168,6 +171,8 @@ impl<'a> Candidate<'a> {
             Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
         let connector = case.connector();
         let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
+        // A routine's numbers are not all there: what must be noticed of its derivatives is told of the product's.
+        let conditioned = Conditioned::new(&trusted, case, &units, &narrow.nearness_of_components());
         let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
         let turns = branch.turns.map(|turns| turns.turns);
         // The same checks of the routine's numbers with a mistake in them, at the states on 237 bits.
@@ -178,11 +183,17 @@ impl<'a> Candidate<'a> {
             let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
             let scene = mutant::Scene { numbers: &given, case, units, turns, scale: &scale };
             let size = |i: usize| quantity.entry_size(i, case.length);
-            try_mutants(quantity, given.entries(quantity), answer, &bound, &size, &mutants(quantity, &scene))
+            let size: (&dyn Fn(usize) -> f64, _) = (&size, &conditioned);
+            try_mutants(quantity, given.entries(quantity), answer, &bound, size, &mutants(quantity, &scene))
         };
         let mut compare = |quantity: Quantity, answer: &Answer| {
             let got = given.entries(quantity);
-            let around = Surroundings { bound: &bound, exact: None, nearness, one_sided: None };
+            let around = Surroundings {
+                bound: &bound,
+                exact: None,
+                nearness: narrow.nearness_of_components(),
+                one_sided: None,
+            };
             let judgement = judge(quantity, got, answer, &around);
             let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
@@ -222,10 +233,15 @@ impl<'a> Candidate<'a> {
             return checks;
         }
         let mut check = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
-        let around = Surroundings { bound: &bound, exact: None, nearness, one_sided: None };
+        let around = Surroundings {
+            bound: &bound,
+            exact: None,
+            nearness: narrow.nearness_of_components(),
+            one_sided: None,
+        };
         let judgement =
             judge(Quantity::FirstDerivatives, given.entries(Quantity::FirstDerivatives), &own, &around);
-        check.add(judgement, Score::default(), case);
+        check.add(judgement, prove(Quantity::FirstDerivatives, &own), case);
         checks.push(check);
         checks
     }

@@ -228,7 +228,8 @@ impl Truth {
             let (v, a) = (self.state.velocity[j].to_f64() / size, self.state.acceleration[j].to_f64() / size);
             most.max(v.abs()).max(a.abs().max(0.0).powf(0.5))
         });
-        let time = if speed > 0.0 { self.nearness.max(f64::MIN_POSITIVE) / speed } else { 1.0 };
+        let near = if self.nearness > 0.0 { self.nearness } else { 1.0 };
+        let time = if speed > 0.0 { near / speed } else { 1.0 };
         let at = |t: Wide| -> NodalRow<Wide> {
             std::array::from_fn(|j| {
                 self.state.velocity[j] * t + self.state.acceleration[j] * t * t / Wide::integer(2)

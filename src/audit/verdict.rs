@@ -1,6 +1,7 @@
 //! Judging numbers against an answer: which entry, by how much, and how small an error would have been seen.
 
 use super::bound::Bound;
+use super::conditioned::{Conditioned, NOTICED};
 use super::diagnosis::Cause;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
@@ -121,10 +122,29 @@ pub struct Surroundings<'a> {
     pub bound: &'a Bound,
     /// The product's own source without rounding, where the numbers are the product's.
     pub exact: Option<&'a Entries<Wide>>,
-    /// min(1, distance to the nearest singular set); 0 on it.
-    pub nearness: f64,
+    /// min(1, distance to the nearest singular set) of each component; 0 on it.
+    pub nearness: [f64; 6],
     /// One-sided derivatives, for states on a singular set.
     pub one_sided: Option<[&'a Entries<Wide>; 2]>,
+}
+
+impl Surroundings<'_> {
+    /// On a singular set: how far the sides of a first derivative differ in units of rounding, where that is more than one, and the
+    /// derivatives from below and from above. The two-sided difference is their mean there, which is no derivative, whoever agrees with
+    /// it; that of a jump is its height over the step.
+    fn kink(&self, quantity: Quantity, k: usize, i: usize) -> Option<(f64, [f64; 2])> {
+        const OF_A_JUMP: f64 = 1e12;
+        let [below, above] = self.one_sided.filter(|_| self.nearness[k] == 0.0)?;
+        if quantity != Quantity::FirstDerivatives {
+            return None;
+        }
+        let (below, above) = (below.get(k, i)?, above.get(k, i)?);
+        let sides = [below, above].map(|side| side.to_f64());
+        let gap = units(sides[0], above, 2.0 * self.bound.tolerance(quantity, k, i));
+        let jumps =
+            sides.iter().any(|side| side.abs() > OF_A_JUMP * self.bound.scale(quantity, k, i).max(1.0));
+        (gap > 1.0 || jumps).then_some((gap, sides))
+    }
 }
 
 /// What a number must be, as the sum of two doubles: 106 bits, with which the error of a double is right to its own last digits.
@@ -173,18 +193,54 @@ pub(super) fn units(got: f64, want: Wide, allowed: f64) -> f64 {
     Wanted::from(want).units(got, allowed)
 }
 
-/// Judges the entries of one quantity.
+/// What is known of one entry besides its number.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    /// Whether its component is on a singular set.
+    pub(super) is_singular: bool,
+    /// Whether it is a first derivative whose two sides differ there.
+    pub(super) has_two_sides: bool,
+}
+
+/// The verdict on one entry, by itself: `units` is how far it is from what it must be in units of what is `allowed`.
+///
+/// A component that is not on a singular set is judged as everywhere, whatever the others of its connector do. On one, a value exists,
+/// and a first derivative whose sides agree; what is formed of other derivatives may not. Nothing is decided where what is allowed, or
+/// what it must be, is no number.
+pub(super) fn verdict_of_entry(
+    quantity: Quantity,
+    (got, want): (f64, f64),
+    allowed: f64,
+    units: f64,
+    at: Point,
+) -> Verdict {
+    let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
+    if !got.is_finite() {
+        Verdict::Invalid
+    } else if at.has_two_sides {
+        Verdict::Kink
+    } else if units <= 1.0 {
+        Verdict::Pass
+    } else if at.is_singular && !(exists && want.is_finite()) {
+        Verdict::Kink
+    } else if !allowed.is_finite() || !want.is_finite() {
+        Verdict::Undecided
+    } else {
+        Verdict::Wrong
+    }
+}
+
+/// Judges the entries of one quantity, each by itself: the severest verdict is that of the quantity.
 pub fn judge(
     quantity: Quantity,
     got: &Entries<f64>,
     answer: &Answer,
     around: &Surroundings<'_>,
 ) -> Judgement {
-    // (units, component, entry) of the entry nearest to its tolerance, or farthest beyond.
-    let mut farthest: Option<(f64, usize, usize)> = None;
+    // The entry that decides, by the severity of its verdict, and how clearly: the width of a kink, or the error in units.
+    let mut worst: Option<(Verdict, f64, Finding)> = None;
     let mut compared = 0;
     let mut coarse = false;
-    let mut is_finite = true;
     for (k, row) in got.0.iter().enumerate() {
         let (Some(row), Some(wanted)) = (row, &answer.numbers.0[k]) else { continue };
         let largest = row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -193,89 +249,41 @@ pub fn judge(
             let allowed = answer.allowed(around.bound, quantity, k, i);
             let units = want.units(*x, allowed);
             coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
-            is_finite = x.is_finite();
-            if !is_finite || farthest.is_none_or(|(most, ..)| units > most) {
-                farthest = Some((units, k, i));
-            }
-            if !is_finite {
-                break;
+            let kink = around.kink(quantity, k, i);
+            let at = Point { is_singular: around.nearness[k] == 0.0, has_two_sides: kink.is_some() };
+            let verdict = verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at);
+            let clearly = kink.map_or(units, |(gap, _)| gap);
+            if worst
+                .as_ref()
+                .is_none_or(|(most, least, _)| verdict > *most || verdict == *most && clearly > *least)
+            {
+                let finding = Finding {
+                    entry: quantity.entry_name(k, i),
+                    at: Some((k, i)),
+                    got: *x,
+                    want: want.to_f64(),
+                    tolerance: allowed,
+                    units,
+                    one_sided: kink.map(|(_, sides)| sides),
+                };
+                worst = Some((verdict, clearly, finding));
             }
         }
-        if !is_finite {
-            break;
-        }
     }
-    let mut worst = farthest.and_then(|(units, k, i)| {
-        Some(Finding {
-            entry: quantity.entry_name(k, i),
-            at: Some((k, i)),
-            got: got.get(k, i)?,
-            want: answer.numbers.get(k, i)?.to_f64(),
-            tolerance: answer.allowed(around.bound, quantity, k, i),
-            units,
-            one_sided: None,
-        })
-    });
-    if !is_finite {
-        return Judgement { verdict: Verdict::Invalid, worst, compared };
-    }
-    if compared == 0 {
+    let Some((verdict, _, mut worst)) = worst else {
         return Judgement { verdict: Verdict::Undecided, worst: None, compared };
-    }
-    if let Some(kink) = kink(quantity, got, answer, around) {
-        return Judgement { verdict: Verdict::Kink, worst: Some(kink), compared };
-    }
-    let beyond = worst.as_ref().is_some_and(|w| w.units > 1.0);
-    let verdict = match (beyond, &mut worst) {
-        (false, _) if coarse && answer.oracle.is_wide() => Verdict::IllConditioned,
-        (true, Some(worst)) => why(quantity, worst, around),
-        _ => Verdict::Pass,
     };
-    Judgement { verdict, worst, compared }
-}
-
-/// On a singular set: the first derivative whose sides differ most, if they differ by more than rounding. The two-sided difference
-/// is their mean there, which is no derivative, whoever agrees with it.
-fn kink(
-    quantity: Quantity,
-    got: &Entries<f64>,
-    answer: &Answer,
-    around: &Surroundings<'_>,
-) -> Option<Finding> {
-    let [below, above] = around.one_sided?;
-    if quantity != Quantity::FirstDerivatives || around.nearness > 0.0 {
-        return None;
-    }
-    let mut most: Option<(f64, Finding)> = None;
-    for (k, i, x) in got.iter() {
-        let (Some(b), Some(a)) = (below.get(k, i), above.get(k, i)) else { continue };
-        let tolerance = around.bound.tolerance(quantity, k, i);
-        let gap = units(b.to_f64(), a, 2.0 * tolerance);
-        if gap > 1.0 && most.as_ref().is_none_or(|(widest, _)| gap > *widest) {
-            let want = answer.numbers.get(k, i).unwrap_or_else(|| a.into());
-            let finding = Finding {
-                entry: quantity.entry_name(k, i),
-                at: Some((k, i)),
-                got: x,
-                want: want.to_f64(),
-                tolerance,
-                units: want.units(x, tolerance),
-                one_sided: Some([b.to_f64(), a.to_f64()]),
-            };
-            most = Some((gap, finding));
-        }
-    }
-    most.map(|(_, finding)| finding)
+    let verdict = match verdict {
+        Verdict::Pass if coarse && answer.oracle.is_wide() => Verdict::IllConditioned,
+        Verdict::Wrong => why(quantity, &mut worst, around),
+        verdict => verdict,
+    };
+    Judgement { verdict, worst: Some(worst), compared }
 }
 
 /// Why an entry is beyond its tolerance.
 fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Verdict {
     let Some((k, i)) = worst.at else { return Verdict::Wrong };
-    // Values exist on a kink, and first derivatives whose sides agree; what is formed from other derivatives may not.
-    let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
-    if around.nearness == 0.0 && !exists {
-        return Verdict::Kink;
-    }
     let scale = around.bound.scale(quantity, k, i);
     let error = (worst.got - worst.want).abs();
     let proven = around
@@ -329,12 +337,11 @@ pub struct Score {
     pub by_mistake: BTreeMap<Cause, Fared>,
     /// The mistakes that survived, with an entry each.
     pub survivors: BTreeMap<String, String>,
-    /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states.
-    #[schemars(with = "Option<f64>")]
-    pub detectable: f64,
+    /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states; none where no entry was
+    /// judged by itself.
+    pub detectable: Option<f64>,
     /// The same at the median state.
-    #[schemars(with = "Option<f64>")]
-    pub detectable_median: f64,
+    pub detectable_median: Option<f64>,
     /// The smallest δ at each state.
     #[serde(skip)]
     pub detectable_at: Vec<f64>,
@@ -382,8 +389,8 @@ impl Score {
     /// Settles the figures over all states.
     pub fn finish(&mut self) {
         self.detectable_at.sort_by(f64::total_cmp);
-        self.detectable = self.detectable_at.last().copied().unwrap_or(0.0);
-        self.detectable_median = self.detectable_at.get(self.detectable_at.len() / 2).copied().unwrap_or(0.0);
+        self.detectable = self.detectable_at.last().copied();
+        self.detectable_median = self.detectable_at.get(self.detectable_at.len() / 2).copied();
     }
 
     /// Mutants that had to be noticed.
@@ -396,13 +403,47 @@ impl Score {
 /// error that is noticed: what is left of a cancellation has no relative error of its own.
 pub(super) const SIGNIFICANT: f64 = 1e-3;
 
-/// Tries every mutant on the same comparison; `size` is the unit of an entry's degrees of freedom.
+/// A comparison of sums instead of entries: Σ_i w_i x_i of each component.
+pub struct Along<'a> {
+    /// The weight of an entry.
+    pub weight: &'a dyn Fn(usize) -> f64,
+    /// What the sum must be less what it is, and how far that may be from zero; of the components that are compared.
+    pub off: [Option<(f64, f64)>; 6],
+}
+
+/// Tries every mutant on a comparison of sums.
+pub fn try_along(quantity: Quantity, got: &Entries<f64>, along: &Along<'_>, mutants: &[Mutant]) -> Score {
+    let mut score = Score::default();
+    for mutant in mutants {
+        let mut moved = [0.0; 6];
+        for (k, i, x) in mutant.changes.iter() {
+            if let Some(was) = got.get(*k, *i) {
+                moved[*k] += (x - was) * (along.weight)(*i);
+            }
+        }
+        let compared = || moved.iter().zip(&along.off).filter_map(|(moved, off)| Some((*moved, (*off)?)));
+        let entry = || mutant.changes.iter().find(|(k, ..)| along.off.get(*k).is_some_and(Option::is_some));
+        let Some((k, i, _)) = entry() else { continue };
+        let noticed = compared().any(|(moved, (off, allowed))| (off - moved).abs() > allowed);
+        let change = || {
+            let of = |(moved, (_, allowed)): (f64, (f64, f64))| {
+                if moved == 0.0 { 0.0 } else { moved.abs() / allowed }
+            };
+            compared().map(of).fold(0.0_f64, f64::max)
+        };
+        score.count(mutant.mistake, noticed, change, || quantity.entry_name(*k, *i));
+    }
+    score
+}
+
+/// Tries every mutant on the same comparison; `size` is the unit of an entry's degrees of freedom. By an oracle on 237 bits a relative
+/// error of [`NOTICED`] must be noticed wherever `conditioned` demands it, whatever is allowed.
 pub fn try_mutants(
     quantity: Quantity,
     got: &Entries<f64>,
     answer: &Answer,
     bound: &Bound,
-    size: &dyn Fn(usize) -> f64,
+    (size, conditioned): (&dyn Fn(usize) -> f64, &Conditioned),
     mutants: &[Mutant],
 ) -> Score {
     let mut score = Score::default();
@@ -437,7 +478,16 @@ pub fn try_mutants(
                 Some(_) => moved / answer.allowed(bound, quantity, *k, *i),
             }
         };
-        let largest_change = || mutant.changes.iter().map(change).fold(0.0_f64, f64::max);
+        let is_demanded = || match (mutant.mistake, mutant.changes.first()) {
+            (Mistake::Scaled(delta), Some((k, i, _))) if delta >= NOTICED && answer.oracle.is_wide() => {
+                got.get(*k, *i).is_some_and(|x| conditioned.demands(quantity, *k, *i, x))
+            }
+            _ => false,
+        };
+        let largest_change = || match mutant.changes.iter().map(change).fold(0.0_f64, f64::max) {
+            small if small < 2.0 && is_demanded() => f64::INFINITY,
+            change => change,
+        };
         let entry = || mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
         score.count(mutant.mistake, noticed, largest_change, || entry().unwrap_or_default());
     }

@@ -366,7 +366,8 @@ pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
             .as_ref()
             .is_none_or(|assembly| assembly.positions.iter().all(|position| position.decided))
     };
-    if strict && (report.undecided() > 0 || !report.models.iter().all(is_decided)) {
+    let is_undecided = report.undecided() > 0 || report.not_exercised() > 0;
+    if strict && (is_undecided || !report.models.iter().all(is_decided)) {
         return Err(Failure::Undecided);
     }
     Ok(())

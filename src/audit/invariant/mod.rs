@@ -95,6 +95,25 @@ impl Invariant {
             Self::Carried => "friction from state to state",
         }
     }
+
+    /// Whether it speaks of the states of such a connector: of exchanged nodes where a length or a rotation vector is measured, of
+    /// halves where a type is assembled of two. The laws of types and of friction are asked elsewhere.
+    pub(super) fn is_expected_of(self, connector: &Connector<f64>) -> bool {
+        let mut measures = (0..6).filter_map(|k| connector.differentiated(k));
+        match self {
+            Self::RigidModes
+            | Self::Frame
+            | Self::Power
+            | Self::Sparsity
+            | Self::Restored
+            | Self::Restricted => measures.next().is_some(),
+            Self::Symmetry => measures.any(|measure| !measure.is_one_form()),
+            Self::Equilibrium => (0..6).any(|k| connector.has_force(k)),
+            Self::NodeSwap => measures.any(|measure| twin::exchanged(measure).is_some()),
+            Self::Halves => connector.connection().halves.iter().all(Option::is_some),
+            Self::Start | Self::Turns | Self::FreeAxis | Self::Carried => false,
+        }
+    }
 }
 
 /// Σ c·x = want, for numbers x of one evaluation.

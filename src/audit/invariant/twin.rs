@@ -11,7 +11,7 @@ use crate::node::{DOFS, Pair};
 use crate::vector::scale;
 
 /// The sign that exchanged nodes give a measure: a length is the same, a rotation vector the opposite. Of others there is no such law.
-const fn exchanged(measure: Measure) -> Option<f64> {
+pub(super) const fn exchanged(measure: Measure) -> Option<f64> {
     match measure {
         Measure::Distance => Some(1.0),
         Measure::RotationVector(_) => Some(-1.0),

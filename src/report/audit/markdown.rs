@@ -1,6 +1,6 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
-use super::summary::{LEGEND, Row, detectable, failed, headline, self_test, symbols, telling};
+use super::summary::{LEGEND, Row, detectable, failed, headline, left_out, self_test, symbols, telling};
 use crate::audit::model::Finding;
 use crate::audit::{Check, Report, Subject};
 use crate::grammar::count;
@@ -119,14 +119,18 @@ fn wrong(page: &mut Page, report: &Report) {
         );
         lines.push((false, line));
     }
+    for (text, names) in left_out(report) {
+        let names: Vec<String> = names.into_iter().map(escaped).collect();
+        lines.push((true, format!("- **{}**: {text}", names.join(", "))));
+    }
     if lines.is_empty() {
         return;
     }
     lines.sort_by_key(|(is_mild, _)| *is_mild);
     let lines: Vec<String> = lines.into_iter().map(|(_, line)| line).collect();
     page.add("\n### What needs a look\n");
-    let left_out = page.add_fitting(&lines);
-    page.note(left_out, "item");
+    let unshown = page.add_fitting(&lines);
+    page.note(unshown, "item");
 }
 
 fn item(subject: &Subject, check: &Check) -> String {
