@@ -6,6 +6,7 @@ use super::diagnosis::Cause;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
 use super::quantity::{Entries, Quantity};
+use super::sides::Sides;
 use crate::scalar::Wide;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -109,41 +110,65 @@ pub struct Judgement {
 /// ill-conditioned.
 pub(super) const COARSE: f64 = 1e-6;
 
-/// How far the product's dual numbers over 237 bits may be from the truth, relative to the tolerance on doubles, and still
-/// prove the formula right.
+/// How far the product's dual numbers over 237 bits may be from the differences there and still prove the formula right: a part of
+/// the tolerance C u F on doubles. What the differences are off by themselves is, in these units,
+///
+/// | differences | step | rounding 2⁻²³⁷ over the step | truncation, the step squared | over C u |
+/// |---|---|---|---|---|
+/// | of values, of rows | δ·1e-25 | 5e-47/δ | 1e-50 | 1e-31/δ |
+/// | second, of accelerations, the tolerance being F/δ | δ·1e-18 | 5e-36/δ | 1e-36 | 1e-20/δ |
+///
+/// to which ten times the last column is added. A formula with an error that matters is beyond that by many decades.
 const EXACT: f64 = 1e-9;
+
+/// What differences are off by themselves, times δ, with a decade to spare.
+const OF_DIFFERENCES: f64 = 1e-19;
 
 /// An error larger than this, relative to the conditioned scale, is no loss of digits.
 const LOST_DIGITS: f64 = 1e-4;
+
+/// The product's numbers on 237 bits and their witness, at rotations that are such to the last of these: at triads that are rotations to
+/// the last of 53 bits the two are apart by up to a tolerance, for they leave the group on different ways.
+#[derive(Clone, Copy, Debug)]
+pub struct Exact<'a> {
+    /// The product's own source by dual numbers: without rounding.
+    pub product: &'a Entries<Wide>,
+    /// Central differences: another mechanism.
+    pub truth: &'a Entries<Wide>,
+}
+
+impl Exact<'_> {
+    /// Whether the source gives what the differences say of an entry, but for [`EXACT`] of `tolerance`.
+    fn proves(&self, k: usize, i: usize, tolerance: f64, nearness: f64) -> bool {
+        let (Some(product), Some(truth)) = (self.product.get(k, i), self.truth.get(k, i)) else {
+            return false;
+        };
+        // On a singular set steps are as long as far from it.
+        let near = if nearness > 0.0 { nearness } else { 1.0 };
+        (product - truth).abs().to_f64() <= (EXACT + OF_DIFFERENCES / near) * tolerance
+    }
+}
 
 /// What surrounds a comparison.
 pub struct Surroundings<'a> {
     /// The tolerances.
     pub bound: &'a Bound,
-    /// The product's own source without rounding, where the numbers are the product's.
-    pub exact: Option<&'a Entries<Wide>>,
+    /// Where the numbers are the product's: its own source without rounding, and what differences there say. Asked where numbers are
+    /// wrong by little.
+    pub exact: Option<&'a dyn Fn(Quantity) -> Option<Exact<'a>>>,
     /// min(1, distance to the nearest singular set) of each component; 0 on it.
     pub nearness: [f64; 6],
-    /// One-sided derivatives, for states on a singular set.
-    pub one_sided: Option<[&'a Entries<Wide>; 2]>,
+    /// First derivatives from both sides, for states on a singular set.
+    pub sides: Option<&'a Entries<Sides>>,
 }
 
-impl Surroundings<'_> {
-    /// On a singular set: how far the sides of a first derivative differ in units of rounding, where that is more than one, and the
-    /// derivatives from below and from above. The two-sided difference is their mean there, which is no derivative, whoever agrees with
-    /// it; that of a jump is its height over the step.
-    fn kink(&self, quantity: Quantity, k: usize, i: usize) -> Option<(f64, [f64; 2])> {
-        const OF_A_JUMP: f64 = 1e12;
-        let [below, above] = self.one_sided.filter(|_| self.nearness[k] == 0.0)?;
-        if quantity != Quantity::FirstDerivatives {
-            return None;
-        }
-        let (below, above) = (below.get(k, i)?, above.get(k, i)?);
-        let sides = [below, above].map(|side| side.to_f64());
-        let gap = units(sides[0], above, 2.0 * self.bound.tolerance(quantity, k, i));
-        let jumps =
-            sides.iter().any(|side| side.abs() > OF_A_JUMP * self.bound.scale(quantity, k, i).max(1.0));
-        (gap > 1.0 || jumps).then_some((gap, sides))
+impl<'a> Surroundings<'a> {
+    /// On a singular set: the sides of a first derivative that differ by more than rounding. The two-sided difference is their mean
+    /// there, which is no derivative, whoever agrees with it.
+    fn kink(&self, quantity: Quantity, k: usize, i: usize) -> Option<&'a Sides> {
+        let is_it = quantity == Quantity::FirstDerivatives && self.nearness[k] == 0.0;
+        let sides = self.sides.filter(|_| is_it)?.0.get(k)?.as_ref()?.get(i)?;
+        sides.differ(self.bound.tolerance(quantity, k, i)).then_some(sides)
     }
 }
 
@@ -196,16 +221,17 @@ pub(super) fn units(got: f64, want: Wide, allowed: f64) -> f64 {
 /// What is known of one entry besides its number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
-    /// Whether its component is on a singular set.
+    /// Whether its component, or row, is on a singular set.
     pub(super) is_singular: bool,
     /// Whether it is a first derivative whose two sides differ there.
     pub(super) has_two_sides: bool,
 }
 
-/// The verdict on one entry, by itself: `units` is how far it is from what it must be in units of what is `allowed`.
+/// The verdict on one entry, by itself: `units` is how far it is from what it must be, on a kink from what may stand there, in units
+/// of what is `allowed`.
 ///
 /// A component that is not on a singular set is judged as everywhere, whatever the others of its connector do. On one, a value exists,
-/// and a first derivative whose sides agree; what is formed of other derivatives may not. Nothing is decided where what is allowed, or
+/// and a first derivative from each side; what is formed of other derivatives may not. Nothing is decided where what is allowed, or
 /// what it must be, is no number.
 pub(super) fn verdict_of_entry(
     quantity: Quantity,
@@ -217,10 +243,8 @@ pub(super) fn verdict_of_entry(
     let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
     if !got.is_finite() {
         Verdict::Invalid
-    } else if at.has_two_sides {
-        Verdict::Kink
     } else if units <= 1.0 {
-        Verdict::Pass
+        if at.has_two_sides { Verdict::Kink } else { Verdict::Pass }
     } else if at.is_singular && !(exists && want.is_finite()) {
         Verdict::Kink
     } else if !allowed.is_finite() || !want.is_finite() {
@@ -247,12 +271,13 @@ pub fn judge(
         for (i, (x, want)) in row.iter().zip(wanted).enumerate() {
             compared += 1;
             let allowed = answer.allowed(around.bound, quantity, k, i);
+            let kink = around.kink(quantity, k, i);
+            let want = kink.map_or(*want, |sides| sides.nearest(*x).into());
             let units = want.units(*x, allowed);
             coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
-            let kink = around.kink(quantity, k, i);
             let at = Point { is_singular: around.nearness[k] == 0.0, has_two_sides: kink.is_some() };
             let verdict = verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at);
-            let clearly = kink.map_or(units, |(gap, _)| gap);
+            let clearly = kink.filter(|_| verdict == Verdict::Kink).map_or(units, Sides::gap);
             if worst
                 .as_ref()
                 .is_none_or(|(most, least, _)| verdict > *most || verdict == *most && clearly > *least)
@@ -264,7 +289,7 @@ pub fn judge(
                     want: want.to_f64(),
                     tolerance: allowed,
                     units,
-                    one_sided: kink.map(|(_, sides)| sides),
+                    one_sided: kink.map(Sides::to_f64),
                 };
                 worst = Some((verdict, clearly, finding));
             }
@@ -286,11 +311,13 @@ fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Ve
     let Some((k, i)) = worst.at else { return Verdict::Wrong };
     let scale = around.bound.scale(quantity, k, i);
     let error = (worst.got - worst.want).abs();
-    let proven = around
-        .exact
-        .and_then(|exact| exact.get(k, i))
-        .is_some_and(|exact| units(worst.want, exact, worst.tolerance.max(f64::MIN_POSITIVE)) < 1.0 + EXACT);
-    if proven && error <= LOST_DIGITS * scale { Verdict::UnstableFormula } else { Verdict::Wrong }
+    let tolerance = around.bound.tolerance(quantity, k, i);
+    let is_proven = || {
+        let nearest = around.nearness.into_iter().fold(1.0, f64::min);
+        let exact = around.exact.and_then(|exact| exact(quantity));
+        exact.is_some_and(|exact| exact.proves(k, i, tolerance, nearest))
+    };
+    if error <= LOST_DIGITS * scale && is_proven() { Verdict::UnstableFormula } else { Verdict::Wrong }
 }
 
 /// How mutants with one kind of mistake fared.

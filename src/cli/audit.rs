@@ -354,6 +354,14 @@ pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
     if report.survivors() > 0 {
         return Err(Failure::SelfTest);
     }
+    if let Some(planted) = report.settings.planted {
+        let place = planted.place();
+        if report.has_place_for_fault() {
+            return Err(Failure::Unnoticed(place));
+        }
+        let message = format!("--plant plants its fault in {place}, and nothing that was audited has one");
+        return Err(Failure::Usage(message));
+    }
     if report.failing_models() > 0 {
         return Err(Failure::Findings);
     }

@@ -95,6 +95,14 @@ pub(super) fn left_out_of(subject: &Subject) -> impl Iterator<Item = String> {
         .map(|(list, why)| format!("{why}: {}", list.join(", ")))
 }
 
+/// Why states of a check are undecided, a sentence for each reason.
+pub(super) fn undecided(check: &Check) -> impl Iterator<Item = String> {
+    check.undecided.iter().map(|(why, states)| {
+        let states = count(usize::try_from(*states).unwrap_or(usize::MAX), "state");
+        format!("undecided at {states}: {why}")
+    })
+}
+
 /// How the mutants fared under the oracles.
 pub(super) struct SelfTest {
     pub(super) noticed: u64,

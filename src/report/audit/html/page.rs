@@ -366,6 +366,7 @@ fn problem(subject: &Subject, check: &Check) -> Problem {
         .iter()
         .map(|[below, above]| format!("From below {below:e}, from above {above:e}."))
         .collect();
+    more.extend(summary::undecided(check));
     more.extend(
         check.score.survivors.iter().map(|(mistake, entry)| format!("Survived: {mistake} ({entry}).")),
     );
