@@ -65,9 +65,10 @@ fn beside_a_kink_everything_is_asked() {
         let check = found(Some(quantity), Against::Oracle(Oracle::WideDifferences));
         assert!(check.score.killed > 0 && !check.verdict.is_mismatch(), "{check:?}");
     }
+    // Of the angles, torsion is smooth there.
     for oracle in [Oracle::Taylor, Oracle::HyperDual] {
         let check = checks.iter().find(|check| check.against == Against::Oracle(oracle)).unwrap();
-        assert!(check.compared == 3 && check.verdict == Verdict::Pass, "{check:?}");
+        assert!(check.compared == 4 && check.verdict == Verdict::Pass, "{check:?}");
     }
     for law in [Invariant::RigidModes, Invariant::Frame, Invariant::Power, Invariant::Equilibrium] {
         assert!(found(None, Against::Law(law)).score.killed > 0, "{law:?}");
@@ -147,7 +148,7 @@ fn every_check_is_tried_on_mutants() {
         for check in subject.checks.iter().filter(|check| !of_behavior(check)) {
             assert!(check.score.decisive() > 0, "{}: {:?} {:?}", subject.name, check.quantity, check.against);
         }
-        assert!(subject.not_exercised.is_empty() && subject.laws_not_asked.is_empty(), "{}", subject.name);
+        assert_eq!((&subject.not_exercised[..], &subject.laws_not_asked[..]), (&[][..], &[][..]), "{}", subject.name);
     }
     let mine = spoiled("REVOLUTE", |_, _| {});
     assert!(check(&mine, Against::Own).score.decisive() > 0);

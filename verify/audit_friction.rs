@@ -395,17 +395,6 @@ fn a_contact_force_of_springs_that_is_held_is_noticed() {
     }
 }
 
-/// A potential whose shift is far larger than the forces: what it is formed from is rounded, and no more is asked.
-#[test]
-fn a_shift_larger_than_the_forces_is_no_mismatch() {
-    for shift in ["1000.", "-1000.", "1.e5"] {
-        let shifted = format!("EXPONENT=3.\n2, 1., , ABS, {shift}\n3, 0.5\n");
-        let model = model(&DECK.replace("EXPONENT=3.\n2, 1.\n3, 0.5\n", &shifted));
-        let report = audited(&model, &path(), &Settings { wide_states: 12, ..brief() });
-        assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{shift}: {}", human(&report));
-    }
-}
-
 /// An increment of which the equations of slip have no solution is undecided, and that is said with its reason.
 #[test]
 fn a_friction_without_a_witness_is_undecided_with_a_reason() {

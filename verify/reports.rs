@@ -1,6 +1,7 @@
 //! Reports of an audit: each shows what was found, and no text of the input becomes markup.
 
 use crate::audit::spoiled;
+use pintle::audit::assembly::{Assembly, NotAssembled};
 use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
 use pintle::audit::{
     Illustration, Quantity, Report, Settings, Target, Verdict, audit_catalogue, audit_scenes,
@@ -187,6 +188,26 @@ fn junit_has_the_findings() {
         !allowed.contains("model::stop-violated") && allowed.contains("stop-violated.inp\""),
         "{allowed}"
     );
+}
+
+/// An assembly of which no rank was found, or that was not judged from a state on, is as undecided as one whose rank is not certain.
+#[test]
+fn what_was_not_analysed_is_undecided() {
+    let scene = GALLERY[0].scene().unwrap();
+    let mut report = brief();
+    report.models = vec![audit_model(&scene, &[], &Levels::default())];
+    assert_eq!(report.undecided_models(), 0);
+    let spoiled = |spoil: fn(&mut Assembly)| {
+        let mut report = report.clone();
+        spoil(report.models[0].assembly.as_mut().unwrap());
+        report.undecided_models()
+    };
+    assert_eq!(spoiled(|assembly| assembly.positions.clear()), 1);
+    assert_eq!(spoiled(|assembly| assembly.positions[0].decided = false), 1);
+    let stopped = |assembly: &mut Assembly| {
+        assembly.not_assembled = Some(NotAssembled { state: Some(3), why: "it was not".into() });
+    };
+    assert_eq!(spoiled(stopped), 1);
 }
 
 /// The page of a report on the catalogue and one scene of the gallery, with one verdict spoiled so that something is to be said.

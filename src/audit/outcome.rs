@@ -361,6 +361,12 @@ impl Report {
         self.models.iter().filter(|model| model.fails()).count()
     }
 
+    /// Models of whose assembly a rank is not certain, or was not found.
+    pub fn undecided_models(&self) -> usize {
+        let assemblies = self.models.iter().filter_map(|model| model.assembly.as_ref());
+        assemblies.filter(|assembly| !assembly.is_decided()).count()
+    }
+
     /// Subjects of which something is undecided.
     pub fn undecided(&self) -> usize {
         self.subjects.iter().filter(|subject| subject.verdict() == Verdict::Undecided).count()

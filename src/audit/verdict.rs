@@ -313,9 +313,8 @@ fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Ve
     let error = (worst.got - worst.want).abs();
     let tolerance = around.bound.tolerance(quantity, k, i);
     let is_proven = || {
-        let nearest = around.nearness.into_iter().fold(1.0, f64::min);
         let exact = around.exact.and_then(|exact| exact(quantity));
-        exact.is_some_and(|exact| exact.proves(k, i, tolerance, nearest))
+        exact.is_some_and(|exact| exact.proves(k, i, tolerance, around.nearness[k]))
     };
     if error <= LOST_DIGITS * scale && is_proven() { Verdict::UnstableFormula } else { Verdict::Wrong }
 }

@@ -4,7 +4,7 @@ use super::eval::{Loaded, Source, load, source};
 use super::{Failure, Sign, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
+use pintle::audit::model::{Level, Levels, audit_model};
 use pintle::audit::{Oracle, Planted, Quantity, Report, Settings, Target, audit_catalogue, audit_scenes};
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
@@ -368,14 +368,7 @@ pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
     if report.compared() == 0 {
         return Err(Failure::Nothing("no number was compared".into()));
     }
-    let is_decided = |model: &ModelReport| {
-        model
-            .assembly
-            .as_ref()
-            .is_none_or(|assembly| assembly.positions.iter().all(|position| position.decided))
-    };
-    let is_undecided = report.undecided() > 0 || report.not_exercised() > 0;
-    if strict && (is_undecided || !report.models.iter().all(is_decided)) {
+    if strict && report.undecided() + report.not_exercised() + report.undecided_models() > 0 {
         return Err(Failure::Undecided);
     }
     Ok(())

@@ -101,12 +101,10 @@ impl Invariant {
     pub(super) fn is_expected_of(self, connector: &Connector<f64>) -> bool {
         let mut measures = (0..6).filter_map(|k| connector.differentiated(k));
         match self {
-            Self::RigidModes
-            | Self::Frame
-            | Self::Power
-            | Self::Sparsity
-            | Self::Restored
-            | Self::Restricted => measures.next().is_some(),
+            Self::RigidModes | Self::Frame | Self::Sparsity | Self::Restored | Self::Restricted => {
+                measures.next().is_some()
+            }
+            Self::Power => measures.any(|measure| !measure.has_nodal_rates()),
             Self::Symmetry => measures.any(|measure| !measure.is_one_form()),
             Self::Equilibrium => (0..6).any(|k| connector.has_force(k)),
             Self::NodeSwap => measures.any(|measure| twin::exchanged(measure).is_some()),

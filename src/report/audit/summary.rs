@@ -86,7 +86,7 @@ pub(super) fn left_out_of(subject: &Subject) -> impl Iterator<Item = String> {
     let quantities: Vec<&str> = subject.not_exercised.iter().map(|quantity| quantity.name()).collect();
     let laws: Vec<&str> = subject.laws_not_asked.iter().map(|law| law.name()).collect();
     let lists = [
-        (quantities, "not exercised, no state tells a right one from a wrong one"),
+        (quantities, "not exercised, for they are zero at every state whatever the formula"),
         (laws, "laws not asked, for want of degrees of freedom or of states where they hold"),
     ];
     lists
