@@ -148,7 +148,12 @@ fn every_check_is_tried_on_mutants() {
         for check in subject.checks.iter().filter(|check| !of_behavior(check)) {
             assert!(check.score.decisive() > 0, "{}: {:?} {:?}", subject.name, check.quantity, check.against);
         }
-        assert_eq!((&subject.not_exercised[..], &subject.laws_not_asked[..]), (&[][..], &[][..]), "{}", subject.name);
+        assert_eq!(
+            (&subject.not_exercised[..], &subject.laws_not_asked[..]),
+            (&[][..], &[][..]),
+            "{}",
+            subject.name
+        );
     }
     let mine = spoiled("REVOLUTE", |_, _| {});
     assert!(check(&mine, Against::Own).score.decisive() > 0);

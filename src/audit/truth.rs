@@ -36,6 +36,9 @@ pub struct Truth {
     places: OnceLock<[[Place; 2]; DOFS]>,
 }
 
+/// A step, and the values after it and before it.
+type Moved = (Wide, [Components<Wide>; 2]);
+
 /// Where the nodes have moved along one degree of freedom.
 pub(super) struct Place {
     pub(super) by: NodalRow<Wide>,
@@ -269,7 +272,8 @@ impl Truth {
         };
         let still = self.values(&self.at_rest());
         let both = |h: Wide| [h, -h].map(|h| self.values(&self.place(at(h))));
-        let mut moved: Vec<(f64, [Wide; 2], [[Components<Wide>; 2]; 2])> = Vec::new();
+        // The values after both steps, ahead and behind, by nearness.
+        let mut moved: Vec<(f64, [Moved; 2])> = Vec::new();
         let mut rate: Components<Vec<Wide>> = self.empty(1);
         let mut acceleration: Components<Vec<Wide>> = self.empty(1);
         for k in 0..6 {
@@ -281,14 +285,17 @@ impl Truth {
             }
             let near = if self.of_components[k] > 0.0 { self.of_components[k] } else { 1.0 };
             let known = moved.iter().find(|(of, ..)| *of == near).copied();
-            let (_, [first_step, second_step], [close, far]) = known.unwrap_or_else(|| {
-                let time = if speed > 0.0 { near / speed } else { 1.0 };
-                let steps = [FIRST_STEP, SECOND_STEP].map(|step| Wide::from_f64(step) * time);
-                let found = (near, steps, steps.map(both));
-                moved.push(found);
-                found
-            });
-            let ([near, behind], [far, far_behind]) = (close, far);
+            let (_, [(first_step, [near, behind]), (second_step, [far, far_behind])]) =
+                known.unwrap_or_else(|| {
+                    let time = if speed > 0.0 { near / speed } else { 1.0 };
+                    let after = |step: f64| {
+                        let step = Wide::from_f64(step) * time;
+                        (step, both(step))
+                    };
+                    let found = (near, [FIRST_STEP, SECOND_STEP].map(after));
+                    moved.push(found);
+                    found
+                });
             if let (Some(plus), Some(minus)) = (near[k], behind[k]) {
                 rate[k] = Some(vec![(plus - minus) / (first_step + first_step)]);
             }
