@@ -2,7 +2,6 @@
 //!
 //! Writes docs/stress.svg. Every error is against 237 bits. Ours are asserted to stay where they are promised to be, so that this is a
 //! test that draws; the others are what anyone would write first.
-#![expect(clippy::disallowed_methods, reason = "what is drawn beside ours is what these give")]
 
 mod peer;
 mod picture;

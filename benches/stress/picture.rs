@@ -92,7 +92,7 @@ pub(crate) fn draw(panels: &[Panel], path: &str) -> Result<(), Box<dyn Error + S
         chart
             .configure_mesh()
             .x_desc(panel.swept)
-            .y_desc(format!("absolute error ({})", panel.unit))
+            .y_desc(format!("error ({})", panel.unit))
             .axis_desc_style(("sans-serif", 14))
             .label_style(("sans-serif", 13))
             .x_labels(11)
