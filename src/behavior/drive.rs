@@ -442,7 +442,6 @@ impl Context<'_> {
             given.applied.amplitude.as_ref().and_then(|name| self.amplitudes.get(name.value.as_str()));
         match amplitude {
             _ if given.applied.user => Course::External,
-            Some(amplitude) if !amplitude.is_function() => Course::External,
             Some(amplitude) => Course::Follows {
                 amplitude: Arc::clone(amplitude),
                 magnitude: if amplitude.is_absolute { 1.0 } else { magnitude },
