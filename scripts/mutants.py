@@ -290,7 +290,7 @@ def build(patterns):
     mutants = identify(json.loads(subprocess.check_output(listing, cwd=ROOT)))
     for mutant in mutants:
         del mutant["diff"]
-    HOME.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(TREE, ignore_errors=True)
     for name in subprocess.check_output(["git", "ls-files"], cwd=ROOT, text=True).split("\n"):
         if name:
             (TREE / name).parent.mkdir(parents=True, exist_ok=True)

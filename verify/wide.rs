@@ -461,6 +461,7 @@ fn functions_for_num_dual() {
 
 /// What the traits of numbers promise: neutral elements, sums and products, signs, conversions, the parts of a dual number.
 #[test]
+#[expect(clippy::disallowed_methods, reason = "the methods under test are those that formulas must not use")]
 fn numbers_obey_their_traits() {
     use num_dual::DualStruct;
     use num_traits::{FromPrimitive, One, Signed, Zero};

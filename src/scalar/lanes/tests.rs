@@ -291,7 +291,7 @@ fn errors_of_angles_and_sines<const FUSED: bool>() {
     let units = |found: f64, exact: Wide| ((exact - found) / exact).abs().to_f64() * 2f64.powi(53);
     let mut worst = [0.0_f64; 3];
     for i in 0..20_000 {
-        let angle = f64::from(i) * 0.000_314_1 - 3.14;
+        let angle = f64::from(i) * 0.000_313 - 3.13;
         let (y, x) = (1.7 * angle.sin(), 1.7 * angle.cos());
         let found = Lanes::<FUSED>::splat(y).arctangent(Lanes::splat(x)).0[i as usize % LANES];
         worst[0] = worst[0].max(units(found, Wide::from_f64(y).arctangent(Wide::from_f64(x))));
