@@ -64,6 +64,34 @@ fn a_behaviour_says_what_it_holds() {
     );
 }
 
+/// Motions alone tell friction that no constraint force presses.
+#[test]
+fn friction_is_told_where_nothing_constrained_presses() {
+    let told = |types: &str, options: &str, row: &str| {
+        let law =
+            format!("*CONNECTOR FRICTION, COMPONENT=1, STICK STIFFNESS=3.{options}\n{row}\n*FRICTION\n0.1\n");
+        model(types, &law, "").connectors[0].behavior.behavior.tells_friction()
+    };
+    assert!(told("SLOT", "", ", 5.") && told(ALL_AVAILABLE, ", CONTACT FORCE=2", ", 5."));
+    assert!(!told("SLOT", ", CONTACT FORCE=2", ", 5."));
+    assert!(!behavior("*CONNECTOR STOP, COMPONENT=1\n0.5, 1.5").tells_friction());
+}
+
+/// A limit is passed beyond it, not at it: of positions and of forces, on both sides.
+#[test]
+fn limits_are_passed_beyond_them() {
+    let spring = "*CONNECTOR ELASTICITY, COMPONENT=1\n10.\n*CONNECTOR LOCK, COMPONENT=1, LOCK=2\n";
+    for (limits, at, beyond) in
+        [(", 1.5", 0.5, 0.625), ("1.25", 0.25, 0.125), (", , , 5.", 0.5, 0.625), (", , -5.", -0.5, -0.625)]
+    {
+        let locked = |u: f64| {
+            let result = one(&format!("{spring}{limits}"), "", &[(1.0, u, 0.0)], &[]).remove(0);
+            result.behavior.as_ref().unwrap().locked[1]
+        };
+        assert!(!locked(at) && locked(beyond), "{limits}");
+    }
+}
+
 /// In the plane only displacements in it and the rotation about its normal remain.
 #[test]
 fn a_type_without_behaviour_has_its_components() {

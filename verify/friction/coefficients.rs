@@ -2,7 +2,7 @@
 
 use super::criterion;
 use pintle::behavior::friction::{
-    Branch, Coefficient, CoefficientError, Context, Friction, Input, Internal, Pressing, State,
+    Branch, Coefficient, CoefficientError, Context, Flag, Friction, Input, Internal, Pressing, State,
     StickStiffness, Tangential,
 };
 use pintle::behavior::table::Table;
@@ -122,5 +122,23 @@ fn the_first_slip_that_meets_the_limit_is_taken() {
             accumulated.update(&before, &input, Branch::Decided).slip_increment,
             outcome.slip_increment
         );
+    }
+}
+
+/// τ_max caps the limit: below it nothing is said, at it the kink is, above it the limit stays.
+#[test]
+fn limits_are_capped() {
+    for (force, limit, is_kink) in [(3.0, 1.5, false), (4.0, 2.0, true), (5.0, 2.0, false)] {
+        let mut capped = friction(Coefficient::Constant(0.5), None);
+        capped.maximum = Some(2.0);
+        let input = Input {
+            displacement: [100.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            forces: [0.0, force, 0.0, 0.0, 0.0, 0.0],
+            duration: None,
+            context: Context::default(),
+        };
+        let outcome = capped.update(&State::default(), &input, Branch::Decided);
+        assert_eq!(outcome.limit, limit, "{force}");
+        assert_eq!(outcome.flags.contains(&Flag::LimitAtMaximum), is_kink, "{force}");
     }
 }
