@@ -16,6 +16,7 @@
 pub mod assembly;
 pub mod atlas;
 pub mod behavior;
+mod beside;
 pub mod bound;
 mod candidate;
 pub mod case;

@@ -109,13 +109,12 @@ fn wrong(page: &mut Page, report: &Report) {
         }));
     }
     for approach in unconfirmed {
-        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
         let line = format!(
-            "- **{}** {} at {}: declared {:?}, seen {seen}",
+            "- **{}** {} at {}: {}",
             escaped(&approach.connection),
             approach.component,
             escaped(approach.at),
-            approach.declared
+            approach.told()
         );
         lines.push((false, line));
     }
