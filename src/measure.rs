@@ -4,6 +4,8 @@
 //! what it depends on, its period, and how far a state is from the points where it or its derivatives do not exist. One
 //! exception is a *one-form* ([`Measure::FlowConversion`]): its rate is given, its value is what the rate accumulates.
 
+pub(crate) mod formula;
+
 use crate::node::{self, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::elementary::{norm, recip};
 use crate::scalar::{Real, Scalar};
@@ -630,15 +632,6 @@ impl Measure {
             Self::RotationVector(i) | Self::RotationVectorAtB(i) => shared.rotation(i),
             Self::Misalignment(i) => shared.misaligned(i),
             Self::FlowConversion => S::zero(),
-        }
-    }
-
-    /// As [`Measure::evaluate`]; what depends on the separation alone is compiled where it is called, to a few instructions.
-    #[inline(always)]
-    pub(crate) fn evaluate_position<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
-        match self {
-            Self::Position(i) | Self::PositionAtB(i) => shared.coordinate(i),
-            other => other.evaluate(shared),
         }
     }
 

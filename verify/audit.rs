@@ -452,7 +452,8 @@ fn removable_points_are_confirmed() {
         ("PROJECTION FLEXION-TORSION", "ur1", "e3b = e3a, α = 0", Removable),
         ("FLEXION-TORSION", "ur2", "e3b = e3a, α = 0", Removable),
     ] {
-        let is_it = |a: &&pintle::audit::Approach| (&*a.connection, a.component, a.at) == (name, component, at);
+        let is_it =
+            |a: &&pintle::audit::Approach| (&*a.connection, a.component, a.at) == (name, component, at);
         let approach = found.iter().find(is_it).unwrap_or_else(|| panic!("{name} {component} at {at}"));
         assert_eq!((approach.declared, approach.seen), (class, Some(class)), "{name} {component} at {at}");
         assert!(approach.is_confirmed() && approach.rungs.len() == atlas::LADDER.len());

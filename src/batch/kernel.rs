@@ -1,10 +1,10 @@
 //! The loops: tiles in, rows out.
 
 use super::layout::{Derivatives, Layout, Put};
-use super::passes::{Formula, Pass, Task};
 use super::{Batch, BatchError, History, Section, Tile, same_length};
+use crate::measure::formula::{Formula, Pass, Task};
 use crate::measure::{Measure, Shared};
-use crate::node::{Dependence, Pair};
+use crate::node::Pair;
 use crate::scalar::Seeded;
 use crate::scalar::lanes::{FirstOrder, Lanes, SecondOrder};
 use pulp::{Simd, WithSimd};
@@ -105,17 +105,6 @@ fn differentiate<F: Formula<M>, L: Put<FUSED>, const M: usize, const FUSED: bool
     }
 }
 
-/// What any of the measures depends on.
-const fn needed<const M: usize>(measures: &[Measure; M]) -> Dependence {
-    let mut sum = measures[0].dependence();
-    let mut i = 1;
-    while i < M {
-        sum = sum.or(measures[i].dependence());
-        i += 1;
-    }
-    sum
-}
-
 /// Whether a measure is a component of the rotation vector that continues the history.
 const fn continues_log<const M: usize>(measures: &[Measure; M]) -> bool {
     let mut i = 0;
@@ -145,15 +134,15 @@ impl<const FUSED: bool> Element<FUSED> {
     #[inline(always)]
     fn rows<F: Formula<M>, L: Put<FUSED>, const M: usize>(&self, out: &mut [L; M], principal: bool) -> bool {
         // Constants, so that only one of these is compiled for each formula.
-        if const { L::ORDER == 1 && needed::<M>(&F::MEASURES).of_position() } {
+        if const { L::ORDER == 1 && F::NEEDED.of_position() } {
             self.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 0, principal)
-        } else if const { L::ORDER == 1 && needed::<M>(&F::MEASURES).of_rotation() } {
+        } else if const { L::ORDER == 1 && F::NEEDED.of_rotation() } {
             self.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 3, principal)
         } else if const { L::ORDER == 1 } {
             self.differentiate::<F, FirstOrder<_, 6>, L, M, 6>(out, 0, principal)
-        } else if const { needed::<M>(&F::MEASURES).of_position() } {
+        } else if const { F::NEEDED.of_position() } {
             self.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 0, principal)
-        } else if const { needed::<M>(&F::MEASURES).of_rotation() } {
+        } else if const { F::NEEDED.of_rotation() } {
             self.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 3, principal)
         } else {
             self.differentiate::<F, SecondOrder<_, 6>, L, M, 6>(out, 0, principal)
@@ -173,7 +162,7 @@ impl<const FUSED: bool> Element<FUSED> {
         S: Seeded<N, Real = Lanes<FUSED>>,
         L: Put<FUSED>,
     {
-        let needed = const { needed::<M>(&F::MEASURES) };
+        let needed = F::NEEDED;
         let relative = self.pair.seeded::<S, N>(needed, first);
         let shared = Shared::new(&relative, &self.pair.a.triad, &self.section, &self.history);
         let mut shared = if principal { shared.principal() } else { shared };
@@ -189,7 +178,7 @@ impl<const FUSED: bool> Element<FUSED> {
         S: Seeded<N, Real = Lanes<FUSED>>,
         L: Put<FUSED>,
     {
-        let needed = const { needed::<M>(&F::MEASURES) };
+        let needed = F::NEEDED;
         let zero = Lanes::splat(0.0);
         for m in 0..M {
             let row = &mut out[m];
