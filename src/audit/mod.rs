@@ -39,6 +39,7 @@ mod outcome;
 pub mod quantity;
 pub mod sample;
 mod scene;
+mod second;
 pub mod sheet;
 pub mod shrink;
 mod slopes;
