@@ -150,6 +150,7 @@ impl<'a> Candidate<'a> {
             states: usize::try_from(coverage.samples).unwrap_or(usize::MAX),
             assembly: None,
             coverage,
+            nearest: None,
             findings: gaps.into_iter().map(finding).collect(),
         })
     }

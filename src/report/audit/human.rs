@@ -16,6 +16,15 @@ use std::io::{self, Write};
 /// # Errors
 /// Where the stream cannot be written to.
 pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) -> io::Result<()> {
+    if !report.subjects.is_empty() {
+        numbers(out, report, width, verbose)?;
+    }
+    super::model::human(out, &report.models, width)?;
+    verdict(out, report)
+}
+
+/// What was audited of numbers.
+fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) -> io::Result<()> {
     let settings = &report.settings;
     writeln!(
         out,
@@ -49,9 +58,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
         }
     }
     atlas(out, report)?;
-    self_test(out, report)?;
-    super::model::human(out, &report.models, width)?;
-    verdict(out, report)
+    self_test(out, report)
 }
 
 fn word(verdict: Verdict) -> String {
