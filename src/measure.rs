@@ -455,6 +455,7 @@ impl Measure {
 
     /// Whether a turn of a alone changes the value: not that of a length, nor of a position along the direction fixed in space of
     /// an AXIAL whose nodes coincide. Derivatives along such a turn are exactly zero.
+    #[inline]
     pub const fn turns_with_a(self) -> bool {
         !matches!(self, Self::Distance | Self::Strain | Self::Flow(_))
     }

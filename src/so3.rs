@@ -147,11 +147,14 @@ fn derived<S: Scalar>(r: &Matrix<S>, q0: Quaternion<S::Real>) -> Quaternion<S> {
         return constant(q0);
     }
     let mut change_of_r = *r;
-    for entry in change_of_r.as_flattened_mut() {
-        *entry = entry.nilpotent();
+    for i in 0..3 {
+        for j in 0..3 {
+            change_of_r[i][j] = r[i][j].nilpotent();
+        }
     }
     let e = eigen_matrix(S::zero(), &change_of_r);
-    let quarter = q0.map(|c| c * S::Real::ratio(1, 4));
+    let quarter = S::Real::ratio(1, 4);
+    let quarter = [q0[0] * quarter, q0[1] * quarter, q0[2] * quarter, q0[3] * quarter];
     let mut change = [S::zero(); 4];
     let mut rest = S::zero(); // (q·q₀)² − 1
     for i in 0..4 {

@@ -122,6 +122,9 @@ const THETA_A: usize = 3;
 const XB: usize = 6;
 const THETA_B: usize = 9;
 
+/// The two axes after each.
+const NEXT: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
+
 type Block<const FUSED: bool> = Matrix<Lanes<FUSED>>;
 
 /// Writes a block and, apart from the diagonal, its transpose.
@@ -188,9 +191,10 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
         write(to, (XA, THETA_B), &if translation && rotation { negated(&dr) } else { zero });
         write(to, (THETA_B, THETA_B), &rr);
         if !of.turns_with_a {
-            for at in [XA, XB, THETA_B, THETA_A] {
-                write(to, (at, THETA_A), &zero);
-            }
+            write(to, (XA, THETA_A), &zero);
+            write(to, (XB, THETA_A), &zero);
+            write(to, (THETA_B, THETA_A), &zero);
+            write(to, (THETA_A, THETA_A), &zero);
             return;
         }
         let mut d_theta = zero;
@@ -222,7 +226,8 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
                 }
             }
             // The transposed matrix of g ×.
-            for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+            for i in 0..3 {
+                let (j, k) = NEXT[i];
                 d_theta[i][j] = d_theta[i][j] + g[k];
                 d_theta[j][i] = d_theta[j][i] - g[k];
             }
@@ -230,7 +235,8 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
             theta_theta = rr;
         }
         if rotation {
-            for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+            for i in 0..3 {
+                let (j, k) = NEXT[i];
                 r_theta[i][j] = h[k].multiply_add(half, r_theta[i][j]);
                 r_theta[j][i] = h[k].multiply_add(-half, r_theta[j][i]);
             }

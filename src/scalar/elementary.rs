@@ -202,8 +202,8 @@ pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
         if S::ORDER > 3 {
             shrink = shrink + (tt * tt).scale(S::Real::ratio(3, 8));
         }
-        for component in &mut unit {
-            *component = *component * shrink;
+        for i in 0..N {
+            unit[i] = unit[i] * shrink;
         }
     }
     (length, unit)
