@@ -4,9 +4,11 @@
 //! what it depends on, its period, and how far a state is from the points where it or its derivatives do not exist. One
 //! exception is a *one-form* ([`Measure::FlowConversion`]): its rate is given, its value is what the rate accumulates.
 
+pub(crate) mod formula;
+
 use crate::node::{self, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::elementary::{norm, recip};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Real, Scalar, unrolled};
 use crate::so3;
 use crate::vector::{self, Matrix, Vector, add, column, dot, scale, sub};
 use serde::Serialize;
@@ -197,12 +199,12 @@ impl<'a, S: Scalar> Shared<'a, S> {
             return known;
         }
         let mut frozen = [[S::zero(); 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
+        unrolled!(i < 3, {
+            unrolled!(j < 3, {
                 let row = self.section.initial_orientation[j];
                 frozen[i][j] = vector::dot_real(row, self.relative.q[i]);
-            }
-        }
+            })
+        });
         let phi = so3::log_along(&frozen, self.relative.spin);
         self.misalignment = Some(phi);
         phi
@@ -602,15 +604,6 @@ impl Measure {
             Self::RotationVector(i) | Self::RotationVectorAtB(i) => shared.rotation(i),
             Self::Misalignment(i) => shared.misaligned(i),
             Self::FlowConversion => S::zero(),
-        }
-    }
-
-    /// As [`Measure::evaluate`]; what depends on the separation alone is compiled where it is called, to a few instructions.
-    #[inline(always)]
-    pub(crate) fn evaluate_position<S: Scalar>(self, shared: &mut Shared<'_, S>) -> S {
-        match self {
-            Self::Position(i) | Self::PositionAtB(i) => shared.coordinate(i),
-            other => other.evaluate(shared),
         }
     }
 

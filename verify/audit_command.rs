@@ -87,6 +87,54 @@ fn counter_examples_are_written_and_replayed() {
     }
 }
 
+/// Connectors of two scenes that have one name have files of their own, each with its own state, and none is overwritten.
+#[test]
+fn counter_examples_of_two_scenes_have_their_own_files() {
+    let deck = |name: &str, x: f64| {
+        let text = format!(
+            "*NODE\n1, 0., 0., 0.\n2, {x:?}, 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+             *CONNECTOR SECTION, ELSET=C\nAXIAL\n"
+        );
+        crate::cli::file(name, &text)
+    };
+    let decks = [deck("twin-a.inp", 1.0), deck("twin-b.inp", 3.0)];
+    let folder = folder("counter-examples-of-twins");
+    let brief = ["--wide-states", "1", "--drawn-states", "2", "--plant", "wrong-entry", "--counter-examples"];
+    let arguments = [&["audit", &decks[0], &decks[1]], &brief[..], &[folder.to_str().unwrap()]].concat();
+    let report = stdout(&pintle(&[&arguments[..], &["--format", "json"]].concat()).assert().code(1));
+    let report: Value = serde_json::from_str(&report).unwrap();
+    let wrong = |subject: &Value| {
+        let checks = subject["checks"].as_array().unwrap().iter();
+        checks
+            .filter(|check| {
+                ["wrong", "unstable-formula", "invalid"].contains(&check["verdict"].as_str().unwrap())
+            })
+            .count()
+    };
+    let failed: Vec<usize> = report["subjects"].as_array().unwrap().iter().map(wrong).collect();
+    assert!(failed.len() == 2 && failed.iter().all(|n| *n > 0), "{failed:?}");
+    let mut names: Vec<String> = fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names.len(), failed.iter().sum::<usize>(), "{names:?}");
+    assert!(names.iter().all(|name| name.starts_with("axial-7-") && name.ends_with(".json")), "{names:?}");
+}
+
+/// A fault that can be planted nowhere is an error, and not a pass; where there is a place for it, it is seen.
+#[test]
+fn a_fault_that_is_planted_nowhere_is_an_error() {
+    let nowhere = pintle(&brief(&["--plant", "wrong-friction"])).assert().code(2);
+    let said = stderr(&nowhere);
+    assert!(said.contains("a slope of a friction force, and nothing that was audited has one"), "{said}");
+    let somewhere = ["audit", "gallery:slider_crank", "--wide-states", "1", "--plant", "wrong-friction"];
+    pintle(&somewhere).assert().code(1);
+    let symmetric = ["--oracles", "nodal-dual", "--plant", "lost-answer"];
+    let nowhere = pintle(&brief(&symmetric)).assert().code(2);
+    assert!(stderr(&nowhere).contains("an answer of an oracle on 237 bits"), "{}", stderr(&nowhere));
+}
+
 /// Constraints and behaviours are wrong too where a fault is planted, which is told why; a file of a connector alone does not hold them,
 /// and that is said.
 #[test]

@@ -1,4 +1,6 @@
 //! Rows by hand, one element at a time: plain doubles, the functions of the standard library.
+//!
+//! Nothing of it is left to the inliner's mood: loops, and no closures over arrays.
 
 use super::coefficients::LOG_1;
 use pintle::node::Pair;
@@ -37,7 +39,8 @@ fn combined(a: Three, x: f64, b: Three, y: f64) -> Three {
 #[inline(always)]
 fn separation(pair: &Pair<f64>) -> Three {
     let (a, b) = (&pair.a.displacement, &pair.b.displacement);
-    [0, 1, 2].map(|i| pair.reference[i] + (b[i] - a[i]))
+    let at = |i: usize| pair.reference[i] + (b[i] - a[i]);
+    [at(0), at(1), at(2)]
 }
 
 /// A row that depends on d alone: −g, g × D, g, 0.
@@ -105,7 +108,13 @@ pub(crate) fn cardan(pair: &Pair<f64>, out: &mut [Row; 3]) {
 #[inline(always)]
 fn relative(pair: &Pair<f64>) -> Matrix {
     let (a, b) = (&pair.a.triad, &pair.b.triad);
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(column(a, i), column(b, j))))
+    let mut q = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            q[i][j] = dot(column(a, i), column(b, j));
+        }
+    }
+    q
 }
 
 /// φ_i of ROTATION.
@@ -118,7 +127,13 @@ pub(crate) fn translator(pair: &Pair<f64>, frozen: &Matrix, out: &mut [Row; 6]) 
     let [positions, angles] = out.as_chunks_mut::<3>().0 else { return };
     slide_plane(pair, positions);
     let q = relative(pair);
-    log(&pair.a.triad, &[0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(q[i], frozen[j]))), angles);
+    let mut r = q;
+    for i in 0..3 {
+        for j in 0..3 {
+            r[i][j] = dot(q[i], frozen[j]);
+        }
+    }
+    log(&pair.a.triad, &r, angles);
 }
 
 /// The rotation vector of R, principal, whose variation is a spin along the directions of a: with the quaternion (w, v), φ = K(w) v
@@ -129,7 +144,10 @@ fn log(a: &Matrix, r: &Matrix, out: &mut [Row; 3]) {
     let square = x * x + y * y + z * z;
     let (k, slope) = if w > 0.5 {
         let c = 0.5 * (1.0 - w);
-        let slope = LOG_1.iter().rev().fold(0.0, |sum, term| sum * c + term);
+        let mut slope = 0.0;
+        for term in LOG_1.into_iter().rev() {
+            slope = slope * c + term;
+        }
         let sine = square.sqrt();
         // The least rotation whose sine is known to rounding.
         (if sine < 1e-150 { 2.0 } else { 2.0 * sine.atan2(w) / sine }, slope)
@@ -140,12 +158,12 @@ fn log(a: &Matrix, r: &Matrix, out: &mut [Row; 3]) {
     };
     let v = [x, y, z];
     let (half_k, half_slope) = (0.5 * k, 0.5 * slope);
-    let (kw, ku, su) = (half_k * w, v.map(|u| half_k * u), v.map(|u| half_slope * u));
+    let kw = half_k * w;
+    let (ku, su) = ([half_k * x, half_k * y, half_k * z], [half_slope * x, half_slope * y, half_slope * z]);
     let spin = [[kw, ku[2], -ku[1]], [-ku[2], kw, ku[0]], [ku[1], -ku[0], kw]];
     for i in 0..3 {
-        let s = [0, 1, 2].map(|j| spin[i][j] - su[i] * v[j]);
-        let h = [0, 1, 2].map(|j| s[0] * a[j][0] + s[1] * a[j][1] + s[2] * a[j][2]);
-        out[i] = rotation_row(k * v[i], h);
+        let s = [spin[i][0] - su[i] * x, spin[i][1] - su[i] * y, spin[i][2] - su[i] * z];
+        out[i] = rotation_row(k * v[i], [dot(s, a[0]), dot(s, a[1]), dot(s, a[2])]);
     }
 }
 
@@ -169,5 +187,5 @@ fn quaternion(r: &Matrix) -> [f64; 4] {
         ([z, xz, yz, largest], largest)
     };
     let scale = (0.5 / largest.sqrt()).copysign(column[0]);
-    column.map(|entry| entry * scale)
+    [column[0] * scale, column[1] * scale, column[2] * scale, column[3] * scale]
 }

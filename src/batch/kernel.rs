@@ -1,10 +1,10 @@
 //! The loops: tiles in, rows out.
 
 use super::layout::{Derivatives, Layout, Put};
-use super::passes::{Formula, Pass, Task};
 use super::{Batch, BatchError, History, Section, Tile, same_length};
+use crate::measure::formula::{Formula, Pass, Task};
 use crate::measure::{Measure, Shared};
-use crate::node::{Dependence, Pair};
+use crate::node::Pair;
 use crate::scalar::Seeded;
 use crate::scalar::lanes::{FirstOrder, Lanes, SecondOrder};
 use pulp::{Arch, Simd, WithSimd};
@@ -25,9 +25,20 @@ struct Loop<'a, L> {
 impl<L: Layout> Task for Loop<'_, L> {
     #[inline(always)]
     fn run<F: Formula<M>, const M: usize>(self) {
-        self.arch.dispatch(LoopOf::<F, L, M> { all: self, formula: PhantomData });
+        F::apart(self);
     }
 }
+
+/// A formula with a function of its own for its loop: in one function, all loops take the compiler more than 25 minutes.
+trait Apart<const M: usize>: Formula<M> + Sized {
+    /// Runs the loop, on the vector unit there is. As a default method it belongs to the module of the formula.
+    #[inline(never)]
+    fn apart<L: Layout>(all: Loop<'_, L>) {
+        all.arch.dispatch(LoopOf::<Self, L, M> { all, formula: PhantomData });
+    }
+}
+
+impl<F: Formula<M>, const M: usize> Apart<M> for F {}
 
 /// The loop of one formula.
 struct LoopOf<'a, F, L, const M: usize> {
@@ -54,33 +65,36 @@ impl<F: Formula<M>, L, const M: usize> LoopOf<'_, F, L, M> {
         let Loop { pass, rows, tiles, sections, histories, out, .. } = self.all;
         // Mostly the rows stand side by side where they are to go.
         let first = pass.rows[0];
-        let mut in_place = first < rows;
-        for m in 1..M {
+        let mut in_place = true;
+        for m in 0..M {
             in_place &= pass.rows[m] < rows && pass.rows[m] == first.wrapping_add(m);
         }
+        let count = tiles.len();
+        let (Some(sections), Some(histories)) = (sections.get(..count), histories.get(..count)) else {
+            return;
+        };
+        let Some(mut rest) = out.get_mut(if in_place { first } else { 0 }..) else { return };
         let mut apart: Option<[L; M]> = None;
-        for i in 0..tiles.len() {
-            let (Some(tile), Some(section), Some(history), Some(out)) =
-                (tiles.get(i), sections.get(i), histories.get(i), out.get_mut(i * rows..))
-            else {
-                return;
-            };
+        for i in 0..count {
             let target = if in_place {
-                let Some(target) = out.get_mut(first..).and_then(<[L]>::first_chunk_mut::<M>) else { return };
+                let Some(target) = rest.first_chunk_mut::<M>() else { return };
                 target
             } else {
                 apart.get_or_insert_with(|| [L::default(); M])
             };
-            differentiate::<F, L, M, FUSED>(tile, section, history, target);
+            differentiate::<F, L, M, FUSED>(&tiles[i], &sections[i], &histories[i], target);
             if let Some(computed) = &apart {
                 for m in 0..M {
                     if pass.rows[m] < rows
-                        && let Some(row) = out.get_mut(pass.rows[m])
+                        && let Some(row) = rest.get_mut(pass.rows[m])
                     {
                         *row = computed[m];
                     }
                 }
             }
+            // After the last tile there may be less left, and it does not matter.
+            let Some((_, following)) = rest.split_at_mut_checked(rows) else { return };
+            rest = following;
         }
     }
 }
@@ -106,17 +120,6 @@ fn differentiate<F: Formula<M>, L: Put<FUSED>, const M: usize, const FUSED: bool
         let element = Element::<FUSED>::load(black_box(tile), black_box(section), black_box(history));
         element.rows::<F, L, M, false>(out);
     }
-}
-
-/// What any of the measures depends on.
-const fn needed<const M: usize>(measures: &[Measure; M]) -> Dependence {
-    let mut sum = measures[0].dependence();
-    let mut i = 1;
-    while i < M {
-        sum = sum.or(measures[i].dependence());
-        i += 1;
-    }
-    sum
 }
 
 /// Whether a measure is a component of the rotation vector that continues the history.
@@ -154,15 +157,15 @@ impl<const FUSED: bool> Element<FUSED> {
         L: Put<FUSED>,
     {
         // Constants, so that only one of these is compiled for each formula.
-        if const { L::ORDER == 1 && needed::<M>(&F::MEASURES).of_position() } {
+        if const { L::ORDER == 1 && F::NEEDED.of_position() } {
             self.differentiate::<F, FirstOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 0)
-        } else if const { L::ORDER == 1 && needed::<M>(&F::MEASURES).of_rotation() } {
+        } else if const { L::ORDER == 1 && F::NEEDED.of_rotation() } {
             self.differentiate::<F, FirstOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 3)
         } else if const { L::ORDER == 1 } {
             self.differentiate::<F, FirstOrder<_, 6>, L, M, 6, PRINCIPAL>(out, 0)
-        } else if const { needed::<M>(&F::MEASURES).of_position() } {
+        } else if const { F::NEEDED.of_position() } {
             self.differentiate::<F, SecondOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 0)
-        } else if const { needed::<M>(&F::MEASURES).of_rotation() } {
+        } else if const { F::NEEDED.of_rotation() } {
             self.differentiate::<F, SecondOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 3)
         } else {
             self.differentiate::<F, SecondOrder<_, 6>, L, M, 6, PRINCIPAL>(out, 0)
@@ -181,7 +184,7 @@ impl<const FUSED: bool> Element<FUSED> {
         S: Seeded<N, Real = Lanes<FUSED>>,
         L: Put<FUSED>,
     {
-        let needed = const { needed::<M>(&F::MEASURES) };
+        let needed = F::NEEDED;
         let relative = self.pair.seeded::<S, N>(needed, first);
         let shared = Shared::new(&relative, &self.pair.a.triad, &self.section, &self.history);
         let mut shared = if PRINCIPAL { shared.principal() } else { shared };
@@ -225,20 +228,20 @@ impl<const FUSED: bool> Element<FUSED> {
         else {
             return;
         };
-        let needed = const { needed::<M>(&F::MEASURES) };
+        let needed = const { F::NEEDED };
         let zero = Lanes::splat(0.0);
         let mut all = [zero; 6];
         let mut second = [[zero; 6]; 6];
         let gradient = value.gradient();
         let hessian = value.hessian();
-        for i in 0..N {
+        unrolled!(i < N, {
             all[first + i] = gradient[i];
             if L::ORDER > 1 {
-                for j in 0..N {
+                unrolled!(j < N, {
                     second[first + i][first + j] = hessian[i][j];
-                }
+                })
             }
-        }
+        });
         let derivatives = Derivatives {
             needed,
             turns_with_a: measure.turns_with_a(),

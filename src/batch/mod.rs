@@ -48,12 +48,11 @@
 mod advance;
 mod kernel;
 mod layout;
-mod passes;
 mod tile;
 
 use crate::connector::{Connector, Mask};
 use crate::measure::Measure;
-use passes::Pass;
+use crate::measure::formula::{Pass, cover};
 use pulp::Arch;
 
 pub use advance::advance;
@@ -105,7 +104,10 @@ impl Batch {
             return Err(refused(row));
         }
         let list: Vec<Measure> = measures.iter().map(|(_, measure)| *measure).collect();
-        let passes = passes::cover(&list).map_err(refused)?;
+        let (passes, left) = cover(&list);
+        if let Some(row) = left.first() {
+            return Err(refused(*row));
+        }
         Ok(Self { passes, measures, arch: Arch::new() })
     }
 

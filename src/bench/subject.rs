@@ -6,7 +6,7 @@ use crate::audit::sample::{Draw, Region, definition, draw_case, pair};
 use crate::audit::truth::Truth;
 use crate::audit::{Case, Step};
 use crate::catalog::ConnectionType;
-use crate::connector::{Branch, Connector, Linear, State};
+use crate::connector::{Branch, Connector, State};
 use crate::measure::Measure;
 use crate::node::DOFS;
 use crate::scalar::Wide;
@@ -195,16 +195,9 @@ impl Element {
 /// Values by the 237-bit scalar, derivatives by differences on it.
 fn truth(case: &Case, element: &Element, components: &[usize]) -> Option<[Vec<Wide>; 3]> {
     let truth = Truth::of(case)?;
-    let mut rows = [Linear::default(); 6];
     let wide = Connector::<Wide>::new(&case.definition);
-    let count = wide.linearize(
-        &exact_pair(&element.state.pair),
-        &exact_branch(&element.branch),
-        [true; 6],
-        &mut rows,
-    );
-    let value = |k: &usize| rows[..count].iter().find(|row| row.component == *k).map(|row| row.value);
-    let values: Vec<Wide> = components.iter().map(value).collect::<Option<_>>()?;
+    let values = wide.values(&exact_pair(&element.state.pair), &exact_branch(&element.branch), [true; 6]);
+    let values: Vec<Wide> = components.iter().map(|k| values[*k]).collect::<Option<_>>()?;
     let (first, second) = (truth.first(), truth.second());
     let all = |of: &[Option<Vec<Wide>>; 6]| -> Option<Vec<Wide>> {
         let rows: Vec<&Vec<Wide>> = components.iter().map(|k| of[*k].as_ref()).collect::<Option<_>>()?;

@@ -4,7 +4,7 @@ use super::eval::{Loaded, Source, load, source};
 use super::{Failure, Sign, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
+use pintle::audit::model::{Level, Levels, audit_model};
 use pintle::audit::{Oracle, Planted, Quantity, Report, Settings, Target, audit_catalogue, audit_scenes};
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
@@ -354,19 +354,21 @@ pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
     if report.survivors() > 0 {
         return Err(Failure::SelfTest);
     }
+    if let Some(planted) = report.settings.planted {
+        let place = planted.place();
+        if report.has_place_for_fault() {
+            return Err(Failure::Unnoticed(place));
+        }
+        let message = format!("--plant plants its fault in {place}, and nothing that was audited has one");
+        return Err(Failure::Usage(message));
+    }
     if report.failing_models() > 0 {
         return Err(Failure::Findings);
     }
     if report.compared() == 0 {
         return Err(Failure::Nothing("no number was compared".into()));
     }
-    let is_decided = |model: &ModelReport| {
-        model
-            .assembly
-            .as_ref()
-            .is_none_or(|assembly| assembly.positions.iter().all(|position| position.decided))
-    };
-    if strict && (report.undecided() > 0 || !report.models.iter().all(is_decided)) {
+    if strict && report.undecided() + report.undecided_models() > 0 {
         return Err(Failure::Undecided);
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Rows of first and second derivatives, and rates: the same measures on numbers with derivatives.
 
 use super::{
-    Branch, Components, Connector, Evaluation, Linear, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally,
+    Branch, Components, Connector, Evaluation, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally,
 };
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
@@ -240,56 +240,6 @@ impl Seeds {
             Self::All | Self::None => (0, true, true, true),
         };
         (first, Dependence { translation, rotation, flow })
-    }
-
-    /// Its bit in a set.
-    #[inline(always)]
-    pub(super) const fn bit(self) -> u8 {
-        1 << self as u8
-    }
-
-    /// The measures that depend on just these variations, with their values and nodal rows: [`Seeds::pass`] of the first order without
-    /// what the rows of these variations do not have. `self` is a constant, so that each gets code of its own, with its own measures.
-    #[inline(always)]
-    pub(super) fn linearize<R: Differentiable, const N: usize>(
-        self,
-        (connector, pair, history): (&Connector<R>, &Pair<R>, &History<R>),
-        evaluate: impl Fn(Measure, &mut Shared<'_, R::Gradient<N>>) -> R::Gradient<N>,
-        measures: &[Measure],
-        out: &mut [Linear<R>],
-    ) {
-        let (first, needed) = self.span();
-        let relative = pair.seeded::<R::Gradient<N>, N>(needed, first);
-        let mut shared = Shared::new(&relative, &pair.a.triad, &connector.kind.section, history);
-        let separation = pair.separation();
-        let zero = [R::integer(0); 3];
-        for (measure, out) in measures.iter().zip(out) {
-            if Self::of(*measure) != self {
-                continue;
-            }
-            let value = evaluate(*measure, &mut shared);
-            let gradient = value.gradient();
-            let part = |at: usize| {
-                let mut part = zero;
-                for i in 0..3 {
-                    if at + i >= first && at + i < first + N {
-                        part[i] = gradient[at + i - first];
-                    }
-                }
-                part
-            };
-            let (g, h, [psi_a, psi_b, _]) = (part(0), part(3), part(6));
-            out.value = value.real();
-            // −g, g × D − h, ∂Ψ_a, g, h, ∂Ψ_b ([`Pair::nodal_row`]).
-            let (minus_g, arm) = match self {
-                Self::Rotation => (zero, h.map(|h| -h)),
-                Self::Translation => (g.map(|g| -g), vector::cross(g, separation)),
-                _ => (g.map(|g| -g), vector::sub(vector::cross(g, separation), h)),
-            };
-            let ([a1, a2, a3], [r1, r2, r3], [g1, g2, g3], [h1, h2, h3]) = (minus_g, arm, g, h);
-            out.row = [a1, a2, a3, r1, r2, r3, psi_a, g1, g2, g3, h1, h2, h3, psi_b];
-            connector.mask(*measure, &mut out.row);
-        }
     }
 
     /// Evaluates those measures that depend on just these variations, on numbers with derivatives along them, and hands on their

@@ -1,10 +1,14 @@
 //! Values and rows of one connector, and nothing else: what an element routine asks for at every iteration.
+//!
+//! Which measures there are is found once, when the connector is made: each row belongs to a formula that is compiled for its
+//! measures alone ([`crate::measure::formula`]), so that a call does no more than run these one after another.
 
-use super::derivatives::Seeds;
-use super::{Branch, Components, Connector, Mask, NodalRow};
+use super::{Branch, Components, Connector, Kind, Mask, NodalRow, Row};
+use crate::measure::formula::{Formula, Pass, Task, alone, cover};
 use crate::measure::{Measure, Shared};
-use crate::node::{DOFS, Dependence, Pair};
-use crate::scalar::{Differentiable, Real};
+use crate::node::{DOFS, Dependence, Pair, RelativeGradient};
+use crate::scalar::{Differentiable, Real, Scalar, Seeded};
+use crate::vector;
 
 /// A value with its derivatives by the nodal degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +32,8 @@ impl<R: Differentiable> Connector<R> {
     /// must be that of the state ([`Connector::advance`]): of the residual of a constrained component, of the position of any
     /// other. They go to the front of `out`, whose rest stays as it is; gives their number.
     ///
-    /// A third to a tenth of the time of [`Connector::evaluate`], for there is no history, no request and no output that may be
-    /// absent; the numbers are the same. Offsets, turns and references are the caller's.
+    /// Several times as fast as [`Connector::evaluate`], for there is no history, no request and no output that may be absent; the
+    /// numbers are the same. Offsets, turns and references are the caller's.
     ///
     /// ```
     /// use pintle::catalog::ConnectionType;
@@ -59,38 +63,87 @@ impl<R: Differentiable> Connector<R> {
         wanted: Mask,
         out: &mut [Linear<R>; 6],
     ) -> usize {
-        let history = branch.history();
-        let mut measures = [Measure::Distance; 6];
-        let (mut count, mut present) = (0, 0);
-        for k in 0..6 {
-            let (Some(row), true) = (&self.kind.rows[k], wanted[k]) else { continue };
-            present |= row.seeds.bit();
-            measures[count] = row.differentiated;
-            out[count].component = k;
-            count += 1;
+        let Kind { program, .. } = &*self.kind;
+        let Program { passes, components, count, left, .. } = program;
+        if wanted == [true; 6] {
+            for pass in passes {
+                pass.dispatch(Rows { kind: &self.kind, pair, branch, slots: &pass.rows, out });
+            }
+            for (row, measure) in left {
+                self.linearize_with_flow(pair, branch, *measure, &mut out[*row]);
+            }
+            for (out, component) in out.iter_mut().zip(components).take(*count) {
+                out.component = *component;
+            }
+            return *count;
         }
-        let (measures, out) = (&measures[..count], &mut out[..count]);
-        let from = (self, pair, &history);
-        if present & Seeds::Translation.bit() != 0 {
-            Seeds::Translation.linearize::<R, 3>(from, Measure::evaluate_position, measures, out);
-        }
-        if present & Seeds::Rotation.bit() != 0 {
-            Seeds::Rotation.linearize::<R, 3>(from, Measure::evaluate, measures, out);
-        }
-        if present & Seeds::Motion.bit() != 0 {
-            Seeds::Motion.linearize::<R, 6>(from, Measure::evaluate, measures, out);
-        }
-        if present & Seeds::All.bit() != 0 {
-            Seeds::All.linearize::<R, 8>(from, Measure::evaluate, measures, out);
-        }
-        if present & Seeds::None.bit() != 0 {
-            for (measure, out) in measures.iter().zip(out).filter(|(measure, _)| measure.is_one_form()) {
-                out.value = branch.accumulated + branch.accumulated_rest;
-                out.row = measure.one_form(&pair.a.triad, &self.kind.section);
-                self.mask(*measure, &mut out.row);
+        self.linearize_some(pair, branch, wanted, out)
+    }
+
+    /// [`Connector::linearize`] of some of the components.
+    fn linearize_some(
+        &self,
+        pair: &Pair<R>,
+        branch: &Branch<R>,
+        wanted: Mask,
+        out: &mut [Linear<R>; 6],
+    ) -> usize {
+        let Program { passes, alone, components, count, left } = &self.kind.program;
+        let mut slots = [usize::MAX; 6];
+        let mut found = 0;
+        for (row, component) in components.iter().enumerate().take(*count) {
+            if wanted[*component] {
+                slots[row] = found;
+                out[found].component = *component;
+                found += 1;
             }
         }
-        count
+        let slot = |row: usize| slots.get(row).copied().unwrap_or(usize::MAX);
+        for pass in passes {
+            let slots = pass.rows.map(slot);
+            let is_whole = (0..3).all(|m| (slots[m] == usize::MAX) == (pass.rows[m] == usize::MAX));
+            let mut together = slots;
+            if !is_whole {
+                // What is computed by itself as well costs nothing for the others.
+                for m in 0..3 {
+                    let Some(pass) = alone.get(pass.rows[m]).copied().flatten() else { continue };
+                    together[m] = usize::MAX;
+                    if slots[m] != usize::MAX {
+                        let slots = &[slots[m], usize::MAX, usize::MAX];
+                        pass.dispatch(Rows { kind: &self.kind, pair, branch, slots, out });
+                    }
+                }
+            }
+            if together != [usize::MAX; 3] {
+                pass.dispatch(Rows { kind: &self.kind, pair, branch, slots: &together, out });
+            }
+        }
+        for (row, measure) in left {
+            if let Some(out) = out.get_mut(slot(*row)) {
+                self.linearize_with_flow(pair, branch, *measure, out);
+            }
+        }
+        found
+    }
+
+    /// A row with columns of material flow.
+    #[inline(never)]
+    fn linearize_with_flow(&self, pair: &Pair<R>, branch: &Branch<R>, measure: Measure, out: &mut Linear<R>) {
+        let section = &self.kind.section;
+        if measure.is_one_form() {
+            out.value = branch.accumulated + branch.accumulated_rest;
+            out.row = measure.one_form(&pair.a.triad, section);
+        } else {
+            let history = branch.history();
+            let relative = pair.seeded::<R::Gradient<8>, 8>(measure.dependence(), 0);
+            let value = measure.evaluate(&mut Shared::new(&relative, &pair.a.triad, section, &history));
+            let [g1, g2, g3, h1, h2, h3, psi_a, psi_b] = value.gradient();
+            let gradient =
+                RelativeGradient { translation: [g1, g2, g3], rotation: [h1, h2, h3], flow: [psi_a, psi_b] };
+            out.value = value.real();
+            out.row = pair.nodal_row(&gradient);
+        }
+        self.mask(measure, &mut out.row);
     }
 
     /// The values of [`Connector::linearize`] alone, by component.
@@ -107,11 +160,118 @@ impl<R: Differentiable> Connector<R> {
         let mut values = [None; 6];
         for (k, row) in self.kind.rows.iter().enumerate() {
             let (Some(row), true) = (row, wanted[k]) else { continue };
-            values[k] = Some(match row.seeds {
-                Seeds::None => branch.accumulated + branch.accumulated_rest,
-                _ => row.differentiated.evaluate(&mut shared),
+            values[k] = Some(if row.differentiated.is_one_form() {
+                branch.accumulated + branch.accumulated_rest
+            } else {
+                row.differentiated.evaluate(&mut shared)
             });
         }
         values
+    }
+}
+
+/// How [`Connector::linearize`] goes about the rows of a connector.
+#[derive(Clone, Debug)]
+pub(super) struct Program {
+    /// The formulas that compute the rows, in which those of all components are numbered.
+    passes: Vec<Pass>,
+    /// Of each row a formula that computes no other, where there is one.
+    alone: [Option<Pass>; 6],
+    /// The component of each row, and their number.
+    components: [usize; 6],
+    count: usize,
+    /// The rows with columns of material flow.
+    left: Vec<(usize, Measure)>,
+}
+
+impl Program {
+    pub(super) fn new(rows: &Components<Row>) -> Self {
+        let mut components = [usize::MAX; 6];
+        let mut singles = [None; 6];
+        let mut measures = Vec::new();
+        for (k, row) in rows.iter().enumerate() {
+            let Some(row) = row else { continue };
+            let at = measures.len();
+            components[at] = k;
+            singles[at] = alone(row.differentiated, at);
+            measures.push(row.differentiated);
+        }
+        let (passes, left) = cover(&measures);
+        let left = left.into_iter().map(|row| (row, measures[row])).collect();
+        Self { passes, alone: singles, components, count: measures.len(), left }
+    }
+}
+
+/// The rows of one formula, to be written where the slots say.
+struct Rows<'a, R: Differentiable> {
+    kind: &'a Kind<R>,
+    pair: &'a Pair<R>,
+    branch: &'a Branch<R>,
+    slots: &'a [usize; 3],
+    out: &'a mut [Linear<R>; 6],
+}
+
+impl<R: Differentiable> Task for Rows<'_, R> {
+    #[inline(always)]
+    fn run<F: Formula<M>, const M: usize>(self) {
+        let Self { kind, pair, branch, slots, out } = self;
+        // Constants, so that only one of these is compiled for each formula.
+        if const { F::NEEDED.of_position() || F::NEEDED.of_rotation() } {
+            differentiate::<F, R, M, 3>(kind, pair, branch, slots, out);
+        } else {
+            differentiate::<F, R, M, 6>(kind, pair, branch, slots, out);
+        }
+    }
+}
+
+/// The values and rows of a formula, by the N relative variations from number `first` on.
+#[inline(never)]
+fn differentiate<F: Formula<M>, R: Differentiable, const M: usize, const N: usize>(
+    kind: &Kind<R>,
+    pair: &Pair<R>,
+    branch: &Branch<R>,
+    slots: &[usize; 3],
+    out: &mut [Linear<R>; 6],
+) {
+    let first = if F::NEEDED.of_rotation() { 3 } else { 0 };
+    let history = branch.history();
+    let relative = pair.seeded::<R::Gradient<N>, N>(F::NEEDED, first);
+    let mut shared = Shared::new(&relative, &pair.a.triad, &kind.section, &history);
+    let values = F::evaluate(&mut shared);
+    let separation = pair.separation();
+    let zero = R::integer(0);
+    let none = [zero; 3];
+    for m in 0..M {
+        let Some(out) = out.get_mut(slots[m]) else { continue };
+        let gradient = values[m].gradient();
+        let (mut g, mut h) = (none, none);
+        for i in 0..3 {
+            if first == 0 {
+                g[i] = gradient[i];
+            }
+            if first + N == 6 {
+                h[i] = gradient[i + 3 - first];
+            }
+        }
+        // −g, g × D − h, ∂Ψ_a, g, h, ∂Ψ_b ([`Pair::nodal_row`]).
+        let (minus_g, arm) = if F::NEEDED.of_rotation() {
+            (none, h.map(|h| -h))
+        } else if F::NEEDED.of_position() {
+            (g.map(|g| -g), vector::cross(g, separation))
+        } else {
+            (g.map(|g| -g), vector::sub(vector::cross(g, separation), h))
+        };
+        // A measure that no direction of a enters does not feel a turn.
+        let arm = if F::MEASURES[m].turns_with_a() { arm } else { none };
+        let ([a1, a2, a3], [r1, r2, r3], [g1, g2, g3], [h1, h2, h3]) = (minus_g, arm, g, h);
+        out.value = values[m].real();
+        out.row = [a1, a2, a3, r1, r2, r3, zero, g1, g2, g3, h1, h2, h3, zero];
+        if !kind.is_free {
+            for (entry, active) in out.row.iter_mut().zip(&kind.active) {
+                if !active {
+                    *entry = zero;
+                }
+            }
+        }
     }
 }

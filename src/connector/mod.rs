@@ -16,10 +16,10 @@ pub use branch::{Branch, Increment, Turns};
 pub(crate) use branch::{Follower, nearest_turn};
 pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
-use derivatives::Seeds;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
 pub use linear::Linear;
+use linear::Program;
 pub use request::{Mask, Output, Request, Tally};
 
 use crate::catalog::{Condition, ConnectionType, PLANE, Slot};
@@ -99,8 +99,6 @@ struct Row {
     position: Measure,
     /// What is differentiated: the residual of a constrained component, else the position.
     differentiated: Measure,
-    /// The relative variations along which it has derivatives.
-    seeds: Seeds,
     /// Whether that is the printed function, which vanishes initially, rather than the position with its initial value.
     vanishes: bool,
 }
@@ -119,6 +117,7 @@ struct Pass<'a, R: Differentiable> {
 struct Kind<R> {
     connection: Arc<ConnectionType>,
     rows: Components<Row>,
+    program: Program,
     section: Section<R>,
     references: Components<R>,
     stops: Components<Stop>,
@@ -240,8 +239,7 @@ impl<R: Differentiable> Connector<R> {
             if position.winds() {
                 turns[k].principal = start;
             }
-            rows[k] =
-                Some(Row { slot, position, differentiated, seeds: Seeds::of(differentiated), vanishes });
+            rows[k] = Some(Row { slot, position, differentiated, vanishes });
             starts[k] = start;
             references[k] = definition.references[k].map(|reference| match position.unit() {
                 Unit::Angle => R::from_f64(reference) * R::pi() / R::integer(180),
@@ -263,6 +261,7 @@ impl<R: Differentiable> Connector<R> {
         };
         let kind = Kind {
             connection: Arc::clone(&definition.connection),
+            program: Program::new(&rows),
             rows,
             section,
             references,

@@ -1,7 +1,9 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
-use super::summary::{LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling};
+use super::summary::{
+    LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling, undecided,
+};
 use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
 use crate::grammar::{agree, count};
@@ -120,6 +122,11 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     let states: Vec<String> =
         check.states.iter().map(|(verdict, n)| format!("{} {n}", verdict.name())).collect();
     writeln!(out, "  {of}{}: {} ({})", check.against.name(), word(check.verdict), states.join(", "))?;
+    for why in undecided(check) {
+        for line in wrap(&why, width.saturating_sub(4)) {
+            writeln!(out, "    {line}")?;
+        }
+    }
     let Some(worst) = &check.worst else { return Ok(()) };
     let state = check.worst_state.as_deref().unwrap_or("");
     let text = format!(

@@ -366,6 +366,7 @@ fn problem(subject: &Subject, check: &Check) -> Problem {
         .iter()
         .map(|[below, above]| format!("From below {below:e}, from above {above:e}."))
         .collect();
+    more.extend(summary::undecided(check));
     more.extend(
         check.score.survivors.iter().map(|(mistake, entry)| format!("Survived: {mistake} ({entry}).")),
     );
@@ -428,12 +429,14 @@ fn assembly(found: &Assembly) -> Vec<(&'static str, String)> {
         ("held by boundary conditions", grouped(found.held as u64)),
         ("constraints", grouped(found.constraints as u64)),
     ];
+    let known =
+        |number: Option<usize>| number.map_or_else(|| "not known".into(), |number| grouped(number as u64));
     if let Some(initial) = found.positions.first() {
         figures.extend([
-            ("rank of the constraints", grouped(initial.rank as u64)),
-            ("redundant", grouped(initial.redundant as u64)),
-            ("mobility", grouped(initial.mobility as u64)),
-            ("not driven", grouped(initial.undriven as u64)),
+            ("rank of the constraints", known(initial.rank)),
+            ("redundant", known(initial.redundant)),
+            ("mobility", known(initial.mobility)),
+            ("not driven", known(initial.undriven)),
         ]);
     }
     figures

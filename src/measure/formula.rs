@@ -1,34 +1,43 @@
-//! Which measures one loop evaluates: compiled apart for each, so that a loop computes what its measures need and nothing else.
+//! Which measures are evaluated together: compiled apart for each such formula, so that it computes what its measures need and
+//! nothing else.
 
-use crate::measure::{Measure, Shared};
+use super::{Measure, Shared};
+use crate::node::Dependence;
 use crate::scalar::Scalar;
 
-/// M measures that are evaluated in one loop.
-pub(super) trait Formula<const M: usize>: Sized {
+/// M measures that are evaluated together.
+pub(crate) trait Formula<const M: usize> {
     /// The measures.
     const MEASURES: [Measure; M];
 
+    /// What any of them depends on.
+    const NEEDED: Dependence = needed(&Self::MEASURES);
+
     /// Their principal values.
     fn evaluate<S: Scalar>(shared: &mut Shared<'_, S>) -> [S; M];
-
-    /// Does a task for this formula, as a function of its own: the compiler puts it into the unit of the module that the formula
-    /// stands in, and works on units side by side. One function for all formulas takes it more than 25 minutes.
-    #[inline(never)]
-    fn apart(task: impl Task) {
-        task.run::<Self, M>();
-    }
 }
 
 /// Something to be done for a formula.
-pub(super) trait Task {
+pub(crate) trait Task {
     fn run<F: Formula<M>, const M: usize>(self);
 }
 
-/// One loop over tiles: the number of its formula, and the row of each of its measures; `usize::MAX` of those not wanted.
-#[derive(Clone, Debug)]
-pub(super) struct Pass {
+/// The number of a formula, and the row of each of its measures; `usize::MAX` of those not wanted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pass {
     number: usize,
-    pub(super) rows: [usize; 3],
+    pub(crate) rows: [usize; 3],
+}
+
+/// What any of the measures depends on.
+const fn needed<const M: usize>(measures: &[Measure; M]) -> Dependence {
+    let mut sum = measures[0].dependence();
+    let mut i = 1;
+    while i < M {
+        sum = sum.or(measures[i].dependence());
+        i += 1;
+    }
+    sum
 }
 
 macro_rules! formulas {
@@ -36,6 +45,7 @@ macro_rules! formulas {
         /// The measures of each formula. What stands first is preferred: longer formulas share more.
         const FORMULAS: &[&[Measure]] = &[$(&[$(formulas!(@measure $measure $($($index)+)?)),+]),*];
 
+        // Each in a module, which is what the compiler makes units of, and works on side by side.
         $(mod $module {
             use super::{Formula, Measure, Scalar, Shared};
 
@@ -53,12 +63,12 @@ macro_rules! formulas {
 
         impl Pass {
             /// Does a task for the formula of this pass.
-            #[inline]
-            pub(super) fn dispatch(&self, task: impl Task) {
+            #[inline(always)]
+            pub(crate) fn dispatch(&self, task: impl Task) {
                 let mut number = 0;
                 $(
                     if self.number == number {
-                        return $module::Evaluated::apart(task);
+                        return task.run::<$module::Evaluated, $count>();
                     }
                     number += 1;
                 )*
@@ -93,9 +103,9 @@ formulas! {
     sweep: 1: Sweep by sweep;
 }
 
-/// The passes that compute `measures`, or the row of one that none computes: first formulas that are wanted whole, then each that
-/// computes one of those that are left.
-pub(super) fn cover(measures: &[Measure]) -> Result<Vec<Pass>, usize> {
+/// The passes that compute `measures`, and the rows that none computes: first formulas that are wanted whole, then each that computes
+/// one of those that are left.
+pub(crate) fn cover(measures: &[Measure]) -> (Vec<Pass>, Vec<usize>) {
     let mut left: Vec<(usize, Measure)> =
         measures.iter().copied().map(Measure::as_function).enumerate().collect();
     let mut passes = Vec::new();
@@ -116,10 +126,13 @@ pub(super) fn cover(measures: &[Measure]) -> Result<Vec<Pass>, usize> {
             passes.push(pass);
         }
     }
-    match left.first() {
-        Some((row, _)) => Err(*row),
-        None => Ok(passes),
-    }
+    (passes, left.into_iter().map(|(row, _)| row).collect())
+}
+
+/// The pass that computes one measure and no other, for the row given.
+pub(crate) fn alone(measure: Measure, row: usize) -> Option<Pass> {
+    let number = FORMULAS.iter().position(|formula| *formula == [measure.as_function()])?;
+    Some(Pass { number, rows: [row, usize::MAX, usize::MAX] })
 }
 
 #[cfg(test)]

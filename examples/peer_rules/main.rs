@@ -1,0 +1,203 @@
+//! What the default rules of other derivative checkers notice, on the same mutants of the same Jacobians.
+//!
+//! `rules.rs` has each rule, written from its source: PyTorch's `gradcheck` (slow and fast), Ceres' gradient checker,
+//! DifferentiationInterfaceTest and JAX's `check_grads`. All see the same function of the nodal degrees of freedom, displacements as they
+//! are and finite rotations exp(δθ^) C from the present triads on, and a Jacobian, right or with one mistake in it.
+//!
+//! `cargo run --example peer_rules` prints a table in Markdown; `scripts/peer_rules.py` writes it into the docs.
+
+mod rules;
+
+use pintle::audit::case::moved;
+use pintle::audit::mutant::{Mistake, Scene, mutants};
+use pintle::audit::oracle::Narrow;
+use pintle::audit::sample::{Draw, Region, draw_case};
+use pintle::audit::truth::Truth;
+use pintle::audit::verdict::Wanted;
+use pintle::audit::{Bound, Case, Entries, Quantity, atlas, product};
+use pintle::catalog::{ConnectionType, TABLE};
+use pintle::connector::{Branch, Connector, Increment, Output, Request, State, Tally};
+use pintle::node::{DOFS, Node, Pair};
+use rules::{Jacobian, NAMES, Peers, Problem, exceeds};
+use std::collections::BTreeMap;
+
+/// A connector at a state: its values as a function of the nodal degrees of freedom that it has.
+struct Subject {
+    connector: Connector<f64>,
+    branch: Branch<f64>,
+    state: State<f64>,
+    /// The degrees of freedom, and the components that have a row.
+    columns: Vec<usize>,
+    components: Vec<usize>,
+}
+
+impl Subject {
+    fn of(case: &Case, rows: &Entries<f64>) -> Option<Self> {
+        let connector = case.connector();
+        let end = case.last()?;
+        let branch = connector.advance(&end.state, &end.increment, &case.branch_before(&connector));
+        let columns = (0..DOFS).filter(|j| connector.active()[*j]).collect();
+        let components = (0..6).filter(|k| rows.0[*k].is_some()).collect();
+        Some(Self { connector, branch, state: end.state, columns, components })
+    }
+
+    /// Displacements and flow as they are, rotations from the present triads on.
+    fn parameters(&self) -> Vec<f64> {
+        let Pair { a, b, .. } = &self.state.pair;
+        let of = |node: &Node<f64>| {
+            let [x, y, z] = node.displacement;
+            [x, y, z, 0.0, 0.0, 0.0, node.flow]
+        };
+        let all = [of(a), of(b)].concat();
+        self.columns.iter().map(|j| all[*j]).collect()
+    }
+
+    fn values(&self, parameters: &[f64]) -> Vec<f64> {
+        let mut at = [0.0; DOFS];
+        for (j, x) in self.columns.iter().zip(parameters) {
+            at[*j] = *x;
+        }
+        let mut state = self.state;
+        for node in [&mut state.pair.a, &mut state.pair.b] {
+            node.displacement = [0.0; 3];
+            node.flow = 0.0;
+        }
+        state.pair = moved(&state.pair, &at);
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let found =
+            self.connector.evaluate(&state, &Increment::none(), &self.branch, &asked, &mut Tally::default());
+        let value = |k: &usize| found.residual[*k].or(found.displacement[*k]).unwrap_or(f64::NAN);
+        self.components.iter().map(value).collect()
+    }
+
+    fn jacobian(&self, entry: impl Fn(usize, usize) -> Option<f64>) -> Jacobian {
+        let row = |k: &usize| self.columns.iter().map(|j| entry(*k, *j).unwrap_or(0.0)).collect();
+        self.components.iter().map(row).collect()
+    }
+}
+
+/// Whether each rule calls the Jacobian wrong.
+struct Judges<'a> {
+    subject: &'a Subject,
+    bound: &'a Bound,
+    truth: Entries<Wanted>,
+    right: Jacobian,
+    peers: Peers,
+}
+
+impl<'a> Judges<'a> {
+    fn of(case: &Case, subject: &'a Subject, bound: &'a Bound) -> Option<Self> {
+        let truth = Truth::of(case)?.first().map(|_, _, x| Wanted::from(x));
+        let right = subject.jacobian(|k, j| truth.get(k, j).map(Wanted::to_f64));
+        let values = |x: &[f64]| subject.values(x);
+        let peers = Peers::of(&Problem { at: subject.parameters(), values: &values });
+        Some(Self { subject, bound, truth, right, peers })
+    }
+
+    fn wrong(&self, rows: &Entries<f64>) -> [bool; 6] {
+        let ours = rows.iter().any(|(k, i, x)| {
+            let Some(want) = self.truth.get(k, i) else { return false };
+            exceeds(want.error(x), self.bound.tolerance(Quantity::FirstDerivatives, k, i))
+        });
+        let found = self.subject.jacobian(|k, j| rows.get(k, j));
+        let [slow, fast, ceres, interface, jax] = self.peers.wrong(&found, &self.right);
+        [ours, slow, fast, ceres, interface, jax]
+    }
+}
+
+/// Mutants noticed and tried, by mistake, and false alarms, of one set of states.
+#[derive(Default)]
+struct Tallies {
+    noticed: BTreeMap<String, [u64; 7]>,
+    false_alarms: [u64; 6],
+    states: u64,
+}
+
+fn run(cases: &[Case]) -> Tallies {
+    let mut found = Tallies::default();
+    for case in cases {
+        let (Some(numbers), Some(narrow), Some(step)) = (product(case), Narrow::of(case), case.last()) else {
+            continue;
+        };
+        let rows = numbers.entries(Quantity::FirstDerivatives);
+        let Some(subject) = Subject::of(case, rows) else { continue };
+        let bound = Bound::new(
+            &numbers,
+            &step.state.velocity,
+            &step.state.acceleration,
+            case.length,
+            narrow.nearness(),
+        );
+        let Some(judges) = Judges::of(case, &subject, &bound) else { continue };
+        let quantity = Quantity::FirstDerivatives;
+        found.states += 1;
+        for (count, wrong) in found.false_alarms.iter_mut().zip(judges.wrong(rows)) {
+            *count += u64::from(wrong);
+        }
+        let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
+        let units = std::array::from_fn(|k| judges.subject.connector.differentiated(k).map(|m| m.unit()));
+        let scene = Scene { numbers: &numbers, case, units, turns: [0.0; 6], scale: &scale };
+        for mutant in mutants(quantity, &scene) {
+            let beyond = mutant.changes.iter().any(|(k, i, x)| {
+                let was = rows.get(*k, *i).unwrap_or(0.0);
+                (x - was).abs() > 2.0 * bound.tolerance(quantity, *k, *i)
+            });
+            let shown = match mutant.mistake {
+                Mistake::Scaled(delta) => [1e-2, 1e-4, 1e-6, 1e-9].contains(&delta),
+                _ => true,
+            };
+            // A checker has no column for what is no degree of freedom of the connector.
+            let seen = mutant.changes.iter().all(|(_, i, x)| *x == 0.0 || subject.columns.contains(i));
+            if !beyond || !shown || !seen {
+                continue;
+            }
+            let tally = found.noticed.entry(mutant.mistake.name()).or_default();
+            tally[6] += 1;
+            for (count, wrong) in tally.iter_mut().zip(judges.wrong(&mutant.applied(rows))) {
+                *count += u64::from(wrong);
+            }
+        }
+    }
+    found
+}
+
+fn print(title: &str, found: &Tallies) {
+    println!("\n**{title}** ({} states)\n", found.states);
+    println!("| | pintle | {} | mutants |", NAMES.join(" | "));
+    println!("|---|{}", "---|".repeat(NAMES.len() + 2));
+    for (mistake, counts) in &found.noticed {
+        let total = counts[6];
+        let cells: Vec<String> =
+            counts[..6].iter().map(|n| format!("{:.1} %", 100.0 * *n as f64 / total as f64)).collect();
+        println!("| {mistake} | {} | {total} |", cells.join(" | "));
+    }
+    let alarms: Vec<String> = found.false_alarms.iter().map(|n| format!("{n} of {}", found.states)).collect();
+    println!("| *false alarms* | {} | |", alarms.join(" | "));
+}
+
+/// Types whose components are functions: a one-form, whose row is given, has no values to be differenced.
+fn functions() -> impl Iterator<Item = &'static ConnectionType> {
+    TABLE.iter().filter(|connection| {
+        let mut positions = connection.slots.iter().filter_map(|slot| slot.position());
+        !positions.any(|measure| measure.is_one_form())
+    })
+}
+
+fn main() {
+    rules::tried();
+    let draw = &mut Draw::new("peer rules");
+    let mut of = |region: Region| -> Vec<Case> {
+        functions()
+            .flat_map(|connection| {
+                (0..3).filter_map(|_| draw_case(connection, region, draw)).collect::<Vec<_>>()
+            })
+            .collect()
+    };
+    print("Both nodes turned and moved, lengths of 1", &run(&of(Region::Aligned)));
+    print("The same in millimetres (lengths of 1000)", &run(&of(Region::Long(1e3))));
+    let draw = &mut Draw::new("peer rules, near");
+    let near: Vec<Case> = functions()
+        .flat_map(|c| (0..3).filter_map(|_| atlas::random_near(c, draw)).collect::<Vec<_>>())
+        .collect();
+    print("1e-1 to 1e-12 from a singular set", &run(&near));
+}
