@@ -4,7 +4,7 @@
 //! through a division, a square root or an arctangent. Errors are stated in units u = 2⁻⁵³ of the conditioned scale
 //! |f| + Σ|x_i||∂f/∂x_i| (value / first / second derivative; `verify/numerics.rs` measures them).
 
-use super::{MAX_ORDER, Real, Scalar, Series, unrolled};
+use super::{MAX_ORDER, Real, Scalar, Series};
 
 /// √x for x > 0, 1 / 1.5 / 2 u.
 ///

@@ -1,6 +1,6 @@
 //! Dual numbers in N directions as plain arrays.
 
-use super::super::{Real, Scalar, Seeded, unrolled};
+use super::super::{Real, Scalar, Seeded};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A value with its first derivatives in N directions.
