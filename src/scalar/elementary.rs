@@ -143,7 +143,6 @@ pub fn direction<S: Scalar, const N: usize>(v: [S; N]) -> [S; N] {
 /// (|v|, v / |v|), sharing what [`norm`] and [`direction`] have in common.
 #[inline(always)]
 pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
-    const { assert!(N <= 6, "more components than are written out") }
     let mut real = [S::Real::integer(0); N];
     for i in 0..N {
         real[i] = v[i].real();
