@@ -22,6 +22,7 @@ mod geometry;
 mod levels;
 mod rules;
 
+pub use along::Nearest;
 pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
@@ -45,6 +46,8 @@ pub struct ModelReport {
     pub later_steps: Vec<Assembly>,
     /// Which region of configuration space the states exercised.
     pub coverage: Coverage,
+    /// How near to a singular set any connector comes, initially and at the states; `None` where no component has one.
+    pub nearest: Option<Nearest>,
     /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
     pub findings: Vec<Finding>,
 }
@@ -70,11 +73,12 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(behavior::findings(scene, &model));
     findings.extend(duplicates::findings(scene, &model));
     let mut coverage = Coverage::default();
-    findings.extend(along::findings(scene, &model, states, &mut |result| {
+    let (along, nearest) = along::findings(scene, &model, states, &mut |result| {
         if let Some(element) = model.connectors.get(result.index) {
             coverage.add_of(&element.connector, &element.definition(), &result.state);
         }
-    }));
+    });
+    findings.extend(along);
     let mut steps = Vec::new();
     if !is_refused {
         match assembly::analyse_steps(scene, &model, states) {
@@ -93,5 +97,13 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     let mut steps = steps.into_iter();
     let assembly = steps.next();
     let later_steps = steps.collect();
-    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, later_steps, coverage, findings }
+    ModelReport {
+        scene: scene.name.clone(),
+        states: states.len(),
+        assembly,
+        later_steps,
+        coverage,
+        nearest,
+        findings,
+    }
 }

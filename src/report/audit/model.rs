@@ -3,8 +3,9 @@
 use super::super::layout::{BOLD, CARE, DIM, styled, wrap};
 use crate::audit::assembly::{Assembly, Position};
 use crate::audit::coverage::{Coverage, Histogram};
-use crate::audit::model::{Finding, ModelReport};
+use crate::audit::model::{Finding, ModelReport, Nearest};
 use crate::grammar::{count, ranges};
+use crate::measure::Unit;
 use crate::scene::Severity;
 use std::io::{self, Write};
 
@@ -19,8 +20,21 @@ pub(super) fn human(out: &mut dyn Write, models: &[ModelReport], width: usize) -
             assembly(out, assembled, width)?;
         }
         coverage(out, &model.coverage, width)?;
+        if let Some(nearest) = &model.nearest {
+            paragraph(out, &self::nearest(nearest), 2, width)?;
+        }
     }
     Ok(())
+}
+
+/// The nearest singular set, in words.
+pub(super) fn nearest(nearest: &Nearest) -> String {
+    let Nearest { element, component, at, distance, unit, state } = nearest;
+    let unit = if *unit == Unit::Angle { " rad" } else { "" };
+    let when = state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"));
+    format!(
+        "nearest singular point: {component} of element {element} is {distance:.3e}{unit} from {at}, {when}"
+    )
 }
 
 /// The number of findings, in words.
