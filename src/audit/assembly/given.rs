@@ -18,10 +18,13 @@ const WORK: usize = 3_000_000;
 /// Dependent rows by part; `None` where the rank of the part is not certain, which proves nothing of other states.
 type Dependent = Vec<Option<Vec<u32>>>;
 
+/// States, all of which are followed, and which of them are wanted.
+type Wanted<'a> = (&'a [State], &'a dyn Fn(&State) -> bool);
+
 /// Looks at those of the states given that are wanted.
 pub(super) fn along(
     system: &System<'_>,
-    (states, is_of): (&[State], &dyn Fn(&State) -> bool),
+    (states, is_of): Wanted<'_>,
     initial: &[Result<Found, usize>],
     fixed: usize,
     assembly: &mut Assembly,
