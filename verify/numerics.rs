@@ -16,7 +16,7 @@ mod fuzz;
 mod golden;
 mod grid;
 mod identity;
-mod margins; // how far states are from singular sets
+mod margins;
 mod orders;
 mod truth;
 mod turns;

@@ -164,7 +164,10 @@ fn springs_to_ground_need_their_conditions() {
     let warm = Conditions { temperature: Some(20.0), ..Conditions::default() };
     assert_eq!(spring(0).spring(0.5, &warm), Ok(3.0));
     assert_eq!(spring(0).spring(0.5, &Conditions::default()), Err(Unknown::Temperature));
-    assert_eq!([-0.5, 0.5, 1.0].map(|x| spring(1).spring(x, &Conditions::default())), [Ok(-1.0), Ok(1.5), Ok(3.0)]);
+    assert_eq!(
+        [-0.5, 0.5, 1.0].map(|x| spring(1).spring(x, &Conditions::default())),
+        [Ok(-1.0), Ok(1.5), Ok(3.0)]
+    );
 }
 
 /// A law that depends on a field variable needs that one, by its number.

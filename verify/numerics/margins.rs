@@ -16,7 +16,14 @@ fn margins_of_turns_and_of_belts() {
     };
     let axis = [0.6, 0.0, -0.8];
     let tau = std::f64::consts::TAU;
-    for (angle, distance) in [(1.0, tau - 1.0), (4.0, tau - 4.0), (7.0, 7.0 - tau), (9.0, 9.0 - tau), (10.0, 2.0 * tau - 10.0), (20.0, 20.0 - 3.0 * tau)] {
+    for (angle, distance) in [
+        (1.0, tau - 1.0),
+        (4.0, tau - 4.0),
+        (7.0, 7.0 - tau),
+        (9.0, 9.0 - tau),
+        (10.0, 2.0 * tau - 10.0),
+        (20.0, 20.0 - 3.0 * tau),
+    ] {
         let vector = axis.map(|e| e * angle);
         let relative = Relative { d: [0.0; 3], q: so3::matrix(so3::exp(vector)), flow: [0.0; 2], spin: None };
         let history = History { rotation_vector: vector, euler_sign: 1.0, torsion_turns: 0.0 };
@@ -35,6 +42,10 @@ fn margins_of_turns_and_of_belts() {
     ] {
         let relative = Relative { d: [3.0, 0.0, 4.0], q: vector::identity(), flow, spin: None };
         let margin = Measure::Strain.margin(&relative, &section, &history).unwrap();
-        assert_eq!((margin.distance, margin.set.at.starts_with("coincident")), (distance, is_coincidence), "{flow:?}");
+        assert_eq!(
+            (margin.distance, margin.set.at.starts_with("coincident")),
+            (distance, is_coincidence),
+            "{flow:?}"
+        );
     }
 }
