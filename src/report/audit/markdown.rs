@@ -1,6 +1,8 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
-use super::summary::{LEGEND, Row, detectable, failed, headline, self_test, symbols, telling, undecided};
+use super::summary::{
+    LEGEND, Row, detectable, failed, headline, left_out, self_test, symbols, telling, undecided,
+};
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Subject};
 use crate::grammar::count;
@@ -121,14 +123,17 @@ fn items(report: &Report) -> (Vec<String>, Vec<String>) {
         }
     }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
-        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
         wrong.push(format!(
-            "- **{}** {} at {}: declared {:?}, seen {seen}",
+            "- **{}** {} at {}: {}",
             escaped(&approach.connection),
             approach.component,
             escaped(approach.at),
-            approach.declared
+            approach.told()
         ));
+    }
+    for (text, names) in left_out(report) {
+        let names: Vec<String> = names.into_iter().map(escaped).collect();
+        mild.push(format!("- **{}**: {text}", names.join(", ")));
     }
     (wrong, mild)
 }
