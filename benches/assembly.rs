@@ -143,19 +143,20 @@ fn measure(name: &str, scene: &Scene, known: [usize; 2]) {
     let time = start.elapsed().as_secs_f64();
     let memory = f64::from(PEAK.peak_usage_as_mb() - before);
     let position = &assembly.positions[0];
+    let [mobility, redundant] = [position.mobility, position.redundant].map(Option::unwrap);
     println!(
         "{name:8} {:7} connectors {:8} constraints {time:8.2} s {memory:8.1} MB  mobility {:6} redundant {:6} front {:5} gap {:.1e} {:.1e} decided {}",
         model.connectors.len(),
         assembly.constraints,
-        position.mobility,
-        position.redundant,
+        mobility,
+        redundant,
         assembly.largest_front,
         position.gap.zero,
         position.gap.nonzero,
         position.decided
     );
-    assert_eq!(assembly.gruebler, position.mobility as i64 - position.redundant as i64);
-    assert_eq!([position.mobility, position.redundant], known, "{name}");
+    assert_eq!(assembly.gruebler, mobility as i64 - redundant as i64);
+    assert_eq!([mobility, redundant], known, "{name}");
     assert!(position.decided, "{name}: {:?}", position.gap);
 }
 

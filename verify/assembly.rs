@@ -116,7 +116,7 @@ fn is(assembly: &Assembly, gruebler: i64, mobility: usize, redundant: usize, hol
             .collect();
     assert_eq!(
         (assembly.gruebler, position.mobility, position.redundant, seen.as_slice()),
-        (gruebler, mobility, redundant, holds),
+        (gruebler, Some(mobility), Some(redundant), holds),
         "{:#?}",
         assembly.redundant
     );
@@ -169,10 +169,16 @@ fn drives_come_on_top() {
     deck.more = "*STEP\n*STATIC\n0.1, 1.\n*CONNECTOR MOTION\n101, 4, 1.\n*END STEP\n".into();
     let once = deck.analyse();
     is(&once, -2, 1, 3, &[(Holds::Throughout, 3)]);
-    assert_eq!((once.drives, once.positions[0].undriven, once.positions[0].overdriven), (1, 0, 0));
+    assert_eq!(
+        (once.drives, once.positions[0].undriven, once.positions[0].overdriven),
+        (1, Some(0), Some(0))
+    );
     deck.more = "*STEP\n*STATIC\n0.1, 1.\n*CONNECTOR MOTION\n101, 4, 1.\n104, 4, 1.\n*END STEP\n".into();
     let twice = deck.analyse();
-    assert_eq!((twice.drives, twice.positions[0].undriven, twice.positions[0].overdriven), (2, 0, 1));
+    assert_eq!(
+        (twice.drives, twice.positions[0].undriven, twice.positions[0].overdriven),
+        (2, Some(0), Some(1))
+    );
     assert_eq!(twice.overdriven.len(), 1);
     // Held instead of driven it is a constraint, and nothing moves.
     deck.more = "*CONNECTOR MOTION\n101, 4\n".into();
@@ -315,11 +321,11 @@ fn a_dead_centre() {
     deck.more = "*STEP\n*STATIC\n0.1, 1.\n*CONNECTOR MOTION\n106, 1, 1.\n*END STEP\n".into();
     let assembly = deck.analyse();
     is(&assembly, -2, 1, 3, &[(Holds::Throughout, 3)]);
-    assert_eq!((assembly.positions[0].undriven, assembly.positions[0].overdriven), (1, 1));
+    assert_eq!((assembly.positions[0].undriven, assembly.positions[0].overdriven), (Some(1), Some(1)));
     deck = slider_crank([0.6, 0.8, 0.0], 2.4);
     deck.more = "*STEP\n*STATIC\n0.1, 1.\n*CONNECTOR MOTION\n106, 1, 1.\n*END STEP\n".into();
     let assembly = deck.analyse();
-    assert_eq!((assembly.positions[0].undriven, assembly.positions[0].overdriven), (0, 0));
+    assert_eq!((assembly.positions[0].undriven, assembly.positions[0].overdriven), (Some(0), Some(0)));
 }
 
 /// Two rods in line between fixed pins: they can move sideways to first order, and nowhere.
@@ -410,10 +416,84 @@ fn units_and_origin_do_not_matter() {
         let assembly = deck.analyse();
         assert_eq!(
             (assembly.positions[0].mobility, assembly.positions[0].redundant),
-            (1, 3),
+            (Some(1), Some(3)),
             "{unit} {origin}"
         );
         // Coordinates far away are rounded, and that is known.
         assert!(assembly.positions[0].decided, "{unit} {origin}: {:?}", assembly.positions[0]);
+    }
+}
+
+/// A folded four-bar whose pins lie on a line, or off it by so much, in this unit and this far from the origin.
+fn folded(offset: f64, unit: f64, origin: f64) -> Deck {
+    let mut deck = Deck::default();
+    let pins = [[0.0, 0.0], [1.0, offset], [3.0, offset], [2.0, 0.0]];
+    deck.closed(&pins.map(|[x, y]| ([origin + unit * x, origin + unit * y, origin], Z)));
+    deck
+}
+
+/// Far from the origin what is off by a thousand times the rounding of coordinates is not zero for certain, and what is zero still is.
+#[test]
+fn what_is_off_by_more_than_rounding_is_not_zero() {
+    for origin in [0.0, 1e6] {
+        let flat = folded(0.0, 1.0, origin).analyse();
+        assert_eq!((flat.positions[0].rank, flat.positions[0].decided), (Some(34), true), "{origin}");
+        let near = folded(1e-7, 1.0, origin).analyse();
+        assert!(!near.positions[0].decided, "{origin}: {:?}", near.positions[0]);
+        assert!(!near.positions[0].doubtful.is_empty());
+        let open = folded(1e-2, 1.0, origin).analyse();
+        assert_eq!((open.positions[0].rank, open.positions[0].decided), (Some(35), true), "{origin}");
+    }
+}
+
+/// Links of 1e-6 that lie 1e6 away have no digits: nothing that follows from their rank is a fact.
+#[test]
+fn an_uncertain_rank_states_nothing_as_a_fact() {
+    let deck = folded(0.0, 1e-6, 1e6);
+    let assembly = deck.analyse();
+    let position = &assembly.positions[0];
+    assert!(!position.decided);
+    assert_eq!(Some(position.undriven_undecided), position.undriven);
+    assert!(!assembly.redundant.is_empty() && !assembly.modes.is_empty());
+    assert!(assembly.redundant.iter().all(|one| one.holds == Holds::Unjudged && !one.decided));
+    assert!(assembly.modes.iter().all(|mode| !mode.decided));
+    let scene = Scene::parse("far.inp", &deck.text()).unwrap();
+    let report = pintle::audit::model::audit_model(&scene, &[], &Default::default());
+    let of = |code: Code| report.findings.iter().filter(move |finding| finding.code() == code);
+    for fact in [Code::AssemblyRedundant, Code::AssemblyRedundantHere, Code::AssemblyMechanism] {
+        assert_eq!(of(fact).count(), 0, "{fact}");
+    }
+    let rank = position.rank.unwrap();
+    let condition = format!("if the rank of the constraints is {rank}, which is not certain");
+    let mut unjudged = of(Code::AssemblyRedundantUnjudged).peekable();
+    assert!(unjudged.peek().is_some());
+    assert!(unjudged.all(|finding| finding.message().contains(&condition)));
+    let undecided = of(Code::AssemblyUndecided).next().unwrap().message();
+    let ways = position.undriven.unwrap();
+    assert!(undecided.contains(&format!("if it is {rank}, ")), "{undecided}");
+    assert!(undecided.contains(&format!("can move in {ways} ways")), "{undecided}");
+}
+
+/// Motions of one node are told apart, by the degree of freedom that stands for each.
+#[test]
+fn motions_are_told_apart() {
+    let mut deck = Deck::default();
+    let [a, b] = [deck.ground([0.0; 3]), deck.node([1.0, 0.0, 0.0])];
+    deck.joint("AXIAL", a, b, [1.0, 0.0, 0.0]);
+    let carried = deck.node([2.0, 0.0, 0.0]);
+    deck.joint("WELD", b, deck.nodes.len(), Z);
+    let text = deck.text().replace("WELD", "BEAM");
+    let scene = Scene::parse("free.inp", &text).unwrap();
+    let report = pintle::audit::model::audit_model(&scene, &[], &Default::default());
+    let finding = report.findings.iter().find(|one| one.code() == Code::AssemblyMechanism).unwrap();
+    let message = finding.message();
+    let words: Vec<&str> = message.split_once("by degree of freedom ").unwrap().1.split("; ").collect();
+    assert_eq!(words.len(), 6, "{message}");
+    for (i, word) in words.iter().enumerate() {
+        assert!(
+            word.contains(&format!("node {b}")) && word.contains(&format!("node {carried}")),
+            "{message}"
+        );
+        assert!(!words[..i].contains(word), "{message}");
     }
 }

@@ -30,7 +30,7 @@ use super::case::{Case, dof_size, moved};
 use super::certificate::certificate;
 use super::coverage::{Coverage, Lack};
 use super::diagnosis::Symptoms;
-use super::engine::{Settings, checks_of};
+use super::engine::{Settings, checks_of, spread};
 use super::model::{Finding, ModelReport};
 use super::mutant::{self, mutants};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
@@ -100,25 +100,29 @@ impl<'a> Candidate<'a> {
         })
     }
 
-    /// Draws states about the initial one and checks what the routine gives there: its values against the connector's, its
-    /// Jacobian against differences on 237 bits *and* against differences of its own values, so that a wrong derivative is told
-    /// from another formula. Where the states leave out a region of configuration space, a finding of the report says so.
+    /// Draws states about the initial one and checks what the routine gives there: its values against the connector's formulas on 237
+    /// bits, its Jacobian against differences on 237 bits *and* against differences of its own values, so that a wrong derivative is
+    /// told from another formula; at the states that are not chosen for differences, against the connector's dual numbers, which prove
+    /// nothing by themselves. Without an oracle on 237 bits among those asked, formula and derivative are undecided. Where the states
+    /// leave out a region of configuration space, a finding of the report says so.
     pub fn check(&self, routine: impl Fn(&State<f64>) -> Given) -> Report {
         let mut found: Vec<Check> = Vec::new();
         let mut coverage = Coverage::default();
         let mut cases = 0;
+        let wide = spread(self.settings.states, self.settings.wide_states);
         for (i, case) in self.cases() {
             cases += 1;
             if let Some(step) = case.last() {
                 coverage.add(self.definition, &step.state);
             }
-            let wide = i < self.settings.wide_states;
-            checks_of(&mut found, self.judge(&case, &routine, wide));
+            checks_of(&mut found, self.judge(&case, &routine, wide.contains(&i)));
         }
         let connection = &self.definition.connection;
         let mut subject = Subject::new(self.name.to_string(), certificate(connection), cases, found);
-        // A candidate's formula is judged state by state.
-        let values = subject.checks.iter().filter(|check| check.quantity == Some(Quantity::Value));
+        // A candidate's formula is judged state by state, by a witness that shares no elementary function with it or with us.
+        let is_witness = |against| matches!(against, Against::Oracle(oracle) if oracle.is_independent());
+        let of_values = subject.checks.iter().filter(|check| check.quantity == Some(Quantity::Value));
+        let values = of_values.filter(|check| is_witness(check.against) && check.compared > 0);
         subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
         Report {
             version: crate::VERSION,
@@ -146,6 +150,7 @@ impl<'a> Candidate<'a> {
             states: usize::try_from(coverage.samples).unwrap_or(usize::MAX),
             assembly: None,
             coverage,
+            nearest: None,
             findings: gaps.into_iter().map(finding).collect(),
         })
     }
@@ -158,14 +163,19 @@ impl<'a> Candidate<'a> {
         given.set(Quantity::Value, Entries(values.map(|x| x.map(|x| vec![x]))));
         given.set(Quantity::FirstDerivatives, Entries(rows.map(|row| row.map(|row| row.to_vec()))));
         let Some(product) = super::force::product_with_forces(case) else { return checks };
-        let truth = if wide { Truth::of(case) } else { None };
-        let answers = truth.as_ref().map(WideAnswers::of_kinematics);
-        let trusted = answers
-            .as_ref()
-            .map_or_else(|| product.clone(), |answers| super::atlas::truth_to_f64(&answers.differences));
+        let asked = |oracle: Oracle| self.settings.oracles.contains(&oracle);
         let nearness = narrow.nearness();
+        let Some(truth) = Truth::of(case) else { return checks };
+        // On a singular set only the wide differences tell its two sides.
+        let answers = (wide || nearness == 0.0).then(|| WideAnswers::of_kinematics(&truth));
+        let trusted = match &answers {
+            Some(answers) if nearness > 0.0 => super::atlas::truth_to_f64(&answers.differences),
+            Some(answers) => super::atlas::truth_to_f64(&answers.dual),
+            None => product,
+        };
         let bound =
             Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+        let sides = (nearness == 0.0).then(|| truth.sides(&bound));
         let connector = case.connector();
         let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
         let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
@@ -182,7 +192,7 @@ impl<'a> Candidate<'a> {
         };
         let mut compare = |quantity: Quantity, answer: &Answer| {
             let got = given.entries(quantity);
-            let around = Surroundings { bound: &bound, exact: None, nearness, one_sided: None };
+            let around = Surroundings { bound: &bound, exact: None, nearness, sides: sides.as_ref() };
             let judgement = judge(quantity, got, answer, &around);
             let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
@@ -193,18 +203,19 @@ impl<'a> Candidate<'a> {
             }
             checks.push(check);
         };
+        if asked(Oracle::WideDifferences) {
+            compare(Quantity::Value, &Answer::sharp(Oracle::WideDifferences, &truth.value()));
+        }
         match &answers {
-            Some(answers) => {
-                for quantity in [Quantity::Value, Quantity::FirstDerivatives] {
-                    if let Some(answer) = answers.answer(Oracle::WideDifferences, quantity) {
-                        compare(quantity, &answer);
-                    }
+            Some(answers) if asked(Oracle::WideDifferences) => {
+                if let Some(answer) = answers.answer(Oracle::WideDifferences, Quantity::FirstDerivatives) {
+                    compare(Quantity::FirstDerivatives, &answer);
                 }
             }
-            None => {
-                compare(Quantity::Value, &Answer::of(Oracle::NodalDual, product.entries(Quantity::Value)));
+            _ if asked(Oracle::NodalDual) && nearness > 0.0 => {
                 compare(Quantity::FirstDerivatives, &narrow.nodal_dual(&bound));
             }
+            _ => {}
         }
         let own = central_differences(
             |by: &[f64; DOFS]| {
@@ -222,7 +233,7 @@ impl<'a> Candidate<'a> {
             return checks;
         }
         let mut check = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
-        let around = Surroundings { bound: &bound, exact: None, nearness, one_sided: None };
+        let around = Surroundings { bound: &bound, exact: None, nearness, sides: None };
         let judgement =
             judge(Quantity::FirstDerivatives, given.entries(Quantity::FirstDerivatives), &own, &around);
         check.add(judgement, Score::default(), case);

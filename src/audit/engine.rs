@@ -15,13 +15,14 @@ use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
 use super::sheet::Sheet;
 use super::truth::Truth;
-use super::verdict::{Finding, Judgement, Score, Surroundings, Verdict, Wanted, judge, try_mutants};
+use super::verdict::{Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, judge, try_mutants};
 use crate::catalog::{ConnectionType, TABLE};
 use crate::measure::Unit;
 use crate::node::DOFS;
 
 use rayon::prelude::*;
 use serde::Serialize;
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What an audit is to do.
@@ -64,6 +65,30 @@ pub enum Planted {
 }
 
 impl Planted {
+    /// Where it is planted, in words.
+    pub const fn place(self) -> &'static str {
+        match self {
+            Self::WrongEntry | Self::WrongSign => "a derivative or a slope of a behaviour",
+            Self::WrongFriction => "a slope of a friction force",
+            Self::LostAnswer => "an answer of an oracle on 237 bits",
+        }
+    }
+
+    /// Whether a check is of numbers in which it is planted.
+    pub(super) fn is_in(self, check: &Check) -> bool {
+        let of = |places: &[Quantity]| check.quantity.is_some_and(|quantity| places.contains(&quantity));
+        check.compared > 0
+            && match self {
+                Self::WrongEntry | Self::WrongSign => of(&Self::FIRST),
+                Self::WrongFriction => of(&[Quantity::FrictionTangent]),
+                Self::LostAnswer => matches!(check.against, Against::Oracle(oracle) if oracle.is_wide()),
+            }
+    }
+
+    /// First derivatives and slopes.
+    const FIRST: [Quantity; 3] =
+        [Quantity::FirstDerivatives, Quantity::FrictionGradient, Quantity::BehaviorTangent];
+
     /// By what a derivative is multiplied.
     const fn factor(self) -> Option<f64> {
         match self {
@@ -95,9 +120,8 @@ impl Planted {
 
     /// The same of a sheet.
     pub(super) fn spoil_sheet(self, sheet: &mut Sheet) {
-        let has_first = [Quantity::FirstDerivatives, Quantity::FrictionGradient, Quantity::BehaviorTangent];
         if let Some(factor) = self.factor()
-            && has_first.contains(&sheet.quantity)
+            && Self::FIRST.contains(&sheet.quantity)
             && let Some(entry) = sheet.entries.iter_mut().max_by(|x, y| x.got.abs().total_cmp(&y.got.abs()))
         {
             entry.got *= factor;
@@ -167,13 +191,34 @@ pub fn audit_cases(
     Report::new(settings, subjects, Vec::new())
 }
 
-/// `wanted` places among `count`, evenly spread; of one alone the last, for at the first nothing has moved yet.
+/// `wanted` places among `count`: the first, the last, and others evenly between them; of one alone the last, for at the first nothing
+/// has moved yet.
 pub(super) fn spread(count: usize, wanted: usize) -> BTreeSet<usize> {
-    let wanted = wanted.min(count).max(usize::from(count > 0));
-    match wanted {
-        1 => BTreeSet::from([count - 1]),
-        _ => (0..wanted).map(|i| i * count / wanted).collect(),
+    spread_of(count, wanted, 0)
+}
+
+/// The same for one of many that share a history, by its number: where each has one place only, together they cover the history.
+/// The first of them takes the last place, the second the first, others halve the gaps.
+pub(super) fn spread_of(count: usize, wanted: usize, number: usize) -> BTreeSet<usize> {
+    let Some(last) = count.checked_sub(1) else { return BTreeSet::new() };
+    match wanted.min(count) {
+        0 | 1 => {
+            let place = match number {
+                0 => last,
+                1 => 0,
+                _ => halved(number - 1, last),
+            };
+            BTreeSet::from([place])
+        }
+        wanted => (0..wanted).map(|i| i * last / (wanted - 1)).collect(),
     }
+}
+
+/// The n-th (from 1) of the places that halve 0 … `last` again and again: 1/2, 1/4, 3/4, 1/8 … of it, van der Corput's sequence.
+fn halved(n: usize, last: usize) -> usize {
+    let reversed = n.reverse_bits() as u128;
+    let place = (reversed * (last as u128)) >> usize::BITS;
+    usize::try_from(place).unwrap_or(last)
 }
 
 fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
@@ -314,9 +359,13 @@ fn judge_numbers(
         let scale = scale(quantity);
         mutants(quantity, &mutant::Scene { numbers, case, units, turns, scale: &scale })
     };
-    let sides = match &truth {
-        Some(truth) if nearness == 0.0 => Some([truth.one_sided(-1), truth.one_sided(1)]),
-        _ => None,
+    let sides = truth.as_ref().filter(|_| nearness == 0.0).map(|truth| truth.sides(&bound));
+    let at_rotations: OnceCell<Option<WideAnswers>> = OnceCell::new();
+    let exact = |quantity: Quantity| {
+        let of_case = || Truth::of_rotations(case).as_ref().map(WideAnswers::of);
+        let answers = at_rotations.get_or_init(of_case).as_ref()?;
+        let (product, truth) = (answers.dual.entries(quantity), answers.differences.entries(quantity));
+        Some(Exact { product, truth })
     };
     // 196 second derivatives take about as long as all that is done on doubles besides.
     let often = wide || index.is_multiple_of(SOMETIMES);
@@ -324,12 +373,11 @@ fn judge_numbers(
     let traced = asked(Oracle::Symbolic).then(|| narrow.symbolic());
     for quantity in Quantity::ALL {
         let mut made: Option<Vec<Mutant>> = None;
-        let exact = answers.as_ref().map(|answers| answers.dual.entries(quantity));
         let around = Surroundings {
             bound: &bound,
-            exact,
+            exact: Some(&exact).filter(|_| answers.is_some()).map(|exact| exact as _),
             nearness,
-            one_sided: sides.as_ref().map(|[below, above]| [below, above]),
+            sides: sides.as_ref(),
         };
         for oracle in Oracle::ALL.into_iter().filter(|oracle| oracle.answers(quantity) && asked(*oracle)) {
             let answer = match oracle {
@@ -520,4 +568,33 @@ fn laws(
         checks.push(check);
     }
     checks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{spread, spread_of};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn wide_states_are_spread_over_the_history() {
+        assert_eq!(spread(11, 3), BTreeSet::from([0, 5, 10]));
+        assert_eq!(spread(10, 4), BTreeSet::from([0, 3, 6, 9]));
+        assert_eq!(spread(2, 30), BTreeSet::from([0, 1]));
+        assert_eq!(spread(9, 1), BTreeSet::from([8]));
+        assert_eq!(spread(1, 1), BTreeSet::from([0]));
+        assert_eq!((spread(0, 3), spread(7, 0)), (BTreeSet::new(), BTreeSet::from([6])));
+        // Every count is met, with both ends.
+        for count in 2..40 {
+            for wanted in 2..=count {
+                let found = spread(count, wanted);
+                assert_eq!(found.len(), wanted, "{count} {wanted}");
+                assert!(found.contains(&0) && found.contains(&(count - 1)));
+            }
+        }
+        // One place each: the last, the first, and what halves the gaps.
+        let places: Vec<usize> = (0..6).filter_map(|n| spread_of(1000, 1, n).into_iter().next()).collect();
+        assert_eq!(places, [999, 0, 499, 249, 749, 124]);
+        let all: BTreeSet<usize> = (0..4000).flat_map(|n| spread_of(1000, 1, n)).collect();
+        assert_eq!(all.len(), 1000);
+    }
 }

@@ -40,6 +40,7 @@ pub mod sample;
 mod scene;
 pub mod sheet;
 pub mod shrink;
+mod sides;
 mod slopes;
 #[cfg(feature = "proptest")]
 pub mod strategies;
@@ -65,4 +66,5 @@ pub use oracle::Oracle;
 pub use outcome::{Against, Check, Report, Subject};
 pub use quantity::{Entries, Numbers, Quantity};
 pub use scene::{Target, audit_scenes};
+pub use sides::Sides;
 pub use verdict::{Fared, Finding, Judgement, Score, Verdict};

@@ -157,7 +157,7 @@ impl Answer {
     }
 
     /// 45 digits or more, against a tolerance of 16.
-    fn sharp(oracle: Oracle, numbers: &Entries<Wide>) -> Self {
+    pub(super) fn sharp(oracle: Oracle, numbers: &Entries<Wide>) -> Self {
         Self { oracle, numbers: numbers.map(|_, _, x| x.into()), error: Entries::default() }
     }
 

@@ -51,6 +51,9 @@ pub struct Check {
     pub verdict: Verdict,
     /// States by verdict.
     pub states: BTreeMap<Verdict, u64>,
+    /// Why states are undecided, with how many of them.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub undecided: BTreeMap<String, u64>,
     /// Entries compared.
     pub compared: u64,
     /// The largest error in units of its tolerance, at any state.
@@ -80,6 +83,7 @@ impl Check {
             against,
             verdict: Verdict::Pass,
             states: BTreeMap::new(),
+            undecided: BTreeMap::new(),
             compared: 0,
             largest: 0.0,
             worst: None,
@@ -107,6 +111,13 @@ impl Check {
             Score::default(),
             case,
         );
+    }
+
+    /// Adds a state of which nobody can say what a number must be, and why.
+    pub(super) fn add_undecided(&mut self, why: &str, state: &str) {
+        let judgement = Judgement { verdict: Verdict::Undecided, worst: None, compared: 0 };
+        self.add_at(judgement, Score::default(), state, None);
+        *self.undecided.entry(why.to_string()).or_default() += 1;
     }
 
     pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
@@ -150,6 +161,9 @@ impl Check {
     pub(super) fn merge(&mut self, other: Self) {
         for (verdict, count) in other.states {
             *self.states.entry(verdict).or_default() += count;
+        }
+        for (why, count) in other.undecided {
+            *self.undecided.entry(why).or_default() += count;
         }
         self.compared += other.compared;
         let units = |finding: &Option<Finding>| finding.as_ref().map_or(-1.0, |f| f.units);
@@ -299,6 +313,12 @@ impl Report {
         self.models.iter().filter(|model| model.fails()).count()
     }
 
+    /// Models of whose assembly a rank is not certain, or was not found.
+    pub fn undecided_models(&self) -> usize {
+        let assemblies = self.models.iter().filter_map(|model| model.assembly.as_ref());
+        assemblies.filter(|assembly| !assembly.is_decided()).count()
+    }
+
     /// Subjects of which something is undecided.
     pub fn undecided(&self) -> usize {
         self.subjects.iter().filter(|subject| subject.verdict() == Verdict::Undecided).count()
@@ -351,6 +371,12 @@ impl Report {
             (!kinds.is_empty()).then(|| (subject.title(), kinds))
         };
         self.subjects.iter().filter_map(of).collect()
+    }
+
+    /// Whether what was audited has numbers in which the fault that was asked for is planted; true where none was.
+    pub fn has_place_for_fault(&self) -> bool {
+        let mut checks = self.subjects.iter().flat_map(|subject| &subject.checks);
+        self.settings.planted.is_none_or(|planted| checks.any(|check| planted.is_in(check)))
     }
 
     /// Entries compared in all.

@@ -5,14 +5,16 @@
 //! accelerations are: h = s·1e-18. s is the size of the degree of freedom, or the distance to the nearest singular set where
 //! that is less.
 
+use super::bound::Bound;
 use super::case::{Case, dof_size, exact_branch, exact_state, moved};
-use super::quantity::{Entries, Numbers, request};
+use super::quantity::{Entries, Numbers, Quantity, request};
+use super::sides::Sides;
 use crate::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
 };
 use crate::node::{self, DOFS};
 use crate::scalar::{Real, Scalar, Wide};
-use crate::vector::{Vector, cross, dot};
+use crate::vector::{Vector, cross, dot, product, sub, transpose};
 use std::sync::OnceLock;
 
 const FIRST_STEP: f64 = 1e-25;
@@ -47,14 +49,39 @@ impl Truth {
         let end = case.last()?;
         let after = narrow.advance(&end.state, &end.increment, &case.branch_before(&narrow));
         let nearness = super::oracle::Narrow::of(case)?.nearness();
+        let mut state = exact_state(&end.state);
+        if end.state.pair.separation() == [0.0; 3] {
+            // Nodes that coincide on doubles, and not to their last digits: that they coincide is what is meant.
+            state.pair.b.displacement = sub(state.pair.a.displacement, state.pair.reference);
+        }
         Some(Self {
             connector: Connector::new(&case.definition),
-            state: exact_state(&end.state),
+            state,
             branch: exact_branch(&after),
             length: case.length,
             nearness,
             places: OnceLock::new(),
         })
+    }
+
+    /// The same with triads that are rotations to the last of 237 bits. Those of a case are to the last of 53: what is the same on
+    /// rotations, as derivatives along the group and through the relative pair, then differs by that.
+    pub fn of_rotations(case: &Case) -> Option<Self> {
+        /// Each step squares the error: 1e-16, 1e-32, 1e-64, 1e-71.
+        const STEPS: usize = 4;
+        let mut of = Self::of(case)?;
+        for node in [&mut of.state.pair.a, &mut of.state.pair.b] {
+            for _ in 0..STEPS {
+                let square = product(&transpose(&node.triad), &node.triad);
+                let half = |i: usize, j: usize| {
+                    let three = Wide::integer(if i == j { 3 } else { 0 });
+                    (three - square[i][j]) / Wide::integer(2)
+                };
+                let correction = [0, 1, 2].map(|i| [0, 1, 2].map(|j| half(i, j)));
+                node.triad = product(&node.triad, &correction);
+            }
+        }
+        Some(of)
     }
 
     /// min(1, distance to the nearest singular set): 0 on one, where no two-sided derivative exists.
@@ -163,7 +190,7 @@ impl Truth {
     pub fn value(&self) -> Entries<Wide> {
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
         let still = self.evaluate(&self.at_rest(), &asked);
-        Numbers::of(&still).entries(super::Quantity::Value).clone()
+        Numbers::of(&still).entries(Quantity::Value).clone()
     }
 
     /// (f(q + h) − f(q − h))/2h for each degree of freedom that the connector has; zero for the others.
@@ -181,18 +208,21 @@ impl Truth {
         Entries(found)
     }
 
-    /// One-sided first derivatives along `sign`·q_j, ±1, for states on a kink.
-    pub fn one_sided(&self, sign: i32) -> Entries<Wide> {
-        let mut found: Components<Vec<Wide>> = self.empty(DOFS);
+    /// First derivatives from both sides, for states on a singular set.
+    pub fn sides(&self, bound: &Bound) -> Entries<Sides> {
         let still = self.values(&self.at_rest());
+        let flat = Sides::known([Wide::zero(); 2]);
+        let mut found: Components<Vec<Sides>> =
+            std::array::from_fn(|k| self.connector.differentiated(k).map(|_| vec![flat; DOFS]));
         for j in self.active() {
-            let ([ahead, behind], _) = self.around(j);
-            let h = self.step(j, FIRST_STEP) * Wide::integer(sign);
-            let moved = self.values(if sign < 0 { behind } else { ahead });
+            let fine = self.step(j, FIRST_STEP);
+            let steps = [fine / Wide::integer(2), fine, self.step(j, Sides::COARSE)];
+            let moved = steps.map(|h| [-h, h].map(|h| self.values(&self.place(Self::along(j, h)))));
             for (k, entries) in found.iter_mut().enumerate() {
-                if let (Some(entries), Some(moved), Some(still)) = (entries, moved[k], still[k]) {
-                    entries[j] = (moved - still) / h;
-                }
+                let (Some(entries), Some(still)) = (entries, still[k]) else { continue };
+                let of_component = moved.each_ref().map(|both| both.each_ref().map(|values| values[k]));
+                let scale = bound.scale(Quantity::FirstDerivatives, k, j);
+                entries[j] = Sides::along(still, &of_component, &steps, scale).unwrap_or(flat);
             }
         }
         Entries(found)

@@ -5,6 +5,7 @@ use super::diagnosis::Cause;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
 use super::quantity::{Entries, Quantity};
+use super::sides::Sides;
 use crate::scalar::Wide;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -108,23 +109,66 @@ pub struct Judgement {
 /// ill-conditioned.
 pub(super) const COARSE: f64 = 1e-6;
 
-/// How far the product's dual numbers over 237 bits may be from the truth, relative to the tolerance on doubles, and still
-/// prove the formula right.
+/// How far the product's dual numbers over 237 bits may be from the differences there and still prove the formula right: a part of
+/// the tolerance C u F on doubles. What the differences are off by themselves is, in these units,
+///
+/// | differences | step | rounding 2⁻²³⁷ over the step | truncation, the step squared | over C u |
+/// |---|---|---|---|---|
+/// | of values, of rows | δ·1e-25 | 5e-47/δ | 1e-50 | 1e-31/δ |
+/// | second, of accelerations, the tolerance being F/δ | δ·1e-18 | 5e-36/δ | 1e-36 | 1e-20/δ |
+///
+/// to which ten times the last column is added. A formula with an error that matters is beyond that by many decades.
 const EXACT: f64 = 1e-9;
+
+/// What differences are off by themselves, times δ, with a decade to spare.
+const OF_DIFFERENCES: f64 = 1e-19;
 
 /// An error larger than this, relative to the conditioned scale, is no loss of digits.
 const LOST_DIGITS: f64 = 1e-4;
+
+/// The product's numbers on 237 bits and their witness, at rotations that are such to the last of these: at triads that are rotations to
+/// the last of 53 bits the two are apart by up to a tolerance, for they leave the group on different ways.
+#[derive(Clone, Copy, Debug)]
+pub struct Exact<'a> {
+    /// The product's own source by dual numbers: without rounding.
+    pub product: &'a Entries<Wide>,
+    /// Central differences: another mechanism.
+    pub truth: &'a Entries<Wide>,
+}
+
+impl Exact<'_> {
+    /// Whether the source gives what the differences say of an entry, but for [`EXACT`] of `tolerance`.
+    fn proves(&self, k: usize, i: usize, tolerance: f64, nearness: f64) -> bool {
+        let (Some(product), Some(truth)) = (self.product.get(k, i), self.truth.get(k, i)) else {
+            return false;
+        };
+        // On a singular set steps are as long as far from it.
+        let near = if nearness > 0.0 { nearness } else { 1.0 };
+        (product - truth).abs().to_f64() <= (EXACT + OF_DIFFERENCES / near) * tolerance
+    }
+}
 
 /// What surrounds a comparison.
 pub struct Surroundings<'a> {
     /// The tolerances.
     pub bound: &'a Bound,
-    /// The product's own source without rounding, where the numbers are the product's.
-    pub exact: Option<&'a Entries<Wide>>,
+    /// Where the numbers are the product's: its own source without rounding, and what differences there say. Asked where numbers are
+    /// wrong by little.
+    pub exact: Option<&'a dyn Fn(Quantity) -> Option<Exact<'a>>>,
     /// min(1, distance to the nearest singular set); 0 on it.
     pub nearness: f64,
-    /// One-sided derivatives, for states on a singular set.
-    pub one_sided: Option<[&'a Entries<Wide>; 2]>,
+    /// First derivatives from both sides, for states on a singular set.
+    pub sides: Option<&'a Entries<Sides>>,
+}
+
+impl<'a> Surroundings<'a> {
+    /// On a singular set: the sides of a first derivative that differ by more than rounding. The two-sided difference is their mean
+    /// there, which is no derivative, whoever agrees with it.
+    fn kink(&self, quantity: Quantity, k: usize, i: usize) -> Option<&'a Sides> {
+        let sides = self.sides.filter(|_| quantity == Quantity::FirstDerivatives && self.nearness == 0.0)?;
+        let sides = sides.0.get(k)?.as_ref()?.get(i)?;
+        sides.differ(self.bound.tolerance(quantity, k, i)).then_some(sides)
+    }
 }
 
 /// What a number must be, as the sum of two doubles: 106 bits, with which the error of a double is right to its own last digits.
@@ -182,6 +226,8 @@ pub fn judge(
 ) -> Judgement {
     // (units, component, entry) of the entry nearest to its tolerance, or farthest beyond.
     let mut farthest: Option<(f64, usize, usize)> = None;
+    // (gap, component, entry) of the derivative whose sides are farthest apart.
+    let mut widest: Option<(f64, usize, usize)> = None;
     let mut compared = 0;
     let mut coarse = false;
     let mut is_finite = true;
@@ -191,7 +237,14 @@ pub fn judge(
         for (i, (x, want)) in row.iter().zip(wanted).enumerate() {
             compared += 1;
             let allowed = answer.allowed(around.bound, quantity, k, i);
+            let kink = around.kink(quantity, k, i);
+            let want = kink.map_or(*want, |sides| sides.nearest(*x).into());
             let units = want.units(*x, allowed);
+            if let Some(gap) = kink.map(Sides::gap)
+                && widest.is_none_or(|(most, ..)| gap > most)
+            {
+                widest = Some((gap, k, i));
+            }
             coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
             is_finite = x.is_finite();
             if !is_finite || farthest.is_none_or(|(most, ..)| units > most) {
@@ -205,67 +258,38 @@ pub fn judge(
             break;
         }
     }
-    let mut worst = farthest.and_then(|(units, k, i)| {
+    let found = |(k, i): (usize, usize)| {
+        let got = got.get(k, i)?;
+        let kink = around.kink(quantity, k, i);
+        let want = kink.map_or_else(|| answer.numbers.get(k, i), |sides| Some(sides.nearest(got).into()))?;
+        let tolerance = answer.allowed(around.bound, quantity, k, i);
         Some(Finding {
             entry: quantity.entry_name(k, i),
             at: Some((k, i)),
-            got: got.get(k, i)?,
-            want: answer.numbers.get(k, i)?.to_f64(),
-            tolerance: answer.allowed(around.bound, quantity, k, i),
-            units,
-            one_sided: None,
+            got,
+            want: want.to_f64(),
+            tolerance,
+            units: want.units(got, tolerance),
+            one_sided: kink.map(Sides::to_f64),
         })
-    });
+    };
+    let mut worst = farthest.and_then(|(_, k, i)| found((k, i)));
     if !is_finite {
         return Judgement { verdict: Verdict::Invalid, worst, compared };
     }
     if compared == 0 {
         return Judgement { verdict: Verdict::Undecided, worst: None, compared };
     }
-    if let Some(kink) = kink(quantity, got, answer, around) {
-        return Judgement { verdict: Verdict::Kink, worst: Some(kink), compared };
-    }
     let beyond = worst.as_ref().is_some_and(|w| w.units > 1.0);
+    if let (false, Some((_, k, i))) = (beyond, widest) {
+        return Judgement { verdict: Verdict::Kink, worst: found((k, i)), compared };
+    }
     let verdict = match (beyond, &mut worst) {
         (false, _) if coarse && answer.oracle.is_wide() => Verdict::IllConditioned,
         (true, Some(worst)) => why(quantity, worst, around),
         _ => Verdict::Pass,
     };
     Judgement { verdict, worst, compared }
-}
-
-/// On a singular set: the first derivative whose sides differ most, if they differ by more than rounding. The two-sided difference
-/// is their mean there, which is no derivative, whoever agrees with it.
-fn kink(
-    quantity: Quantity,
-    got: &Entries<f64>,
-    answer: &Answer,
-    around: &Surroundings<'_>,
-) -> Option<Finding> {
-    let [below, above] = around.one_sided?;
-    if quantity != Quantity::FirstDerivatives || around.nearness > 0.0 {
-        return None;
-    }
-    let mut most: Option<(f64, Finding)> = None;
-    for (k, i, x) in got.iter() {
-        let (Some(b), Some(a)) = (below.get(k, i), above.get(k, i)) else { continue };
-        let tolerance = around.bound.tolerance(quantity, k, i);
-        let gap = units(b.to_f64(), a, 2.0 * tolerance);
-        if gap > 1.0 && most.as_ref().is_none_or(|(widest, _)| gap > *widest) {
-            let want = answer.numbers.get(k, i).unwrap_or_else(|| a.into());
-            let finding = Finding {
-                entry: quantity.entry_name(k, i),
-                at: Some((k, i)),
-                got: x,
-                want: want.to_f64(),
-                tolerance,
-                units: want.units(x, tolerance),
-                one_sided: Some([b.to_f64(), a.to_f64()]),
-            };
-            most = Some((gap, finding));
-        }
-    }
-    most.map(|(_, finding)| finding)
 }
 
 /// Why an entry is beyond its tolerance.
@@ -278,11 +302,12 @@ fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Ve
     }
     let scale = around.bound.scale(quantity, k, i);
     let error = (worst.got - worst.want).abs();
-    let proven = around
-        .exact
-        .and_then(|exact| exact.get(k, i))
-        .is_some_and(|exact| units(worst.want, exact, worst.tolerance.max(f64::MIN_POSITIVE)) < 1.0 + EXACT);
-    if proven && error <= LOST_DIGITS * scale { Verdict::UnstableFormula } else { Verdict::Wrong }
+    let tolerance = around.bound.tolerance(quantity, k, i);
+    let is_proven = || {
+        let exact = around.exact.and_then(|exact| exact(quantity));
+        exact.is_some_and(|exact| exact.proves(k, i, tolerance, around.nearness))
+    };
+    if error <= LOST_DIGITS * scale && is_proven() { Verdict::UnstableFormula } else { Verdict::Wrong }
 }
 
 /// How mutants with one kind of mistake fared.

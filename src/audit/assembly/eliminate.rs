@@ -10,7 +10,7 @@
 //! *What is zero?* Every entry knows how uncertain it is ([`super::noise`]): |s|/n is the relative change that makes it zero, of
 //! everything that it came of, in units of how uncertain each of that is. With [`ROUNDINGS`] = 1e4, an entry that is zero exceeds
 //! 1e4 u with probability 6e-16. So s is zero where |s|/n ≤ 1e4 u + the relative uncertainty of the state. Up to a thousand times the former,
-//! or three times both, there is no gap: the rank is undecided.
+//! or three times both, there is no gap: the rank is undecided. It is so, too, where what counts as zero exceeds [`CERTAIN`] = 1e3 u.
 //!
 //! What rounding leaves is put to zero where it arises ([`REMAINS`]): it would come back multiplied by other remains, with an uncertainty of
 //! second order, of which the first says nothing. By how much an entry was changed is added to its uncertainty.
@@ -25,6 +25,8 @@ use std::ops::Range;
 const U: f64 = crate::audit::bound::U;
 /// Beyond so many rounding units, in units of the estimated condition, an entry is not zero by rounding.
 pub(super) const ROUNDINGS: f64 = 1e4;
+/// Beyond so many, what counts as zero is not zero for certain: one that is exceeds that with probability 6e-12.
+const CERTAIN: f64 = 1e3;
 /// An entry that is not zero should exceed what counts as zero by this factor.
 pub(super) const GAP: f64 = 1e3;
 /// An entry of so many rounding units, in units of the estimated condition, that a subtraction left, is what rounding leaves: one that is
@@ -62,6 +64,10 @@ pub(super) struct Outcome {
     pub(super) doubtful: Vec<u32>,
     /// The row of the pivot of smallest |s|/n.
     pub(super) weakest: Option<u32>,
+    /// The row of the largest |s|/n that counts as zero.
+    pub(super) widest: Option<u32>,
+    /// Whether something counts as zero that is not zero for certain.
+    pub(super) remains: bool,
     /// The largest |s|/n that counts as zero, and the smallest that does not.
     pub(super) gap: [f64; 2],
     /// The number of entries of pivot rows.
@@ -224,10 +230,14 @@ impl Elimination<'_> {
     }
 
     /// Entries are left out, for they count as zero: by how much is noted.
-    fn leave(&mut self, entries: &[Entry]) {
+    fn leave(&mut self, name: u32, entries: &[Entry]) {
         for entry in entries.iter().filter(|entry| entry.value != 0.0) {
             let ratio = entry.value.abs() / noise::size(&entry.probes);
-            self.outcome.gap[0] = self.outcome.gap[0].max(ratio);
+            if ratio > self.outcome.gap[0] {
+                self.outcome.gap[0] = ratio;
+                self.outcome.widest = Some(name);
+            }
+            self.outcome.remains |= ratio > CERTAIN * U + self.task.uncertainty;
         }
     }
 
@@ -345,9 +355,9 @@ impl Elimination<'_> {
         for mut row in rows {
             let begin = row.entries.partition_point(|entry| entry.at < places.end);
             let of_group: Vec<Entry> = row.entries.drain(..begin).collect();
-            self.leave(&of_group);
+            self.leave(row.name, &of_group);
             if row.entries.iter().all(|entry| self.certain(entry).is_none()) {
-                self.leave(&row.entries);
+                self.leave(row.name, &row.entries);
                 self.outcome.dependent.push(row.name);
                 continue;
             }
@@ -403,7 +413,7 @@ impl Elimination<'_> {
                 match row.entries.get(next) {
                     Some(next) => waiting.entry(next.at).or_default().push(row),
                     None => {
-                        self.leave(&row.entries);
+                        self.leave(row.name, &row.entries);
                         self.outcome.dependent.push(row.name);
                     }
                 }
@@ -416,7 +426,7 @@ impl Elimination<'_> {
 impl Outcome {
     /// Whether what counts as zero and what does not are well apart.
     pub(super) fn is_decided(&self) -> bool {
-        self.doubtful.is_empty() && !self.overflows
+        self.doubtful.is_empty() && !self.remains && !self.overflows
     }
 
     /// Whether pivot rows were kept.

@@ -1,8 +1,9 @@
 //! What holds at the states given? They are followed one after the other, for some constraints count turns, and those looked at that satisfy
 //! the constraints.
 
+use super::found::{Found, constraint, look, position};
 use super::system::System;
-use super::{Assembly, Found, LISTED, NotAssembled, constraint, largest, look, position};
+use super::{Assembly, LISTED, NotAssembled, largest};
 use crate::evaluate::Sequence;
 use crate::scene::State;
 use std::collections::BTreeSet;
@@ -15,7 +16,7 @@ const WORK: usize = 3_000_000;
 pub(super) fn along(
     system: &System<'_>,
     states: &[State],
-    initial: &[Found],
+    initial: &[Option<Found>],
     fixed: usize,
     assembly: &mut Assembly,
 ) {
@@ -24,14 +25,15 @@ pub(super) fn along(
     let mut sequence = Sequence::new(system.model, system.plan);
     let mut values = Vec::new();
     let mut dependent: Vec<(u64, Vec<u32>)> = Vec::new();
-    let rows_of = |found: &[Found]| -> Vec<u32> {
+    let rows_of = |found: &[Option<Found>]| -> Vec<u32> {
         let of_part = |found: &Found| {
             found.constraints.dependent.iter().map(|row| found.rows[*row as usize]).collect::<Vec<u32>>()
         };
-        found.iter().flat_map(of_part).collect()
+        found.iter().flatten().flat_map(of_part).collect()
     };
+    let is_decided = |found: &[Option<Found>]| found.iter().flatten().all(Found::is_decided);
     // What is not decided proves nothing of other states.
-    let mut least = initial.iter().all(Found::is_decided).then(|| rows_of(initial));
+    let mut least = is_decided(initial).then(|| rows_of(initial));
     for (index, state) in states.iter().enumerate() {
         let is_looked_at = index % stride == 0 || index + 1 == states.len();
         let residuals = if is_looked_at { system.all_residuals(&sequence, state) } else { Vec::new() };
@@ -50,7 +52,7 @@ pub(super) fn along(
         }
         let found = look(system, &values, &residuals, false);
         assembly.positions.push(position(system, Some(number), &found, fixed));
-        if !found.iter().all(Found::is_decided) {
+        if !is_decided(&found) {
             continue;
         }
         let rows = rows_of(&found);

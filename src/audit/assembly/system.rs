@@ -1,5 +1,6 @@
 //! The equations of an assembly: what is enforced, held and driven, without dimensions, and what belongs together.
 
+use super::Skipped;
 use super::eliminate::Sparse;
 use super::order::{Union, minimum_degree};
 use crate::connector::{Mask, Output, Request};
@@ -45,6 +46,8 @@ pub(super) struct Part {
     /// Which connectors and MPCs of the model.
     pub(super) connectors: Vec<usize>,
     pub(super) mpcs: Vec<usize>,
+    /// The columns of a front that would be too large: it is not eliminated then.
+    pub(super) too_large: Option<usize>,
 }
 
 /// What is enforced and held, by whether it is of a connector, and the index of that or of the MPC.
@@ -55,7 +58,7 @@ pub(super) struct System<'a> {
     pub(super) model: &'a Model,
     pub(super) plan: &'a Plan,
     pub(super) jacobian: Jacobian,
-    prescribed: &'a Prescribed,
+    pub(super) prescribed: &'a Prescribed,
     pub(super) origins: Vec<Origin>,
     pub(super) roles: Vec<Role>,
     /// The columns that boundary conditions drive.
@@ -64,8 +67,6 @@ pub(super) struct System<'a> {
     /// Rows whose nodes are all fixed.
     pub(super) fixed_rows: Vec<u32>,
     hinges: HashSet<Label>,
-    /// The columns of a front that would be too large; nothing is eliminated then.
-    pub(super) too_large: Option<usize>,
 }
 
 /// A node that is eliminated has no more neighbours: fronts of 3600 columns. Loops, chains, trees and grids stay far below (317 neighbours at 1e5
@@ -175,7 +176,6 @@ impl<'a> System<'a> {
             parts: Vec::new(),
             fixed_rows: Vec::new(),
             hinges,
-            too_large: None,
         };
         system.divide();
         system
@@ -294,11 +294,27 @@ impl<'a> System<'a> {
             match minimum_degree(local.len(), &cliques, NEIGHBOURS) {
                 Ok(order) => part.order = order,
                 // Six columns of each node.
-                Err(neighbours) => self.too_large = self.too_large.max(Some(6 * (neighbours + 1))),
+                Err(neighbours) => part.too_large = Some(6 * (neighbours + 1)),
             }
         }
         self.parts = parts;
         self.fixed_rows = fixed_rows;
+    }
+
+    /// The parts that are not looked at.
+    pub(super) fn skipped(&self) -> Vec<Skipped> {
+        let freedoms = self.jacobian.freedoms();
+        let of_part = |part: &Part| {
+            Some(Skipped {
+                connectors: part.connectors.len(),
+                mpcs: part.mpcs.len(),
+                degrees_of_freedom: part.columns.len(),
+                constraints: part.rows.len(),
+                node: freedoms.get(*part.columns.first()? as usize)?.node,
+                front: part.too_large?,
+            })
+        };
+        self.parts.iter().filter_map(of_part).collect()
     }
 
     /// Whether a row is an equation between lengths.

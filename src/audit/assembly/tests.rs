@@ -1,13 +1,13 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
-use super::Assembly;
 use super::dense::{least, made_of, singular_values};
 use super::eliminate::{Sparse, Task, eliminate};
 use super::findings::findings;
 use super::given::along;
-use super::only_here;
 use super::order::minimum_degree;
+use super::redundant::only_here;
 use super::system::{Prescribed, System, request};
+use super::{Assembly, Position};
 use crate::audit::model::Finding;
 use crate::audit::sample::Draw;
 use crate::evaluate::{Fixed, Jacobian, Model, Plan};
@@ -179,16 +179,48 @@ fn the_largest_keeps_what_is_no_number() {
     assert!(super::largest(&[f64::NAN, 1.0]).is_nan());
 }
 
-/// An assembly that is too densely joined is told of, and has no ranks.
+/// A part that is too densely joined is told of, and has no ranks; the other parts have theirs, and what can be counted is counted.
 #[test]
-fn what_is_too_large_is_undecided() {
-    let scene = Scene::parse("scene.inp", "*NODE\n1, 0., 0., 0.\n").unwrap();
-    let codes = |largest_front: usize| -> Vec<Code> {
-        let assembly = Assembly { largest_front, ..Assembly::none(1) };
-        findings(&scene, &assembly).iter().map(|finding| finding.code()).collect()
+fn what_is_too_large_is_undecided_and_nothing_else_is() {
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n4, 5., 0., 0.\n5, 5., 1., 0.\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n2, 2, 3\n3, 4, 5\n4, 4, 5\n\
+                *CONNECTOR SECTION, ELSET=C\nBEAM\n*BOUNDARY\n4, 1, 6\n";
+    let scene = Scene::parse("scene.inp", text).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let prescribed = Prescribed::of(&scene, 1).unwrap();
+    let plan = Plan::everything(&model, request());
+    let mut system = System::new(&model, &plan, &prescribed);
+    assert_eq!(system.parts.len(), 2);
+    let analysed = |system: &System<'_>| {
+        let mut assembly = Assembly::none(1);
+        super::of_system(system, &[State::default()], &mut assembly);
+        let codes: Vec<Code> = findings(&scene, &assembly).iter().map(Finding::code).collect();
+        (assembly, codes)
     };
-    assert_eq!(codes(9000), [Code::AssemblyUndecided]);
-    assert_eq!(codes(0), []);
+    let (whole, codes) = analysed(&system);
+    assert_eq!(codes, [Code::AssemblyRedundant, Code::AssemblyMechanism]);
+    assert_eq!((whole.positions[0].rank, whole.is_decided()), (Some(18), true));
+    system.parts[0].too_large = Some(9000);
+    let (part, codes) = analysed(&system);
+    assert_eq!(codes, [Code::AssemblyRedundant, Code::AssemblyUndecided]);
+    let counted =
+        |of: &Assembly| (of.degrees_of_freedom, of.held, of.constraints, of.drives, of.gruebler, of.parts);
+    assert_eq!(counted(&part), (30, 6, 24, 0, 0, 2));
+    assert_eq!(counted(&part), counted(&whole));
+    assert_eq!((part.redundant.len(), part.redundant == whole.redundant), (6, true));
+    assert!(part.modes.is_empty() && !part.is_decided());
+    assert_eq!(part.positions.len(), 2);
+    for position in &part.positions {
+        let Position { rank, mobility, undriven, redundant, overdriven, .. } = position;
+        assert_eq!([rank, mobility, undriven, redundant, overdriven], [&None; 5]);
+    }
+    assert_eq!((part.skipped.len(), part.skipped[0].front, part.skipped[0].connectors), (1, 9000, 2));
+}
+
+/// What was not looked at is not decided.
+#[test]
+fn nothing_decides_nothing() {
+    assert!(!Assembly::none(1).is_decided());
 }
 
 /// The constraints of a sheared n by n grid of four-bars: bars of length one between crossings, each with both of its ends, hinged to the next end at

@@ -29,6 +29,9 @@ pub struct About {
     /// A number that says how much: an angle (rad), a distance, a ratio; the message says which.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
+    /// The same of each of [`About::elements`], in their order, where there are several: of each the worst.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub values: Vec<Option<f64>>,
 }
 
 /// One finding. It serialises with the code, severity, file, line, message, reason, remedy, and what it is about.

@@ -22,6 +22,7 @@ mod geometry;
 mod levels;
 mod rules;
 
+pub use along::Nearest;
 pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
@@ -42,6 +43,8 @@ pub struct ModelReport {
     pub assembly: Option<Assembly>,
     /// Which region of configuration space the states exercised.
     pub coverage: Coverage,
+    /// How near to a singular set any connector comes, initially and at the states; `None` where no component has one.
+    pub nearest: Option<Nearest>,
     /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
     pub findings: Vec<Finding>,
 }
@@ -67,11 +70,12 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(behavior::findings(scene, &model));
     findings.extend(duplicates::findings(scene, &model));
     let mut coverage = Coverage::default();
-    findings.extend(along::findings(scene, &model, states, &mut |result| {
+    let (along, nearest) = along::findings(scene, &model, states, &mut |result| {
         if let Some(element) = model.connectors.get(result.index) {
             coverage.add_of(&element.connector, &element.definition(), &result.state);
         }
-    }));
+    });
+    findings.extend(along);
     let mut assembly = None;
     if !is_refused {
         match assembly::analyse(scene, &model, states, 1) {
@@ -87,5 +91,5 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         Finding::new(scene, lack.code, Span::default(), lack.message, reason, lack.remedy)
     }));
     let findings = levels.apply(findings);
-    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, coverage, findings }
+    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, coverage, nearest, findings }
 }

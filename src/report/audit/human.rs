@@ -1,7 +1,9 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
-use super::summary::{LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling};
+use super::summary::{
+    LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling, undecided,
+};
 use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
 use crate::grammar::{agree, count};
@@ -14,6 +16,15 @@ use std::io::{self, Write};
 /// # Errors
 /// Where the stream cannot be written to.
 pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) -> io::Result<()> {
+    if !report.subjects.is_empty() {
+        numbers(out, report, width, verbose)?;
+    }
+    super::model::human(out, &report.models, width)?;
+    verdict(out, report)
+}
+
+/// What was audited of numbers.
+fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) -> io::Result<()> {
     let settings = &report.settings;
     writeln!(
         out,
@@ -47,9 +58,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
         }
     }
     atlas(out, report)?;
-    self_test(out, report)?;
-    super::model::human(out, &report.models, width)?;
-    verdict(out, report)
+    self_test(out, report)
 }
 
 fn word(verdict: Verdict) -> String {
@@ -120,6 +129,11 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     let states: Vec<String> =
         check.states.iter().map(|(verdict, n)| format!("{} {n}", verdict.name())).collect();
     writeln!(out, "  {of}{}: {} ({})", check.against.name(), word(check.verdict), states.join(", "))?;
+    for why in undecided(check) {
+        for line in wrap(&why, width.saturating_sub(4)) {
+            writeln!(out, "    {line}")?;
+        }
+    }
     let Some(worst) = &check.worst else { return Ok(()) };
     let state = check.worst_state.as_deref().unwrap_or("");
     let text = format!(

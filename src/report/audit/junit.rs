@@ -1,6 +1,7 @@
 //! JUnit XML: a suite per connector, a case per check; a suite per model, a case per finding.
 
 use super::model::{place, word};
+use super::summary::undecided;
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Verdict};
 use crate::grammar::count;
@@ -105,6 +106,10 @@ fn status(check: &Check) -> TestCaseStatus {
         return failure;
     }
     let mut status = plain(check.verdict);
+    let reasons: Vec<String> = undecided(check).collect();
+    if let (TestCaseStatus::Skipped { .. }, false) = (&status, reasons.is_empty()) {
+        status.set_message(reasons.join("; "));
+    }
     if let (TestCaseStatus::NonSuccess { .. }, Some(worst)) = (&status, &check.worst) {
         let state = check.worst_state.as_deref().unwrap_or("");
         let why = check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines());

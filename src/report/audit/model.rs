@@ -3,8 +3,9 @@
 use super::super::layout::{BOLD, CARE, DIM, styled, wrap};
 use crate::audit::assembly::{Assembly, Position};
 use crate::audit::coverage::{Coverage, Histogram};
-use crate::audit::model::{Finding, ModelReport};
-use crate::grammar::{agree, count};
+use crate::audit::model::{Finding, ModelReport, Nearest};
+use crate::grammar::count;
+use crate::measure::Unit;
 use crate::scene::Severity;
 use std::io::{self, Write};
 
@@ -19,8 +20,21 @@ pub(super) fn human(out: &mut dyn Write, models: &[ModelReport], width: usize) -
             assembly(out, assembled, width)?;
         }
         coverage(out, &model.coverage, width)?;
+        if let Some(nearest) = &model.nearest {
+            paragraph(out, &self::nearest(nearest), 2, width)?;
+        }
     }
     Ok(())
+}
+
+/// The nearest singular set, in words.
+pub(super) fn nearest(nearest: &Nearest) -> String {
+    let Nearest { element, component, at, distance, unit, state } = nearest;
+    let unit = if *unit == Unit::Angle { " rad" } else { "" };
+    let when = state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"));
+    format!(
+        "nearest singular point: {component} of element {element} is {distance:.3e}{unit} from {at}, {when}"
+    )
 }
 
 /// The number of findings, in words.
@@ -72,30 +86,41 @@ fn finding(out: &mut dyn Write, finding: &Finding, width: usize) -> io::Result<(
 }
 
 fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Result<()> {
-    let Some(first) = assembly.positions.first() else { return Ok(()) };
     let of_step = match assembly.step {
         0 => "before the first step".to_string(),
         step => format!("with the boundary conditions of step {step}"),
     };
-    let text = format!(
-        "assembly, {of_step}: {} of connectors and MPCs, {} held; {}, rank {}: {} redundant. Mobility {} (by Grübler {}); {} {} {} that \
-         nothing drives. {}",
+    let counted = format!(
+        "assembly, {of_step}: {} of connectors and MPCs, {} held; {}, {}; mobility by Grübler {}.",
         count(assembly.degrees_of_freedom, "degree of freedom"),
         assembly.held,
         count(assembly.constraints, "constraint"),
-        first.rank,
-        first.redundant,
-        first.mobility,
-        assembly.gruebler,
         count(assembly.drives, "drive"),
-        agree(assembly.drives, ["leaves", "leave"]),
-        first.undriven,
+        assembly.gruebler,
+    );
+    let Some(first) = assembly.positions.first() else {
+        return paragraph(out, &format!("{counted} Its rank was not found."), 2, width);
+    };
+    let text = format!(
+        "{counted} Rank {}: {} redundant, mobility {}, of which nothing drives {}. {}",
+        number(first.rank),
+        number(first.redundant),
+        number(first.mobility),
+        number(first.undriven),
         gap(first)
     );
     paragraph(out, &text, 2, width)?;
+    if !assembly.skipped.is_empty() {
+        let text = format!(
+            "{} of {} not looked at, for elimination would take too much memory",
+            assembly.skipped.len(),
+            count(assembly.parts, "part")
+        );
+        paragraph(out, &text, 2, width)?;
+    }
     let others: Vec<&Position> = assembly.positions.iter().skip(1).collect();
-    if let Some(most) = others.iter().map(|position| position.rank).max() {
-        let least = others.iter().map(|position| position.rank).min().unwrap_or(most);
+    let ranks = || others.iter().filter_map(|position| position.rank);
+    if let (Some(least), Some(most)) = (ranks().min(), ranks().max()) {
         let text =
             format!("at {} of those given the rank is {}", count(others.len(), "state"), range(least, most));
         paragraph(out, &text, 2, width)?;
@@ -107,6 +132,11 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
     Ok(())
 }
 
+/// A number, where it is known.
+pub(super) fn number(known: Option<usize>) -> String {
+    known.map_or_else(|| "not known".to_string(), |number| number.to_string())
+}
+
 /// `35`, or `34 to 35`.
 fn range(least: usize, most: usize) -> String {
     if least == most { most.to_string() } else { format!("{least} to {most}") }
@@ -114,6 +144,9 @@ fn range(least: usize, most: usize) -> String {
 
 /// How certain a rank is.
 fn gap(position: &Position) -> String {
+    if position.rank.is_none() {
+        return "The rank is not known, for a part was not looked at.".to_string();
+    }
     let certainty = if position.decided { "The rank is certain" } else { "The rank is undecided" };
     match position.gap.singular_values {
         Some([nonzero, zero]) => {

@@ -71,6 +71,14 @@ pub(super) fn telling(subject: &Subject) -> impl Iterator<Item = &Check> {
     subject.checks.iter().filter(|check| check.verdict > Verdict::IllConditioned || check.score.survived > 0)
 }
 
+/// Why states of a check are undecided, a sentence for each reason.
+pub(super) fn undecided(check: &Check) -> impl Iterator<Item = String> {
+    check.undecided.iter().map(|(why, states)| {
+        let states = count(usize::try_from(*states).unwrap_or(usize::MAX), "state");
+        format!("undecided at {states}: {why}")
+    })
+}
+
 /// How the mutants fared under the oracles.
 pub(super) struct SelfTest {
     pub(super) noticed: u64,
@@ -136,6 +144,7 @@ fn of_numbers(report: &Report) -> String {
         (1.., 0, _) => count(mismatches, "mismatch"),
         (1.., 1.., _) => format!("{}; {failed}", count(mismatches, "mismatch")),
         (0, 1.., _) => failed,
+        (0, 0, 0) if report.subjects.is_empty() => "models alone: no number audited".into(),
         (0, 0, 0) => "no mismatch".into(),
         (0, 0, undecided) => format!("no mismatch; {} undecided", count(undecided, "subject")),
     }
