@@ -16,6 +16,7 @@
 pub mod assembly;
 pub mod atlas;
 pub mod behavior;
+mod beside;
 pub mod bound;
 mod candidate;
 pub mod case;
@@ -38,6 +39,7 @@ mod outcome;
 pub mod quantity;
 pub mod sample;
 mod scene;
+mod second;
 pub mod sheet;
 pub mod shrink;
 mod sides;

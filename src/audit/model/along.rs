@@ -315,11 +315,12 @@ fn violated(component: &str, residual: f64, of_length: bool) -> Found {
 }
 
 fn class(class: crate::measure::SingularClass) -> &'static str {
-    use crate::measure::SingularClass::{BranchCut, Kink, TrueSingularity};
+    use crate::measure::SingularClass::{BranchCut, Kink, Removable, TrueSingularity};
     match class {
         Kink => "the first derivatives jump",
         TrueSingularity => "derivatives grow without bound",
         BranchCut => "the principal value jumps by a period",
+        Removable => "value and derivatives continue",
     }
 }
 

@@ -312,10 +312,9 @@ fn problems(report: &Report) -> Vec<ProblemGroup> {
         }
     }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
-        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
         let problem = Problem {
             is_mild: false,
-            said: format!("At {}: declared {:?}, seen {seen}.", approach.at, approach.declared),
+            said: format!("At {}: {}.", approach.at, approach.told()),
             diagnosis: Vec::new(),
             heat: String::new(),
             numbers: String::new(),
@@ -578,21 +577,11 @@ pub(super) fn approach(found: &Approach, place: Place) -> String {
 }
 
 fn approach_card(found: &Approach) -> ApproachCard {
-    let words = |class: crate::measure::SingularClass| {
-        let name = format!("{class:?}");
-        let mut text = String::new();
-        for c in name.chars() {
-            if c.is_uppercase() && !text.is_empty() {
-                text.push(' ');
-            }
-            text.extend(c.to_lowercase());
-        }
-        text
-    };
-    let (class, class_name) = match (found.is_confirmed(), found.seen) {
-        (true, _) => ("pass", format!("{}, confirmed", words(found.declared))),
-        (false, Some(seen)) => ("wrong", format!("declared {}, seen {}", words(found.declared), words(seen))),
-        (false, None) => ("wrong", format!("declared {}, seen none of the classes", words(found.declared))),
+    let (class, class_name) = if found.is_confirmed() {
+        let (name, _) = crate::report::words::singular_class(found.declared);
+        ("pass", format!("{name}, confirmed"))
+    } else {
+        ("wrong", found.told())
     };
     ApproachCard {
         name: format!("{} {}", found.connection, found.component),
