@@ -1,6 +1,6 @@
 //! Rows in the few numbers that they are made of, for assembly.
 
-use super::{Branch, Connector, Differentiation, Linear, Mask, NodalRow, State, Tally};
+use super::{Branch, Connector, Differentiation, Mask, State, Tally};
 use crate::measure::Measure;
 use crate::node::{DOFS, PSI_A, PSI_B, RelativeGradient, THETA_A, THETA_B, XA, XB};
 use crate::scalar::{Differentiable, Real};
@@ -30,17 +30,6 @@ pub enum Group {
 }
 
 impl<R: Real> CompactRow<R> {
-    /// The parts of a row.
-    fn of(row: &NodalRow<R>) -> Self {
-        let part = |at: usize| [row[at], row[at + 1], row[at + 2]];
-        let gradient = RelativeGradient {
-            translation: part(XB),
-            rotation: part(THETA_B),
-            flow: [row[PSI_A], row[PSI_B]],
-        };
-        Self { gradient, arm: part(THETA_A) }
-    }
-
     /// The derivatives by one group of three degrees of freedom, global components.
     #[inline]
     pub fn group(&self, group: Group) -> Vector<R> {
@@ -78,16 +67,6 @@ impl<R: Differentiable> Connector<R> {
         wanted: Mask,
         tally: &mut Tally,
     ) -> [Option<CompactRow<R>>; 6] {
-        if const { R::HAS_COMPILED_FORMULAS } {
-            let mut linear = [Linear::default(); 6];
-            let count = self.linearize(&state.pair, branch, wanted, &mut linear);
-            tally.gradients += count as u64;
-            let mut rows = [None; 6];
-            for Linear { component, row, .. } in linear.iter().take(count) {
-                rows[*component] = Some(CompactRow::of(row));
-            }
-            return rows;
-        }
         let history = branch.history();
         let mut measures = [(0, Measure::Distance); 6];
         let mut count = 0;
@@ -104,7 +83,16 @@ impl<R: Differentiable> Connector<R> {
         });
         for (k, measure) in measures.iter().filter(|(_, measure)| measure.is_one_form()) {
             tally.gradients += 1;
-            rows[*k] = Some(CompactRow::of(&measure.one_form(&state.pair.a.triad, &self.kind.section)));
+            let form = measure.one_form(&state.pair.a.triad, &self.kind.section);
+            let part = |at: usize| [form[at], form[at + 1], form[at + 2]];
+            rows[*k] = Some(CompactRow {
+                gradient: RelativeGradient {
+                    translation: part(XB),
+                    rotation: part(THETA_B),
+                    flow: [form[PSI_A], form[PSI_B]],
+                },
+                arm: part(THETA_A),
+            });
         }
         rows
     }

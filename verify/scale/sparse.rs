@@ -136,6 +136,19 @@ fn the_sparse_jacobian_is_that_of_the_elements() {
     }
 }
 
+/// A row whose end b is on the ground: the columns of a are what they are with a node there.
+#[test]
+fn rows_to_the_ground_are_rows() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 2., 1., 0.\n*ORIENTATION, NAME=A\n0.6, 0.8, 0., -0.8, 0.6, 0.\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, \n8, , 2\n9, 1, 2\n*CONNECTOR SECTION, ELSET=C\nHINGE\nA,\n";
+    let scene = Scene::parse("ground.inp", deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    assert_eq!(model.connectors.iter().filter(|element| element.nodes[1].is_none()).count(), 1);
+    let jacobian = |all| assert_same(&scene, &model, &Fixed::none(), all);
+    jacobian(false);
+    jacobian(true);
+}
+
 /// Grounded ends and fixed nodes have no columns; numbers increase by node.
 #[test]
 fn what_is_fixed_has_no_column() {
