@@ -47,8 +47,9 @@ impl Given {
                 // Afresh, for the places that are differenced are kept.
                 let truth = Truth::of(case).unwrap();
                 let [rate, acceleration] = truth.rates();
-                let forces = [truth.force_rows(), truth.force_row_changes()];
-                let of_state = [truth.value(), truth.first(), truth.second(), rate, acceleration];
+                let [second, changes] = truth.second(true);
+                let forces = [truth.force_rows(), changes];
+                let of_state = [truth.value(), truth.first(), second, rate, acceleration];
                 of_state.iter().chain(&forces).map(Entries::len).sum()
             }
             Oracle::WideSymbolic => {
@@ -59,7 +60,7 @@ impl Given {
                 let found = self.truth.dual();
                 sum(Quantity::ALL.map(|q| found.entries(q).len()))
             }
-            Oracle::Taylor => remainders(&self.truth, rows, bound, &v).len(),
+            Oracle::Taylor => remainders(&self.truth, rows, bound, &v, &[1.0; 6]).len(),
             Oracle::NodalDual => narrow.nodal_dual(bound).numbers.len(),
             Oracle::HyperDual => narrow.hyper_dual(&v, &v).iter().flatten().count(),
             Oracle::NestedDual => {

@@ -354,3 +354,79 @@ fn a_belt_at_rest_is_no_mismatch() {
         }
     }
 }
+
+/// What presses is held, made of the right slopes: a belt that sticks has none by what presses, and an error in its other slopes is no
+/// contact force that is held.
+#[test]
+fn a_held_contact_force_does_not_explain_other_errors() {
+    const HELD: &str = "diagnosis::contact-force-held";
+    let states = [[0.0, 0.0], [1e-6, 1e-6], [2e-6, 2e-6]];
+    let states: Vec<State> = (0..3).map(|i| pulled(1.0 + i as f64, 0.03, states[i])).collect();
+    let model = compiled(&belt(&format!(", STICK STIFFNESS={STIFFNESS}"), "0.06, 1.5707963"));
+    let settings = Settings { planted: Some(Planted::WrongFriction), ..brief() };
+    let report = audited(&model, &states, &settings);
+    let mut diagnosed = 0;
+    for (name, check) in frictions(&report).filter(|(_, check)| check.verdict == Verdict::Wrong) {
+        let diagnosis = check.diagnosis.as_ref().unwrap_or_else(|| panic!("{name}: {check:?}"));
+        for cause in &diagnosis.causes {
+            assert_eq!(cause.code.as_str(), "diagnosis::scaled", "{name}: {}", cause.sentence);
+            assert!(cause.also.iter().all(|code| code.as_str() != HELD), "{name}: {}", cause.sentence);
+            diagnosed += 1;
+        }
+    }
+    assert!(diagnosed >= 2, "{}", human(&report));
+}
+
+/// A force that springs press, through displacements and velocities only, is coupled too: that it is held is noticed.
+#[test]
+fn a_contact_force_of_springs_that_is_held_is_noticed() {
+    let (model, states) = (model(DECK), path());
+    let report = audited(&model, &states, &brief());
+    let rod = report.subjects.iter().find(|subject| subject.name.contains("102")).unwrap();
+    for oracle in [Oracle::WideDifferences, Oracle::WideDual] {
+        let of = |check: &&Check| {
+            check.quantity == Some(Quantity::ConsistentTangent) && check.against == Against::Oracle(oracle)
+        };
+        let check = rod.checks.iter().find(of).unwrap();
+        let held =
+            check.score.by_mistake.iter().find(|(cause, _)| cause.code().as_str().ends_with("force-held"));
+        let (_, fared) = held.unwrap_or_else(|| panic!("never tried: {check:?}"));
+        assert!(fared.killed > 0 && fared.survived == 0, "{fared:?}");
+    }
+}
+
+/// An increment of which the equations of slip have no solution is undecided, and that is said with its reason.
+#[test]
+fn a_friction_without_a_witness_is_undecided_with_a_reason() {
+    // Shifted so far to both sides that no traction is admissible.
+    let shifted = "EXPONENT=3.\n2, 1., , ABS, 1000.\n2, 1., , ABS, -1000.\n3, 0.5\n";
+    let unstable = DECK.replace("EXPONENT=3.\n2, 1.\n3, 0.5\n", shifted);
+    assert_ne!(unstable, DECK);
+    let (model, states) = (model(&unstable), path());
+    let settings = Settings { wide_states: 12, ..brief() };
+    let report = audited(&model, &states, &settings);
+    let page = human(&report);
+    let sharp = Against::Oracle(Oracle::WideDifferences);
+    let (_, check) = frictions(&report)
+        .find(|(name, check)| {
+            name.contains("103") && check.quantity == Some(Quantity::FrictionForce) && check.against == sharp
+        })
+        .unwrap();
+    assert_eq!((report.mismatches(), check.verdict), (0, Verdict::Undecided), "{page}");
+    let states: u64 = check.undecided.values().sum();
+    assert_eq!(check.states.get(&Verdict::Undecided), Some(&states), "{check:?}");
+    assert_eq!(check.states.values().sum::<u64>(), 12, "every state is accounted for: {check:?}");
+    let mut pages = vec![page];
+    let mut text = Vec::new();
+    report::audit::json(&mut text, &report).unwrap();
+    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
+    report::audit::junit(&mut text, &report).unwrap();
+    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
+    report::audit::markdown(&mut text, &report).unwrap();
+    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
+    report::audit::html(&mut text, &report, &report::audit::Supplement::default()).unwrap();
+    pages.push(String::from_utf8(text).unwrap());
+    for page in pages {
+        assert!(page.contains("the increment is told to have no solution"), "{page}");
+    }
+}

@@ -1,6 +1,7 @@
 //! Reports of an audit: each shows what was found, and no text of the input becomes markup.
 
 use crate::audit::spoiled;
+use pintle::audit::assembly::{Assembly, NotAssembled};
 use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
 use pintle::audit::{
     Illustration, Quantity, Report, Settings, Target, Verdict, audit_catalogue, audit_scenes,
@@ -11,6 +12,7 @@ use pintle::evaluate::{Model, Plan, Selection};
 use pintle::report::audit::{self as report, Audited, Supplement};
 use pintle::scene::{GALLERY, Scene};
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
@@ -32,7 +34,7 @@ pub(crate) fn brief() -> Report {
     FOUND.get_or_init(|| audit_catalogue(&settings, &|_| {})).clone()
 }
 
-fn text(write: impl Fn(&mut dyn std::io::Write, &Report) -> std::io::Result<()>, report: &Report) -> String {
+fn text(write: impl Fn(&mut dyn Write, &Report) -> std::io::Result<()>, report: &Report) -> String {
     let mut text = Vec::new();
     write(&mut text, report).unwrap();
     String::from_utf8(text).unwrap()
@@ -62,6 +64,63 @@ fn markdown_of_a_clean_audit() {
         assert!(page.contains(&format!("| {} | pass |", subject.name)), "{page}");
     }
     assert!(page.contains("<details>") && page.contains("</details>"));
+}
+
+/// A model of that deck in the folder of findings, with findings of a code denied.
+fn model_of(name: &str, denied: Option<&str>) -> ModelReport {
+    let deck = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("verify/findings").join(name);
+    let scene = Scene::read(&deck).unwrap();
+    let mut levels = Levels::default();
+    if let Some(code) = denied {
+        levels.set(code, Level::Deny).unwrap();
+    }
+    let mut model = audit_model(&scene, &[], &levels);
+    model.scene = name.to_string();
+    model
+}
+
+/// What is wrong, then models with errors, then what is undecided; models without findings are models.
+#[test]
+fn markdown_tells_errors_before_what_is_mild() {
+    let mut report = wrong();
+    report.subjects[0].checks.retain(|check| check.verdict.is_mismatch());
+    report.subjects[0].checks.truncate(1);
+    let check = &mut report.subjects[0].checks[0];
+    // Rounding is that of the machine.
+    let worst = check.worst.as_mut().unwrap();
+    (worst.want, worst.tolerance, worst.units) = (0.5, 1e-15, 5e14);
+    let mut mild = report.subjects[0].clone();
+    mild.name = "undecided".to_string();
+    let check = &mut mild.checks[0];
+    (check.verdict, check.worst, check.diagnosis) = (Verdict::Undecided, None, None);
+    check.undecided.insert("newton-not-converged: no solution".to_string(), 3);
+    for claim in [&mut mild.derivative, &mut mild.formula] {
+        *claim = Verdict::Undecided;
+    }
+    report.subjects.insert(0, mild);
+    let clean = ModelReport { findings: Vec::new(), ..model_of("stop-violated.inp", None) };
+    let clean = ModelReport { scene: "clean".to_string(), ..clean };
+    report.models = vec![
+        clean,
+        model_of("stop-violated.inp", None),
+        model_of("stop-violated.inp", Some("model::stop-violated")),
+    ];
+    let page = text(report::markdown, &report).replace(pintle::VERSION, "VERSION");
+    let folder = env!("CARGO_MANIFEST_DIR");
+    insta::assert_snapshot!(
+        "markdown",
+        page.replace(folder, "FOLDER").replace(&folder.replace('_', "\\_"), "FOLDER")
+    );
+    // Without room: a model without findings is no finding.
+    let many = (0..900).map(|n| {
+        let mut subject = report.subjects[1].clone();
+        subject.name = format!("{} {n}", subject.name);
+        subject
+    });
+    report.subjects.extend(many.collect::<Vec<_>>());
+    report.models.truncate(1);
+    let page = text(report::markdown, &report);
+    assert!(page.contains("*1 model left out here") && !page.contains("finding left out"), "{page}");
 }
 
 /// Never longer than a comment may be; what is wrong comes first, and what is left out is counted.
@@ -130,6 +189,26 @@ fn junit_has_the_findings() {
         !allowed.contains("model::stop-violated") && allowed.contains("stop-violated.inp\""),
         "{allowed}"
     );
+}
+
+/// An assembly of which no rank was found, or that was not judged from a state on, is as undecided as one whose rank is not certain.
+#[test]
+fn what_was_not_analysed_is_undecided() {
+    let scene = GALLERY[0].scene().unwrap();
+    let mut report = brief();
+    report.models = vec![audit_model(&scene, &[], &Levels::default())];
+    assert_eq!(report.undecided_models(), 0);
+    let spoiled = |spoil: fn(&mut Assembly)| {
+        let mut report = report.clone();
+        spoil(report.models[0].assembly.as_mut().unwrap());
+        report.undecided_models()
+    };
+    assert_eq!(spoiled(|assembly| assembly.positions.clear()), 1);
+    assert_eq!(spoiled(|assembly| assembly.positions[0].decided = false), 1);
+    let stopped = |assembly: &mut Assembly| {
+        assembly.not_assembled = Some(NotAssembled { state: Some(3), why: "it was not".into() });
+    };
+    assert_eq!(spoiled(stopped), 1);
 }
 
 /// The page of a report on the catalogue and one scene of the gallery, with one verdict spoiled so that something is to be said.
@@ -296,9 +375,9 @@ fn models_maps(model: &ModelReport) -> usize {
 #[test]
 fn a_browser_shows_the_page() {
     let Some(chromium) = chromium() else {
-        println!(
-            "SKIPPED: no chromium in PATH, so no browser has looked at the page (Debian: apt install chromium)"
-        );
+        // Not `println!`, which a test that passes keeps to itself.
+        let message = "SKIPPED: no chromium in PATH, so no browser has looked at the page (Debian: apt install chromium)";
+        writeln!(std::io::stderr(), "{message}").unwrap();
         return;
     };
     let (page, report, _, models) = page();

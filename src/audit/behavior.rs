@@ -7,7 +7,6 @@ use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sheet::{Change, Entry, Sheet};
-use super::verdict::{Judgement, Score, Verdict};
 use crate::behavior::state::Behavior;
 use crate::behavior::{Conditions, Motion, Unknown};
 use crate::catalog::{COMPONENT, FORCE};
@@ -16,6 +15,9 @@ use crate::scalar::Wide;
 
 /// The step of differences, in sizes of the motion.
 const STEP: f64 = 1e-25;
+
+/// Why slopes are undecided.
+const LACKS: &str = "a force depends on a temperature or field that is not given";
 
 /// Mistakes in slopes: a secant, elastic for viscous, the matrix transposed, derivatives per degree, components exchanged. `rows` are
 /// the components (from 0) that have one; `secants` gives their places in a row, and what stands there.
@@ -83,8 +85,7 @@ pub(super) fn audit_behavior(
         check = sheet.check(1.0, proves, &case.name, None);
     }
     if lacks {
-        let undecided = Judgement { verdict: Verdict::Undecided, worst: None, compared: 0 };
-        check.add_at(undecided, Score::default(), &case.name, None);
+        check.add_undecided(LACKS, &case.name);
     }
     (!check.states.is_empty()).then_some(check)
 }

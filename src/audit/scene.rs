@@ -3,10 +3,10 @@
 use super::behavior::audit_behavior;
 use super::case::{Case, Step};
 use super::certificate::{certificate, certificate_of_mpc};
-use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread};
+use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread_of};
 use super::friction::{Slipping, audit_slipping, drawn, slipping};
 use super::mpc::MpcCase;
-use super::outcome::{Check, Report, Subject};
+use super::outcome::{Check, Expected, Report, Subject};
 use super::sample::{Draw, about_initial};
 use crate::behavior::state::History;
 use crate::connector::{Output, Request};
@@ -15,7 +15,6 @@ use crate::scalar::elementary::norm;
 use crate::scene::State;
 use crate::vector::{add, sub};
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -77,7 +76,7 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
     // Walking needs every planned thing in the order of the plan.
     let follows = Plan { request: followed(target), ..plan.clone() };
     let mut walk = walk(model, &follows);
-    let wide = spread(states.len(), wide_states);
+    let is_wide = |place: usize, index: usize| spread_of(states.len(), wide_states, place).contains(&index);
     // What the frictions of each connector remember.
     let mut left: Vec<History> = vec![History::default(); plan.connectors.len()];
     for (index, state) in states.iter().enumerate() {
@@ -97,7 +96,7 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
                 }
                 Item::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, &placed, number))),
             };
-            waiting.push(Piece { place, index, is_wide: wide.contains(&index), work });
+            waiting.push(Piece { place, index, is_wide: is_wide(place, index), work });
             place += 1;
             if waiting.len() >= AT_ONCE {
                 judge(settings, std::mem::take(&mut waiting), &mut gathered);
@@ -143,12 +142,12 @@ fn judge(settings: &Settings, pieces: Vec<Piece>, gathered: &mut [Gathered]) {
 /// States about the initial one, where a scene gives none: connectors at drawn ones, constraints at the initial one.
 fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gathered: &mut [Gathered]) {
     let Target { model, plan, .. } = *target;
-    let wide: BTreeSet<usize> = spread(settings.drawn_states, wide_states);
     let mut pieces = Vec::new();
     for (place, at) in plan.connectors.iter().enumerate() {
         let Some(element) = model.connectors.get(*at) else { continue };
         let title = element.title();
         let length = own_length(model, norm(element.reference), 0.0);
+        let wide = spread_of(settings.drawn_states, wide_states, place);
         let draw = &mut Draw::new(&format!("{} {} {title}", settings.seed, target.name));
         for index in 0..settings.drawn_states.max(1) {
             let name = match index {
@@ -176,6 +175,9 @@ fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gat
             let work = Work::Mpc(Box::new(mpc_case(model, &placed, 0)));
             pieces.push(Piece { place, index: 0, is_wide: true, work });
             place += 1;
+            if pieces.len() >= AT_ONCE {
+                judge(settings, std::mem::take(&mut pieces), gathered);
+            }
         }
         Ok(())
     });
@@ -239,19 +241,24 @@ fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
     let Target { model, plan, .. } = *target;
     let connectors = plan.connectors.iter().filter_map(|at| {
         let element = model.connectors.get(*at)?;
-        Some((element.title(), certificate(element.connector.connection())))
+        let of_type = certificate(element.connector.connection());
+        Some((element.title(), of_type, Expected::of(&element.connector)))
     });
     let mpcs = plan.mpcs.iter().filter_map(|at| {
         let element = model.mpcs.get(*at)?;
-        Some((element.title(), certificate_of_mpc(element.constraint.kind())))
+        Some((
+            element.title(),
+            certificate_of_mpc(element.constraint.kind()),
+            Expected::numbers(&MpcCase::QUANTITIES),
+        ))
     });
     let named = connectors.chain(mpcs).zip(gathered);
     named
-        .map(|((title, certificate), mut one)| {
+        .map(|((title, certificate, expected), mut one)| {
             one.checks.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
             Subject {
                 scene: Some(target.name.to_string()),
-                ..Subject::new(title, certificate, one.cases, one.checks)
+                ..Subject::new(title, certificate, one.cases, one.checks, &expected)
             }
         })
         .collect()

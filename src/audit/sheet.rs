@@ -8,6 +8,7 @@ use super::mutant::{Mistake, of_number};
 use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
+use super::sides::Sides;
 use super::verdict::{COARSE, Finding, Judgement, SIGNIFICANT, Score, Verdict, Wanted, units};
 use crate::scalar::Wide;
 
@@ -26,8 +27,8 @@ pub struct Entry {
     pub class: (usize, usize, usize),
     /// How far what it must be may be off by itself; on top of C u times the scale.
     pub error: f64,
-    /// On a kink: the derivatives from below and from above. Any number between them may stand for the derivative there.
-    pub sides: Option<[Wide; 2]>,
+    /// On a kink: the derivatives from below and from above.
+    pub sides: Option<Sides>,
 }
 
 impl Entry {
@@ -41,18 +42,9 @@ impl Entry {
         C * U * self.scale + self.error
     }
 
-    /// What a number must be: on a kink, what of the interval between both derivatives is nearest to it.
+    /// What a number must be: on a kink, what is nearest to it of what may stand there.
     fn target(&self, got: f64) -> Wide {
-        let Some([below, above]) = self.sides else { return self.want };
-        let got = Wide::from_f64(got);
-        let (low, high) = if below < above { (below, above) } else { (above, below) };
-        if got < low {
-            low
-        } else if got > high {
-            high
-        } else {
-            got
-        }
+        self.sides.map_or(self.want, |sides| sides.nearest(got))
     }
 }
 
@@ -81,6 +73,8 @@ pub struct Sheet {
     pub mistakes: Vec<Change>,
     /// Other conventions than expected, in the right numbers, which are tried where numbers are wrong.
     pub conventions: Vec<(Cause, Vec<(usize, f64)>)>,
+    /// Why nobody can say what the numbers must be, of a sheet without any.
+    pub undecided: Option<String>,
 }
 
 impl Sheet {
@@ -93,7 +87,13 @@ impl Sheet {
             entries: Vec::new(),
             mistakes: Vec::new(),
             conventions: Vec::new(),
+            undecided: None,
         }
+    }
+
+    /// A sheet of numbers whose witness has no answer.
+    pub fn unanswered(quantity: Quantity, why: impl Into<String>) -> Self {
+        Self { undecided: Some(why.into()), ..Self::new(quantity) }
     }
 
     /// How many entries a row has.
@@ -104,6 +104,10 @@ impl Sheet {
     /// What an entry must be, rounded to a double.
     pub fn want(&self, row: usize, column: usize) -> f64 {
         self.entries.get(row * self.width() + column).map_or(0.0, |entry| entry.want.to_f64())
+    }
+
+    const fn is_of_second_order(&self) -> bool {
+        matches!(self.quantity, Quantity::SecondDerivatives | Quantity::Acceleration)
     }
 
     fn tolerance(&self, i: usize) -> f64 {
@@ -121,7 +125,7 @@ impl Sheet {
             let (tolerance, want) = (self.tolerance(i), entry.target(*got));
             let units = units(*got, want, tolerance);
             coarse |= self.quantity != Quantity::Value && largest > 0.0 && C * U * scale > COARSE * largest;
-            let one_sided = sides.map(|sides| sides.map(|side| side.to_f64()));
+            let one_sided = sides.map(|sides| sides.to_f64());
             let found = || {
                 let (entry, want) = (name.clone(), want.to_f64());
                 Finding { entry, at: None, got: *got, want, tolerance, units, one_sided }
@@ -142,10 +146,8 @@ impl Sheet {
         }
         let verdict = match &worst {
             None => Verdict::Undecided,
-            // A value has no sides.
-            Some(worst) if worst.units > 1.0 && nearness == 0.0 && self.quantity != Quantity::Value => {
-                Verdict::Kink
-            }
+            // Values exist on a kink, and first derivatives and rates from each side; second ones may not.
+            Some(worst) if worst.units > 1.0 && nearness == 0.0 && self.is_of_second_order() => Verdict::Kink,
             Some(worst) if worst.units > 1.0 => Verdict::Wrong,
             Some(_) if coarse => Verdict::IllConditioned,
             Some(_) => Verdict::Pass,
@@ -178,6 +180,11 @@ impl Sheet {
         state: &str,
         case: Option<&Case>,
     ) -> Check {
+        if let Some(why) = &self.undecided {
+            let mut check = Check::new(Some(self.quantity), Against::Oracle(oracle));
+            check.add_undecided(why, state);
+            return check;
+        }
         let judgement = self.judge(nearness);
         // A check that speaks has proved that it can; mutants are made of right numbers.
         let proves = proves && nearness > 0.0 && !judgement.verdict.is_mismatch();

@@ -7,6 +7,7 @@ use super::mutant::Mistake;
 use super::oracle::Oracle;
 use super::quantity::Quantity;
 use super::sheet::{Change, Entry, Sheet};
+use super::sides::Sides;
 use crate::scalar::{Scalar, Wide};
 
 /// The step of differences on 237 bits, in sizes of an input.
@@ -47,14 +48,24 @@ pub(in crate::audit) struct Slopes<'a> {
     pub(in crate::audit) slopes: At<'a, f64, Vec<Vec<f64>>>,
     /// The slopes by dual numbers on 237 bits.
     pub(in crate::audit) dual: Box<dyn Fn() -> Vec<Vec<Wide>> + 'a>,
-    /// The same slopes with a mistake in them.
+    /// The same slopes with a mistake in them: computed with the mistake, not made of the slopes given.
     pub(in crate::audit) mistaken: Vec<(Mistake, Vec<Vec<f64>>)>,
+    /// The same function where what presses is held, of a friction.
+    pub(in crate::audit) held: Option<Held<'a>>,
+}
+
+/// A function of which some inputs only press, while that is held: the mistake of a tangent without the coupling to what presses.
+pub(in crate::audit) struct Held<'a> {
+    /// The slope by an input that only presses: 0, or 1 of a reaction by itself. Nothing of other inputs.
+    pub(in crate::audit) known: Box<dyn Fn(usize, usize) -> Option<f64> + 'a>,
+    /// The function on 237 bits, where other inputs press too; without it, slopes by them are as they are.
+    pub(in crate::audit) wide: Option<At<'a, Wide, Vec<Wide>>>,
 }
 
 /// What differences on 237 bits say.
 struct Truth {
     slopes: Vec<Vec<Wide>>,
-    sides: Vec<Vec<Option<[Wide; 2]>>>,
+    sides: Vec<Vec<Option<Sides>>>,
 }
 
 impl Slopes<'_> {
@@ -66,14 +77,16 @@ impl Slopes<'_> {
         let truth = (wide && [Oracle::WideDifferences, Oracle::WideDual].into_iter().any(asked))
             .then(|| self.truth(&scales));
         if let Some(truth) = truth {
+            let held = self.held_slopes();
+            let held = Some(held.as_slice()).filter(|held| !held.is_empty());
             if asked(Oracle::WideDual) {
                 let dual = (self.dual)();
                 let at = |i: usize, j: usize| (value(&dual, i, j), 0.0, truth.sides[i][j]);
-                found.push(self.sheet(Oracle::WideDual, &scales, at));
+                found.push(self.sheet(Oracle::WideDual, &scales, held, at));
             }
             if asked(Oracle::WideDifferences) {
                 let at = |i: usize, j: usize| (truth.slopes[i][j], 0.0, truth.sides[i][j]);
-                found.push(self.sheet(Oracle::WideDifferences, &scales, at));
+                found.push(self.sheet(Oracle::WideDifferences, &scales, held, at));
             }
         }
         if asked(Oracle::Differences) {
@@ -82,7 +95,7 @@ impl Slopes<'_> {
                 let (slope, error) = estimates[i][j];
                 (Wide::from_f64(slope), error, None)
             };
-            found.push(self.sheet(Oracle::Differences, &scales, at));
+            found.push(self.sheet(Oracle::Differences, &scales, None, at));
         }
         found
     }
@@ -91,7 +104,8 @@ impl Slopes<'_> {
         &self,
         oracle: Oracle,
         scales: &Scales,
-        at: impl Fn(usize, usize) -> (Wide, f64, Option<[Wide; 2]>),
+        held: Option<&[Vec<Wide>]>,
+        at: impl Fn(usize, usize) -> (Wide, f64, Option<Sides>),
     ) -> (Oracle, Sheet) {
         let mut entries = Vec::new();
         for (i, output) in self.outputs.iter().enumerate() {
@@ -116,9 +130,39 @@ impl Slopes<'_> {
                 .filter(|(place, _)| !is_kink(place))
                 .collect(),
         };
-        let mistakes = self.mistaken.iter().map(of).collect();
+        let mut mistakes: Vec<Change> = self.mistaken.iter().map(of).collect();
+        mistakes.extend(self.uncoupled(&sheet.entries, held));
         sheet.mistakes = mistakes;
         (oracle, sheet)
+    }
+
+    /// What the right slopes are while what presses is held, where that changes them; nothing where it changes none.
+    fn uncoupled(&self, entries: &[Entry], held: Option<&[Vec<Wide>]>) -> Option<Change> {
+        let known = &self.held.as_ref()?.known;
+        let n = self.inputs.len();
+        let of = |(place, entry): (usize, &Entry)| {
+            let (i, j) = (place / n, place % n);
+            let slope = known(i, j).or_else(|| Some(held?.get(i)?.get(j)?.to_f64()))?;
+            let differs = entry.sides.is_none() && (slope - entry.want.to_f64()).abs() > entry.tolerance();
+            differs.then_some((place, slope))
+        };
+        let changes: Vec<(usize, f64)> = entries.iter().enumerate().filter_map(of).collect();
+        (!changes.is_empty()).then_some(Change { mistake: Mistake::CouplingMissing, changes })
+    }
+
+    /// The slopes while what presses is held, by differences on 237 bits; none where they are known without.
+    fn held_slopes(&self) -> Vec<Vec<Wide>> {
+        let Some(Held { known, wide: Some(held) }) = &self.held else { return Vec::new() };
+        let (m, n) = (self.outputs.len(), self.inputs.len());
+        let mut slopes = vec![vec![Wide::zero(); n]; m];
+        for j in (0..n).filter(|j| known(0, *j).is_none()) {
+            let h = Wide::from_f64(self.step * self.sizes[j]);
+            let (plus, minus) = (held(j, h), held(j, -h));
+            for i in 0..m {
+                slopes[i][j] = (plus[i] - minus[i]) / (h + h);
+            }
+        }
+        slopes
     }
 
     fn truth(&self, scales: &Scales) -> Truth {
@@ -133,11 +177,10 @@ impl Slopes<'_> {
             let (plus, minus) = ((self.wide)(j, h), (self.wide)(j, -h));
             for i in 0..m {
                 truth.slopes[i][j] = (plus[i] - minus[i]) / (h + h);
-                let sides = [(still[i] - minus[i]) / h, (plus[i] - still[i]) / h];
-                let gap = (sides[1] - sides[0]).abs().to_f64();
+                let sides = Sides::known([(still[i] - minus[i]) / h, (plus[i] - still[i]) / h]);
                 // A smooth function bends by the step times the scale of its slope, which is far less, near a kink too.
                 let bend = BEND * self.step * scales.entries[i][j];
-                if gap > APART * scales.values[i] / self.sizes[j] + bend {
+                if sides.gap() > APART * scales.values[i] / self.sizes[j] + bend {
                     truth.sides[i][j] = Some(sides);
                 }
             }

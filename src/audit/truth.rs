@@ -3,16 +3,18 @@
 //!
 //! First derivatives: h = s·1e-25, error of the difference about 1e-50, of rounding 1e-45. Second derivatives of values, as
 //! accelerations are: h = s·1e-18. s is the size of the degree of freedom, or the distance to the nearest singular set where
-//! that is less.
+//! that is less. Values alone are differenced: no dual number enters, and no map from relative to nodal degrees of freedom.
 
+use super::bound::Bound;
 use super::case::{Case, dof_size, exact_branch, exact_state, moved};
-use super::quantity::{Entries, Numbers, request};
+use super::quantity::{Entries, Numbers, Quantity, request};
+use super::sides::Sides;
 use crate::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
 };
-use crate::node::{self, DOFS};
+use crate::node::{self, DOFS, Pair};
 use crate::scalar::{Real, Scalar, Wide};
-use crate::vector::{Vector, cross, dot};
+use crate::vector::{product, sub, transpose};
 use std::sync::OnceLock;
 
 const FIRST_STEP: f64 = 1e-25;
@@ -28,9 +30,14 @@ pub struct Truth {
     length: f64,
     /// min(1, distance to the nearest singular set, in radians and lengths of the connector).
     nearness: f64,
+    /// The same of each component by itself.
+    of_components: [f64; 6],
     /// What first derivatives are differenced from, behind and ahead in each degree of freedom.
     places: OnceLock<[[Place; 2]; DOFS]>,
 }
+
+/// A step, and the values after it and before it.
+type Moved = (Wide, [Components<Wide>; 2]);
 
 /// Where the nodes have moved along one degree of freedom.
 pub(super) struct Place {
@@ -46,15 +53,41 @@ impl Truth {
         let narrow = case.connector();
         let end = case.last()?;
         let after = narrow.advance(&end.state, &end.increment, &case.branch_before(&narrow));
-        let nearness = super::oracle::Narrow::of(case)?.nearness();
+        let of_components = super::oracle::Narrow::of(case)?.nearness_of_components();
+        let mut state = exact_state(&end.state);
+        if end.state.pair.separation() == [0.0; 3] {
+            // Nodes that coincide on doubles, and not to their last digits: that they coincide is what is meant.
+            state.pair.b.displacement = sub(state.pair.a.displacement, state.pair.reference);
+        }
         Some(Self {
             connector: Connector::new(&case.definition),
-            state: exact_state(&end.state),
+            state,
             branch: exact_branch(&after),
             length: case.length,
-            nearness,
+            nearness: of_components.into_iter().fold(1.0, f64::min),
+            of_components,
             places: OnceLock::new(),
         })
+    }
+
+    /// The same with triads that are rotations to the last of 237 bits. Those of a case are to the last of 53: what is the same on
+    /// rotations, as derivatives along the group and through the relative pair, then differs by that.
+    pub fn of_rotations(case: &Case) -> Option<Self> {
+        /// Each step squares the error: 1e-16, 1e-32, 1e-64, 1e-71.
+        const STEPS: usize = 4;
+        let mut of = Self::of(case)?;
+        for node in [&mut of.state.pair.a, &mut of.state.pair.b] {
+            for _ in 0..STEPS {
+                let square = product(&transpose(&node.triad), &node.triad);
+                let half = |i: usize, j: usize| {
+                    let three = Wide::integer(if i == j { 3 } else { 0 });
+                    (three - square[i][j]) / Wide::integer(2)
+                };
+                let correction = [0, 1, 2].map(|i| [0, 1, 2].map(|j| half(i, j)));
+                node.triad = product(&node.triad, &correction);
+            }
+        }
+        Some(of)
     }
 
     /// min(1, distance to the nearest singular set): 0 on one, where no two-sided derivative exists.
@@ -62,9 +95,17 @@ impl Truth {
         self.nearness
     }
 
+    fn clear(&self) -> f64 {
+        if self.nearness > 0.0 { self.nearness } else { 1.0 }
+    }
+
     fn step(&self, j: usize, size: f64) -> Wide {
-        let nearness = if self.nearness > 0.0 { self.nearness } else { 1.0 };
-        Wide::from_f64(size * nearness) * Wide::from_f64(dof_size(j, self.length))
+        Wide::from_f64(size * self.clear()) * Wide::from_f64(dof_size(j, self.length))
+    }
+
+    /// The step of second differences of values.
+    pub(super) fn second_step(&self, j: usize) -> Wide {
+        Wide::from_f64(SECOND_STEP * self.clear().sqrt()) * Wide::from_f64(dof_size(j, self.length))
     }
 
     pub(super) const fn connector(&self) -> &Connector<Wide> {
@@ -73,12 +114,6 @@ impl Truth {
 
     pub(super) const fn state(&self) -> &State<Wide> {
         &self.state
-    }
-
-    pub(super) fn state_at(&self, by: &NodalRow<Wide>) -> State<Wide> {
-        let mut state = self.state;
-        state.pair = moved(&self.state.pair, by);
-        state
     }
 
     /// The places at h and −h along a degree of freedom, and 2h.
@@ -90,8 +125,13 @@ impl Truth {
         (&places[j], step(j) + step(j))
     }
 
-    fn place(&self, by: NodalRow<Wide>) -> Place {
-        let state = self.state_at(&by);
+    pub(super) fn place(&self, by: NodalRow<Wide>) -> Place {
+        self.place_of(by, moved(&self.state.pair, &by))
+    }
+
+    /// The same where the nodes that have moved so far are known.
+    pub(super) fn place_of(&self, by: NodalRow<Wide>, pair: Pair<Wide>) -> Place {
+        let state = State { pair, ..self.state };
         let branch = self.connector.advance(&state, &Increment::none(), &self.branch);
         Place { by, state, branch }
     }
@@ -108,8 +148,13 @@ impl Truth {
 
     /// The value of a one-form from the end of the case on, along an increment.
     pub(super) fn accumulated(&self, by: &NodalRow<Wide>) -> Wide {
+        self.accumulated_from(&self.state.pair, by)
+    }
+
+    /// The same from other places of the nodes on.
+    pub(super) fn accumulated_from(&self, pair: &Pair<Wide>, by: &NodalRow<Wide>) -> Wide {
         let mut state = self.state;
-        state.pair = moved(&self.state.pair, by);
+        state.pair = moved(pair, by);
         let part = |at: usize| [by[at], by[at + 1], by[at + 2]];
         let increment = Increment {
             rotation: [part(node::THETA_A), part(node::THETA_B)],
@@ -121,13 +166,13 @@ impl Truth {
             + (after.accumulated_rest - self.branch.accumulated_rest)
     }
 
-    fn along(j: usize, h: Wide) -> NodalRow<Wide> {
+    pub(super) fn along(j: usize, h: Wide) -> NodalRow<Wide> {
         let mut by = [Wide::zero(); DOFS];
         by[j] = h;
         by
     }
 
-    fn values(&self, at: &Place) -> Components<Wide> {
+    pub(super) fn values(&self, at: &Place) -> Components<Wide> {
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
         let evaluation = self.evaluate(at, &asked);
         std::array::from_fn(|k| {
@@ -136,10 +181,6 @@ impl Truth {
             }
             evaluation.residual[k].or(evaluation.displacement[k])
         })
-    }
-
-    fn rows(&self, at: &Place) -> Components<NodalRow<Wide>> {
-        self.evaluate(at, &Request::new(&[], [true; 6], 1)).jacobian
     }
 
     /// Where the case ends.
@@ -163,7 +204,7 @@ impl Truth {
     pub fn value(&self) -> Entries<Wide> {
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
         let still = self.evaluate(&self.at_rest(), &asked);
-        Numbers::of(&still).entries(super::Quantity::Value).clone()
+        Numbers::of(&still).entries(Quantity::Value).clone()
     }
 
     /// (f(q + h) − f(q − h))/2h for each degree of freedom that the connector has; zero for the others.
@@ -181,54 +222,34 @@ impl Truth {
         Entries(found)
     }
 
-    /// One-sided first derivatives along `sign`·q_j, ±1, for states on a kink.
-    pub fn one_sided(&self, sign: i32) -> Entries<Wide> {
-        let mut found: Components<Vec<Wide>> = self.empty(DOFS);
+    /// First derivatives from both sides, for states on a singular set.
+    pub fn sides(&self, bound: &Bound) -> Entries<Sides> {
         let still = self.values(&self.at_rest());
+        let flat = Sides::known([Wide::zero(); 2]);
+        let mut found: Components<Vec<Sides>> =
+            std::array::from_fn(|k| self.connector.differentiated(k).map(|_| vec![flat; DOFS]));
         for j in self.active() {
-            let ([ahead, behind], _) = self.around(j);
-            let h = self.step(j, FIRST_STEP) * Wide::integer(sign);
-            let moved = self.values(if sign < 0 { behind } else { ahead });
+            let fine = self.step(j, FIRST_STEP);
+            let steps = [fine / Wide::integer(2), fine, self.step(j, Sides::COARSE)];
+            let moved = steps.map(|h| [-h, h].map(|h| self.values(&self.place(Self::along(j, h)))));
             for (k, entries) in found.iter_mut().enumerate() {
-                if let (Some(entries), Some(moved), Some(still)) = (entries, moved[k], still[k]) {
-                    entries[j] = (moved - still) / h;
-                }
+                let (Some(entries), Some(still)) = (entries, still[k]) else { continue };
+                let of_component = moved.each_ref().map(|both| both.each_ref().map(|values| values[k]));
+                let scale = bound.scale(Quantity::FirstDerivatives, k, j);
+                entries[j] = Sides::along(still, &of_component, &steps, scale).unwrap_or(flat);
             }
         }
         Entries(found)
     }
 
-    /// The rows at q ± h along q_k, differenced, less the half of the bracket by which finite rotations about different axes
-    /// do not commute: exp(ε e_j) exp(h e_k) = exp(ε e_j + h e_k + ½ εh e_j × e_k). The row of a one-form has no such term.
-    pub fn second(&self) -> Entries<Wide> {
-        let mut found: Components<Vec<Wide>> = self.empty(DOFS * DOFS);
-        let at_rest = self.rows(&self.at_rest());
-        for k in self.active() {
-            let ([plus, minus], width) = self.around(k);
-            let (plus, minus) = (self.rows(plus), self.rows(minus));
-            for (c, entries) in found.iter_mut().enumerate() {
-                let (Some(entries), Some(plus), Some(minus)) = (entries, plus[c], minus[c]) else { continue };
-                let one_form = self.connector.differentiated(c).is_some_and(|m| m.is_one_form());
-                for j in self.active() {
-                    let mut want = (plus[j] - minus[j]) / width;
-                    if let (Some(row), false) = (at_rest[c], one_form) {
-                        want -= bracket(&row, j, k);
-                    }
-                    entries[j * DOFS + k] = want;
-                }
-            }
-        }
-        Entries(found)
-    }
-
-    /// Rate and acceleration: values at ±h along q(t) = q̇ t + q̈ t²/2, which turns the nodes by exp(q_θ(t)^), differenced.
+    /// Rate and acceleration: values at ±h along q(t) = q̇ t + q̈ t²/2, which turns the nodes by exp(q_θ(t)^), differenced. Each
+    /// component has the step of its own singular sets: one that is too short for it loses the digits of an acceleration.
     pub fn rates(&self) -> [Entries<Wide>; 2] {
         let speed = (0..DOFS).fold(0.0_f64, |most, j| {
             let size = dof_size(j, self.length);
             let (v, a) = (self.state.velocity[j].to_f64() / size, self.state.acceleration[j].to_f64() / size);
             most.max(v.abs()).max(a.abs().max(0.0).powf(0.5))
         });
-        let time = if speed > 0.0 { self.nearness.max(f64::MIN_POSITIVE) / speed } else { 1.0 };
         let at = |t: Wide| -> NodalRow<Wide> {
             std::array::from_fn(|j| {
                 self.state.velocity[j] * t + self.state.acceleration[j] * t * t / Wide::integer(2)
@@ -236,10 +257,8 @@ impl Truth {
         };
         let still = self.values(&self.at_rest());
         let both = |h: Wide| [h, -h].map(|h| self.values(&self.place(at(h))));
-        let (first_step, second_step) =
-            (Wide::from_f64(FIRST_STEP) * time, Wide::from_f64(SECOND_STEP) * time);
-        let [near, behind] = both(first_step);
-        let [far, far_behind] = both(second_step);
+        // The values after both steps, ahead and behind, by nearness.
+        let mut moved: Vec<(f64, [Moved; 2])> = Vec::new();
         let mut rate: Components<Vec<Wide>> = self.empty(1);
         let mut acceleration: Components<Vec<Wide>> = self.empty(1);
         for k in 0..6 {
@@ -249,6 +268,19 @@ impl Truth {
                 acceleration[k] = Some(vec![a]);
                 continue;
             }
+            let near = if self.of_components[k] > 0.0 { self.of_components[k] } else { 1.0 };
+            let known = moved.iter().find(|(of, ..)| *of == near).copied();
+            let (_, [(first_step, [near, behind]), (second_step, [far, far_behind])]) =
+                known.unwrap_or_else(|| {
+                    let time = if speed > 0.0 { near / speed } else { 1.0 };
+                    let after = |step: f64| {
+                        let step = Wide::from_f64(step) * time;
+                        (step, both(step))
+                    };
+                    let found = (near, [FIRST_STEP, SECOND_STEP].map(after));
+                    moved.push(found);
+                    found
+                });
             if let (Some(plus), Some(minus)) = (near[k], behind[k]) {
                 rate[k] = Some(vec![(plus - minus) / (first_step + first_step)]);
             }
@@ -281,32 +313,7 @@ impl Truth {
         (0..DOFS).filter(move |j| active[*j])
     }
 
-    fn empty(&self, entries: usize) -> Components<Vec<Wide>> {
+    pub(super) fn empty(&self, entries: usize) -> Components<Vec<Wide>> {
         std::array::from_fn(|k| self.connector.differentiated(k).map(|_| vec![Wide::zero(); entries]))
-    }
-}
-
-/// ½ (e_j × e_k)·∂f/∂θ for two rotations j and k of one node: what the derivative of a row has more than the second derivative of
-/// f(exp(δθ^) C); 0 for any other two degrees of freedom.
-pub(super) fn bracket(row: &NodalRow<Wide>, j: usize, k: usize) -> Wide {
-    let (Some(first), Some(second)) = (rotation(j), rotation(k)) else { return Wide::zero() };
-    if j / 7 != k / 7 {
-        return Wide::zero();
-    }
-    let axis = |i: usize| {
-        let mut axis = [Wide::zero(); 3];
-        axis[i] = Wide::integer(1);
-        axis
-    };
-    let at = 7 * (j / 7) + node::THETA_A;
-    let gradient: Vector<Wide> = [row[at], row[at + 1], row[at + 2]];
-    dot(cross(axis(first), axis(second)), gradient) / Wide::integer(2)
-}
-
-/// Which rotation (0, 1, 2) of its node a degree of freedom is.
-const fn rotation(j: usize) -> Option<usize> {
-    match j % 7 {
-        i @ 3..=5 => Some(i - 3),
-        _ => None,
     }
 }

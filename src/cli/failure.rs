@@ -22,6 +22,11 @@ pub(crate) enum Failure {
     /// A mutant survived: the audit cannot be relied on.
     #[error("the self-test failed: a mutant was not noticed")]
     SelfTest,
+    /// A fault was planted, and nothing of it was seen.
+    #[error(
+        "the self-test failed: the fault planted in {0} was not noticed, or changed nothing that is compared"
+    )]
+    Unnoticed(&'static str),
     /// Nothing was evaluated.
     #[error("nothing was evaluated: {0}")]
     Nothing(String),
@@ -59,7 +64,7 @@ impl Failure {
             Self::Mismatch | Self::Findings => 1,
             Self::Usage(_) => 2,
             Self::Undecided => 3,
-            Self::SelfTest => 5,
+            Self::SelfTest | Self::Unnoticed(_) => 5,
             Self::Nothing(_) => 4,
             Self::Scene(_) | Self::Input(_) => 6,
             Self::Output(_) => 70,

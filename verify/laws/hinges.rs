@@ -222,3 +222,38 @@ fn the_joint_of_the_gallery_is_driven() {
         near(result.moments[0].unwrap().unwrap().spring, 2.5 * result.given[0].unwrap());
     }
 }
+
+/// What is flagged of all components stands in the table too, with the first row of its block, and in JSON.
+#[test]
+fn flags_of_all_components_are_in_every_format() {
+    let deck = crate::cli::file("hinge-springs.inp", DECK);
+    let output = |outputs: &str, format: &str| {
+        let arguments = ["eval", &deck, "--outputs", outputs, "--format", format];
+        crate::cli::stdout(&crate::cli::pintle(&arguments).assert().code(0))
+    };
+    let flagged = |outputs: &str| {
+        let table = output(outputs, "csv");
+        let mut reader = csv::Reader::from_reader(table.as_bytes());
+        let heading = reader.headers().unwrap().clone();
+        let [component, flags] =
+            ["component", "flags"].map(|name| heading.iter().position(|h| h == name).unwrap());
+        let rows = reader.records().map(Result::unwrap);
+        let rows = rows.map(|row| (row[component].to_string(), row[flags].to_string()));
+        let all: Vec<(String, String)> = rows.collect();
+        assert!(!all.is_empty());
+        let mut told: Vec<String> = Vec::new();
+        for (component, _) in all.into_iter().filter(|(_, flags)| flags.contains("not-known")) {
+            if !told.contains(&component) {
+                told.push(component);
+            }
+        }
+        told
+    };
+    // Of the rows of an equation the first, and the lines of nodes, which have no component.
+    assert_eq!(flagged("RES,KT"), ["ρ1", ""]);
+    assert_eq!(flagged("RES"), [""; 0]);
+    for format in ["human", "json"] {
+        assert!(output("RES,KT", format).contains("KG"), "{format}");
+        assert!(!output("RES", format).contains("KG"), "{format}");
+    }
+}

@@ -1,23 +1,45 @@
 //! What is said of an assembly.
 
-use super::{Assembly, Constraint, Holds, NotAssembled, Position, Redundant};
+use super::dense;
+use super::modes::MODES;
+use super::redundant::EXPLAINED;
+use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant};
 use crate::audit::model::{About, Finding};
-use crate::grammar::{agree, count};
+use crate::evaluate::Freedom;
+use crate::grammar::{agree, count, ranges};
 use crate::scene::{Code, Label, Scene, Span};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// The names that a message lists.
 const NAMED: usize = 8;
+/// What differs between given states is told in so many findings.
+const SETS: usize = 20;
 
 /// What is found of an assembly.
 pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     let mut found = redundancies(scene, assembly);
     found.extend(at_states(scene, assembly));
     found.extend(overdriven(scene, assembly));
+    found.extend(skipped(scene, assembly));
     found.extend(undecided(scene, assembly));
     found.extend(not_assembled(scene, assembly));
     found.extend(mechanism(scene, assembly));
+    found.extend(mechanism_at(scene, assembly));
     found
+}
+
+/// What is found of an assembly step by step: of later ones what was not found before.
+pub(in crate::audit) fn findings_in_steps(scene: &Scene, assemblies: &[Assembly]) -> Vec<Finding> {
+    let (mut told, mut all): (HashSet<(Code, String)>, Vec<Finding>) = (HashSet::new(), Vec::new());
+    for (at, assembly) in assemblies.iter().enumerate() {
+        let mut found = findings(scene, assembly);
+        found.retain(|finding| told.insert((finding.code(), finding.message().to_string())));
+        let step = assembly.step;
+        let in_step =
+            |finding: Finding| if at == 0 { finding } else { finding.begin(&format!("in step {step}, ")) };
+        all.extend(found.into_iter().map(in_step));
+    }
+    all
 }
 
 /// Where something was read: the connector, or the constraint.
@@ -56,20 +78,21 @@ fn about(constraints: &[&Constraint]) -> About {
     about
 }
 
-/// Where a redundancy holds, and the connector or MPC that it is of.
-type Owner = (Holds, Option<Label>, Option<String>);
+/// Where a redundancy holds, whether it is certain, and the connector or MPC that it is of.
+type Owner = (Holds, bool, Option<Label>, Option<String>);
 
 /// Redundant constraints at the initial state: one finding for each connector or MPC and where it holds, up to a number.
 fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     const MOST: usize = 50;
     let mut of: BTreeMap<Owner, Vec<&Redundant>> = BTreeMap::new();
     for redundant in &assembly.redundant {
-        let key = (redundant.holds, redundant.constraint.element, redundant.constraint.mpc.clone());
+        let Redundant { holds, decided, constraint, .. } = redundant;
+        let key = (*holds, *decided, constraint.element, constraint.mpc.clone());
         of.entry(key).or_default().push(redundant);
     }
     let mut found = Vec::new();
     let owners = of.len();
-    for ((holds, element, mpc), redundant) in of.into_iter().take(MOST) {
+    for ((holds, decided, element, mpc), redundant) in of.into_iter().take(MOST) {
         let Some(first) = redundant.first() else { continue };
         let components: Vec<String> = redundant.iter().map(|one| one.constraint.component.clone()).collect();
         let title = match (&element, &mpc) {
@@ -94,17 +117,29 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             [] if holds == Holds::Rigid && redundant.iter().all(|one| one.from.is_empty()) => {
                 " from boundary conditions and what is held".to_string()
             }
+            [] if redundant.iter().all(|one| one.from.is_empty()) => format!(
+                " from others, which are named in parts of up to {} equations with up to {EXPLAINED} redundant ones",
+                dense::LARGEST
+            ),
             [] => " from the others".to_string(),
             others => format!(" from those of {}", listed(others)),
         };
         let code = match holds {
             Holds::Throughout | Holds::Rigid => Code::AssemblyRedundant,
             Holds::Here | Holds::Isolated => Code::AssemblyRedundantHere,
-            Holds::Unjudged => Code::AssemblyRedundantUnjudged,
+            Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
         };
         let verb = if components.len() == 1 { "follows" } else { "follow" };
-        let message =
-            format!("{title}: {} {verb}{from}, initially; {}", components.join(", "), holds.meaning());
+        let condition = if decided {
+            String::new()
+        } else {
+            format!(", {}", if_rank(assembly.positions.first().and_then(|position| position.rank)))
+        };
+        let message = format!(
+            "{title}: {} {verb}{from}, initially{condition}; {}",
+            components.join(", "),
+            holds.meaning()
+        );
         let reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice";
         let remedy = match holds {
             Holds::Here | Holds::Isolated => {
@@ -129,44 +164,57 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     found
 }
 
-/// Constraints that are redundant at a given state and not at others.
-fn at_states(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    let (state, first) = assembly.redundant_at.first()?;
-    let at: Vec<&Constraint> =
-        assembly.redundant_at.iter().filter(|(other, _)| other == state).map(|(_, one)| one).collect();
-    let mut states: Vec<u64> = assembly.redundant_at.iter().map(|(state, _)| *state).collect();
-    states.dedup();
-    let names: Vec<String> = at.iter().map(|one| one.to_string()).collect();
-    let also = if states.len() > 1 {
-        format!(" (and the like at {})", count(states.len() - 1, "more state"))
-    } else {
-        String::new()
-    };
+/// Constraints that are redundant at a given state and not at others: a finding for each set of them, with its states.
+fn at_states(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+    let mut by_state: BTreeMap<u64, Vec<&Constraint>> = BTreeMap::new();
+    for (state, constraint) in &assembly.redundant_at {
+        by_state.entry(*state).or_default().push(constraint);
+    }
+    let mut sets: Vec<(Vec<&Constraint>, Vec<u64>)> = Vec::new();
+    for (state, set) in by_state {
+        match sets.iter_mut().find(|(other, _)| *other == set) {
+            Some((_, states)) => states.push(state),
+            None => sets.push((set, vec![state])),
+        }
+    }
+    let more = sets.len().saturating_sub(SETS);
+    let mut found: Vec<Finding> =
+        sets.iter().take(SETS).map(|set| redundant_at(scene, assembly, set)).collect();
+    if more > 0
+        && let Some(last) = found.pop()
+    {
+        found.push(last.add(&format!("; {} besides, which the report lists", count(more, "such set"))));
+    }
+    found
+}
+
+fn redundant_at(scene: &Scene, assembly: &Assembly, (at, states): &(Vec<&Constraint>, Vec<u64>)) -> Finding {
+    let names: Vec<String> = at.iter().map(ToString::to_string).collect();
     /// What a change of the matrix by more than this makes zero is not zero to rounding, but to the digits of the state.
     const ROUNDING: f64 = 1e-12;
-    let zero = assembly
-        .positions
-        .iter()
-        .find(|position| position.state == Some(*state))
-        .map(|position| position.gap.zero);
-    let holds = match zero {
-        Some(zero) if zero > ROUNDING => format!(
+    let is_here = |position: &&Position| position.state.is_some_and(|state| states.contains(&state));
+    let zero =
+        assembly.positions.iter().filter(is_here).map(|position| position.gap.zero).fold(0.0, f64::max);
+    let holds = if zero > ROUNDING {
+        format!(
             "to the digits of the state, which a relative change of the matrix by {zero:.0e} allows for, it holds there only: at another \
              state given it does not"
-        ),
-        _ => Holds::Here.meaning().to_string(),
+        )
+    } else {
+        Holds::Here.meaning().to_string()
     };
     let message = format!(
-        "at state {state}, {} {} on other constraints; {holds}{also}",
+        "at {}, {} {} on other constraints; {holds}",
+        ranges("state", states),
         listed(&names),
         agree(names.len(), ["depends", "depend"]),
     );
     let reason = "the rank of the constraint Jacobian is smaller than at other given states";
     let remedy =
         "keep clear of this position, or drive through it with care: forces grow without bound near it";
-    let finding =
-        Finding::new(scene, Code::AssemblyRedundantHere, place(scene, first), message, reason, remedy);
-    Some(finding.about(About { state: Some(*state), ..about(&at) }))
+    let place = at.first().map(|first| place(scene, first)).unwrap_or_default();
+    let finding = Finding::new(scene, Code::AssemblyRedundantHere, place, message, reason, remedy);
+    finding.about(About { state: states.first().copied(), ..about(at) })
 }
 
 fn overdriven(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
@@ -180,18 +228,43 @@ fn overdriven(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     Some(finding.about(about(&assembly.overdriven.iter().collect::<Vec<_>>())))
 }
 
+/// Parts that were not looked at.
+fn skipped(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let largest = assembly.skipped.iter().max_by_key(|part| part.front)?;
+    let others = assembly.parts.saturating_sub(assembly.skipped.len());
+    let more = match assembly.skipped.len() - 1 {
+        0 => String::new(),
+        more => format!(" (and of {})", count(more, "part like it")),
+    };
+    let rest = match others {
+        0 => String::new(),
+        others => format!(
+            "; what is said besides is of the {} that {} looked at",
+            count(others, "other part"),
+            agree(others, ["was", "were"])
+        ),
+    };
+    let message = format!(
+        "the rank of the constraints was not found for the part of node {}, with {} and {}{more}: elimination would take too much time or memory, with dense matrices of {} columns{rest}",
+        largest.node,
+        count(largest.connectors, "connector"),
+        count(largest.degrees_of_freedom, "degree of freedom"),
+        largest.front
+    );
+    let reason = "the nodes are joined so densely that the constraint Jacobian fills when it is eliminated";
+    let remedy = "audit smaller pieces of the part as scenes of their own";
+    let finding = Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy);
+    Some(finding.about(About {
+        nodes: assembly.skipped.iter().map(|part| part.node).take(100).collect(),
+        ..About::default()
+    }))
+}
+
 fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    if assembly.positions.is_empty() && assembly.largest_front > 0 {
-        let message = format!(
-            "the rank of the constraints was not found: elimination would need dense matrices of {} columns",
-            assembly.largest_front
-        );
-        let reason =
-            "the nodes are joined so densely that the constraint Jacobian fills when it is eliminated";
-        let remedy = "audit parts of the model as scenes of their own";
-        return Some(Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy));
-    }
-    let is_open = |position: &&Position| !position.decided;
+    // Parts that were not looked at are told by themselves.
+    let is_open = |position: &&Position| {
+        !position.decided && (position.rank.is_some() || !position.doubtful.is_empty() || !position.finite)
+    };
     let position = assembly.positions.iter().find(is_open)?;
     // Where all is certain elsewhere, and the rank no smaller, it is the position that is near one of smaller rank.
     let elsewhere = assembly.positions.iter().find(|other| other.decided && other.rank >= position.rank);
@@ -211,7 +284,8 @@ fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
             position.gap.nonzero, position.gap.zero
         ),
     };
-    let message = format!("the rank of the constraints is not certain {when}{named}: {gap}");
+    let message =
+        format!("the rank of the constraints is not certain {when}{named}: {gap}{}", consequence(position));
     let reason = "more than rounding explains, and less than the digits of a deck warrant";
     let remedy =
         "give coordinates and directions with all their digits, or move the position off the singular one";
@@ -221,8 +295,34 @@ fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     Some(Finding::new(scene, Code::AssemblyUndecided, place, message, reason, remedy).about(about))
 }
 
+/// Under the condition that what was taken for zero is zero.
+fn if_rank(rank: Option<usize>) -> String {
+    match rank {
+        Some(rank) => format!("if the rank of the constraints is {rank}, which is not certain"),
+        None => "if what was taken for zero is zero, which is not certain".to_string(),
+    }
+}
+
+/// What an uncertain rank would mean.
+fn consequence(position: &Position) -> String {
+    let ways = position.undriven_undecided;
+    match (position.rank, position.redundant) {
+        (Some(rank), Some(redundant)) => format!(
+            "; if it is {rank}, {} redundant, and what it is of can move in {} that nothing drives",
+            [count(redundant, "constraint"), agree(redundant, ["is", "are"]).to_string()].join(" "),
+            count(ways, "way")
+        ),
+        _ => String::new(),
+    }
+}
+
 fn when(state: Option<u64>) -> String {
     state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"))
+}
+
+/// A number, where it is known.
+fn number(known: Option<usize>) -> String {
+    known.map_or_else(|| "not known".to_string(), |number| number.to_string())
 }
 
 /// A position of which its digits do not tell whether it is singular, where another one is not.
@@ -242,9 +342,9 @@ fn near_singular(scene: &Scene, position: &Position, elsewhere: &Position, more:
         "{} the assembly is within {distance:.1e} (relative, of the constraint Jacobian) of a singular position, a change point say: {named} nearly \
          {depend} on other constraints, so that the rank is {}, or less; {} it is certain, {}{also}",
         when(position.state),
-        position.rank,
+        number(position.rank),
         when(elsewhere.state),
-        elsewhere.rank,
+        number(elsewhere.rank),
     );
     let reason = "more than rounding explains, and less than the digits of a state warrant";
     let remedy = "keep clear of this position, or drive through it with care: forces grow without bound near it, and the assembly can go on \
@@ -267,34 +367,101 @@ fn not_assembled(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     Some(finding.about(About { state: *state, ..About::default() }))
 }
 
+/// A motion, by the degree of freedom that stands for it, and the other nodes that move.
+fn motion(mode: &Mode) -> String {
+    let Freedom { node, number } = mode.leading;
+    let others: Vec<String> =
+        mode.nodes.iter().filter(|other| **other != node).map(ToString::to_string).collect();
+    let Some(moving) = mode.moving else { return format!("{number} of node {node} and what follows it") };
+    let more = match moving.saturating_sub(1 + others.len().min(NAMED)) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let named = &others[..others.len().min(NAMED)];
+    match others.len() {
+        0 => format!("{number} of node {node}"),
+        1 => format!("{number} of node {node}, with node {}", others[0]),
+        _ => format!("{number} of node {node}, with nodes {}{more}", named.join(", ")),
+    }
+}
+
 fn mechanism(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    let undriven = assembly.positions.first()?.undriven;
+    let initial = assembly.positions.first()?;
+    let modes: Vec<&Mode> = assembly.modes.iter().filter(|mode| mode.decided).collect();
+    // Where a part was not looked at, those of the others.
+    let undriven = initial.undriven.map_or(modes.len(), |all| all - initial.undriven_undecided);
     if undriven == 0 {
         return None;
     }
-    let words: Vec<String> = assembly
-        .modes
-        .iter()
-        .take(NAMED)
-        .map(|mode| {
-            let nodes: Vec<String> = mode.nodes.iter().map(ToString::to_string).collect();
-            match mode.moving {
-                Some(1) => format!("node {}", listed(&nodes)),
-                Some(_) => format!("nodes {}", listed(&nodes)),
-                None => format!("node {} and what follows it", listed(&nodes)),
-            }
-        })
-        .collect();
+    let message = format!("the assembly can move in {} initially{}", ways(undriven), named(&modes, undriven));
+    Some(moves(scene, message, &modes, undriven, None))
+}
+
+/// A number of motions.
+fn ways(undriven: usize) -> String {
+    format!("{} that nothing drives,", count(undriven, "way"))
+}
+
+/// Motions, by degrees of freedom.
+fn named(modes: &[&Mode], undriven: usize) -> String {
+    if modes.is_empty() {
+        return ", which are not named, for a thousand others are".to_string();
+    }
+    let words: Vec<String> = modes.iter().take(NAMED).map(|mode| motion(mode)).collect();
     let more = if undriven > NAMED { format!("; and {} more", undriven - NAMED) } else { String::new() };
-    let ways = if undriven == 1 { "1 way".to_string() } else { format!("{undriven} ways") };
-    let message =
-        format!("the assembly can move in {ways} that nothing drives, initially: {}{more}", words.join("; "));
+    let short = if modes.iter().take(NAMED).any(|mode| mode.moving.is_none()) {
+        format!(
+            " (all that moves is named for the first {MODES} motions of a part, and where it does not fill)"
+        )
+    } else {
+        String::new()
+    };
+    format!(", by degree of freedom {}{more}{short}", words.join("; "))
+}
+
+/// Motions at given states where there are more, or fewer, than initially: a finding for each set of them, with its states.
+fn mechanism_at(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+    let Some(initial) = assembly.positions.first().and_then(|position| position.undriven) else {
+        return Vec::new();
+    };
+    let mut sets: Vec<(&Position, usize, Vec<u64>)> = Vec::new();
+    for position in assembly.positions.iter().filter(|position| position.differs && position.decided) {
+        let (Some(state), Some(undriven)) = (position.state, position.undriven) else { continue };
+        if undriven == initial || undriven == 0 {
+            continue;
+        }
+        match sets.iter_mut().find(|(other, ..)| other.modes == position.modes) {
+            Some((.., states)) => states.push(state),
+            None => sets.push((position, undriven, vec![state])),
+        }
+    }
+    let more = sets.len().saturating_sub(SETS);
+    let of = |(position, undriven, states): &(&Position, usize, Vec<u64>)| {
+        let modes: Vec<&Mode> = position.modes.iter().collect();
+        let message = format!(
+            "at {}, the assembly can move in {} not {initial} as initially{}",
+            ranges("state", states),
+            ways(*undriven),
+            named(&modes, *undriven)
+        );
+        moves(scene, message, &modes, *undriven, states.first().copied())
+    };
+    let mut found: Vec<Finding> = sets.iter().take(SETS).map(of).collect();
+    if more > 0
+        && let Some(last) = found.pop()
+    {
+        found.push(last.add(&format!("; {} besides, which the report lists", count(more, "such set"))));
+    }
+    found
+}
+
+fn moves(scene: &Scene, message: String, modes: &[&Mode], undriven: usize, state: Option<u64>) -> Finding {
     let reason = "degrees of freedom less the rank of constraints and drives; springs, friction, stops and other elements are not looked at";
     let remedy = "as it should be for a mechanism under forces; in statics, hold or drive the motion";
-    let mut nodes: Vec<Label> = assembly.modes.iter().flat_map(|mode| mode.nodes.iter().copied()).collect();
+    let mut nodes: Vec<Label> = modes.iter().flat_map(|mode| mode.nodes.iter().copied()).collect();
     nodes.sort();
     nodes.dedup();
     nodes.truncate(100);
-    let about = About { nodes, value: Some(undriven as f64), ..About::default() };
-    Some(Finding::new(scene, Code::AssemblyMechanism, Span::default(), message, reason, remedy).about(about))
+    let about = About { nodes, value: Some(undriven as f64), state, ..About::default() };
+    Finding::new(scene, Code::AssemblyMechanism, Span::default(), message, reason, remedy).about(about)
 }

@@ -24,10 +24,14 @@
 //! | module | question |
 //! |---|---|
 //! | `system` | what are the equations, and which belong together? |
+//! | `steps` | in which steps are they others, and which states belong to those? |
 //! | `order` | in which order are nodes eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
 //! | `noise` | what of that is rounding? |
 //! | `dense` | singular values of small parts |
+//! | `found` | what has each part, and the whole, at one state? |
+//! | `redundant` | which constraints are redundant, and where? |
+//! | `modes` | which motions are left? |
 //! | `given` | what holds at the states given? |
 //! | `moving` | does a redundancy hold elsewhere? |
 //! | `findings` | what is said of it? |
@@ -35,11 +39,15 @@
 mod dense;
 mod eliminate;
 pub(super) mod findings;
+mod found;
 mod given;
+mod modes;
 mod moving;
 mod noise;
 mod order;
+mod redundant;
 mod sparse;
+mod steps;
 mod system;
 #[cfg(test)]
 mod tests;
@@ -47,16 +55,12 @@ mod tests;
 pub use system::Role;
 
 use crate::audit::bound::U;
-use crate::catalog::COMPONENT;
-use crate::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Sequence, Source};
+use crate::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Sequence};
 use crate::scene::{Diagnostic, Label, Scene, State};
-use eliminate::{Outcome, Sparse, Task, eliminate};
-use moving::elsewhere;
-use rayon::prelude::*;
+use found::{look, overdriven, position};
 use serde::{Serialize, Serializer};
-use std::collections::BTreeSet;
 use std::fmt::{self, Display};
-use system::{Origin, Part, Prescribed, System, request};
+use system::{Prescribed, System, request};
 
 /// Where a redundancy holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -70,6 +74,8 @@ pub enum Holds {
     Here,
     /// The part can move to first order, and no admissible state near by was found: judged a singular position.
     Isolated,
+    /// It was not judged, for the part is too large to be moved.
+    Large,
     /// It could not be judged.
     Unjudged,
 }
@@ -87,6 +93,10 @@ impl Holds {
             }
             Self::Isolated => {
                 "it holds at this state (judged a singular position: motions that are free to first order lead nowhere)"
+            }
+            Self::Large => {
+                "whether it holds at other states was not judged, for what belongs to it has more than 20 000 degrees of freedom, or fills when it \
+                 is eliminated: audit its loop as a scene of its own"
             }
             Self::Unjudged => "whether it holds at other states was not judged",
         }
@@ -130,6 +140,8 @@ pub struct Redundant {
     pub constraint: Constraint,
     /// Where it does.
     pub holds: Holds,
+    /// Whether the rank of its part is certain. Where it is not, the constraint is redundant if what was taken for zero is zero.
+    pub decided: bool,
     /// The others that it follows from, where the part is small enough to say it; empty where all its nodes are held.
     pub from: Vec<Constraint>,
 }
@@ -143,6 +155,8 @@ pub struct Mode {
     pub nodes: Vec<Label>,
     /// The number of nodes that move; `None` where the part is too large to say it.
     pub moving: Option<usize>,
+    /// Whether the rank of its part is certain. Where it is not, this is a motion if what was taken for zero is zero.
+    pub decided: bool,
 }
 
 /// What lies between zero and not.
@@ -163,29 +177,40 @@ fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error>
     number.is_finite().then_some(number).serialize(serializer)
 }
 
-/// The assembly at one state.
+/// The assembly at one state. Numbers are `None` where a part was not looked at ([`Skipped`]).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Position {
     /// The number of the state; none for the initial one.
     pub state: Option<u64>,
     /// The rank of the constraints.
-    pub rank: usize,
+    pub rank: Option<usize>,
     /// The independent motions that constraints leave.
-    pub mobility: usize,
+    pub mobility: Option<usize>,
     /// Those that nothing drives either.
-    pub undriven: usize,
+    pub undriven: Option<usize>,
+    /// Those of them that belong to parts whose rank is not certain: as many if what was taken for zero is zero.
+    pub undriven_undecided: usize,
     /// The number of redundant constraints.
-    pub redundant: usize,
+    pub redundant: Option<usize>,
     /// The number of drives that act on what is determined already.
-    pub overdriven: usize,
-    /// Whether all ranks are certain.
+    pub overdriven: Option<usize>,
+    /// Whether all ranks are known and certain.
     pub decided: bool,
     /// Whether all numbers were finite; where not, no rank is certain.
     pub finite: bool,
     /// How certain they are.
     pub gap: Gap,
-    /// The constraints whose independence is not certain; at most a hundred.
+    /// The constraints whose independence, or dependence, is not certain; at most a hundred.
     pub doubtful: Vec<Constraint>,
+    /// Whether, of a given state, the rank or the number of motions of a part is another than initially: what is redundant and what moves
+    /// is named then, up to a thousand in all.
+    pub differs: bool,
+    /// Redundant constraints at a given state that differs; at the initial one, [`Assembly::redundant`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub dependent: Vec<Redundant>,
+    /// Motions that nothing drives, at a given state that differs; at the initial one, [`Assembly::modes`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<Mode>,
 }
 
 /// The whole assembly.
@@ -205,9 +230,12 @@ pub struct Assembly {
     pub gruebler: i64,
     /// The number of parts that have no degree of freedom in common.
     pub parts: usize,
-    /// The largest front, in columns: what the elimination cost, or, where there are no positions, would have cost.
+    /// The largest front, in columns: what the elimination cost.
     pub largest_front: usize,
-    /// The initial state, then those given that were looked at. None where the elimination would have taken too much memory.
+    /// Parts that were not looked at, for their elimination would have taken more than 1.3 GB, or some minutes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub skipped: Vec<Skipped>,
+    /// The initial state, then those given that were looked at.
     pub positions: Vec<Position>,
     /// Redundant constraints at the initial state.
     pub redundant: Vec<Redundant>,
@@ -225,6 +253,23 @@ pub struct Assembly {
     pub not_assembled: Option<NotAssembled>,
 }
 
+/// A part that was not looked at.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Skipped {
+    /// The number of its connectors.
+    pub connectors: usize,
+    /// The number of its multi-point constraints.
+    pub mpcs: usize,
+    /// Its degrees of freedom that nothing holds.
+    pub degrees_of_freedom: usize,
+    /// The number of its constraints and drives.
+    pub constraints: usize,
+    /// Its first node.
+    pub node: Label,
+    /// The columns of the front at which it was given up.
+    pub front: usize,
+}
+
 /// A state at which the Jacobian of the constraints could not be assembled.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct NotAssembled {
@@ -234,92 +279,90 @@ pub struct NotAssembled {
     pub why: String,
 }
 
-/// The modes that are named by all nodes that move, of one part.
-const MODES: usize = 20;
-/// Parts with no more degrees of freedom are moved, to judge where redundancies hold.
-const MOVED: usize = 20_000;
 /// What is listed.
 const LISTED: usize = 1000;
-/// Parts of which this many constraints are redundant say what from.
-const EXPLAINED: usize = 24;
-/// A singular value below this part of the largest that is not zero by rounding is decided by digits that decks do not have.
-const DIGITS: f64 = 1e-7;
-
-/// The size (the smaller of rows and columns) up to which singular values of a part are looked at at every state given, not only initially.
-const EVERYWHERE: usize = 60;
-
-/// What one part has at one state.
-struct Found {
-    constraints: Outcome,
-    /// Rows of the matrix of constraints.
-    rows: Vec<u32>,
-    /// With drives: rank beyond that of the constraints, and what is free.
-    driven: Option<(Outcome, Vec<u32>)>,
-    singular_values: Option<[f64; 2]>,
-    matrix: Option<Sparse>,
-}
-
-impl Found {
-    fn undriven(&self) -> &Outcome {
-        self.driven.as_ref().map_or(&self.constraints, |(driven, _)| driven)
-    }
-
-    fn overdriven(&self) -> usize {
-        let Some((driven, rows)) = &self.driven else { return 0 };
-        (rows.len() - self.rows.len()).saturating_sub(driven.rank - self.constraints.rank.min(driven.rank))
-    }
-
-    fn is_decided(&self) -> bool {
-        let digits = self.singular_values.is_none_or(|[nonzero, _]| nonzero > DIGITS);
-        self.constraints.is_decided() && self.undriven().is_decided() && digits
-    }
-}
 
 /// Looks at an assembly at its initial state and at those given, in a step (counted from 1; 0 is before the first).
 ///
 /// # Errors
 /// The points of a `*TRANSFORM` that define no directions.
 pub fn analyse(scene: &Scene, model: &Model, states: &[State], step: usize) -> Result<Assembly, Diagnostic> {
-    let prescribed = Prescribed::of(scene, step)?;
+    Ok(in_step(model, states, step, &Prescribed::of(scene, step)?, &|_| true))
+}
+
+/// Looks at an assembly in its first step, and in all whose boundary conditions or connector motions are not those of the step before: at
+/// its initial state, and at those given that belong to the step by their time, or to those after it that prescribe the same. States
+/// whose time is not known, and all where the period of a step is not, count as of the first.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_steps(scene: &Scene, model: &Model, states: &[State]) -> Result<Vec<Assembly>, Diagnostic> {
+    let steps = steps::differing(scene)?;
+    let ends = steps::ends(scene);
+    let next = steps.iter().skip(1).map(|(step, _)| *step).chain([usize::MAX]);
+    let found = steps.iter().zip(next).map(|((step, prescribed), next)| {
+        let is_of = |state: &State| (*step..next).contains(&steps::of_state(ends.as_deref(), state));
+        in_step(model, states, *step, prescribed, &is_of)
+    });
+    Ok(found.collect())
+}
+
+/// Looks at those states that are of a step, following all.
+fn in_step(
+    model: &Model,
+    states: &[State],
+    step: usize,
+    prescribed: &Prescribed,
+    is_of: &dyn Fn(&State) -> bool,
+) -> Assembly {
     let plan = Plan::everything(model, request());
-    let system = System::new(model, &plan, &prescribed);
-    let start = State::default();
-    let mut values = Vec::new();
-    if let Err(error) = Sequence::new(model, &plan).assemble(&start, &system.jacobian, &mut values) {
-        let not_assembled = Some(NotAssembled { state: None, why: error.to_string() });
-        return Ok(Assembly { not_assembled, ..Assembly::none(step) });
-    }
-    if let Some(largest_front) = system.too_large {
-        return Ok(Assembly { largest_front, parts: system.parts.len(), ..Assembly::none(step) });
-    }
-    let found = look(&system, &values, &[], true);
+    let system = System::new(model, &plan, prescribed);
+    let mut assembly = Assembly::none(step);
+    of_system(&system, states, is_of, &mut assembly);
+    assembly
+}
+
+fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bool, assembly: &mut Assembly) {
     let drives = system.roles.iter().filter(|role| **role == Role::Driven).count();
-    let all = Jacobian::new(model, &plan, &Fixed::none(), |_, _| false).columns();
     let columns = system.jacobian.columns();
     let constraints = system.origins.len() - drives;
-    let mut assembly = Assembly {
-        step,
-        degrees_of_freedom: all,
-        held: all - columns,
-        constraints,
-        drives,
-        gruebler: columns as i64 - constraints as i64,
-        parts: system.parts.len(),
-        largest_front: found.iter().map(|found| found.constraints.front).max().unwrap_or_default(),
-        ..Assembly::none(step)
-    };
-    let fixed: Vec<u32> =
-        system.fixed_rows.iter().copied().filter(|row| system.roles[*row as usize] != Role::Driven).collect();
-    assembly.positions.push(position(&system, None, &found, fixed.len()));
-    assembly.redundant = redundant(&system, &found, &fixed, &prescribed);
-    assembly.overdriven = overdriven(&system, &found);
-    assembly.modes = modes(&system, &found);
-    given::along(&system, states, &found, fixed.len(), &mut assembly);
-    Ok(assembly)
+    let all = Jacobian::new(system.model, system.plan, &Fixed::none(), |_, _| false).columns();
+    assembly.degrees_of_freedom = all;
+    assembly.held = all - columns;
+    assembly.constraints = constraints;
+    assembly.drives = drives;
+    assembly.gruebler = columns as i64 - constraints as i64;
+    assembly.parts = system.parts.len();
+    let mut sequence = Sequence::new(system.model, system.plan);
+    let mut values = Vec::new();
+    if let Err(error) = sequence.assemble(&State::default(), &system.jacobian, &mut values) {
+        assembly.not_assembled = Some(NotAssembled { state: None, why: error.to_string() });
+        return;
+    }
+    let found = look(system, &values, &[], true);
+    let skipped =
+        system.parts.iter().zip(&found).filter_map(|(part, found)| Some((part, found.as_ref().err()?)));
+    assembly.skipped = skipped.filter_map(|(part, front)| system.skipped(part, *front)).collect();
+    assembly.largest_front =
+        found.iter().flatten().map(|found| found.constraints.front).max().unwrap_or_default();
+    let is_held = |row: &u32| system.roles[*row as usize] != Role::Driven;
+    let fixed: Vec<u32> = system.fixed_rows.iter().copied().filter(is_held).collect();
+    assembly.positions.push(position(system, None, &found, fixed.len()));
+    assembly.redundant = redundant::redundant(system, &found, &fixed);
+    assembly.overdriven = overdriven(system, &found);
+    assembly.modes = modes::modes(system, &found);
+    given::along(system, (states, is_of), &found, fixed.len(), assembly);
 }
 
 impl Assembly {
-    fn none(step: usize) -> Self {
+    /// Whether the assembly was looked at as a whole, and all ranks are certain.
+    pub fn is_decided(&self) -> bool {
+        self.not_assembled.is_none()
+            && !self.positions.is_empty()
+            && self.positions.iter().all(|position| position.decided)
+    }
+
+    const fn none(step: usize) -> Self {
         Self {
             step,
             degrees_of_freedom: 0,
@@ -329,6 +372,7 @@ impl Assembly {
             gruebler: 0,
             parts: 0,
             largest_front: 0,
+            skipped: Vec::new(),
             positions: Vec::new(),
             redundant: Vec::new(),
             overdriven: Vec::new(),
@@ -338,224 +382,6 @@ impl Assembly {
             not_assembled: None,
         }
     }
-}
-
-/// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system).
-fn look(system: &System<'_>, values: &[f64], residuals: &[f64], keep: bool) -> Vec<Found> {
-    let of_part = |part: &Part| {
-        let worst = part.rows.iter().filter_map(|row| residuals.get(*row as usize));
-        let worst = largest(worst);
-        let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
-        let (rows, matrix) = system.matrix(part, values, |role| role != Role::Driven);
-        let task = Task { uncertainty: 30.0 * worst, keep, right: None };
-        let constraints = eliminate(&matrix, &part.order, task);
-        let driven = has_drives.then(|| {
-            let (rows, matrix) = system.matrix(part, values, |_| true);
-            (eliminate(&matrix, &part.order, task), rows)
-        });
-        let is_small = dense::is_small(&matrix, if keep { dense::LARGEST } else { EVERYWHERE });
-        let singular_values = is_small.then(|| dense::singular_values(&matrix)).and_then(|values| {
-            let largest = values.first().copied().filter(|largest| *largest > 0.0)?;
-            let nonzero = values.get(constraints.rank.checked_sub(1)?)?;
-            let zero = values.get(constraints.rank).copied().unwrap_or_default();
-            Some([nonzero / largest, zero / largest])
-        });
-        let is_wanted = keep && is_small && !constraints.dependent.is_empty();
-        Found { constraints, rows, driven, singular_values, matrix: is_wanted.then_some(matrix) }
-    };
-    system.parts.par_iter().map(of_part).collect()
-}
-
-fn position(system: &System<'_>, state: Option<u64>, found: &[Found], fixed: usize) -> Position {
-    let sum = |of: fn(&Found) -> usize| found.iter().map(of).sum::<usize>();
-    let outcomes = || found.iter().flat_map(|found| [&found.constraints, found.undriven()]);
-    let zero = outcomes().map(|outcome| outcome.gap[0]).fold(0.0, f64::max);
-    let nonzero = outcomes().map(|outcome| outcome.gap[1]).fold(f64::INFINITY, f64::min);
-    let values = found.iter().filter_map(|found| found.singular_values);
-    let singular_values = values.reduce(|x, y| [x[0].min(y[0]), x[1].max(y[1])]);
-    let doubtful = found.iter().filter(|found| !found.is_decided()).flat_map(|found| {
-        let certain = &found.constraints.doubtful;
-        let named = if certain.is_empty() { found.constraints.weakest.as_slice() } else { certain };
-        named.iter().map(|row| constraint(system, found.rows[*row as usize]))
-    });
-    Position {
-        state,
-        rank: sum(|found| found.constraints.rank),
-        mobility: sum(|found| found.constraints.free.len()),
-        undriven: sum(|found| found.undriven().free.len()),
-        redundant: sum(|found| found.constraints.dependent.len()) + fixed,
-        overdriven: sum(Found::overdriven),
-        decided: found.iter().all(Found::is_decided),
-        finite: outcomes().all(|outcome| !outcome.overflows),
-        gap: Gap { zero, nonzero, singular_values },
-        doubtful: doubtful.take(100).collect(),
-    }
-}
-
-fn constraint(system: &System<'_>, row: u32) -> Constraint {
-    let role = system.roles[row as usize];
-    let none = Constraint { element: None, mpc: None, node: None, component: String::new(), role };
-    match system.origins[row as usize] {
-        Origin::Boundary(freedom) => {
-            Constraint { node: Some(freedom.node), component: freedom.number.to_string(), ..none }
-        }
-        Origin::Equation(equation) => match equation.source {
-            Source::Connector(index) => Constraint {
-                element: Some(system.model.connectors[index].label),
-                component: COMPONENT[equation.component].to_string(),
-                ..none
-            },
-            Source::Mpc(index) => {
-                let mpc = &system.model.mpcs[index];
-                let component = mpc.constraint.kind().row_name(equation.component).to_string();
-                Constraint { mpc: Some(mpc.title()), component, ..none }
-            }
-        },
-    }
-}
-
-/// Names the redundant constraints and judges where they are.
-fn redundant(system: &System<'_>, found: &[Found], fixed: &[u32], prescribed: &Prescribed) -> Vec<Redundant> {
-    let held = fixed.iter().map(|row| Redundant {
-        constraint: constraint(system, *row),
-        holds: Holds::Rigid,
-        from: Vec::new(),
-    });
-    let of_parts: Vec<Vec<Redundant>> = system
-        .parts
-        .par_iter()
-        .zip(found)
-        .map(|(part, found)| {
-            if found.constraints.dependent.is_empty() {
-                return Vec::new();
-            }
-            let (elsewhere, rows) = judge(system, part, found, prescribed);
-            let dependent = &found.constraints.dependent;
-            let here = only_here(dependent, &elsewhere);
-            dependent
-                .iter()
-                .map(|row| Redundant {
-                    constraint: constraint(system, found.rows[*row as usize]),
-                    holds: match rows {
-                        Holds::Here if !here.contains(row) => Holds::Throughout,
-                        holds => holds,
-                    },
-                    from: match &found.matrix {
-                        Some(matrix) if dependent.len() <= EXPLAINED => {
-                            let made = dense::made_of(matrix, dependent, *row);
-                            made.iter().map(|row| constraint(system, found.rows[*row as usize])).collect()
-                        }
-                        _ => Vec::new(),
-                    },
-                })
-                .collect()
-        })
-        .collect();
-    held.chain(of_parts.into_iter().flatten()).collect()
-}
-
-/// Of dependent rows, as many as are not elsewhere: those that are not named there, the last ones if there are more.
-fn only_here(dependent: &[u32], elsewhere: &[u32]) -> Vec<u32> {
-    let count = dependent.len().saturating_sub(elsewhere.len());
-    let is_gone = |row: &&u32| elsewhere.binary_search(row).is_err();
-    dependent.iter().rev().filter(is_gone).take(count).copied().collect()
-}
-
-/// Where the redundancies of a part hold, and the rows that are dependent elsewhere too.
-fn judge(system: &System<'_>, part: &Part, found: &Found, prescribed: &Prescribed) -> (Vec<u32>, Holds) {
-    if found.constraints.free.is_empty() {
-        return (found.constraints.dependent.clone(), Holds::Rigid);
-    }
-    if part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT {
-        return (Vec::new(), Holds::Unjudged);
-    }
-    // The part by itself: its connectors, constraints and nodes.
-    let mut nodes = BTreeSet::new();
-    for index in &part.connectors {
-        nodes.extend(system.model.connectors[*index].nodes.iter().flatten());
-    }
-    for index in &part.mpcs {
-        nodes.extend(&system.model.mpcs[*index].nodes);
-    }
-    let connectors = part.connectors.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
-    let mpcs = part.mpcs.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
-    let plan = Plan { connectors, mpcs, nodes, request: request() };
-    let own = System::new(system.model, &plan, prescribed);
-    let [part] = own.parts.as_slice() else { return (Vec::new(), Holds::Unjudged) };
-    let sequence = Sequence::new(system.model, &plan);
-    let mut values = Vec::new();
-    let start = State::default();
-    if sequence.clone().assemble(&start, &own.jacobian, &mut values).is_err() {
-        return (Vec::new(), Holds::Unjudged);
-    }
-    let (_, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
-    let here = eliminate(&matrix, &part.order, Task { keep: true, ..Task::default() });
-    let elsewhere = elsewhere(&own, part, &sequence, &start, &here);
-    (elsewhere.dependent, elsewhere.holds)
-}
-
-/// Drives that act on what is determined already.
-fn overdriven(system: &System<'_>, found: &[Found]) -> Vec<Constraint> {
-    let mut named = Vec::new();
-    for found in found {
-        let Some((driven, rows)) = found.driven.as_ref().filter(|_| found.overdriven() > 0) else { continue };
-        let is_drive = |row: &u32| system.roles[*row as usize] == Role::Driven;
-        let dependent = driven.dependent.iter().map(|row| rows[*row as usize]).filter(is_drive);
-        let mut of_part: Vec<u32> = dependent.collect();
-        if of_part.is_empty() {
-            of_part = rows.iter().copied().filter(is_drive).collect();
-        }
-        named.extend(of_part.into_iter().map(|row| constraint(system, row)));
-    }
-    named.extend(
-        system
-            .fixed_rows
-            .iter()
-            .filter(|row| system.roles[**row as usize] == Role::Driven)
-            .map(|row| constraint(system, *row)),
-    );
-    named
-}
-
-/// The motions that are left, and what moves.
-fn modes(system: &System<'_>, found: &[Found]) -> Vec<Mode> {
-    let freedoms = system.jacobian.freedoms();
-    let mut modes = Vec::new();
-    for (part, found) in system.parts.iter().zip(found) {
-        let outcome = found.undriven();
-        for (at, column) in outcome.free.iter().enumerate() {
-            if modes.len() >= LISTED {
-                return modes;
-            }
-            let leading = freedoms[part.columns[*column as usize] as usize];
-            let is_known = outcome.has_pivots() || outcome.rank == 0;
-            if at >= MODES || !is_known {
-                modes.push(Mode { leading, nodes: vec![leading.node], moving: None });
-                continue;
-            }
-            let motion =
-                outcome.solve(part.columns.len(), |other| f64::from(u8::from(other == *column)), true);
-            let mut nodes: Vec<(Label, f64)> = Vec::new();
-            for (column, amount) in part.columns.iter().zip(&motion) {
-                let node = freedoms[*column as usize].node;
-                match nodes.last_mut() {
-                    Some((last, most)) if *last == node => *most = most.max(amount.abs()),
-                    _ => nodes.push((node, amount.abs())),
-                }
-            }
-            let largest = nodes.iter().map(|(_, amount)| *amount).fold(0.0, f64::max);
-            // What rounding leaves of a node that does not move.
-            nodes.retain(|(_, amount)| *amount > 1e-9 * largest);
-            nodes.sort_by(|x, y| y.1.total_cmp(&x.1).then(x.0.cmp(&y.0)));
-            let moving = Some(nodes.len());
-            modes.push(Mode {
-                leading,
-                nodes: nodes.iter().take(20).map(|(node, _)| *node).collect(),
-                moving,
-            });
-        }
-    }
-    modes
 }
 
 /// The largest magnitude; what is no number stays one.

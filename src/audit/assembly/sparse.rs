@@ -35,6 +35,26 @@ impl Sparse {
         self.groups[group] as usize..self.groups[group + 1] as usize
     }
 
+    /// Bounds of the norms of the changes of the matrix that rounding can make, in rounding units: of all entries by as much as the largest of
+    /// their rows, and of those that are not zero by as much as their rows are uncertain besides. The norm is at most √(‖E‖₁ ‖E‖∞).
+    pub(super) fn changes(&self) -> [f64; 2] {
+        let mut columns = vec![[0.0_f64; 2]; self.width()];
+        let mut most = [0.0_f64; 2];
+        for row in 0..self.rows() {
+            let [zero, other] = self.uncertainty(row).map(f64::from);
+            let mut sums = [0.0; 2];
+            for at in self.range(row) {
+                let rough = if self.values[at] == 0.0 { 0.0 } else { other - zero };
+                for (k, change) in [zero, rough].into_iter().enumerate() {
+                    sums[k] += change;
+                    columns[self.columns[at] as usize][k] += change;
+                }
+            }
+            most = [0, 1].map(|k| most[k].max(sums[k]));
+        }
+        [0, 1].map(|k| (most[k] * columns.iter().map(|sums| sums[k]).fold(0.0, f64::max)).sqrt())
+    }
+
     /// How uncertain the entries of a row are, in rounding units: those that are zero, and those that are not.
     pub(super) fn uncertainty(&self, row: usize) -> [f32; 2] {
         let largest = self.values[self.range(row)].iter().fold(0.0_f64, |most, x| most.max(x.abs())) as f32;

@@ -1,13 +1,13 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
-use super::Assembly;
 use super::dense::{least, made_of, singular_values};
-use super::eliminate::{Sparse, Task, eliminate};
+use super::eliminate::{Most, Sparse, Task, eliminate};
 use super::findings::findings;
 use super::given::along;
-use super::only_here;
-use super::order::minimum_degree;
+use super::order::{dissection, minimum_degree};
+use super::redundant::only_here;
 use super::system::{Prescribed, System, request};
+use super::{Assembly, Position};
 use crate::audit::model::Finding;
 use crate::audit::sample::Draw;
 use crate::evaluate::{Fixed, Jacobian, Model, Plan};
@@ -48,6 +48,10 @@ fn random(groups: usize, independent: usize, dependent: usize, draw: &mut Draw) 
 }
 
 fn order(matrix: &Sparse) -> Vec<u32> {
+    minimum_degree(matrix.groups.len() - 1, &cliques(matrix), usize::MAX).unwrap_or_default()
+}
+
+fn cliques(matrix: &Sparse) -> Vec<Vec<u32>> {
     let of: Vec<u32> = matrix
         .groups
         .windows(2)
@@ -60,8 +64,7 @@ fn order(matrix: &Sparse) -> Vec<u32> {
         groups.dedup();
         groups
     };
-    let cliques: Vec<Vec<u32>> = (0..matrix.rows()).map(clique).collect();
-    minimum_degree(matrix.groups.len() - 1, &cliques, usize::MAX).unwrap_or_default()
+    (0..matrix.rows()).map(clique).collect()
 }
 
 /// J q, without cancellation errors that matter.
@@ -98,6 +101,37 @@ fn rank_is_that_of_singular_values() {
             let made = made_of(&matrix, &outcome.dependent, *row);
             assert!(!made.is_empty() && !made.contains(row), "case {case}");
         }
+    }
+}
+
+/// The order does not matter to what is found, but for which rows and columns are named.
+#[test]
+fn every_order_finds_the_same_rank() {
+    let mut draw = Draw::new("orders");
+    for case in 0..40 {
+        let groups = 3 + draw.below(60);
+        let matrix = random(groups, 1 + draw.below(3 * groups + 4), draw.below(6), &mut draw);
+        let cliques = cliques(&matrix);
+        let orders = [order(&matrix), dissection(groups, &cliques)];
+        let mut sorted = orders[1].clone();
+        sorted.sort_unstable();
+        assert_eq!(sorted, (0..groups as u32).collect::<Vec<_>>(), "case {case}");
+        let found = orders.map(|order| eliminate(&matrix, &order, Task::default()));
+        assert_eq!(found[0].rank, found[1].rank, "case {case}");
+        assert_eq!(found.map(|found| found.is_decided()), [true; 2], "case {case}");
+    }
+}
+
+/// What would cost more than it may is given up, and decides nothing.
+#[test]
+fn what_costs_too_much_is_given_up() {
+    let matrix = grid(10, 0.0);
+    let order = order(&matrix);
+    let all = eliminate(&matrix, &order, Task::default());
+    assert!(!all.exhausted && all.is_decided());
+    for most in [Most { entries: 100, ..Most::default() }, Most { work: 1000, ..Most::default() }] {
+        let some = eliminate(&matrix, &order, Task { most, ..Task::default() });
+        assert!(some.exhausted && !some.is_decided() && some.front > 0, "{most:?}");
     }
 }
 
@@ -179,16 +213,48 @@ fn the_largest_keeps_what_is_no_number() {
     assert!(super::largest(&[f64::NAN, 1.0]).is_nan());
 }
 
-/// An assembly that is too densely joined is told of, and has no ranks.
+/// A part that is too densely joined is told of, and has no ranks; the other parts have theirs, and what can be counted is counted.
 #[test]
-fn what_is_too_large_is_undecided() {
-    let scene = Scene::parse("scene.inp", "*NODE\n1, 0., 0., 0.\n").unwrap();
-    let codes = |largest_front: usize| -> Vec<Code> {
-        let assembly = Assembly { largest_front, ..Assembly::none(1) };
-        findings(&scene, &assembly).iter().map(|finding| finding.code()).collect()
+fn what_is_too_large_is_undecided_and_nothing_else_is() {
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n4, 5., 0., 0.\n5, 5., 1., 0.\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n2, 2, 3\n3, 4, 5\n4, 4, 5\n\
+                *CONNECTOR SECTION, ELSET=C\nBEAM\n*BOUNDARY\n4, 1, 6\n";
+    let scene = Scene::parse("scene.inp", text).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let prescribed = Prescribed::of(&scene, 1).unwrap();
+    let plan = Plan::everything(&model, request());
+    let mut system = System::new(&model, &plan, &prescribed);
+    assert_eq!(system.parts.len(), 2);
+    let analysed = |system: &System<'_>| {
+        let mut assembly = Assembly::none(1);
+        super::of_system(system, &[State::default()], &|_| true, &mut assembly);
+        let codes: Vec<Code> = findings(&scene, &assembly).iter().map(Finding::code).collect();
+        (assembly, codes)
     };
-    assert_eq!(codes(9000), [Code::AssemblyUndecided]);
-    assert_eq!(codes(0), []);
+    let (whole, codes) = analysed(&system);
+    assert_eq!(codes, [Code::AssemblyRedundant, Code::AssemblyMechanism]);
+    assert_eq!((whole.positions[0].rank, whole.is_decided()), (Some(18), true));
+    system.parts[0].most.work = 0;
+    let (part, codes) = analysed(&system);
+    assert_eq!(codes, [Code::AssemblyRedundant, Code::AssemblyUndecided]);
+    let counted =
+        |of: &Assembly| (of.degrees_of_freedom, of.held, of.constraints, of.drives, of.gruebler, of.parts);
+    assert_eq!(counted(&part), (30, 6, 24, 0, 0, 2));
+    assert_eq!(counted(&part), counted(&whole));
+    assert_eq!((part.redundant.len(), part.redundant == whole.redundant), (6, true));
+    assert!(part.modes.is_empty() && !part.is_decided());
+    assert_eq!(part.positions.len(), 2);
+    for position in &part.positions {
+        let Position { rank, mobility, undriven, redundant, overdriven, .. } = position;
+        assert_eq!([rank, mobility, undriven, redundant, overdriven], [&None; 5]);
+    }
+    assert_eq!((part.skipped.len(), part.skipped[0].front > 0, part.skipped[0].connectors), (1, true, 2));
+}
+
+/// What was not looked at is not decided.
+#[test]
+fn nothing_decides_nothing() {
+    assert!(!Assembly::none(1).is_decided());
 }
 
 /// The constraints of a sheared n by n grid of four-bars: bars of length one between crossings, each with both of its ends, hinged to the next end at
@@ -290,7 +356,7 @@ fn what_is_not_assembled_is_told() {
         let mut assembly = Assembly::none(1);
         along(
             system,
-            &[State { number: Some(7), ..State::default() }, State::default()],
+            (&[State { number: Some(7), ..State::default() }, State::default()], &|_| true),
             &[],
             0,
             &mut assembly,

@@ -5,6 +5,7 @@
 
 use super::criterion::{PARTS, magnitudes, parts};
 use super::increment::{branch_of, exact_state, forced};
+use super::solve::{Unsolved, root};
 use super::{Judged, checks, reach};
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
@@ -12,7 +13,7 @@ use crate::audit::oracle::Oracle;
 use crate::audit::outcome::Check;
 use crate::audit::quantity::Quantity;
 use crate::audit::sheet::{Change, Entry, Sheet};
-use crate::audit::slopes::{FIRST_STEP, Slopes};
+use crate::audit::slopes::{FIRST_STEP, Held, Slopes};
 use crate::behavior::Conditions;
 use crate::behavior::friction::{
     Belt, BeltInput, BeltTangent, Branch, Derivatives, FLOW, Ordered, Outcome, State, Status, StickStiffness,
@@ -116,6 +117,7 @@ impl BeltCase {
                 all.map(|part| part.gradient[..3].to_vec()).to_vec()
             }),
             mistaken: Vec::new(),
+            held: None,
         };
         let scales = gradients.value_scales();
         let mut sheets = gradients.sheets(settings, wide);
@@ -164,6 +166,7 @@ impl BeltCase {
                 all.iter().map(|(p, k)| found[*p].hessian[*k][..3].to_vec()).collect()
             }),
             mistaken: Vec::new(),
+            held: None,
         };
         sheets.extend(hessians.sheets(settings, wide));
         if wide && settings.oracles.contains(&Oracle::WideDifferences) {
@@ -213,8 +216,6 @@ impl BeltCase {
         let mut got = flat(tangent);
         settings.planted.into_iter().for_each(|planted| planted.spoil_friction(&mut got));
         let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
-        let mut uncoupled = got.clone();
-        uncoupled[0][1..4].fill(0.0);
         let wrong = flat(&belt.tangent(&self.before, &self.input(0, 0.0), other).1);
         let force = |outcome: &Outcome<f64>| vec![outcome.force[FLOW]];
         let slopes = Slopes {
@@ -235,7 +236,9 @@ impl BeltCase {
             narrow: Box::new(|j, h| force(&belt.update(&self.before, &self.input(j, h), steady))),
             slopes: Box::new(|j, h| flat(&belt.tangent(&self.before, &self.input(j, h), steady).1)),
             dual: Box::new(|| flat(&belt.tangent(&before, &self.input(0, Wide::zero()), on).1)),
-            mistaken: vec![(Mistake::StickForSlip, wrong), (Mistake::CouplingMissing, uncoupled)],
+            mistaken: vec![(Mistake::StickForSlip, wrong)],
+            // The tensions press; the angle of wrap changes the limit however they are held.
+            held: Some(Held { known: Box::new(|_, j| (1..3).contains(&j).then_some(0.0)), wide: None }),
         };
         let scale = slopes.value_scales()[0];
         let mut sheets = slopes.sheets(settings, wide);
@@ -247,12 +250,20 @@ impl BeltCase {
         let update = belt.update(&before, &self.input(0, Wide::zero()), on);
         let wrong = results(&belt.update(&self.before, &self.input(0, 0.0), other));
         for oracle in [Oracle::WideDifferences, Oracle::WideDual] {
-            let want = match oracle {
-                _ if !settings.oracles.contains(&oracle) => None,
-                Oracle::WideDual => Some(results(&update)),
+            if !settings.oracles.contains(&oracle) {
+                continue;
+            }
+            let found = match oracle {
+                Oracle::WideDual => Ok(results(&update)),
                 _ => self.closed(&before, outcome, on),
             };
-            let Some(want) = want else { continue };
+            let want = match found {
+                Ok(want) => want,
+                Err(why) => {
+                    sheets.push((oracle, Sheet::unanswered(Quantity::FrictionForce, why.reason())));
+                    continue;
+                }
+            };
             let names = ["CSF2", "Δγ", "CNF", "limit", "CASU"];
             let got = results(outcome);
             let class = |i: usize| ([0, 1, 0, 0, 1][i], 0, 0);
@@ -267,9 +278,16 @@ impl BeltCase {
         sheets
     }
 
-    /// CSF2, Δγ, the tension that holds, the limit and CASU; nothing where nothing holds.
-    fn closed(&self, before: &State<Wide>, outcome: &Outcome<f64>, on: Branch) -> Option<Vec<Wide>> {
-        const STEPS: usize = 12;
+    /// CSF2, Δγ, the tension that holds, the limit and CASU; or why there is no such solution.
+    fn closed(
+        &self,
+        before: &State<Wide>,
+        outcome: &Outcome<f64>,
+        on: Branch,
+    ) -> Result<Vec<Wide>, Unsolved> {
+        if let Some(why) = Unsolved::of(&outcome.flags) {
+            return Err(why);
+        }
         let (zero, one) = (Wide::zero(), Wide::integer(1));
         let [first, second, angle] = self.point(0, zero);
         let duration = self.duration.filter(|duration| *duration > 0.0).map(Wide::from_f64);
@@ -289,32 +307,33 @@ impl BeltCase {
         let tension = if drawn < zero { second } else { first };
         let held = if tension > zero { tension } else { zero };
         let at_rest = limit(held, zero);
-        let holds = at_rest > zero;
-        if !holds {
-            return None;
-        }
-        let stiffness = match (kept, self.belt.stick_stiffness) {
-            (Some(kept), _) => kept,
-            (None, StickStiffness::ElasticSlip(slip)) => at_rest / Wide::from_f64(slip),
-            (None, StickStiffness::Given(stiffness)) => Wide::from_f64(stiffness),
+        let end = |force: Wide, slip: Wide| {
+            vec![force, slip, held, limit(held, slip), before.accumulated_slip + slip]
         };
-        let trial = before.force[FLOW] + stiffness * flow;
+        let holds = at_rest > zero;
+        let stiffness = match (kept, self.belt.stick_stiffness) {
+            (Some(kept), _) => Some(kept),
+            (None, StickStiffness::ElasticSlip(slip)) => holds.then(|| at_rest / Wide::from_f64(slip)),
+            (None, StickStiffness::Given(stiffness)) => Some(Wide::from_f64(stiffness)),
+        };
+        let trial = before.force[FLOW] + stiffness.unwrap_or(zero) * flow;
+        if on != Branch::Stick && !holds {
+            // All of the flow, and what stick had stored, is slip.
+            let slip = stiffness.map_or_else(|| flow.abs(), |stiffness| trial.abs() / stiffness);
+            return Ok(end(zero, slip));
+        }
+        let stiffness = stiffness.ok_or(Unsolved::Singular)?;
         let slips = match on {
             Branch::Stick => false,
             Branch::Slip => true,
             Branch::Decided => trial.abs() > at_rest,
         };
-        let mut slip = if slips { Wide::from_f64(outcome.slip_increment) } else { zero };
-        if slips {
-            for _ in 0..STEPS {
-                let left = |slip: Wide| trial.abs() - stiffness * slip - limit(held, slip);
-                let h = Wide::from_f64(FIRST_STEP) * (trial.abs() / stiffness);
-                let slope = (left(slip + h) - left(slip - h)) / (h + h);
-                slip -= left(slip) / slope;
-            }
+        if !slips {
+            return Ok(end(trial, zero));
         }
+        let left = |slip: Wide| trial.abs() - stiffness * slip - limit(held, slip);
+        let slip = root(Wide::from_f64(outcome.slip_increment), trial.abs() / stiffness, left)?;
         let sign = if drawn < zero { -one } else { one };
-        let force = if slips { limit(held, slip) * sign } else { trial };
-        Some(vec![force, slip, held, limit(held, slip), before.accumulated_slip + slip])
+        Ok(end(limit(held, slip) * sign, slip))
     }
 }

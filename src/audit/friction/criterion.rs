@@ -7,7 +7,7 @@ use crate::audit::oracle::Oracle;
 use crate::audit::quantity::Quantity;
 use crate::audit::sheet::{Change, Entry, Sheet};
 use crate::audit::slopes::{FIRST_STEP, Slopes};
-use crate::behavior::friction::{Criterion, Derivatives, Ordered, Point};
+use crate::behavior::friction::{Criterion, Derivatives, Ordered, Point, Tangential};
 use crate::catalog::FORCE;
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
 
@@ -46,10 +46,25 @@ impl FrictionCase {
         parts(at.0)
     }
 
+    /// The shift of a potential: P is formed from numbers as large as that.
+    pub(super) fn shift(&self) -> f64 {
+        match &self.friction.criterion.tangential {
+            Tangential::Potential(potential) => potential.shift(),
+            Tangential::Norm(_) => 0.0,
+        }
+    }
+
     /// The sizes of tractions, and of what presses.
     fn point_sizes(&self) -> [f64; 6] {
         let sliding = self.friction.criterion.tangential.components();
         group_sizes(&self.point, [0, 1, 2, 3, 4, 5].map(|k| sliding.contains(&k)), self.length)
+    }
+
+    fn part_magnitudes(&self, values: &[f64; 4]) -> Vec<f64> {
+        let mut found = magnitudes(values);
+        // P, and Φ = P − limit.
+        [0, 3].into_iter().for_each(|part| found[part] += self.shift());
+        found
     }
 
     /// The forces after one has moved.
@@ -103,7 +118,7 @@ impl FrictionCase {
             sizes: sizes.to_vec(),
             reach: reach(&self.point, &sizes),
             kinds: vec![0, 1, 2, 3],
-            magnitudes: magnitudes(&values),
+            magnitudes: self.part_magnitudes(&values),
             got: gradient_of(&got),
             step: FIRST_STEP,
             wide: Box::new(|k, h| self.values(&self.moved(k, h)).to_vec()),
@@ -114,6 +129,7 @@ impl FrictionCase {
                 all.iter().map(|part| part.gradient.to_vec()).collect()
             }),
             mistaken: mistaken.iter().map(|(mistake, wrong)| (*mistake, gradient_of(wrong))).collect(),
+            held: None,
         };
         let scales = gradients.value_scales();
         let mut sheets = gradients.sheets(settings, wide);
@@ -187,6 +203,7 @@ impl FrictionCase {
                 smooth.iter().flat_map(|p| all[*p].hessian.map(|row| row.to_vec())).collect()
             }),
             mistaken: mistaken.iter().map(|(mistake, wrong)| (*mistake, hessian_of(wrong))).collect(),
+            held: None,
         };
         hessians.sheets(settings, wide)
     }

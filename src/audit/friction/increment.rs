@@ -3,17 +3,19 @@
 //! The equations are typed here a second time, and solved on 237 bits by Newton's method with differences for all derivatives:
 //! f_k = f_tr,k − K_k Δγ ∂P/∂f_k and P(f) = L(Δγ), from the product's solution on. Of the product they share P, F_N and L.
 
+use super::solve::{STEPS, Unsolved, is_converged, linear, root};
 use super::{FrictionCase, Judged, force_sizes, group_sizes, kind, reach};
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::oracle::Oracle;
 use crate::audit::quantity::Quantity;
 use crate::audit::sheet::{Change, Entry, Sheet};
-use crate::audit::slopes::{FIRST_STEP, Slopes};
+use crate::audit::slopes::{FIRST_STEP, Held, Slopes};
 use crate::behavior::friction::{
     Branch, Context, Flag, Friction, Input, Outcome, Partial, State, Status, StickStiffness, Tangent,
 };
 use crate::catalog::{COMPONENT, FORCE};
+use crate::scalar::elementary::sqrt;
 use crate::scalar::{Real, Scalar, Wide};
 
 /// Six forces, Δγ, F_N, the limit.
@@ -102,6 +104,20 @@ impl FrictionCase {
         })
     }
 
+    /// The magnitudes of what results are formed from: themselves, and of forces and slip the shift of a potential.
+    fn magnitudes(&self, outcome: &Outcome<f64>) -> Vec<f64> {
+        let shift = self.shift();
+        let mut found = results(outcome).map(f64::abs);
+        for (k, radius) in self.friction.radii() {
+            found[k] += shift * radius;
+        }
+        let flexibility = outcome.stick_stiffness.map_or(0.0, |stiffness| stiffness.recip());
+        if shift > 0.0 && flexibility.is_finite() {
+            found[6] += shift * flexibility;
+        }
+        found.to_vec()
+    }
+
     pub(super) fn increment_sheets(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
         let friction = &self.friction;
         let still = self.input(0, 0.0);
@@ -136,8 +152,8 @@ impl FrictionCase {
             reach: reaches.to_vec(),
             // The forces share what they are returned from: each is as uncertain as the largest of its kind.
             kinds: vec![0, 0, 0, 1, 1, 1, 2, 3, 4],
-            magnitudes: results(&outcome).iter().map(|x| x.abs()).collect(),
-            got: got.clone(),
+            magnitudes: self.magnitudes(&outcome),
+            got,
             step: FIRST_STEP,
             wide: Box::new(|j, h| results(&update(j, h)).to_vec()),
             narrow: Box::new(|j, h| {
@@ -145,7 +161,8 @@ impl FrictionCase {
             }),
             slopes: Box::new(|j, h| partials(&friction.tangent(&self.before, &self.input(j, h), steady).1)),
             dual: Box::new(|| partials(&friction.tangent(&before, &self.input(0, Wide::zero()), on).1)),
-            mistaken: self.mistaken(&outcome, &got),
+            mistaken: self.mistaken(&outcome),
+            held: Some(Held { known: Box::new(|_, j| (6..12).contains(&j).then_some(0.0)), wide: None }),
         };
         let scales = slopes.value_scales();
         let mut sheets = slopes.sheets(settings, wide);
@@ -156,15 +173,10 @@ impl FrictionCase {
     }
 
     /// The same numbers with mistakes in them.
-    fn mistaken(&self, outcome: &Outcome<f64>, got: &[Vec<f64>]) -> Vec<(Mistake, Vec<Vec<f64>>)> {
+    fn mistaken(&self, outcome: &Outcome<f64>) -> Vec<(Mistake, Vec<Vec<f64>>)> {
         let (friction, input) = (&self.friction, &self.input(0, 0.0));
         let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
         let mut found = vec![(Mistake::StickForSlip, partials_of(friction, &self.before, input, other))];
-        let uncoupled = |row: &Vec<f64>| {
-            let held = |(j, x): (usize, &f64)| if (6..12).contains(&j) { 0.0 } else { *x };
-            row.iter().enumerate().map(held).collect()
-        };
-        found.push((Mistake::CouplingMissing, got.iter().map(uncoupled).collect()));
         for (mistake, criterion) in friction.criterion.factor_mistakes() {
             let wrong = Friction { criterion, ..friction.clone() };
             found.push((Mistake::from(mistake), partials_of(&wrong, &self.before, input, Branch::Decided)));
@@ -209,11 +221,16 @@ impl FrictionCase {
             }
             let want = if oracle == Oracle::WideDual {
                 let Outcome { slip_increment, normal, limit, .. } = on_wide;
-                Some(of_wide(on_wide.force, [slip_increment, normal, limit]))
+                of_wide(on_wide.force, [slip_increment, normal, limit])
             } else {
-                solved().map(|(force, rest)| of_wide(force, rest))
+                match solved() {
+                    Ok((force, rest)) => of_wide(force, rest),
+                    Err(why) => {
+                        sheets.push((oracle, Sheet::unanswered(Quantity::FrictionForce, why.reason())));
+                        continue;
+                    }
+                }
             };
-            let Some(want) = want else { continue };
             let label = |i: usize| format!("{}{}", names[i], self.title);
             // Forces and moments, slips, what presses.
             let unit = |i: usize| sliding.get(i).map_or_else(|| 2 + i - sliding.len(), |k| k / 3);
@@ -293,31 +310,46 @@ impl<'a> Equations<'a> {
         self.case.friction.limit_after(self.before, self.input, slip)
     }
 
-    /// Forces, and Δγ, F_N and the limit; nothing where an increment has no such solution, which it tells by a flag.
-    fn solved(&self, on: Branch) -> Option<([Wide; 6], [Wide; 3])> {
+    /// Forces, and Δγ, F_N and the limit; or why an increment has no such solution.
+    fn solved(&self, on: Branch) -> Result<([Wide; 6], [Wide; 3]), Unsolved> {
         let zero = Wide::zero();
-        let end = |force: [Wide; 6], slip: Wide| {
+        let end = |(force, slip): ([Wide; 6], Wide)| {
             let [normal, limit] = self.limit(slip);
-            Some((force, [slip, normal, limit]))
+            (force, [slip, normal, limit])
         };
-        let lost = |flag: &Flag| matches!(flag, Flag::NoAdmissibleTraction | Flag::Unstable);
-        if self.outcome.flags.iter().any(lost) || self.outcome.status == Status::Free {
-            return None;
+        if let Some(why) = Unsolved::of(&self.outcome.flags) {
+            return Err(why);
         }
         let [_, at_rest] = self.limit(zero);
+        if on != Branch::Stick && at_rest <= zero {
+            return Ok(end(([zero; 6], self.freed())));
+        }
         let magnitude = self.potential(&self.trial, zero);
         let slips = match on {
             Branch::Stick => false,
             Branch::Slip => true,
             Branch::Decided => magnitude > at_rest,
         };
-        if !slips {
-            return end(self.trial, zero);
-        }
-        if self.outcome.flags.contains(&Flag::ReturnedAlongTraction) {
-            return self.along_traction(magnitude).and_then(|(force, slip)| end(force, slip));
-        }
-        self.against_gradient().and_then(|(force, slip)| end(force, slip))
+        let found = if !slips {
+            (self.trial, zero)
+        } else if self.outcome.flags.contains(&Flag::ReturnedAlongTraction) {
+            self.along_traction(magnitude)?
+        } else {
+            self.against_gradient()?
+        };
+        Ok(end(found))
+    }
+
+    /// Δγ where nothing holds: all of the motion, and what stick had stored, f_n,k/K_k, is slip; R_k measures a rotation.
+    fn freed(&self) -> Wide {
+        let radii = self.case.friction.radii();
+        let part = |((k, stiffness), (_, radius)): (&(usize, Wide), &(usize, f64))| {
+            let stored =
+                if *stiffness == Wide::zero() { Wide::zero() } else { self.before.force[*k] / *stiffness };
+            let slip = (self.input.displacement[*k] + stored) * Wide::from_f64(*radius);
+            slip * slip
+        };
+        sqrt(self.stiffness.iter().zip(&radii).map(part).fold(Wide::zero(), |sum, part| sum + part))
     }
 
     /// ∂P/∂f_k by differences.
@@ -345,11 +377,10 @@ impl<'a> Equations<'a> {
     }
 
     /// Newton's method from the product's solution.
-    fn against_gradient(&self) -> Option<([Wide; 6], Wide)> {
+    fn against_gradient(&self) -> Result<([Wide; 6], Wide), Unsolved> {
         /// Differences of gradients that are differences: steps between those of both.
         const STEP: f64 = 1e-15;
-        const STEPS: usize = 12;
-        let stiffness = self.of_slip?;
+        let stiffness = self.of_slip.ok_or(Unsolved::Singular)?;
         let n = self.stiffness.len() + 1;
         let mut force = [Wide::zero(); 6];
         for (k, _) in &self.stiffness {
@@ -358,85 +389,46 @@ impl<'a> Equations<'a> {
         let mut slip = Wide::from_f64(self.outcome.slip_increment);
         let largest = self.sizes.iter().fold(0.0_f64, |most, size| most.max(*size));
         let slip_size = Wide::from_f64(largest) / stiffness;
+        let sizes = self.stiffness.iter().map(|(k, _)| Wide::from_f64(self.sizes[*k])).chain([slip_size]);
+        let sizes: Vec<Wide> = sizes.collect();
         for _ in 0..STEPS {
             let left = self.left(&force, slip);
             let mut columns = Vec::with_capacity(n);
-            for j in 0..n {
+            for (j, size) in sizes.iter().enumerate() {
                 let (mut moved, mut slid) = (force, slip);
-                let h = match self.stiffness.get(j) {
-                    Some((k, _)) => {
-                        let h = Wide::from_f64(STEP * self.sizes[*k]);
-                        moved[*k] += h;
-                        h
-                    }
-                    None => {
-                        let h = Wide::from_f64(STEP) * slip_size;
-                        slid += h;
-                        h
-                    }
-                };
+                let h = Wide::from_f64(STEP) * *size;
+                match self.stiffness.get(j) {
+                    Some((k, _)) => moved[*k] += h,
+                    None => slid += h,
+                }
                 let there = self.left(&moved, slid);
                 columns.push(there.iter().zip(&left).map(|(a, b)| (*a - *b) / h).collect::<Vec<_>>());
             }
-            let step = solve(&columns, &left)?;
+            let step = linear(&columns, &left).ok_or(Unsolved::Singular)?;
             for ((k, _), by) in self.stiffness.iter().zip(&step) {
                 force[*k] -= *by;
             }
-            slip -= *step.last()?;
+            slip -= *step.last().ok_or(Unsolved::Singular)?;
+            if is_converged(step.into_iter().zip(sizes.iter().copied())) {
+                return Ok((force, slip));
+            }
         }
-        Some((force, slip))
+        Err(Unsolved::NotConverged)
     }
 
-    /// f = s f_tr with P(f) = L, and the slip that this takes, by the secant method from the product's solution.
-    fn along_traction(&self, magnitude: Wide) -> Option<([Wide; 6], Wide)> {
-        const STEPS: usize = 12;
-        self.of_slip?;
+    /// f = s f_tr with P(f) = L, and the slip that this takes, by Newton's method from the product's solution.
+    fn along_traction(&self, magnitude: Wide) -> Result<([Wide; 6], Wide), Unsolved> {
+        self.of_slip.ok_or(Unsolved::Singular)?;
         let whole = self.stiffness.iter().fold(Wide::zero(), |sum, (k, stiffness)| {
             sum + self.trial[*k] * self.trial[*k] / (*stiffness * magnitude)
         });
         let forces = |share: Wide| self.trial.map(|x| x * share);
         let slip = |share: Wide| (Wide::integer(1) - share) * whole;
         let left = |share: Wide| self.potential(&forces(share), slip(share)) - self.limit(slip(share))[1];
-        let (k, _) = self.stiffness.iter().find(|(k, _)| self.trial[*k] != Wide::zero())?;
-        let mut share = Wide::from_f64(self.outcome.force[*k]) / self.trial[*k];
-        for _ in 0..STEPS {
-            let h = Wide::from_f64(FIRST_STEP);
-            let slope = (left(share + h) - left(share - h)) / (h + h);
-            if slope == Wide::zero() {
-                return None;
-            }
-            share -= left(share) / slope;
-        }
-        Some((forces(share), slip(share)))
+        let moves = |(k, _): &&(usize, Wide)| self.trial[*k] != Wide::zero();
+        let (k, _) = self.stiffness.iter().find(moves).ok_or(Unsolved::Singular)?;
+        let share = Wide::from_f64(self.outcome.force[*k]) / self.trial[*k];
+        let share = root(share, Wide::integer(1), left)?;
+        Ok((forces(share), slip(share)))
     }
-}
-
-/// Solves a small system given by columns; nothing where it is singular.
-fn solve(columns: &[Vec<Wide>], right: &[Wide]) -> Option<Vec<Wide>> {
-    let n = right.len();
-    let mut rows: Vec<Vec<Wide>> =
-        (0..n).map(|i| columns.iter().map(|column| column[i]).chain([right[i]]).collect()).collect();
-    for at in 0..n {
-        let pivot = (at..n).max_by(|a, b| {
-            let size = |row: &usize| rows[*row][at].abs().to_f64();
-            size(a).total_cmp(&size(b))
-        })?;
-        rows.swap(at, pivot);
-        if rows[at][at] == Wide::zero() {
-            return None;
-        }
-        for row in at + 1..n {
-            let factor = rows[row][at] / rows[at][at];
-            for column in at..=n {
-                let by = factor * rows[at][column];
-                rows[row][column] -= by;
-            }
-        }
-    }
-    let mut found = vec![Wide::zero(); n];
-    for at in (0..n).rev() {
-        let known = (at + 1..n).fold(Wide::zero(), |sum, j| sum + rows[at][j] * found[j]);
-        found[at] = (rows[at][n] - known) / rows[at][at];
-    }
-    Some(found)
 }

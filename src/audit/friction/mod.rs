@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `criterion` | are P, F_C, F_N, Φ, their gradients and Hessians right? |
 //! | `increment` | do the forces satisfy the equations of stick and slip, and are their slopes right? |
+//! | `solve` | how are equations solved on 237 bits, and what if they are not? |
 //! | `belt` | the same for a belt around a ring |
 //! | `total` | are the slopes of all forces of a connector right, with what presses its frictions? |
 //! | `scene` | what of a connector's friction is judged at a state? |
@@ -16,6 +17,7 @@ mod belt;
 mod criterion;
 mod increment;
 mod scene;
+mod solve;
 mod total;
 
 pub(super) use scene::{Slipping, audit_slipping, drawn, slipping};
@@ -120,7 +122,8 @@ type Judged = (Oracle, Sheet);
 
 /// The checks that sheets make at a state.
 fn checks(sheets: Vec<Judged>, settings: &Settings, name: &str, proves: bool) -> Vec<Check> {
-    let filled = sheets.into_iter().filter(|(_, sheet)| !sheet.entries.is_empty());
+    let says = |sheet: &Sheet| !sheet.entries.is_empty() || sheet.undecided.is_some();
+    let filled = sheets.into_iter().filter(|(_, sheet)| says(sheet));
     let judged = filled.map(|(oracle, mut sheet)| {
         settings.planted.into_iter().for_each(|planted| planted.spoil_sheet(&mut sheet));
         sheet.check_against(oracle, 1.0, proves, name, None)

@@ -15,7 +15,7 @@ use crate::audit::outcome::{Against, Check};
 use crate::audit::quantity::Quantity;
 use crate::audit::sample::Draw;
 use crate::audit::sheet::{Entry, Sheet};
-use crate::audit::verdict::{Judgement, Score, Verdict};
+use crate::audit::verdict::Score;
 use crate::behavior::drive::Schedule;
 use crate::behavior::friction::{FLOW, State, StickStiffness};
 use crate::behavior::state::{Event, History, Kinematics, Outcome, Velocities};
@@ -183,7 +183,7 @@ pub(in crate::audit) fn audit_slipping(
         let (before, done) = match (&slip.before, &slip.outcome) {
             (Some(before), Ok(done)) => (before, done),
             (_, outcome) => {
-                found.extend(undecided(settings, name, outcome.as_ref().is_err()));
+                found.extend(undecided(settings, name, outcome.as_ref().err().copied()));
                 continue;
             }
         };
@@ -235,10 +235,9 @@ pub(in crate::audit) fn audit_slipping(
 }
 
 /// A friction that nobody can judge, because it is not known.
-fn undecided(settings: &Settings, name: &str, is_unknown: bool) -> Option<Check> {
+fn undecided(settings: &Settings, name: &str, why: Option<Unknown>) -> Option<Check> {
     let oracle = settings.oracles.contains(&Oracle::WideDifferences).then_some(Oracle::WideDifferences)?;
     let mut check = Check::new(Some(Quantity::FrictionForce), Against::Oracle(oracle));
-    let judgement = Judgement { verdict: Verdict::Undecided, worst: None, compared: 0 };
-    check.add_at(judgement, Score::default(), name, None::<&Case>);
-    is_unknown.then_some(check)
+    check.add_undecided(&format!("the friction is not known: {}", why?.in_words()), name);
+    Some(check)
 }

@@ -8,7 +8,7 @@ use super::{Judged, group_sizes, reach};
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::quantity::Quantity;
-use crate::audit::slopes::{FIRST_STEP, Slopes};
+use crate::audit::slopes::{FIRST_STEP, Held, Slopes};
 use crate::behavior::friction::{self, BeltInput, Branch, Context, FLOW, Input, Ordered};
 use crate::behavior::state::{Behavior, Outcome};
 use crate::behavior::{Beyond, Conditions, Motion, Slip, Tangent, Wrap};
@@ -130,17 +130,33 @@ impl Total<'_> {
 
     /// CTF after input j has moved.
     fn forces<R: Ordered + Differentiable>(&self, j: usize, h: R, on: OnBranch) -> [R; 6] {
+        self.forces_while(j, h, on, false)
+    }
+
+    /// CTF after input j has moved, where what presses on frictions moves with it or `holds`.
+    fn forces_while<R: Ordered + Differentiable>(&self, j: usize, h: R, on: OnBranch, holds: bool) -> [R; 6] {
         let mut forces = self.laws(&self.motion(j, h));
         if let Some(k) = j.checked_sub(REACTION).filter(|k| *k < 6 && self.tangent.reacting[*k]) {
             forces[k] = forces[k] + h;
         }
         for (i, slip, before, outcome) in self.slips() {
             let state = exact_state(before);
+            let still = R::integer(0);
             let moved = match (self.behavior.friction.frictions.get(i), &self.behavior.friction.belt) {
-                (Some(friction), _) => friction.update(&state, &self.input(slip, before, j, h), on(outcome)),
+                (Some(friction), _) => {
+                    let mut input = self.input(slip, before, j, h);
+                    if holds {
+                        input.forces = self.pressing(slip, 0, still);
+                    }
+                    friction.update(&state, &input, on(outcome))
+                }
                 (None, Some(belt)) => {
                     let Some(beyond) = &slip.beyond else { continue };
-                    belt.update(&state, &self.belt_input(slip, beyond, j, h), on(outcome))
+                    let mut input = self.belt_input(slip, beyond, j, h);
+                    if holds {
+                        input.tension = self.belt_input(slip, beyond, 0, still).tension;
+                    }
+                    belt.update(&state, &input, on(outcome))
                 }
                 (None, None) => continue,
             };
@@ -271,11 +287,15 @@ impl Total<'_> {
         let (sizes, reach) = self.sizes();
         let still = self.forces(0, 0.0, forced);
         let pick = |all: [Wide; 6]| rows.iter().map(|k| all[*k]).collect();
-        // The forces that press, held: what makes the tangent unsymmetric is missing.
-        let mut uncoupled = got.clone();
-        for (row, k) in uncoupled.iter_mut().zip(&rows) {
-            (0..6).filter(|p| p != k).for_each(|p| row[REACTION + p] = 0.0);
-        }
+        // Reactions and the tension beyond a ring only press; displacements and velocities do so through springs and dampers.
+        let only_presses = |i: usize, j: usize| match j {
+            REACTION..BEYOND => {
+                let is_own = j - REACTION == rows[i] && self.tangent.reacting[rows[i]];
+                Some(if is_own { 1.0 } else { 0.0 })
+            }
+            BEYOND => Some(0.0),
+            _ => None,
+        };
         let slopes = Slopes {
             quantity: Quantity::ConsistentTangent,
             outputs: rows.iter().map(|k| FORCE[*k].to_string()).collect(),
@@ -300,10 +320,11 @@ impl Total<'_> {
                 let all = self.slopes(0, Wide::zero(), branch_of);
                 rows.iter().map(|k| all[*k].clone()).collect()
             }),
-            mistaken: vec![
-                (Mistake::StickForSlip, of_rows(&self.slopes(0, 0.0, other))),
-                (Mistake::CouplingMissing, uncoupled),
-            ],
+            mistaken: vec![(Mistake::StickForSlip, of_rows(&self.slopes(0, 0.0, other)))],
+            held: Some(Held {
+                known: Box::new(only_presses),
+                wide: Some(Box::new(|j, h| pick(self.forces_while(j, h, branch_of, true)))),
+            }),
         };
         slopes.sheets(settings, wide)
     }

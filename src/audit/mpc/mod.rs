@@ -13,19 +13,20 @@ use super::oracle::Oracle;
 use super::outcome::Check;
 use super::quantity::Quantity;
 use super::sheet::{Entry, Sheet};
+use super::sides::Sides;
 use super::verdict::Verdict;
 use crate::connector::{Output, Request, Tally, Turns};
 use crate::measure::Unit;
 use crate::mpc::{
-    Body, Constraint, DOFS, Dofs, Evaluation, PHI, PSI_M, PSI_S, ROWS, Rows, State, THETA_M, THETA_S,
+    Body, Constraint, DOFS, Dofs, Evaluation, Kind, PHI, PSI_M, PSI_S, ROWS, Rows, State, THETA_M, THETA_S,
     Turning, XM, XS,
 };
 use crate::scalar::{Real, Scalar, Wide};
-use crate::vector::{self, add, cross, dot, product};
+use crate::vector::{self, add, product, sub};
 
 /// The step of first differences, in sizes of the degree of freedom.
 const FIRST_STEP: f64 = 1e-25;
-/// The step in time of second differences.
+/// The step of second differences, in sizes of the degree of freedom, or in time.
 const SECOND_STEP: f64 = 1e-18;
 
 /// A constraint at a state.
@@ -106,11 +107,25 @@ impl MpcCase {
         });
         let mut state = exact(&self.state);
         state.angles = got.taken.map(|angle| Some(Wide::from_f64(angle)));
+        let [slave, master] = [self.state.slave.displacement, self.state.master.displacement];
+        if add(self.constraint.arm(), sub(slave, master)) == [0.0; 3] {
+            // Nodes that coincide on doubles, and not to their last digits: that they coincide is what is meant.
+            state.slave.displacement = sub(state.master.displacement, vector::exact(self.constraint.arm()));
+        }
         let truth = Truth { constraint: self.constraint.exact(), state, sizes: self.sizes(), nearness };
         let mut sheets = self.sheets_of(&got, &truth);
         sheets.retain(|sheet| !sheet.entries.is_empty());
         (sheets, nearness)
     }
+
+    /// What is judged of a constraint.
+    pub(super) const QUANTITIES: [Quantity; 5] = [
+        Quantity::Value,
+        Quantity::FirstDerivatives,
+        Quantity::SecondDerivatives,
+        Quantity::Rate,
+        Quantity::Acceleration,
+    ];
 
     fn sheets_of(&self, got: &Evaluation<f64>, truth: &Truth) -> Vec<Sheet> {
         let kind = self.constraint.kind();
@@ -119,27 +134,29 @@ impl MpcCase {
         let first = truth.first();
         let second = truth.second();
         let [rate, acceleration] = truth.rates();
-        let mut sheets: Vec<Sheet> = [
-            Quantity::Value,
-            Quantity::FirstDerivatives,
-            Quantity::SecondDerivatives,
-            Quantity::Rate,
-            Quantity::Acceleration,
-        ]
-        .map(Sheet::new)
-        .into();
+        let sides = (truth.nearness == 0.0).then(|| truth.sides());
+        let hessian = sides.is_some().then(|| truth.hessian());
+        let mut sheets: Vec<Sheet> = Self::QUANTITIES.map(Sheet::new).into();
         for row in rows {
             let name = kind.row_name(row);
             let narrow = |of: &[Wide]| of.iter().map(|x| x.to_f64()).collect::<Vec<f64>>();
             let zero = Wide::zero();
             let value = value[row].unwrap_or(zero);
-            let gradient: Vec<Wide> = (0..DOFS).map(|j| first[j][row].unwrap_or(zero)).collect();
-            let matrix: Vec<Wide> =
-                (0..DOFS * DOFS).map(|i| second[i % DOFS][row].map_or(zero, |row| row[i / DOFS])).collect();
+            let mut gradient: Vec<Wide> = (0..DOFS).map(|j| first[j][row].unwrap_or(zero)).collect();
+            // On a singular set differences from both sides are the mean of derivatives, or of a jump.
+            if let Some((sides, _)) = &sides {
+                gradient = sides.iter().map(|along| along[row].map_or(zero, |sides| sides.least())).collect();
+            }
+            let matrix = second[row].clone().unwrap_or_else(|| vec![zero; DOFS * DOFS]);
+            // … and differences of those are no second derivatives.
+            let bent = match &hessian {
+                Some(hessian) => hessian[row].as_ref().map_or_else(Vec::new, |h| narrow(h.as_flattened())),
+                None => narrow(&matrix),
+            };
             let scales = scales(
                 value.to_f64(),
                 &narrow(&gradient),
-                &narrow(&matrix),
+                &bent,
                 (&truth.sizes, &self.inputs(&got.taken)),
                 (&self.state.velocity, &self.state.acceleration),
                 truth.nearness,
@@ -189,7 +206,17 @@ impl MpcCase {
                         _ => (row_name, (0, 0)),
                     };
                     let class = (row / 3, class.0, class.1);
-                    sheet.entries.push(Entry::new(name, got, want, scale, class));
+                    let mut entry = Entry::new(name, got, want, scale, class);
+                    let of_entry = sides.as_ref().and_then(|(first, rate)| match sheet.quantity {
+                        Quantity::FirstDerivatives => first[i][row],
+                        Quantity::Rate => rate[row],
+                        _ => None,
+                    });
+                    if let Some(sides) = of_entry {
+                        entry.want = sides.nearest(got);
+                        entry.sides = Some(sides).filter(|sides| sides.differ(entry.tolerance()));
+                    }
+                    sheet.entries.push(entry);
                 }
             }
         }
@@ -240,13 +267,50 @@ impl Truth {
         self.evaluate(by, &Request::new(&[Output::RES], [true; 6], 0)).residual
     }
 
-    fn rows(&self, by: &Dofs<Wide>) -> Rows<Dofs<Wide>> {
-        self.evaluate(by, &Request::new(&[], [true; 6], 1)).jacobian
+    fn second_step(&self, j: usize) -> Wide {
+        Wide::from_f64(SECOND_STEP * self.near().sqrt() * self.sizes[j])
+    }
+
+    /// The distance to the nearest singular set; on one, what is far from another.
+    const fn near(&self) -> f64 {
+        if self.nearness > 0.0 { self.nearness } else { 1.0 }
+    }
+
+    /// The equations' derivatives from both sides by each degree of freedom, and along the velocities.
+    fn sides(&self) -> ([Rows<Sides>; DOFS], Rows<Sides>) {
+        let still = self.values(&[Wide::zero(); DOFS]);
+        let of = |along: &dyn Fn(Wide) -> Dofs<Wide>, size: f64, scale: &dyn Fn(usize) -> f64| {
+            let fine = Wide::from_f64(FIRST_STEP * size);
+            let steps = [fine / Wide::integer(2), fine, Wide::from_f64(Sides::COARSE * size)];
+            let moved = steps.map(|h| [-h, h].map(|h| self.values(&along(h))));
+            std::array::from_fn(|row| {
+                let of_row = moved.each_ref().map(|both| both.each_ref().map(|values| values[row]));
+                Sides::along(still[row]?, &of_row, &steps, scale(row))
+            })
+        };
+        let extent = |row: usize| match Kind::row_unit(row) {
+            Unit::Length => self.sizes[XS],
+            _ => 1.0,
+        };
+        let first = std::array::from_fn(|j| {
+            let along = |h: Wide| {
+                let mut by = [Wide::zero(); DOFS];
+                by[j] = h;
+                by
+            };
+            of(&along, self.sizes[j], &|row| extent(row) / self.sizes[j])
+        });
+        let along = |t: Wide| self.state.velocity.map(|velocity| velocity * t);
+        (first, of(&along, self.time(), &|row| extent(row) / self.time()))
+    }
+
+    /// Second derivatives by dual numbers: what the product says on 237 bits.
+    fn hessian(&self) -> Rows<Box<[Dofs<Wide>; DOFS]>> {
+        self.evaluate(&[Wide::zero(); DOFS], &Request::new(&[], [true; 6], 2)).hessian
     }
 
     fn around(&self, j: usize) -> ([Dofs<Wide>; 2], Wide) {
-        let near = if self.nearness > 0.0 { self.nearness } else { 1.0 };
-        let h = Wide::from_f64(FIRST_STEP * near * self.sizes[j]);
+        let h = Wide::from_f64(FIRST_STEP * self.near() * self.sizes[j]);
         let along = |h: Wide| {
             let mut by = [Wide::zero(); DOFS];
             by[j] = h;
@@ -264,39 +328,49 @@ impl Truth {
         })
     }
 
-    /// By degree of freedom, the differences of the rows, less the half bracket of two rotations of one node.
-    fn second(&self) -> [Rows<Dofs<Wide>>; DOFS] {
-        let at_rest = self.rows(&[Wide::zero(); DOFS]);
-        std::array::from_fn(|k| {
-            let ([plus, minus], width) = self.around(k);
-            let (plus, minus) = (self.rows(&plus), self.rows(&minus));
-            std::array::from_fn(|row| {
-                let (plus, minus, gradient) = (plus[row]?, minus[row]?, at_rest[row]?);
-                Some(std::array::from_fn(|j| {
-                    let slope = (plus[j] - minus[j]) / width;
-                    let Some(at) = [THETA_S, THETA_M]
-                        .into_iter()
-                        .find(|at| (*at..at + 3).contains(&j) && (*at..at + 3).contains(&k))
-                    else {
-                        return slope;
+    /// Second differences of the equations, as those of connectors are taken: values alone, two rotations of one node at once as
+    /// exp((h_j e_j + h_k e_k)^).
+    fn second(&self) -> Rows<Vec<Wide>> {
+        let values = |j: usize, k: usize, sign: i32| {
+            let mut by = [Wide::zero(); DOFS];
+            for i in [j, k] {
+                by[i] = self.second_step(i) * Wide::integer(sign);
+            }
+            self.values(&by)
+        };
+        // The sum of the values on either side.
+        let sides = |j: usize, k: usize| -> Rows<Wide> {
+            let (ahead, behind) = (values(j, k, 1), values(j, k, -1));
+            std::array::from_fn(|row| Some(ahead[row]? + behind[row]?))
+        };
+        let still = self.values(&[Wide::zero(); DOFS]);
+        let alone: [Rows<Wide>; DOFS] = std::array::from_fn(|j| sides(j, j));
+        let two = Wide::integer(2);
+        let mut found: Rows<Vec<Wide>> = still.map(|row| row.map(|_| vec![Wide::zero(); DOFS * DOFS]));
+        for j in 0..DOFS {
+            for k in j..DOFS {
+                let together = if j == k { alone[j] } else { sides(j, k) };
+                let width = self.second_step(j) * self.second_step(k);
+                for (row, matrix) in found.iter_mut().enumerate() {
+                    let (Some(matrix), Some(f)) = (matrix, still[row]) else { continue };
+                    let (Some(both), Some(x), Some(y)) = (together[row], alone[j][row], alone[k][row]) else {
+                        continue;
                     };
-                    let mut axes = [[Wide::zero(); 3]; 2];
-                    axes[0][j - at] = Wide::integer(1);
-                    axes[1][k - at] = Wide::integer(1);
-                    let gradient = [gradient[at], gradient[at + 1], gradient[at + 2]];
-                    slope - dot(cross(axes[0], axes[1]), gradient) / Wide::integer(2)
-                }))
-            })
-        })
+                    let entry = if j == k {
+                        (both - two * f) / width
+                    } else {
+                        (both - x - y + two * f) / (two * width)
+                    };
+                    (matrix[j * DOFS + k], matrix[k * DOFS + j]) = (entry, entry);
+                }
+            }
+        }
+        found
     }
 
     /// Rates and accelerations, by differences along q(t) = q̇ t + q̈ t²/2.
     fn rates(&self) -> [Rows<Wide>; 2] {
-        let fastest = (0..DOFS).fold(0.0_f64, |most, j| {
-            let [v, a] = [self.state.velocity[j], self.state.acceleration[j]].map(|x| x.to_f64().abs());
-            most.max(v / self.sizes[j]).max((a / self.sizes[j]).sqrt())
-        });
-        let time = if fastest > 0.0 { self.nearness.max(f64::MIN_POSITIVE) / fastest } else { 1.0 };
+        let time = self.time();
         let at = |t: Wide| {
             let half = Wide::integer(2);
             self.values(&std::array::from_fn(|j| {
@@ -313,5 +387,14 @@ impl Truth {
                 Some(((far[row]? - middle) - (middle - far_behind[row]?)) / (long * long))
             }),
         ]
+    }
+
+    /// The time in which the fastest degree of freedom moves by its size, or by the distance to the nearest singular set.
+    fn time(&self) -> f64 {
+        let fastest = (0..DOFS).fold(0.0_f64, |most, j| {
+            let [v, a] = [self.state.velocity[j], self.state.acceleration[j]].map(|x| x.to_f64().abs());
+            most.max(v / self.sizes[j]).max((a / self.sizes[j]).sqrt())
+        });
+        if fastest > 0.0 { self.near() / fastest } else { 1.0 }
     }
 }

@@ -218,6 +218,11 @@ impl Potential {
         })
     }
 
+    /// Σ |a_i|: P is formed from numbers as large as that, however small the forces are.
+    pub(crate) fn shift(&self) -> f64 {
+        self.contributions.iter().map(|contribution| contribution.shift.abs()).sum()
+    }
+
     /// The components (from 0) that contribute, each once, in order.
     pub fn components(&self) -> Vec<usize> {
         let mut components: Vec<usize> = self

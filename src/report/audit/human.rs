@@ -1,8 +1,10 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
-use super::summary::{LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling};
-use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
+use super::summary::{
+    LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling, undecided,
+};
+use crate::audit::{Against, Approach, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
 use crate::grammar::{agree, count};
 use crate::node::{DOF, DOFS};
@@ -14,6 +16,15 @@ use std::io::{self, Write};
 /// # Errors
 /// Where the stream cannot be written to.
 pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) -> io::Result<()> {
+    if !report.subjects.is_empty() {
+        numbers(out, report, width, verbose)?;
+    }
+    super::model::human(out, &report.models, width)?;
+    verdict(out, report)
+}
+
+/// What was audited of numbers.
+fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) -> io::Result<()> {
     let settings = &report.settings;
     writeln!(
         out,
@@ -35,6 +46,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     writeln!(out)?;
     subjects(out, report)?;
     undecided_declarations(out, report, width)?;
+    left_out(out, report, width)?;
     for subject in &report.subjects {
         let shown: Vec<&Check> =
             if verbose { subject.checks.iter().collect() } else { telling(subject).collect() };
@@ -47,9 +59,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
         }
     }
     atlas(out, report)?;
-    self_test(out, report)?;
-    super::model::human(out, &report.models, width)?;
-    verdict(out, report)
+    self_test(out, report)
 }
 
 fn word(verdict: Verdict) -> String {
@@ -59,7 +69,6 @@ fn word(verdict: Verdict) -> String {
 
 /// Why declarations are undecided: once for each reason.
 fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
-    const SHOWN: usize = 4;
     let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
         let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
@@ -69,16 +78,33 @@ fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) ->
         }
     }
     for (page, names) in reasons {
-        let more = names.len().saturating_sub(SHOWN);
-        let mut text = names.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
-        if more > 0 {
-            text.push_str(&format!(" and {more} more"));
-        }
-        for line in wrap(&format!("{text}: declaration undecided: {page}"), width.saturating_sub(2)) {
+        let text = format!("{}: declaration undecided: {page}", some_of(&names));
+        for line in wrap(&text, width.saturating_sub(2)) {
             writeln!(out, "  {}", styled(DIM, line))?;
         }
     }
     Ok(())
+}
+
+/// Which numbers no state exercises, and which laws were not asked: once for each list of them.
+fn left_out(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
+    for (text, subjects) in super::summary::left_out(report) {
+        for line in wrap(&format!("{}: {text}", some_of(&subjects)), width.saturating_sub(2)) {
+            writeln!(out, "  {}", styled(DIM, line))?;
+        }
+    }
+    Ok(())
+}
+
+/// The first few names, and how many more there are.
+fn some_of(names: &[&str]) -> String {
+    const SHOWN: usize = 4;
+    let more = names.len().saturating_sub(SHOWN);
+    let mut text = names.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
+    if more > 0 {
+        text.push_str(&format!(" and {more} more"));
+    }
+    text
 }
 
 /// A table of the catalogue, and one of each scene.
@@ -120,6 +146,11 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     let states: Vec<String> =
         check.states.iter().map(|(verdict, n)| format!("{} {n}", verdict.name())).collect();
     writeln!(out, "  {of}{}: {} ({})", check.against.name(), word(check.verdict), states.join(", "))?;
+    for why in undecided(check) {
+        for line in wrap(&why, width.saturating_sub(4)) {
+            writeln!(out, "    {line}")?;
+        }
+    }
     let Some(worst) = &check.worst else { return Ok(()) };
     let state = check.worst_state.as_deref().unwrap_or("");
     let text = format!(
@@ -176,11 +207,8 @@ fn atlas(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         agree(report.atlas.len(), ["is what it is", "are what they are"])
     )?;
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
-        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
-        let text = format!(
-            "{} {} at {}: declared {:?}, seen {seen}",
-            approach.connection, approach.component, approach.at, approach.declared
-        );
+        let Approach { connection, component, at, .. } = approach;
+        let text = format!("{connection} {component} at {at}: {}", approach.told());
         writeln!(out, "  {}", styled(CARE, text))?;
     }
     Ok(())
@@ -204,6 +232,10 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     }
     for (law, killed) in laws {
         writeln!(out, "  {}  {} noticed", left(law, 32), count(killed, "mutant"))?;
+    }
+    for law in report.blind_laws() {
+        let text = format!("{}: no mutant of what it speaks of was noticed", law.name());
+        writeln!(out, "  {} {text}", styled(CARE, "survived:"))?;
     }
     Ok(())
 }

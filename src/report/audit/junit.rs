@@ -1,6 +1,7 @@
 //! JUnit XML: a suite per connector, a case per check; a suite per model, a case per finding.
 
 use super::model::{place, word};
+use super::summary::{left_out_of, undecided};
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Verdict};
 use crate::grammar::count;
@@ -28,6 +29,9 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         for (claim, verdict) in claims {
             suite.add_test_case(TestCase::new(format!("claim: {claim}"), plain(verdict)));
         }
+        for text in left_out_of(subject) {
+            suite.add_test_case(TestCase::new(text, TestCaseStatus::skipped()));
+        }
         document.add_test_suite(suite);
     }
     if !report.atlas.is_empty() {
@@ -38,7 +42,7 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
                 TestCaseStatus::success()
             } else {
                 let mut failure = TestCaseStatus::non_success(NonSuccessKind::Failure);
-                failure.set_message(format!("declared {:?}, seen {:?}", approach.declared, approach.seen));
+                failure.set_message(approach.told());
                 failure
             };
             suite.add_test_case(TestCase::new(title, status));
@@ -105,6 +109,10 @@ fn status(check: &Check) -> TestCaseStatus {
         return failure;
     }
     let mut status = plain(check.verdict);
+    let reasons: Vec<String> = undecided(check).collect();
+    if let (TestCaseStatus::Skipped { .. }, false) = (&status, reasons.is_empty()) {
+        status.set_message(reasons.join("; "));
+    }
     if let (TestCaseStatus::NonSuccess { .. }, Some(worst)) = (&status, &check.worst) {
         let state = check.worst_state.as_deref().unwrap_or("");
         let why = check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines());

@@ -1,7 +1,9 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
-use super::summary::{LEGEND, Row, detectable, failed, headline, self_test, symbols, telling};
-use crate::audit::model::Finding;
+use super::summary::{
+    LEGEND, Row, detectable, failed, headline, left_out, self_test, symbols, telling, undecided,
+};
+use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Subject};
 use crate::grammar::count;
 use std::io::{self, Write};
@@ -15,7 +17,8 @@ pub const LIMIT: usize = 65_536;
 /// What the notes about what was left out may take in all.
 const NOTES: usize = 1_000;
 
-/// Writes the audit as Markdown: the headline, what is wrong, findings in models, then a line per connector. All text of the input is
+/// Writes the audit as Markdown: the headline, what is wrong, findings in models, those with errors first, what else did not plainly
+/// pass, then a line per connector. All text of the input is
 /// escaped. What would make it longer than [`LIMIT`] is left out, and that is said.
 ///
 /// # Errors
@@ -25,8 +28,10 @@ pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     let mut page = Page { text: String::new(), left: LIMIT - NOTES };
     page.left = page.left.saturating_sub(footer.chars().count());
     page.add(&head(report));
-    wrong(&mut page, report);
+    let (wrong, mild) = items(report);
+    page.add_section("What is wrong", &wrong);
     models(&mut page, report);
+    page.add_section("What needs a look", &mild);
     table(&mut page, report);
     out.write_all(page.text.as_bytes())?;
     writeln!(out, "{footer}")
@@ -56,6 +61,16 @@ impl Page {
             self.add(line);
         }
         0
+    }
+
+    /// Adds items under a heading, and says how many did not fit.
+    fn add_section(&mut self, heading: &str, items: &[String]) {
+        if items.is_empty() {
+            return;
+        }
+        self.add(&format!("\n### {heading}\n"));
+        let left_out = self.add_fitting(items);
+        self.note(left_out, "item");
     }
 
     /// Says what was left out.
@@ -98,35 +113,29 @@ fn footer(report: &Report) -> String {
     )
 }
 
-/// What did not plainly pass, an item each; what is wrong first.
-fn wrong(page: &mut Page, report: &Report) {
-    let unconfirmed = report.atlas.iter().filter(|approach| !approach.is_confirmed());
-    let mut lines: Vec<(bool, String)> = Vec::new();
+/// What is wrong, and what else did not plainly pass, an item each.
+fn items(report: &Report) -> (Vec<String>, Vec<String>) {
+    let (mut wrong, mut mild) = (Vec::new(), Vec::new());
     for subject in &report.subjects {
-        lines.extend(telling(subject).map(|check| {
+        for check in telling(subject) {
             let is_mild = !check.verdict.is_mismatch() && check.score.survived == 0;
-            (is_mild, item(subject, check))
-        }));
+            if is_mild { &mut mild } else { &mut wrong }.push(item(subject, check));
+        }
     }
-    for approach in unconfirmed {
-        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
-        let line = format!(
-            "- **{}** {} at {}: declared {:?}, seen {seen}",
+    for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
+        wrong.push(format!(
+            "- **{}** {} at {}: {}",
             escaped(&approach.connection),
             approach.component,
             escaped(approach.at),
-            approach.declared
-        );
-        lines.push((false, line));
+            approach.told()
+        ));
     }
-    if lines.is_empty() {
-        return;
+    for (text, names) in left_out(report) {
+        let names: Vec<String> = names.into_iter().map(escaped).collect();
+        mild.push(format!("- **{}**: {text}", names.join(", ")));
     }
-    lines.sort_by_key(|(is_mild, _)| *is_mild);
-    let lines: Vec<String> = lines.into_iter().map(|(_, line)| line).collect();
-    page.add("\n### What needs a look\n");
-    let left_out = page.add_fitting(&lines);
-    page.note(left_out, "item");
+    (wrong, mild)
 }
 
 fn item(subject: &Subject, check: &Check) -> String {
@@ -147,6 +156,9 @@ fn item(subject: &Subject, check: &Check) -> String {
             worst.units,
             escaped(state)
         );
+    }
+    for why in undecided(check) {
+        line += &format!("; {}", escaped(&why));
     }
     for (sentence, code) in check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines()) {
         line += &format!("; **{}** `{code}`", escaped(&sentence));
@@ -226,20 +238,22 @@ fn escaped(text: &str) -> String {
     result
 }
 
-/// What is found in models: a line each, errors first.
+/// What is found in models: a line each, models with errors first, and errors first in each.
 fn models(page: &mut Page, report: &Report) {
-    let mut left_out = 0;
-    for model in &report.models {
+    let (mut findings_left_out, mut models_left_out) = (0, 0);
+    let mut models: Vec<&ModelReport> = report.models.iter().collect();
+    models.sort_by_key(|model| !model.fails());
+    for model in models {
         let title = format!("\n### {}: {}\n", escaped(&model.scene), super::model::headline(model));
         let mut findings: Vec<&Finding> = model.findings.iter().collect();
         findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));
         let lines: Vec<String> = findings.into_iter().map(line).collect();
-        left_out += match page.add_fitting(&[title]) {
-            0 => page.add_fitting(&lines),
-            _ => lines.len().max(1),
-        };
+        let untitled = page.add_fitting(&[title]);
+        models_left_out += untitled;
+        findings_left_out += if untitled == 0 { page.add_fitting(&lines) } else { lines.len() };
     }
-    page.note(left_out, "finding");
+    page.note(models_left_out, "model");
+    page.note(findings_left_out, "finding");
 }
 
 fn line(finding: &Finding) -> String {

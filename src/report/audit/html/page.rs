@@ -8,6 +8,7 @@ use crate::audit::coverage::Histogram;
 use crate::audit::model::ModelReport;
 use crate::audit::oracle::Shares;
 use crate::audit::{Against, Approach, Cause, Check, Quantity, Report, Subject, U, Verdict};
+use crate::bench::Environment;
 use crate::grammar::count;
 use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, symbols, telling};
 use askama::Template;
@@ -311,10 +312,9 @@ fn problems(report: &Report) -> Vec<ProblemGroup> {
         }
     }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
-        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
         let problem = Problem {
             is_mild: false,
-            said: format!("At {}: declared {:?}, seen {seen}.", approach.at, approach.declared),
+            said: format!("At {}: {}.", approach.at, approach.told()),
             diagnosis: Vec::new(),
             heat: String::new(),
             numbers: String::new(),
@@ -366,6 +366,7 @@ fn problem(subject: &Subject, check: &Check) -> Problem {
         .iter()
         .map(|[below, above]| format!("From below {below:e}, from above {above:e}."))
         .collect();
+    more.extend(summary::undecided(check));
     more.extend(
         check.score.survivors.iter().map(|(mistake, entry)| format!("Survived: {mistake} ({entry}).")),
     );
@@ -428,12 +429,14 @@ fn assembly(found: &Assembly) -> Vec<(&'static str, String)> {
         ("held by boundary conditions", grouped(found.held as u64)),
         ("constraints", grouped(found.constraints as u64)),
     ];
+    let known =
+        |number: Option<usize>| number.map_or_else(|| "not known".into(), |number| grouped(number as u64));
     if let Some(initial) = found.positions.first() {
         figures.extend([
-            ("rank of the constraints", grouped(initial.rank as u64)),
-            ("redundant", grouped(initial.redundant as u64)),
-            ("mobility", grouped(initial.mobility as u64)),
-            ("not driven", grouped(initial.undriven as u64)),
+            ("rank of the constraints", known(initial.rank)),
+            ("redundant", known(initial.redundant)),
+            ("mobility", known(initial.mobility)),
+            ("not driven", known(initial.undriven)),
         ]);
     }
     figures
@@ -457,11 +460,15 @@ fn coverage(found: &ModelReport) -> Option<CoverageSection> {
         scene: found.scene.clone(),
         summary: format!(
             "{}, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
-             away from the initial state in {}.",
+             away from the initial state in {}.{}",
             count(coverage.samples, "sample"),
             of(coverage.both_turned, coverage.could_turn_both),
             of(coverage.deformed, coverage.could_deform),
-            of(coverage.away, coverage.samples)
+            of(coverage.away, coverage.samples),
+            found.nearest.as_ref().map_or_else(String::new, |nearest| format!(
+                " The {}.",
+                super::super::model::nearest(nearest)
+            ))
         ),
         maps: all.into_iter().filter(|histogram| histogram.samples() > 0).map(map).collect(),
     })
@@ -570,21 +577,11 @@ pub(super) fn approach(found: &Approach, place: Place) -> String {
 }
 
 fn approach_card(found: &Approach) -> ApproachCard {
-    let words = |class: crate::measure::SingularClass| {
-        let name = format!("{class:?}");
-        let mut text = String::new();
-        for c in name.chars() {
-            if c.is_uppercase() && !text.is_empty() {
-                text.push(' ');
-            }
-            text.extend(c.to_lowercase());
-        }
-        text
-    };
-    let (class, class_name) = match (found.is_confirmed(), found.seen) {
-        (true, _) => ("pass", format!("{}, confirmed", words(found.declared))),
-        (false, Some(seen)) => ("wrong", format!("declared {}, seen {}", words(found.declared), words(seen))),
-        (false, None) => ("wrong", format!("declared {}, seen none of the classes", words(found.declared))),
+    let (class, class_name) = if found.is_confirmed() {
+        let (name, _) = crate::report::words::singular_class(found.declared);
+        ("pass", format!("{name}, confirmed"))
+    } else {
+        ("wrong", found.told())
     };
     ApproachCard {
         name: format!("{} {}", found.connection, found.component),
@@ -605,7 +602,7 @@ fn strip(report: &Report) -> String {
     let sharp = |subject: &Subject| {
         let is_it = |check: &&Check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check);
         let scores = || subject.checks.iter().filter(is_it).map(|check| &check.score);
-        let most = |of: fn(&crate::audit::Score) -> f64| scores().map(of).fold(0.0, f64::max);
+        let most = |of: fn(&crate::audit::Score) -> Option<f64>| scores().filter_map(of).fold(0.0, f64::max);
         [most(|score| score.detectable_median), most(|score| score.detectable)]
     };
     let mut all: Vec<(String, [f64; 2])> = report
@@ -700,8 +697,13 @@ fn environment(report: &Report, supplement: &Supplement<'_>) -> Vec<(&'static st
     if !supplement.command.is_empty() {
         lines.push(("command", supplement.command.clone()));
     }
+    let here = Environment::here();
     lines.extend([
-        ("system", format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH)),
+        ("date", here.date),
+        ("compiler", format!("{} for {}", here.rustc, here.target)),
+        ("numbers", env!("PINTLE_NUMBERS").to_string()),
+        ("system", here.system),
+        ("processor", here.processor),
         ("threads", rayon::current_num_threads().to_string()),
         ("tolerance", format!("C·u·(conditioned scale) with C = {}, u = 2⁻⁵³", report.constant)),
         (

@@ -1,0 +1,110 @@
+//! Which constraints are redundant, and where?
+
+use super::eliminate::{self, Task, eliminate};
+use super::found::{Found, constraint};
+use super::moving::elsewhere;
+use super::system::{Part, Role, System, request};
+use super::{Constraint, Holds, Redundant, dense};
+use crate::evaluate::{Plan, Sequence};
+use crate::scene::State;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+
+/// Parts with no more degrees of freedom are moved, to judge where redundancies hold.
+const MOVED: usize = 20_000;
+/// Parts of which this many constraints are redundant say what from.
+pub(super) const EXPLAINED: usize = 24;
+
+/// Names the redundant constraints and judges where they are.
+pub(super) fn redundant(
+    system: &System<'_>,
+    found: &[Result<Found, usize>],
+    fixed: &[u32],
+) -> Vec<Redundant> {
+    let held = fixed.iter().map(|row| Redundant {
+        constraint: constraint(system, *row),
+        holds: Holds::Rigid,
+        decided: true,
+        from: Vec::new(),
+    });
+    let of_parts: Vec<Vec<Redundant>> = system
+        .parts
+        .par_iter()
+        .zip(found)
+        .map(|(part, found)| {
+            let Ok(found) = found else { return Vec::new() };
+            if found.constraints.dependent.is_empty() {
+                return Vec::new();
+            }
+            let decided = found.is_decided();
+            // Of what may not be redundant nothing is to be found elsewhere.
+            let (elsewhere, rows) =
+                if decided { judge(system, part, found) } else { (Vec::new(), Holds::Unjudged) };
+            let dependent = &found.constraints.dependent;
+            let here = only_here(dependent, &elsewhere);
+            dependent
+                .iter()
+                .map(|row| Redundant {
+                    constraint: constraint(system, found.rows[*row as usize]),
+                    holds: match rows {
+                        Holds::Here if !here.contains(row) => Holds::Throughout,
+                        holds => holds,
+                    },
+                    decided,
+                    from: made_of(system, found, *row),
+                })
+                .collect()
+        })
+        .collect();
+    held.chain(of_parts.into_iter().flatten()).collect()
+}
+
+/// What a dependent row of a part follows from, where the part is small enough to say it.
+pub(super) fn made_of(system: &System<'_>, found: &Found, row: u32) -> Vec<Constraint> {
+    let dependent = &found.constraints.dependent;
+    let Some(matrix) = found.matrix.as_ref().filter(|_| dependent.len() <= EXPLAINED) else {
+        return Vec::new();
+    };
+    let made = dense::made_of(matrix, dependent, row);
+    made.iter().map(|row| constraint(system, found.rows[*row as usize])).collect()
+}
+
+/// Of dependent rows, as many as are not elsewhere: those that are not named there, the last ones if there are more.
+pub(super) fn only_here(dependent: &[u32], elsewhere: &[u32]) -> Vec<u32> {
+    let count = dependent.len().saturating_sub(elsewhere.len());
+    let is_gone = |row: &&u32| elsewhere.binary_search(row).is_err();
+    dependent.iter().rev().filter(is_gone).take(count).copied().collect()
+}
+
+/// Where the redundancies of a part hold, and the rows that are dependent elsewhere too.
+fn judge(system: &System<'_>, part: &Part, found: &Found) -> (Vec<u32>, Holds) {
+    if found.constraints.free.is_empty() {
+        return (found.constraints.dependent.clone(), Holds::Rigid);
+    }
+    if part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT {
+        return (Vec::new(), Holds::Large);
+    }
+    // The part by itself: its connectors, constraints and nodes.
+    let mut nodes = BTreeSet::new();
+    for index in &part.connectors {
+        nodes.extend(system.model.connectors[*index].nodes.iter().flatten());
+    }
+    for index in &part.mpcs {
+        nodes.extend(&system.model.mpcs[*index].nodes);
+    }
+    let connectors = part.connectors.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
+    let mpcs = part.mpcs.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
+    let plan = Plan { connectors, mpcs, nodes, request: request() };
+    let own = System::new(system.model, &plan, system.prescribed);
+    let [part] = own.parts.as_slice() else { return (Vec::new(), Holds::Unjudged) };
+    let sequence = Sequence::new(system.model, &plan);
+    let mut values = Vec::new();
+    let start = State::default();
+    if sequence.clone().assemble(&start, &own.jacobian, &mut values).is_err() {
+        return (Vec::new(), Holds::Unjudged);
+    }
+    let (_, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
+    let here = eliminate(&matrix, &part.order, Task { keep: true, ..Task::default() });
+    let elsewhere = elsewhere(&own, part, &sequence, &start, &here);
+    (elsewhere.dependent, elsewhere.holds)
+}

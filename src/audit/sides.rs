@@ -1,0 +1,139 @@
+//! Derivatives on a singular set: from below and from above.
+//!
+//! Where the two exist and differ, whatever lies between them may stand for the derivative there: of the elements of the
+//! subdifferential the product reports the one of least norm. What lies outside matches neither side, and is wrong.
+
+use crate::scalar::Wide;
+
+/// What both sides say of one derivative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sides {
+    /// The difference quotients from below and from above.
+    pub quotients: [Wide; 2],
+    /// Whether they are derivatives: those of a jump, or of a root, grow without end as the step shrinks.
+    pub exist: [bool; 2],
+}
+
+impl Sides {
+    /// Two quotients that are derivatives.
+    pub const fn known(quotients: [Wide; 2]) -> Self {
+        Self { quotients, exist: [true; 2] }
+    }
+
+    /// From difference quotients from below and above: at half a fine step, at that step, and at a coarse one, far above the rounding of
+    /// the state. They agree where they differ by less than thousandths of themselves or of `scale`. That of a jump or a root grows as
+    /// the step shrinks, and is no derivative. A state that rounding alone holds off a singular set has one derivative at fine steps and
+    /// another one beyond: which of them is meant nobody can say.
+    pub fn of([half, fine, coarse]: [[Wide; 2]; 3], scale: f64) -> Self {
+        const AGREES: f64 = 1e-3;
+        let agree = |side: usize, other: &[Wide; 2]| {
+            let size = half[side].abs().to_f64().max(other[side].abs().to_f64()).max(scale);
+            (half[side] - other[side]).abs().to_f64() <= AGREES * size
+        };
+        let mut exist = [0, 1].map(|side| agree(side, &fine));
+        let is_one = exist == [true; 2] && agree(0, &[half[1]; 2]);
+        if is_one && !(agree(0, &coarse) && agree(1, &coarse)) {
+            exist = [false; 2];
+        }
+        Self { quotients: half, exist }
+    }
+
+    /// The coarse step, in sizes of a degree of freedom.
+    pub(super) const COARSE: f64 = 1e-10;
+
+    /// The same from a function, its value in place, and the size of what it moves along.
+    pub(super) fn along(
+        still: Wide,
+        moved: &[[Option<Wide>; 2]; 3],
+        steps: &[Wide; 3],
+        scale: f64,
+    ) -> Option<Self> {
+        let quotients = |n: usize| {
+            let [behind, ahead] = moved[n];
+            Some([(still - behind?) / steps[n], (ahead? - still) / steps[n]])
+        };
+        Some(Self::of([quotients(0)?, quotients(1)?, quotients(2)?], scale))
+    }
+
+    /// Whether there is no derivative, because the sides are further apart than twice a tolerance, or one has none.
+    pub fn differ(&self, tolerance: f64) -> bool {
+        self.exist != [true; 2] || self.gap() > 2.0 * tolerance
+    }
+
+    /// How far apart the quotients are.
+    pub fn gap(&self) -> f64 {
+        let [below, above] = self.quotients;
+        (above - below).abs().to_f64()
+    }
+
+    /// Of what may stand for the derivative, what is nearest to a number: the interval between both sides, or the only one that
+    /// has a derivative; the number itself where neither has.
+    pub fn nearest(&self, got: f64) -> Wide {
+        let [below, above] = self.quotients;
+        let got = Wide::from_f64(got);
+        match self.exist {
+            [true, true] => {
+                let (low, high) = if below < above { (below, above) } else { (above, below) };
+                if got < low {
+                    low
+                } else if got > high {
+                    high
+                } else {
+                    got
+                }
+            }
+            [true, false] => below,
+            [false, true] => above,
+            [false, false] => got,
+        }
+    }
+
+    /// The quotients as doubles.
+    pub fn to_f64(&self) -> [f64; 2] {
+        self.quotients.map(|side| side.to_f64())
+    }
+
+    /// The smaller of the derivatives in magnitude, for the scale of rounding; 0 where there is none.
+    pub(super) fn least(&self) -> Wide {
+        let of = [0, 1].map(|side| self.exist[side].then_some(self.quotients[side]));
+        match of {
+            [Some(below), Some(above)] if above.abs() < below.abs() => above,
+            [Some(below), _] => below,
+            [None, Some(above)] => above,
+            [None, None] => Wide::from_f64(0.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Sides;
+    use crate::scalar::Wide;
+
+    fn wide(x: [f64; 2]) -> [Wide; 2] {
+        x.map(Wide::from_f64)
+    }
+
+    #[test]
+    fn what_lies_between_the_sides_may_stand() {
+        let of = |half, fine, coarse, scale| Sides::of([half, fine, coarse].map(wide), scale);
+        let kink = of([-1.0, 2.0], [-1.0, 2.0], [-1.0, 2.0], 0.0);
+        assert!(kink.differ(1e-9) && kink.exist == [true; 2]);
+        for (got, nearest) in [(-3.0, -1.0), (-1.0, -1.0), (0.5, 0.5), (2.0, 2.0), (2.5, 2.0)] {
+            assert_eq!(kink.nearest(got).to_f64(), nearest, "{got}");
+        }
+        let smooth = of([2.0, 2.0 + 1e-12], [2.0, 2.0], [2.0, 2.0 + 1e-10], 0.0);
+        assert!(!smooth.differ(1e-12) && smooth.differ(1e-13));
+        // What bends has a coarse quotient of its own, far below its scale.
+        assert!(!of([0.0, 0.0], [0.0, 0.0], [-1e-10, 1e-10], 1.0).differ(1e-12));
+        // A jump above: the derivative from below is the only one.
+        let jump = of([0.5, 2e25], [0.5, 1e25], [0.5, 1e10], 1.0);
+        assert_eq!((jump.exist, jump.differ(1.0), jump.least().to_f64()), ([true, false], true, 0.5));
+        assert_eq!([jump.nearest(7.0).to_f64(), jump.nearest(-7.0).to_f64()], [0.5, 0.5]);
+        let root = of([1.4e12, 1.4e12], [1e12, 1e12], [1e5, 1e5], 1.0);
+        assert_eq!((root.exist, root.nearest(7.0).to_f64()), ([false; 2], 7.0));
+        // Off a kink by rounding: the same derivative on both sides, another one farther below.
+        let near = of([1.0, 1.0], [1.0, 1.0], [-1.0, 1.0], 0.0);
+        assert_eq!((near.exist, near.nearest(0.0).to_f64()), ([false; 2], 0.0));
+    }
+}
