@@ -1,5 +1,6 @@
 //! Time against error of values, Jacobians and Hessians, far from singular points and near them: what `pintle bench` measures, and
-//! besides it batches, rows by hand, and num-dual with twelve seeds as it comes: `taskset -c 3 cargo bench --bench work_precision`.
+//! besides it batches, rows and second derivatives by hand, and num-dual with twelve seeds as it comes: `taskset -c 3 cargo bench
+//! --bench work_precision`. All go through the same states in batches of the same size.
 //!
 //! By itself it prints the tables. For `scripts/measure.py`: `--export FILE` writes states and truth for JAX; `--serve` writes the
 //! points with their errors, then runs a round for each line read, and answers with the times of the points in the same order;
@@ -10,8 +11,14 @@ mod hand {
     #[path = "../../src/scalar/coefficients.rs"]
     #[expect(dead_code, reason = "the rows need some of them")]
     mod coefficients;
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) mod hessian;
     pub(crate) mod naive;
     pub(crate) mod scalar;
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) mod simd;
+    #[cfg(target_arch = "x86_64")]
+    mod vector;
 }
 
 use hand::{naive, scalar};
@@ -26,6 +33,9 @@ use serde_json::{Map, Value, json};
 use std::io::{BufRead, Write};
 
 const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
+/// States that differ, and how many elements each way goes through.
+const STATES: usize = 64;
+const BATCH: usize = 1024;
 /// The columns x_a, θ_a, x_b, θ_b in a row of all nodal degrees of freedom.
 const PLACE: [usize; 12] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12];
 
@@ -176,11 +186,31 @@ impl Method for Lanes {
     }
 
     fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
+        Some(Box::new(ByLanes(Tiles::new(self.0, subject))))
+    }
+}
+
+/// Elements in tiles of four, and room for their rows.
+struct Tiles<'s> {
+    order: Order,
+    name: &'s str,
+    batch: Batch,
+    tiles: Vec<Tile>,
+    sections: Vec<Section>,
+    histories: Vec<History>,
+    rows: Vec<Row>,
+    second: Vec<HessianRow>,
+}
+
+impl<'s> Tiles<'s> {
+    fn new(order: Order, subject: &'s Subject) -> Self {
         let fours: Vec<&[pintle::bench::Element]> = subject.elements.chunks_exact(4).collect();
         let batch = Batch::new(&subject.elements[0].connector, [true; 6]).unwrap();
         let count = fours.len() * batch.rows();
-        Some(Box::new(ByLanes {
-            order: self.0,
+        let is_second = order == Order::Hessian;
+        Self {
+            order,
+            name: &subject.connection.name,
             tiles: fours.iter().map(|four| Tile::new(&std::array::from_fn(|i| four[i].state.pair))).collect(),
             sections: fours
                 .iter()
@@ -190,29 +220,9 @@ impl Method for Lanes {
                 .iter()
                 .map(|four| History::new(&std::array::from_fn(|i| four[i].branch)))
                 .collect(),
-            rows: vec![Row::default(); count],
-            second: vec![HessianRow::default(); if self.0 == Order::Hessian { count } else { 0 }],
+            rows: vec![Row::default(); if is_second { 0 } else { count }],
+            second: vec![HessianRow::default(); if is_second { count } else { 0 }],
             batch,
-        }))
-    }
-}
-
-struct ByLanes {
-    order: Order,
-    batch: Batch,
-    tiles: Vec<Tile>,
-    sections: Vec<Section>,
-    histories: Vec<History>,
-    rows: Vec<Row>,
-    second: Vec<HessianRow>,
-}
-
-impl Prepared for ByLanes {
-    fn run(&mut self) {
-        let Self { order, batch, tiles, sections, histories, rows, second } = self;
-        match order {
-            Order::Hessian => batch.rows_of(tiles, sections, histories, second).unwrap(),
-            _ => batch.rows_of(tiles, sections, histories, rows).unwrap(),
         }
     }
 
@@ -235,6 +245,112 @@ impl Prepared for ByLanes {
     }
 }
 
+struct ByLanes<'s>(Tiles<'s>);
+
+impl Prepared for ByLanes<'_> {
+    fn run(&mut self) {
+        let Tiles { order, batch, tiles, sections, histories, rows, second, .. } = &mut self.0;
+        match order {
+            Order::Hessian => batch.rows_of(tiles, sections, histories, second).unwrap(),
+            _ => batch.rows_of(tiles, sections, histories, rows).unwrap(),
+        }
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.0.numbers()
+    }
+}
+
+/// Rows, and with second derivatives, by hand for one vector unit.
+#[cfg(target_arch = "x86_64")]
+mod by_hand {
+    use super::*;
+    use pulp::x86::V3;
+
+    pub(super) struct HandLanes(pub(super) Order);
+
+    impl Method for HandLanes {
+        fn name(&self) -> &'static str {
+            "by hand, four lanes"
+        }
+
+        fn order(&self) -> Order {
+            self.0
+        }
+
+        /// `None` where the processor has no AVX2 and FMA.
+        fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
+            Some(Box::new(ByHandLanes { v: V3::try_new()?, tiles: Tiles::new(self.0, subject) }))
+        }
+    }
+
+    struct ByHandLanes<'s> {
+        v: V3,
+        tiles: Tiles<'s>,
+    }
+
+    struct Sweep<'a, L> {
+        v: V3,
+        name: &'a str,
+        tiles: &'a [Tile],
+        sections: &'a [Section],
+        rows: usize,
+        out: &'a mut [L],
+    }
+
+    /// Loops written out: a closure would be compiled for the baseline, and called.
+    macro_rules! sweep {
+        ($layout:ty, $module:ident) => {
+            impl pulp::NullaryFnOnce for Sweep<'_, $layout> {
+                type Output = ();
+
+                #[inline(always)]
+                fn call(self) {
+                    let Self { v, name, tiles, sections, rows, out } = self;
+                    macro_rules! each {
+                        (|$tile:ident, $section:ident, $rows:ident| $row:expr) => {
+                            for (($tile, $section), $rows) in
+                                tiles.iter().zip(sections).zip(out.chunks_exact_mut(rows))
+                            {
+                                $row
+                            }
+                        };
+                    }
+                    use crate::hand::$module as by_hand;
+                    match name {
+                        "SLIDE-PLANE" => each!(|tile, _section, rows| by_hand::slide_plane(v, tile, rows)),
+                        "REVOLUTE" => each!(|tile, _section, rows| by_hand::revolute(v, tile, rows)),
+                        "TRANSLATOR" => {
+                            each!(|tile, section, rows| by_hand::translator(v, tile, section, rows))
+                        }
+                        "ROTATION" => each!(|tile, _section, rows| by_hand::rotation(v, tile, rows)),
+                        _ => each!(|tile, _section, rows| by_hand::cardan(v, tile, rows)),
+                    }
+                }
+            }
+        };
+    }
+    sweep!(Row, simd);
+    sweep!(HessianRow, hessian);
+
+    impl Prepared for ByHandLanes<'_> {
+        fn run(&mut self) {
+            let Self { v, tiles: Tiles { order, name, batch, tiles, sections, rows, second, .. } } = self;
+            let (v, name, count) = (*v, *name, batch.rows());
+            match order {
+                Order::Hessian => {
+                    v.vectorize(Sweep { v, name, tiles, sections, rows: count, out: &mut second[..] });
+                }
+                _ => v.vectorize(Sweep { v, name, tiles, sections, rows: count, out: &mut rows[..] }),
+            }
+        }
+
+        fn numbers(&self) -> Vec<f64> {
+            self.tiles.numbers()
+        }
+    }
+}
+
 fn export(subjects: &[Subject]) -> Value {
     let all = subjects.iter().map(|subject| {
         let truth: Map<String, Value> =
@@ -243,7 +359,9 @@ fn export(subjects: &[Subject]) -> Value {
             "connection": subject.connection.name,
             "place": subject.place,
             "rows": subject.rows(),
-            "states": flat(subject),
+            "states": flat(subject)[..subject.states()],
+            "batch": subject.elements.len(),
+            "size_of_values": subject.size_of_values(),
             "truth": truth,
         })
     });
@@ -262,7 +380,7 @@ fn main() {
         report::markdown(&mut std::io::stdout().lock(), &found).unwrap();
         return;
     }
-    let settings = Settings { states: 64, ..Settings::default() };
+    let settings = Settings { states: STATES, batch: BATCH, ..Settings::default() };
     let mut found = Report::new(&settings);
     let types = TYPES.map(|name| ConnectionType::named(name, None).unwrap());
     let subjects: Vec<Subject> =
@@ -272,13 +390,19 @@ fn main() {
         return;
     }
     let ways = Way::all();
-    let more: [Box<dyn Method>; 5] = [
+    let mut more: Vec<Box<dyn Method>> = vec![
         Box::new(NumDual(Order::Jacobian)),
         Box::new(NumDual(Order::Hessian)),
         Box::new(Hand),
         Box::new(Lanes(Order::Jacobian)),
         Box::new(Lanes(Order::Hessian)),
     ];
+    #[cfg(target_arch = "x86_64")]
+    more.extend(
+        [Order::Jacobian, Order::Hessian]
+            .map(|order| -> Box<dyn Method> { Box::new(by_hand::HandLanes(order)) }),
+    );
+    let more = more;
     let methods: Vec<&dyn Method> =
         ways.iter().map(|way| way as &dyn Method).chain(more.iter().map(AsRef::as_ref)).collect();
     let mut session = Session::new(&settings, &subjects, &methods).unwrap_or_else(|wrong| panic!("{wrong}"));

@@ -279,7 +279,7 @@ def work_precision(arguments):
     merged.write_text(json.dumps(report))
     text = run(program, "--draw", merged, ROOT / "docs" / "work-precision").rstrip()
     jax = participants[1].greeting["versions"]["JAX"]
-    return {"work-precision": f"{text}\n\nJAX {jax}: `jit(vmap(…))`, the same states repeated to a batch of 4096."}
+    return {"work-precision": f"{text}\n\nJAX {jax}: `jit(vmap(…))`, the same states in the same batches."}
 
 
 def say(text):

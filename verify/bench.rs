@@ -1,7 +1,7 @@
 //! `pintle bench` and the library beneath it: errors are what they must be, a wrong number is not timed, every format says the same.
 
 use crate::cli::{file, pintle};
-use pintle::bench::{Method, Order, Place, Prepared, Report, Session, Settings, Subject, Way};
+use pintle::bench::{Method, Order, Place, Prepared, Report, Session, Settings, Subject, Unmeasured, Way};
 use pintle::catalog::ConnectionType;
 use std::fs;
 use std::path::Path;
@@ -38,18 +38,18 @@ fn ways_have_the_errors_of_theory() {
         between("central differences", Order::Jacobian, 1e-13, 1e-8);
         between("central differences", Order::Hessian, 1e-10, 1e-5);
         between("complex step", Order::Jacobian, -1.0, 1e-14);
-        between("dual numbers by node", Order::Jacobian, -1.0, 1e-14);
-        between("nested dual numbers by node", Order::Hessian, -1.0, 1e-13);
+        between("num-dual by node", Order::Jacobian, -1.0, 1e-14);
+        between("nested num-dual by node", Order::Hessian, -1.0, 1e-13);
         let coarse =
             points.iter().find(|p| p.method == "forward differences" && p.step == Some(0.1)).unwrap();
         assert!(coarse.largest_error > 1e-3, "{name}: {coarse:?}");
     }
 }
 
-/// pintle's own way with an entry that is wrong by 1e-6.
-struct Spoilt;
+/// pintle's own way with a number that is wrong by a relative amount: which one, of how many before the last.
+struct Spoilt(Order, f64, usize);
 
-struct SpoiltRun<'s>(Box<dyn Prepared + 's>);
+struct SpoiltRun<'s>(Box<dyn Prepared + 's>, f64, usize);
 
 impl Method for Spoilt {
     fn name(&self) -> &'static str {
@@ -57,7 +57,7 @@ impl Method for Spoilt {
     }
 
     fn order(&self) -> Order {
-        Order::Jacobian
+        self.0
     }
 
     fn is_ours(&self) -> bool {
@@ -65,7 +65,7 @@ impl Method for Spoilt {
     }
 
     fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        Some(Box::new(SpoiltRun(Way::Pintle(Order::Jacobian).prepare(subject)?)))
+        Some(Box::new(SpoiltRun(Way::Pintle(self.0).prepare(subject)?, self.1, self.2)))
     }
 }
 
@@ -76,7 +76,8 @@ impl Prepared for SpoiltRun<'_> {
 
     fn numbers(&self) -> Vec<f64> {
         let mut numbers = self.0.numbers();
-        numbers[12] += 1e-6;
+        let place = numbers.len() - 1 - self.2;
+        numbers[place] += self.1;
         numbers
     }
 }
@@ -84,9 +85,51 @@ impl Prepared for SpoiltRun<'_> {
 #[test]
 fn a_wrong_number_is_not_timed() {
     let subject = [subject("ROTATION", Place::Near)];
-    let wrong = Session::new(&settings(), &subject, &[&Spoilt]).err().unwrap();
+    let spoilt = Spoilt(Order::Jacobian, 1e-6, 1);
+    let wrong = Session::new(&settings(), &subject, &[&spoilt]).err().unwrap();
     assert!(wrong.to_string().contains("spoilt, Jacobian of ROTATION"), "{wrong}");
     assert!(wrong.error > 1e-8 && wrong.bound < 1e-9, "{wrong:?}");
+}
+
+/// A value is compared with what rounding of the input does to it, near a singular point as elsewhere: an error a hundred times that is
+/// noticed, though derivatives there may be off by 1e-10.
+#[test]
+fn values_near_singular_points_are_judged_by_their_own_condition() {
+    for name in ["ROTATION", "CARDAN", "AXIAL", "EULER"] {
+        let subject = [subject(name, Place::Near)];
+        let right = Spoilt(Order::Value, 0.0, 0);
+        assert!(Session::new(&settings(), &subject, &[&right]).is_ok(), "{name}");
+        let size = *subject[0].size_of_values().last().unwrap();
+        let off = Spoilt(Order::Value, 100.0 * f64::EPSILON * size, 0);
+        let wrong = Session::new(&settings(), &subject, &[&off]).err().unwrap();
+        assert!(wrong.bound == 1e-14 && wrong.error < 1e-13, "{name}: {wrong:?}");
+    }
+}
+
+/// A batch has the same states over and over, and every one of its numbers is looked at.
+#[test]
+fn a_batch_repeats_its_states() {
+    let subject = [subject("REVOLUTE", Place::Far).repeated(7)];
+    assert_eq!((subject[0].states(), subject[0].elements.len()), (2, 7));
+    let [same, last] = [0, 6].map(|i| subject[0].elements[i].state.pair.b.triad);
+    assert_eq!(same, last);
+    let right = Spoilt(Order::Jacobian, 0.0, 0);
+    assert!(Session::new(&settings(), &subject, &[&right]).is_ok());
+    assert!(Session::new(&settings(), &subject, &[&Spoilt(Order::Jacobian, 1e-6, 1)]).is_err());
+}
+
+/// What is left out is left out for the reason told.
+#[test]
+fn reasons_are_what_happened() {
+    let why = |name: &str, place: Place, states: usize| {
+        Subject::new(&ConnectionType::named(name, None).unwrap(), place, states, 1e-4).err()
+    };
+    assert_eq!(why("SLIDE-PLANE", Place::Near, 1), Some(Unmeasured::NoSingularPoint));
+    assert_eq!(why("SLIDE-PLANE", Place::Far, 0), Some(Unmeasured::NoState));
+    for place in Place::ALL {
+        assert_eq!(why("FLOW-CONVERTER", place, 1), Some(Unmeasured::NoFunction));
+        assert_eq!(why("ROTATION", place, 1), None);
+    }
 }
 
 /// The same points in every format, and a figure for each diagram.
@@ -115,6 +158,7 @@ fn the_command_measures_a_type() {
         let text = run(format, &[]);
         assert!(text.contains(head) && text.contains("forward differences"), "{text}");
         assert!(text.contains("SLIDE-PLANE, near: not measured: it has no singular point"), "{text}");
+        assert!(run(format, &["--near", "1.5e-3"]).contains("1.5e-3 from a singular point"), "{format}");
     }
     let figure = fs::read_to_string(folder.join("revolute-jacobian-near.svg")).unwrap();
     assert!(figure.contains("complex step") && figure.matches("<polyline").count() == 5, "{figure}");

@@ -52,11 +52,11 @@ pub enum Way {
     Central(f64),
     /// Im f(q + ih)/h.
     ComplexStep(f64),
-    /// A dual number with a direction for every degree of freedom of the nodes.
+    /// num-dual's dual number with a direction for every degree of freedom of the nodes.
     NodalDual,
     /// Second derivatives by four values each, (f(q + h_j + h_k) − f(q + h_j − h_k) − f(q − h_j + h_k) + f(q − h_j − h_k))/4h².
     SecondCentral(f64),
-    /// Dual numbers in the degrees of freedom of the nodes, nested in dual numbers.
+    /// num-dual's dual numbers in the degrees of freedom of the nodes, nested in dual numbers.
     NestedDual,
 }
 
@@ -86,8 +86,8 @@ impl Method for Way {
             Self::Forward(_) => "forward differences",
             Self::Central(_) | Self::SecondCentral(_) => "central differences",
             Self::ComplexStep(_) => "complex step",
-            Self::NodalDual => "dual numbers by node",
-            Self::NestedDual => "nested dual numbers by node",
+            Self::NodalDual => "num-dual by node",
+            Self::NestedDual => "nested num-dual by node",
         }
     }
 

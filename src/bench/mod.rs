@@ -23,7 +23,7 @@ mod subject;
 
 pub use environment::Environment;
 pub use method::{Method, Prepared, Way};
-pub use subject::{Element, Order, Place, Subject};
+pub use subject::{Element, Order, Place, Subject, Unmeasured};
 
 use crate::catalog::ConnectionType;
 use serde::{Deserialize, Serialize};
@@ -38,6 +38,8 @@ pub struct Settings {
     pub rounds: usize,
     /// States of each type and place.
     pub states: usize,
+    /// How many elements a way goes through, the states over and over; no fewer than there are states.
+    pub batch: usize,
     /// How far the states near a singular point are from it (rad, or lengths of the connector).
     pub distance: f64,
     /// How long a way is repeated in a round; once in any case.
@@ -46,7 +48,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { rounds: 8, states: 16, distance: 1e-4, budget: Duration::from_millis(1) }
+        Self { rounds: 8, states: 16, batch: 0, distance: 1e-4, budget: Duration::from_millis(1) }
     }
 }
 
@@ -63,7 +65,7 @@ pub struct Point {
     pub method: Cow<'static, str>,
     /// Its step, of a way that has one.
     pub step: Option<f64>,
-    /// The error of the median state: the largest of an entry over the largest number of its row.
+    /// The error of the median state: the largest of its entries' ([`Subject::errors`]).
     #[serde(deserialize_with = "or_infinite")]
     pub median_error: f64,
     /// The error of the worst state.
@@ -110,6 +112,8 @@ pub struct Report {
     pub rounds: usize,
     /// States of each type and place.
     pub states: usize,
+    /// How many elements each way went through: the states over and over.
+    pub batch: usize,
     /// How far the states near a singular point are from it (rad, or lengths of the connector).
     pub distance: f64,
     /// A point for each type, place, order, way and step.
@@ -157,12 +161,13 @@ pub fn measure(
 impl Report {
     /// Without points.
     pub fn new(settings: &Settings) -> Self {
-        let Settings { rounds, states, distance, .. } = *settings;
+        let Settings { rounds, states, batch, distance, .. } = *settings;
         Self {
             schema: "pintle-bench/1".into(),
             environment: Environment::here(),
             rounds,
             states,
+            batch: batch.max(states),
             distance,
             points: Vec::new(),
             omitted: Vec::new(),
@@ -174,14 +179,11 @@ impl Report {
         let mut found = Vec::new();
         for place in Place::ALL {
             match Subject::new(connection, place, settings.states, settings.distance) {
-                Some(subject) => found.push(subject),
-                None => self.omitted.push(Omitted {
+                Ok(subject) => found.push(subject.repeated(settings.batch)),
+                Err(why) => self.omitted.push(Omitted {
                     connection: connection.name.to_string(),
                     place,
-                    why: match place {
-                        Place::Far => "it has no function of the nodes".into(),
-                        Place::Near => "it has no singular point".into(),
-                    },
+                    why: why.to_string().into(),
                 }),
             }
         }
@@ -205,7 +207,8 @@ pub fn measure_subjects(
     Ok(session.points())
 }
 
-/// Ways whose errors are known, timed round by round.
+/// Ways whose errors are known, timed round by round. Room for numbers is made for one way at a time: what is held between two turns does
+/// not grow with the number of ways.
 pub struct Session<'s> {
     trials: Vec<Trial<'s>>,
     budget: Duration,
@@ -216,7 +219,11 @@ impl<'s> Session<'s> {
     ///
     /// # Errors
     /// [`Wrong`] where pintle's own numbers are not those of the 237-bit scalar.
-    pub fn new(settings: &Settings, subjects: &'s [Subject], methods: &[&dyn Method]) -> Result<Self, Wrong> {
+    pub fn new(
+        settings: &Settings,
+        subjects: &'s [Subject],
+        methods: &[&'s dyn Method],
+    ) -> Result<Self, Wrong> {
         let mut trials = Vec::new();
         for subject in subjects {
             for method in methods {
@@ -257,15 +264,15 @@ impl<'s> Session<'s> {
 /// One way for one subject.
 struct Trial<'s> {
     point: Point,
-    states: usize,
-    prepared: Box<dyn Prepared + 's>,
+    subject: &'s Subject,
+    method: &'s dyn Method,
 }
 
 impl<'s> Trial<'s> {
     fn new(
         settings: &Settings,
-        subject: &Subject,
-        method: &dyn Method,
+        subject: &'s Subject,
+        method: &'s dyn Method,
         mut prepared: Box<dyn Prepared + 's>,
     ) -> Result<Self, Wrong> {
         prepared.run();
@@ -287,18 +294,20 @@ impl<'s> Trial<'s> {
             nanoseconds: f64::INFINITY,
             slowest_round: 0.0,
         };
-        Ok(Self { point, states: subject.elements.len(), prepared })
+        Ok(Self { point, subject, method })
     }
 
-    /// The least time of a state, ns.
-    fn time(&mut self, budget: Duration) -> f64 {
+    /// The least time of a state, ns. The first run, into memory that is new, is not timed.
+    fn time(&self, budget: Duration) -> f64 {
+        let Some(mut prepared) = self.method.prepare(self.subject) else { return f64::INFINITY };
+        prepared.run();
         let (begin, mut least) = (Instant::now(), f64::INFINITY);
         loop {
             let start = Instant::now();
-            black_box(&mut self.prepared).run();
+            black_box(&mut prepared).run();
             least = least.min(start.elapsed().as_secs_f64());
             if begin.elapsed() >= budget {
-                return 1e9 * least / self.states as f64;
+                return 1e9 * least / self.subject.elements.len() as f64;
             }
         }
     }

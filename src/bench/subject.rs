@@ -1,7 +1,7 @@
 //! Where a type is measured: states far from its singular points and near them, with the truth.
 
 use crate::audit::atlas::near;
-use crate::audit::case::{exact_branch, exact_pair, turn};
+use crate::audit::case::{dof_size, exact_branch, exact_pair, turn};
 use crate::audit::sample::{Draw, Region, definition, draw_case, pair};
 use crate::audit::truth::Truth;
 use crate::audit::{Case, Step};
@@ -84,6 +84,29 @@ pub struct Element {
     pub branch: Branch<f64>,
 }
 
+/// Why a type is not measured at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unmeasured {
+    /// Its components are one-forms, or it has none.
+    #[error("it has no function of the nodes")]
+    NoFunction,
+    /// There is nothing to be near to.
+    #[error("it has no singular point")]
+    NoSingularPoint,
+    /// None of the states drawn is clear of the singular points.
+    #[error("no state was found that is clear of its singular points")]
+    NotClear,
+    /// The distance from the singular set of a measure cannot be had.
+    #[error("no state was found at this distance from: {0}")]
+    NotNear(&'static str),
+    /// There is nothing to measure at.
+    #[error("no states are asked for")]
+    NoState,
+    /// The 237-bit scalar cannot tell what is right at one of the states.
+    #[error("the 237-bit scalar has no derivatives at one of the states")]
+    NoTruth,
+}
+
 /// A type at the states of one place, with the truth.
 pub struct Subject {
     /// The type.
@@ -94,48 +117,84 @@ pub struct Subject {
     pub components: Vec<usize>,
     /// What each of them is.
     pub measures: Vec<Measure>,
-    /// The connectors and states.
+    /// The connectors and states: those of [`Subject::states`], over and over where a batch is larger.
     pub elements: Vec<Element>,
-    /// By order, then element by element and row by row, on 237 bits.
+    /// By order, then state by state and row by row, on 237 bits.
     truth: [Vec<Wide>; 3],
+    /// What a value is compared with, state by state and row by row ([`Subject::errors`]).
+    size_of_values: Vec<f64>,
 }
 
-/// How far the row of a value may be from the truth, relative to the largest number of the row, to be timed; near a singular point over
-/// the distance from it.
+/// How far a number may be from the truth, relative to what it is compared with ([`Subject::errors`]), to be timed; derivatives near a
+/// singular point over the distance from it.
 const BOUND: [f64; 3] = [1e-14, 1e-14, 1e-13];
 
 impl Subject {
     /// A type at `count` states, always the same; those near a singular point are `distance` (rad, lengths of the connector) away.
     ///
-    /// `None` where there is nothing to measure: a type without singular points has no states near one, and one-forms have no
-    /// function to difference.
-    pub fn new(connection: &ConnectionType, place: Place, count: usize, distance: f64) -> Option<Self> {
+    /// # Errors
+    /// Why there is nothing to measure.
+    pub fn new(
+        connection: &ConnectionType,
+        place: Place,
+        count: usize,
+        distance: f64,
+    ) -> Result<Self, Unmeasured> {
+        if connection.positions().all(Measure::is_one_form) {
+            return Err(Unmeasured::NoFunction);
+        }
+        let near: Vec<Measure> = connection.singular_measures().collect();
         let mut draw = Draw::new(&format!("bench {} {}", connection.name, place.name()));
-        let cases: Vec<Case> = (0..count)
-            .map(|i| match place {
-                Place::Far => draw_case(connection, Region::Aligned, &mut draw),
-                Place::Near => case_near(connection, i, distance, &mut draw),
-            })
-            .collect::<Option<_>>()?;
-        let elements: Vec<Element> = cases.iter().map(Element::of).collect::<Option<_>>()?;
-        let connector = &elements.first()?.connector;
+        let case = |i: usize| match place {
+            Place::Far => draw_case(connection, Region::Aligned, &mut draw).ok_or(Unmeasured::NotClear),
+            Place::Near => {
+                let measure = near.get(i % near.len().max(1)).ok_or(Unmeasured::NoSingularPoint)?;
+                let at = measure.singular_set().map(|set| set.at).unwrap_or_default();
+                case_near(connection, *measure, distance, &mut draw).ok_or(Unmeasured::NotNear(at))
+            }
+        };
+        let cases: Vec<Case> = (0..count).map(case).collect::<Result<_, _>>()?;
+        let elements: Vec<Element> =
+            cases.iter().map(Element::of).collect::<Option<_>>().ok_or(Unmeasured::NoState)?;
+        let connector = &elements.first().ok_or(Unmeasured::NoState)?.connector;
         let (components, measures): (Vec<usize>, Vec<Measure>) = (0..6)
             .filter_map(|k| Some((k, connector.differentiated(k)?)))
             .filter(|(_, measure)| !measure.is_one_form())
             .unzip();
-        if components.is_empty() {
-            return None;
-        }
         let truths: Vec<[Vec<Wide>; 3]> = cases
             .par_iter()
             .zip(&elements)
             .map(|(case, element)| truth(case, element, &components))
-            .collect::<Option<_>>()?;
+            .collect::<Option<_>>()
+            .ok_or(Unmeasured::NoTruth)?;
+        let mut size_of_values = Vec::new();
         let mut truth = [const { Vec::new() }; 3];
-        for of in truths {
+        for (case, of) in cases.iter().zip(truths) {
+            let [values, rows, _] = &of;
+            let of_row = |(value, row): (&Wide, &[Wide])| {
+                let each = row.iter().enumerate().map(|(j, x)| x.to_f64().abs() * dof_size(j, case.length));
+                value.to_f64().abs() + each.sum::<f64>()
+            };
+            size_of_values.extend(values.iter().zip(rows.chunks_exact(DOFS)).map(of_row));
             truth.iter_mut().zip(of).for_each(|(all, numbers)| all.extend(numbers));
         }
-        Some(Self { connection: connection.clone(), place, components, measures, elements, truth })
+        let connection = connection.clone();
+        Ok(Self { connection, place, components, measures, elements, truth, size_of_values })
+    }
+
+    /// The same states over and over, until there are as many elements as in a batch; no fewer than the states.
+    #[must_use]
+    pub fn repeated(mut self, batch: usize) -> Self {
+        let states = self.states();
+        for i in states..batch {
+            self.elements.push(self.elements[i % states].clone());
+        }
+        self
+    }
+
+    /// The number of states that differ.
+    pub fn states(&self) -> usize {
+        self.size_of_values.len() / self.rows().max(1)
     }
 
     /// The number of rows of an element.
@@ -148,22 +207,36 @@ impl Subject {
         self.truth[order as usize].iter().map(|x| x.to_f64()).collect()
     }
 
-    /// The median and the largest error over the states: of an entry, over the largest number of its row; of a second derivative, the first
-    /// ones count among those. What is not a number is an infinite error.
+    /// What the error of a value is compared with, state by state and row by row: |f| + Σ_k |∂f/∂q_k| s_k, s_k = 1 rad or the
+    /// connector's own length. So much times the unit of rounding is what the rounding of the input does to it.
+    pub fn size_of_values(&self) -> &[f64] {
+        &self.size_of_values
+    }
+
+    /// The median and the largest error over the elements: of a value over [`Subject::size_of_values`], of a derivative over the largest
+    /// number of its row, the first ones counting among those of a second. What is not a number is an infinite error.
     pub fn errors(&self, order: Order, found: &[f64]) -> [f64; 2] {
-        let (width, rows) = (order.width(), self.rows());
+        let (width, rows, states) = (order.width(), self.rows(), self.states());
         let size = |numbers: &[Wide]| numbers.iter().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()));
+        let scale = |row: usize| match order {
+            Order::Value => self.size_of_values[row],
+            _ => {
+                let own = size(&self.truth[order as usize][row * width..(row + 1) * width]);
+                own.max(size(&self.truth[1][row * DOFS..(row + 1) * DOFS]))
+            }
+        };
+        let scales: Vec<f64> = (0..states * rows).map(scale).collect();
         let mut each: Vec<f64> = (0..self.elements.len())
             .map(|i| {
-                (i * rows..(i + 1) * rows).fold(0.0, |worst: f64, row| {
-                    let want = &self.truth[order as usize][row * width..(row + 1) * width];
-                    let scale = size(want).max(size(&self.truth[1][row * DOFS..(row + 1) * DOFS]));
+                (0..rows).fold(0.0, |worst: f64, r| {
+                    let (row, known) = (i * rows + r, i % states * rows + r);
+                    let want = &self.truth[order as usize][known * width..(known + 1) * width];
                     let got = found.get(row * width..(row + 1) * width).unwrap_or_default();
                     if got.len() < width {
                         return f64::INFINITY;
                     }
                     got.iter().zip(want).fold(worst, |worst, (got, want)| {
-                        let error = (Wide::from_f64(*got) - *want).abs().to_f64() / scale;
+                        let error = (Wide::from_f64(*got) - *want).abs().to_f64() / scales[known];
                         if error.is_nan() || !got.is_finite() { f64::INFINITY } else { worst.max(error) }
                     })
                 })
@@ -173,11 +246,11 @@ impl Subject {
         [each.get(each.len() / 2), each.last()].map(|error| error.copied().unwrap_or(f64::INFINITY))
     }
 
-    /// The error beyond which pintle's own numbers are wrong, and are not timed.
+    /// The error beyond which pintle's own numbers are wrong, and are not timed. Values have their condition in what they are compared with.
     pub fn bound(&self, order: Order, distance: f64) -> f64 {
-        let condition = match self.place {
-            Place::Far => 1.0,
-            Place::Near => distance.recip().max(1.0),
+        let condition = match (self.place, order) {
+            (Place::Far, _) | (_, Order::Value) => 1.0,
+            (Place::Near, _) => distance.recip().max(1.0),
         };
         BOUND[order as usize] * condition
     }
@@ -206,10 +279,8 @@ fn truth(case: &Case, element: &Element, components: &[usize]) -> Option<[Vec<Wi
     Some([values, all(&first.0)?, all(&second.0)?])
 }
 
-/// State `i` near a singular point of one of the measures, or near half a turn.
-fn case_near(connection: &ConnectionType, i: usize, distance: f64, draw: &mut Draw) -> Option<Case> {
-    let measures: Vec<Measure> = connection.singular_measures().collect();
-    let measure = *measures.get(i % measures.len().max(1))?;
+/// A state near a singular point of a measure or, of a rotation vector, near half a turn.
+fn case_near(connection: &ConnectionType, measure: Measure, distance: f64, draw: &mut Draw) -> Option<Case> {
     if matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_)) {
         let a0 = draw.triad();
         let definition = definition(connection, pair([0.5, -0.25, 1.0], a0, &vector::identity()), 1.0);

@@ -14,10 +14,11 @@ const HELP: &str = "\
 For each type, far from its singular points and near one (or near half a turn,
 where a rotation vector is measured): the time of one state with all its rows,
 and the error against 237-bit numbers, of pintle one connector at a time, of
-finite differences over a sweep of steps, of the complex step, and of dual
-numbers with a direction for every degree of freedom of the nodes. Errors are
-the largest of an entry over the largest number of its row; those of pintle are
-asserted before anything is timed. The ways take turns in rounds, on one thread,
+finite differences over a sweep of steps, of the complex step, and of num-dual's
+dual numbers with a direction for every degree of freedom of the nodes. The
+error of a value is over |f| + Σ |∂f/∂q| s, s = 1 rad or the length of the
+connector, that of a derivative over the largest number of its row; those of
+pintle are asserted before anything is timed. The ways take turns in rounds, on one thread,
 and of each the least time counts, so that other work on the machine disturbs
 all alike; the column × pintle is the ratio to trust. Tables show of a sweep the
 step with the smallest error; JSON and CSV have all.
@@ -57,8 +58,8 @@ pub(crate) struct Bench {
     /// Rounds, in which every way takes its turn
     #[arg(long, value_name = "COUNT", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rounds: u32,
-    /// States of each type and place
-    #[arg(long, value_name = "COUNT", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// States of each type and place; a thousand of them take 100 MB
+    #[arg(long, value_name = "COUNT", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1000))]
     states: u32,
     /// How far states near a singular point are from it (rad, or lengths of the connector)
     #[arg(long, value_name = "DISTANCE", default_value_t = 1e-4, value_parser = distance)]

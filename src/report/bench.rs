@@ -85,7 +85,7 @@ fn error(error: f64) -> String {
 fn where_(place: Place, distance: f64) -> String {
     match place {
         Place::Far => "far from singular points".into(),
-        Place::Near => format!("{distance:.0e} from a singular point or half a turn"),
+        Place::Near => format!("{distance:e} from a singular point or half a turn"),
     }
 }
 
@@ -129,10 +129,13 @@ fn sections(report: &Report) -> Vec<(&str, Place)> {
 
 /// What the numbers are.
 fn legend(report: &Report) -> String {
-    let Report { rounds, states, .. } = report;
+    let Report { rounds, states, batch, .. } = report;
+    let repeated =
+        if batch > states { format!(", over and over to a batch of {batch}") } else { String::new() };
     format!(
-        "times: the least of {rounds} rounds that took turns, of one state with all its rows, one thread, {states} states; errors: \
-         the largest of an entry over the largest number of its row, against 237 bits"
+        "times: the least of {rounds} rounds that took turns, of one state with all its rows, one thread, {states} states{repeated}; \
+         errors against 237 bits: of values over |f| + Σ |∂f/∂q| s, s = 1 rad or the length of the connector, of derivatives over the \
+         largest number of the row"
     )
 }
 
@@ -268,7 +271,10 @@ pub fn figures(report: &Report) -> Vec<(String, String)> {
             });
             let plot = LogPlot {
                 title: &format!("{connection}, {}, {}", order.name(), where_(*place, report.distance)),
-                x_name: "largest error / largest number of the row",
+                x_name: match order {
+                    Order::Value => "largest error / (|f| + Σ |∂f/∂q| s)",
+                    _ => "largest error / largest number of the row",
+                },
                 y_name: "ns per state",
                 curves: curves.collect(),
                 levels: Vec::new(),
