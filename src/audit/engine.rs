@@ -3,7 +3,7 @@
 use super::atlas::{self, Approach, truth_to_f64};
 use super::bound::Bound;
 use super::case::Case;
-use super::certificate::certificate;
+use super::certificate::{certificate, certifies_predefined};
 use super::diagnosis::Symptoms;
 use super::force::product_with_forces as product;
 use super::friction::friction_cases;
@@ -14,6 +14,7 @@ use super::outcome::{Against, Check, Report, Subject};
 use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
 use super::sheet::Sheet;
+use super::stage::invalid_stage;
 use super::truth::Truth;
 use super::verdict::{Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, judge, try_mutants};
 use crate::catalog::{ConnectionType, TABLE};
@@ -248,7 +249,9 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
             checks.push(law_of_type(law, &demands, connection));
         }
     }
-    Subject::new(connection.name.to_string(), certificate(connection), count as u64, checks)
+    let subject = Subject::new(connection.name.to_string(), certificate(connection), count as u64, checks);
+    let least = if certifies_predefined(connection) { Verdict::Pass } else { Verdict::Undecided };
+    Subject { formula: subject.formula.max(least), ..subject }
 }
 
 /// A law whose demands carry the numbers that they judge.
@@ -409,6 +412,7 @@ fn judge_numbers(
             };
             let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
             check.add(judgement, score, case);
+            check.name_stage(|| invalid_stage(&step.state, numbers));
             if is_wrong {
                 // Without 237 bits, what is right is what the oracle says.
                 let told = answers.is_none().then(|| {
