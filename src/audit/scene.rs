@@ -6,7 +6,7 @@ use super::certificate::{certificate, certificate_of_mpc, certifies_frictions, c
 use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread_of};
 use super::friction::{Slipping, audit_slipping, drawn, slipping};
 use super::mpc::MpcCase;
-use super::outcome::{Check, Report, Subject};
+use super::outcome::{Check, Expected, Report, Subject};
 use super::quantity::Quantity;
 use super::sample::{Draw, about_initial};
 use super::verdict::Verdict;
@@ -245,19 +245,20 @@ fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
         let element = model.connectors.get(*at)?;
         let connection = element.connector.connection();
         let slips = certifies_frictions(connection, &element.behavior.behavior.friction);
-        Some((element.title(), certificate(connection), slips))
+        Some((element.title(), certificate(connection), slips, Expected::of(&element.connector)))
     });
     let mpcs = plan.mpcs.iter().filter_map(|at| {
         let element = model.mpcs.get(*at)?;
-        Some((element.title(), certificate_of_mpc(element.constraint.kind()), true))
+        let of_kind = certificate_of_mpc(element.constraint.kind());
+        Some((element.title(), of_kind, true, Expected::numbers(&MpcCase::QUANTITIES)))
     });
     let named = connectors.chain(mpcs).zip(gathered);
     named
-        .map(|((title, certificate, slips), mut one)| {
+        .map(|((title, certificate, slips, expected), mut one)| {
             one.checks.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
             let springs = one.checks.iter().any(|check| check.quantity == Some(Quantity::BehaviorTangent));
             let certified = slips && (!springs || certifies_springs());
-            let subject = Subject::new(title, certificate, one.cases, one.checks);
+            let subject = Subject::new(title, certificate, one.cases, one.checks, &expected);
             let least = if certified { Verdict::Pass } else { Verdict::Undecided };
             let formula = subject.formula.max(least);
             Subject { scene: Some(target.name.to_string()), formula, ..subject }

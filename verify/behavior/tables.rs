@@ -1,6 +1,7 @@
 //! Tables in several variables: rows, slopes on both sides of them, integrals, and what is refused, worked out by hand.
 
 use super::behavior;
+use pintle::behavior::ground::Ground;
 use pintle::behavior::table::{Table, Variable};
 use pintle::behavior::{Conditions, Motion, Unknown};
 use pintle::scalar::Seeded;
@@ -145,6 +146,28 @@ fn what_is_refused_is_helped() {
     assert_eq!(refused(&[row(1.0, 0.0), row(0.0, 0.0)]).remedy(), "order the rows so that x increases");
     let blocks = refused(&[row(0.0, 1.0), row(1.0, 1.0), row(0.0, 0.0)]);
     assert!(blocks.remedy().starts_with("give all rows of one value of y together"), "{}", blocks.remedy());
+}
+
+/// Springs to ground: coefficients over temperature need it, tables of forces are asked for displacements.
+#[test]
+fn springs_to_ground_need_their_conditions() {
+    let deck = "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=SPRING1, ELSET=S\n9, 1\n*ELEMENT, TYPE=SPRING1, ELSET=N\n10, 1\n\
+                *SPRING, ELSET=S\n1\n4., , 10.\n8., , 30.\n*SPRING, ELSET=N, NONLINEAR\n1\n-2., -1.\n0., 0.\n6., 2.\n";
+    let scene = pintle::scene::Scene::parse("deck.inp", deck).unwrap();
+    let spring = |i: usize| {
+        let mut ground = Ground::default();
+        assert!(ground.is_empty());
+        ground.add_spring(&scene.springs[i]).unwrap();
+        assert!(!ground.is_empty() && !ground.has_dashpots());
+        ground
+    };
+    let warm = Conditions { temperature: Some(20.0), ..Conditions::default() };
+    assert_eq!(spring(0).spring(0.5, &warm), Ok(3.0));
+    assert_eq!(spring(0).spring(0.5, &Conditions::default()), Err(Unknown::Temperature));
+    assert_eq!(
+        [-0.5, 0.5, 1.0].map(|x| spring(1).spring(x, &Conditions::default())),
+        [Ok(-1.0), Ok(1.5), Ok(3.0)]
+    );
 }
 
 /// A law that depends on a field variable needs that one, by its number.

@@ -86,6 +86,8 @@ fn all() -> Vec<(PotentialOperator, f64, Vec<Contribution>)> {
         ));
         for operator in [Operator::Sum, Operator::Norm, Operator::MacauleySum] {
             let form = of(part(operator, &[2, 3, 4], 1.0));
+            let bare = Contribution { of: form.clone(), ..component(0, beta, Abs) };
+            all.push((Sum, beta, vec![component(0, beta, Abs), bare]));
             all.push((Sum, beta, vec![component(0, beta, Abs), derived(form, beta, Abs)]));
         }
     }

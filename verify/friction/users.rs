@@ -247,12 +247,14 @@ fn effective_radii_are_where_forces_meet_moments() {
         assert_eq!(error.0, Code::NumberOutOfRange, "{radius}");
     }
     // A derived component may enter a potential where the type has its components.
-    let derived = |name: &str| {
-        let deck = "*CONNECTOR DERIVED COMPONENT, NAME=D\n1\n1.\n*CONNECTOR FRICTION, STICK STIFFNESS=3.\n, 1.\n\
-                    *CONNECTOR POTENTIAL\nD\n*FRICTION\n0.1\n";
-        built(name, deck, false).is_ok()
+    let derived = |name: &str, component: u8| {
+        let deck = format!(
+            "*CONNECTOR DERIVED COMPONENT, NAME=D\n{component}\n1.\n*CONNECTOR FRICTION, STICK STIFFNESS=3.\n, 1.\n\
+             *CONNECTOR POTENTIAL\nD\n*FRICTION\n0.1\n"
+        );
+        built(name, &deck, false).is_ok()
     };
-    assert!(derived("CARTESIAN") && derived("SLOT") && !derived("REVOLUTE"));
+    assert!(derived("CARTESIAN", 3) && derived("SLOT", 1) && !derived("SLOT", 2) && !derived("REVOLUTE", 1));
 }
 
 fn built_between(first: &str, second: &str, behavior: &str) -> Result<Frictions, Diagnostic> {

@@ -78,6 +78,13 @@ impl Finding {
         self
     }
 
+    /// The same, with words before the message.
+    #[must_use]
+    pub(in crate::audit) fn begin(mut self, words: &str) -> Self {
+        self.diagnostic = self.diagnostic.with_words_before(words);
+        self
+    }
+
     /// The stable code.
     pub fn code(&self) -> Code {
         self.diagnostic.code()

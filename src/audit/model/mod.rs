@@ -39,8 +39,11 @@ pub struct ModelReport {
     pub scene: String,
     /// The number of states that were looked at besides the initial one.
     pub states: usize,
-    /// What the assembly as a whole can do; `None` where a rule refuses the model.
+    /// What the assembly as a whole can do, in the first step; `None` where a rule refuses the model.
     pub assembly: Option<Assembly>,
+    /// The same in later steps whose boundary conditions or connector motions are not those of the step before.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub later_steps: Vec<Assembly>,
     /// Which region of configuration space the states exercised.
     pub coverage: Coverage,
     /// How near to a singular set any connector comes, initially and at the states; `None` where no component has one.
@@ -76,12 +79,12 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         }
     });
     findings.extend(along);
-    let mut assembly = None;
+    let mut steps = Vec::new();
     if !is_refused {
-        match assembly::analyse(scene, &model, states, 1) {
+        match assembly::analyse_steps(scene, &model, states) {
             Ok(found) => {
-                findings.extend(assembly::findings::findings(scene, &found));
-                assembly = Some(found);
+                findings.extend(assembly::findings::findings_in_steps(scene, &found));
+                steps = found;
             }
             Err(error) => findings.push(error.into()),
         }
@@ -91,5 +94,16 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         Finding::new(scene, lack.code, Span::default(), lack.message, reason, lack.remedy)
     }));
     let findings = levels.apply(findings);
-    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, coverage, nearest, findings }
+    let mut steps = steps.into_iter();
+    let assembly = steps.next();
+    let later_steps = steps.collect();
+    ModelReport {
+        scene: scene.name.clone(),
+        states: states.len(),
+        assembly,
+        later_steps,
+        coverage,
+        nearest,
+        findings,
+    }
 }
