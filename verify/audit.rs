@@ -121,6 +121,12 @@ fn threads_do_not_matter() {
 fn certificates_follow_from_the_tests() {
     let mut states = golden::states_by_type();
     states.extend(golden_mpc::states_by_kind());
+    let mut behavior = crate::friction::golden::states_by_kind();
+    behavior.insert("BEHAVIOR springs and dampers".into(), crate::behavior::states_of_jax());
+    let of_behavior = behavior.into_iter().map(|(name, jax_states)| {
+        let page = "no summary table".to_string();
+        (name, Certificate { jax_states, manual_page: page })
+    });
     let want: BTreeMap<String, Certificate> = manual::pages()
         .map(|(name, page)| (name.to_string(), page))
         .chain(manual::mpc_pages())
@@ -128,6 +134,7 @@ fn certificates_follow_from_the_tests() {
             let jax_states = states.get(&name).copied().unwrap_or(0);
             (name, Certificate { jax_states, manual_page: page.to_string() })
         })
+        .chain(of_behavior)
         .collect();
     let text = serde_json::to_string_pretty(&want).unwrap() + "\n";
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/audit/certificates.json");
@@ -475,6 +482,70 @@ fn states_are_drawn_near_removable_points_too() {
     for at in ["|φ| = 2π", "|φ| = 4π", "φ = 0", "|φ| = π"] {
         assert!(drawn.iter().filter(|name| name.ends_with(at)).count() > 20, "{at}");
     }
+}
+
+/// What is not finite is invalid, and the report names the stage from which on it is so.
+#[test]
+fn invalid_has_a_stage() {
+    let stages = |case: &Case| -> Vec<Option<&'static str>> {
+        let checks = audit_case(case, &Settings::default(), true, 0);
+        checks.iter().filter(|check| check.verdict == Verdict::Invalid).map(|check| check.stage).collect()
+    };
+    let with = |change: &dyn Fn(&mut State<f64>)| {
+        let mut case = cases(named("CARTESIAN"), Extent::Brief)[0].clone();
+        change(&mut case.path.last_mut().unwrap().state);
+        stages(&case)
+    };
+    assert_eq!(with(&|_| ()), []);
+    for (stage, found) in [
+        ("state", with(&|state| state.pair.b.displacement[1] = f64::NAN)),
+        ("state", with(&|state| state.velocity[9] = f64::INFINITY)),
+        (
+            "relative pair",
+            with(&|state| {
+                state.pair.a.displacement = [-1.7e308; 3];
+                state.pair.b.displacement = [1.7e308; 3];
+            }),
+        ),
+        ("rates", with(&|state| (7..10).for_each(|j| state.velocity[j] = 1.7e308))),
+    ] {
+        assert!(!found.is_empty() && found.iter().all(|found| *found == Some(stage)), "{stage}: {found:?}");
+    }
+    let spoiled = spoiled("CARTESIAN", |_, rows| rows[2].as_mut().unwrap()[0] = f64::NAN);
+    let invalid = spoiled.subjects[0].checks.iter().find(|check| check.stage.is_some()).unwrap();
+    assert_eq!((invalid.verdict, invalid.stage), (Verdict::Invalid, Some("first derivatives")));
+    let mut text = Vec::new();
+    pintle::report::audit::human(&mut text, &spoiled, 100, false).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("not finite from this on: first derivatives"), "{text}");
+}
+
+/// The verdict on formulas is that on springs and frictions too: a derived component that presses has no certificate.
+#[test]
+fn formulas_of_behaviour_need_certificates() {
+    use pintle::audit::certificate::{certifies_predefined, certifies_springs};
+    assert!(certifies_springs());
+    for connection in TABLE {
+        assert!(certifies_predefined(connection), "{}", connection.name);
+    }
+    let formula = |contact: &str| {
+        let deck = format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+            *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nSLOT,\nO,\n\
+            *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=1\n150.,\n\
+            *CONNECTOR DERIVED COMPONENT, NAME=N\n2, 3\n1., 1.\n\
+            *CONNECTOR FRICTION, COMPONENT=1, CONTACT FORCE={contact}\n\n*FRICTION\n0.2,\n"
+        );
+        let scene = scene::Scene::parse("friction.inp", &deck).unwrap();
+        let model = Model::compile(&scene).unwrap();
+        let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+        let target = Target { name: "friction", model: &model, plan: &plan, states: &[] };
+        let report = audit_scenes(&brief(), &[target], &silent);
+        report.assert_ok();
+        report.subjects[0].formula
+    };
+    assert_eq!(formula("2"), Verdict::Pass);
+    assert_eq!(formula("N"), Verdict::Undecided);
 }
 
 /// Second differences are of values alone. Of a triad that is no rotation they say what the values do, where the rows, which take it

@@ -287,6 +287,12 @@ fn dampers_take_energy_up() {
     assert!(law.damping.power(&motion, &conditions) < 0.0);
 }
 
+/// How many states of springs and dampers JAX has.
+pub(crate) fn states_of_jax() -> u64 {
+    let file: serde_json::Value = serde_json::from_str(include_str!("golden/behavior.json")).unwrap();
+    file["cases"].as_array().unwrap().len() as u64
+}
+
 /// Independent formulas in another language.
 #[test]
 fn jax_agrees() {

@@ -3,7 +3,7 @@
 
 mod coefficients; // coefficients, and where a limit is met first
 mod criteria; // P, F_C, F_N, Φ and their derivatives
-mod golden; // what JAX computes
+pub(crate) mod golden; // what JAX computes
 mod histories; // stick and slip along states
 mod laws; // stick, slip, energy, thresholds, range
 mod potentials; // potentials against their formulas

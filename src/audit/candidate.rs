@@ -38,6 +38,7 @@ use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
 use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::quantity::{Entries, Numbers, Quantity};
 use super::sample::{Draw, about_initial};
+use super::stage::invalid_stage;
 use super::truth::Truth;
 use super::verdict::{Score, Surroundings, Verdict, judge, try_mutants};
 use crate::connector::{Components, Definition, NodalRow, State};
@@ -205,6 +206,7 @@ impl<'a> Candidate<'a> {
             let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
             check.add(judgement, prove(quantity, answer), case);
+            check.name_stage(|| invalid_stage(&step.state, &given));
             check.explain(&Symptoms { quantity, got, want: &trusted, case, bound: &bound }, &answer.numbers);
             if let Some((k, i, _)) = missing {
                 check.missing(quantity.entry_name(k, i), case);

@@ -3,7 +3,8 @@
 //! The certificates are part of the source (`certificates.json`). The test suite recomputes them: it fails where a type has none,
 //! or one that no longer follows from the golden values and the transcribed tables.
 
-use crate::catalog::ConnectionType;
+use crate::behavior::friction::{Frictions, Pressing};
+use crate::catalog::{ConnectionType, Contact};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -44,6 +45,39 @@ pub fn certificate(connection: &ConnectionType) -> Option<Certificate> {
         jax_states: t.jax_states.min(r.jax_states),
         manual_page: format!("{} + {}", t.manual_page, r.manual_page),
     })
+}
+
+/// Whether JAX, with formulas of its own, gives the same forces and slopes of springs and dampers.
+pub fn certifies_springs() -> bool {
+    has_states("BEHAVIOR springs and dampers")
+}
+
+/// Whether JAX gives the same of every friction of a connector: of predefined ones by type, of those that a user defines by component
+/// or potential, of belts. Derived components that press, which JAX has not, are not certified.
+pub fn certifies_frictions(connection: &ConnectionType, frictions: &Frictions) -> bool {
+    let of_user = || has_states("BEHAVIOR friction by potential");
+    let is_certified = |pressing: &Pressing| match pressing {
+        Pressing::Terms(_) => certifies_predefined(connection),
+        Pressing::Component(_) | Pressing::Nothing => of_user(),
+        Pressing::Derived(_) => false,
+    };
+    frictions.frictions.iter().all(|friction| is_certified(&friction.criterion.pressing))
+        && (frictions.belt.is_none() || has_states("BEHAVIOR friction of a belt"))
+}
+
+/// Whether JAX gives the same of the predefined friction of a type, or of the half that it is of; `true` where there is none.
+pub fn certifies_predefined(connection: &ConnectionType) -> bool {
+    let Some(friction) = connection.friction else { return true };
+    if friction.criteria.iter().any(|criterion| criterion.contact == Contact::Belt) {
+        return has_states("BEHAVIOR friction of a belt");
+    }
+    let halves = connection.halves.iter().flatten().map(|half| half.name);
+    let mut names = std::iter::once(connection.name.as_ref()).chain(halves);
+    names.any(|name| has_states(&format!("BEHAVIOR friction of {name}")))
+}
+
+fn has_states(name: &str) -> bool {
+    CERTIFICATES.get(name).is_some_and(|certificate| certificate.jax_states > 0)
 }
 
 /// The certificate of a multi-point constraint, under the name `MPC BEAM`.

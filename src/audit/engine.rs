@@ -3,7 +3,7 @@
 use super::atlas::{self, Approach};
 use super::bound::Bound;
 use super::case::Case;
-use super::certificate::certificate;
+use super::certificate::{certificate, certifies_predefined};
 use super::conditioned::Conditioned;
 use super::diagnosis::Symptoms;
 use super::force::product_with_forces as product;
@@ -15,6 +15,7 @@ use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
 use super::sheet::Sheet;
+use super::stage::invalid_stage;
 use super::truth::Truth;
 use super::verdict::{
     Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, judge, try_along, try_mutants,
@@ -253,7 +254,10 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         }
     }
     let expected = regions.first().map_or_else(Expected::default, |case| Expected::of(&case.connector()));
-    Subject::new(connection.name.to_string(), certificate(connection), count as u64, checks, &expected)
+    let (name, certificate) = (connection.name.to_string(), certificate(connection));
+    let subject = Subject::new(name, certificate, count as u64, checks, &expected);
+    let least = if certifies_predefined(connection) { Verdict::Pass } else { Verdict::Undecided };
+    Subject { formula: subject.formula.max(least), ..subject }
 }
 
 /// A law whose demands carry the numbers that they judge.
@@ -418,6 +422,7 @@ fn judge_numbers(
             };
             let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
             check.add(judgement, score, case);
+            check.name_stage(|| invalid_stage(&step.state, numbers));
             if is_wrong {
                 // Without 237 bits, what is right is what the oracle says.
                 let told = answers.is_none().then(|| {

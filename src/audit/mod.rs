@@ -45,6 +45,7 @@ pub mod sheet;
 pub mod shrink;
 mod sides;
 mod slopes;
+mod stage;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 pub mod truth;

@@ -55,6 +55,9 @@ pub struct Check {
     /// Why states are undecided, with how many of them.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub undecided: BTreeMap<String, u64>,
+    /// Where it is invalid, the first stage that is not finite: `state`, `relative pair`, or the kind of numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stage: Option<&'static str>,
     /// Entries compared.
     pub compared: u64,
     /// The largest error in units of its tolerance, at any state.
@@ -85,6 +88,7 @@ impl Check {
             verdict: Verdict::Pass,
             states: BTreeMap::new(),
             undecided: BTreeMap::new(),
+            stage: None,
             compared: 0,
             largest: 0.0,
             worst: None,
@@ -123,6 +127,13 @@ impl Check {
 
     pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
         self.add_at(judgement, score, &case.name, Some(case));
+    }
+
+    /// Says from which stage on numbers are not finite, where they are not.
+    pub(super) fn name_stage(&mut self, stage: impl FnOnce() -> Option<&'static str>) {
+        if self.verdict == Verdict::Invalid {
+            self.stage = stage();
+        }
     }
 
     /// Says why numbers are wrong, and keeps them to be shown.
@@ -166,6 +177,7 @@ impl Check {
         for (why, count) in other.undecided {
             *self.undecided.entry(why).or_default() += count;
         }
+        self.stage = self.stage.or(other.stage);
         self.compared += other.compared;
         let units = |finding: &Option<Finding>| finding.as_ref().map_or(-1.0, |f| f.units);
         self.largest = self.largest.max(other.largest);

@@ -2,12 +2,14 @@
 
 use super::behavior::audit_behavior;
 use super::case::{Case, Step};
-use super::certificate::{certificate, certificate_of_mpc};
+use super::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
 use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread_of};
 use super::friction::{Slipping, audit_slipping, drawn, slipping};
 use super::mpc::MpcCase;
 use super::outcome::{Check, Expected, Report, Subject};
+use super::quantity::Quantity;
 use super::sample::{Draw, about_initial};
+use super::verdict::Verdict;
 use crate::behavior::state::History;
 use crate::connector::{Output, Request};
 use crate::evaluate::{ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence};
@@ -241,25 +243,25 @@ fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
     let Target { model, plan, .. } = *target;
     let connectors = plan.connectors.iter().filter_map(|at| {
         let element = model.connectors.get(*at)?;
-        let of_type = certificate(element.connector.connection());
-        Some((element.title(), of_type, Expected::of(&element.connector)))
+        let connection = element.connector.connection();
+        let slips = certifies_frictions(connection, &element.behavior.behavior.friction);
+        Some((element.title(), certificate(connection), slips, Expected::of(&element.connector)))
     });
     let mpcs = plan.mpcs.iter().filter_map(|at| {
         let element = model.mpcs.get(*at)?;
-        Some((
-            element.title(),
-            certificate_of_mpc(element.constraint.kind()),
-            Expected::numbers(&MpcCase::QUANTITIES),
-        ))
+        let of_kind = certificate_of_mpc(element.constraint.kind());
+        Some((element.title(), of_kind, true, Expected::numbers(&MpcCase::QUANTITIES)))
     });
     let named = connectors.chain(mpcs).zip(gathered);
     named
-        .map(|((title, certificate, expected), mut one)| {
+        .map(|((title, certificate, slips, expected), mut one)| {
             one.checks.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
-            Subject {
-                scene: Some(target.name.to_string()),
-                ..Subject::new(title, certificate, one.cases, one.checks, &expected)
-            }
+            let springs = one.checks.iter().any(|check| check.quantity == Some(Quantity::BehaviorTangent));
+            let certified = slips && (!springs || certifies_springs());
+            let subject = Subject::new(title, certificate, one.cases, one.checks, &expected);
+            let least = if certified { Verdict::Pass } else { Verdict::Undecided };
+            let formula = subject.formula.max(least);
+            Subject { scene: Some(target.name.to_string()), formula, ..subject }
         })
         .collect()
 }

@@ -191,6 +191,7 @@ impl Sheet {
         let score = if proves { self.try_mistakes(&self.all_mistakes()) } else { Score::default() };
         let mut check = Check::new(Some(self.quantity), Against::Oracle(oracle));
         check.add_at(judgement, score, state, case);
+        check.name_stage(|| Some(self.quantity.name()));
         if check.verdict == Verdict::Wrong {
             check.diagnosis = diagnose_sheet(self).map(Box::new);
         }

@@ -89,6 +89,18 @@ fn file() -> File {
     file
 }
 
+/// How many states the file has of each kind, as certificates name them.
+pub(crate) fn states_by_kind() -> std::collections::BTreeMap<String, u64> {
+    let file = file();
+    let mut found = std::collections::BTreeMap::new();
+    for case in &file.criteria {
+        *found.entry(format!("BEHAVIOR friction of {}", case.r#type)).or_default() += 1;
+    }
+    found.insert("BEHAVIOR friction of a belt".into(), file.belts.len() as u64);
+    found.insert("BEHAVIOR friction by potential".into(), file.potentials.len() as u64);
+    found
+}
+
 fn criterion(name: &str, place: usize, parameters: &[f64]) -> Criterion {
     let friction = ConnectionType::named(name, None).unwrap().friction.unwrap();
     let numbers: Vec<Option<f64>> = parameters.iter().copied().map(Some).collect();

@@ -85,7 +85,26 @@ impl MpcCase {
         if sheets.iter().any(needs) {
             self.add_mistakes(&mut sheets);
         }
-        sheets.iter().map(|sheet| sheet.check(nearness, proves, &self.name, None)).collect()
+        // Those of one state are formed in their order.
+        let is_lost = |sheet: &&Sheet| sheet.entries.iter().any(|entry| !entry.got.is_finite());
+        let stage = if self.is_finite() {
+            sheets.iter().find(is_lost).map(|sheet| sheet.quantity.name())
+        } else {
+            Some("state")
+        };
+        let mut checks: Vec<Check> =
+            sheets.iter().map(|sheet| sheet.check(nearness, proves, &self.name, None)).collect();
+        checks.iter_mut().for_each(|check| check.name_stage(|| stage));
+        checks
+    }
+
+    fn is_finite(&self) -> bool {
+        let State { slave, master, angles, velocity, acceleration } = &self.state;
+        let bodies = [slave, master].into_iter().flat_map(|body| {
+            body.displacement.iter().chain(body.rotation.as_flattened()).chain([&body.flow])
+        });
+        let rates = velocity.iter().chain(acceleration);
+        bodies.chain(angles.iter().flatten()).chain(rates).all(|x| x.is_finite())
     }
 
     /// The numbers at this state, and what they must be: equations, their derivatives, rates and accelerations.

@@ -95,12 +95,14 @@ pub(super) fn left_out_of(subject: &Subject) -> impl Iterator<Item = String> {
         .map(|(list, why)| format!("{why}: {}", list.join(", ")))
 }
 
-/// Why states of a check are undecided, a sentence for each reason.
+/// Why states of a check are undecided, a sentence for each reason; and from which stage on one is invalid.
 pub(super) fn undecided(check: &Check) -> impl Iterator<Item = String> {
-    check.undecided.iter().map(|(why, states)| {
+    let stage = check.stage.map(|stage| format!("not finite from this on: {stage}"));
+    let reasons = check.undecided.iter().map(|(why, states)| {
         let states = count(usize::try_from(*states).unwrap_or(usize::MAX), "state");
         format!("undecided at {states}: {why}")
-    })
+    });
+    reasons.chain(stage)
 }
 
 /// How the mutants fared under the oracles.
