@@ -9,6 +9,7 @@ mod mistakes;
 use super::bound::scales;
 use super::case::turn;
 use super::engine::Settings;
+use super::failing::Failing;
 use super::oracle::Oracle;
 use super::outcome::Check;
 use super::quantity::Quantity;
@@ -30,7 +31,8 @@ const FIRST_STEP: f64 = 1e-25;
 const SECOND_STEP: f64 = 1e-18;
 
 /// A constraint at a state.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MpcCase {
     /// The constraint and the state, in words.
     pub name: String,
@@ -85,7 +87,12 @@ impl MpcCase {
         if sheets.iter().any(needs) {
             self.add_mistakes(&mut sheets);
         }
-        sheets.iter().map(|sheet| sheet.check(nearness, proves, &self.name, None)).collect()
+        let check = |sheet: &Sheet| {
+            let mut check = sheet.check(nearness, proves, &self.name, None);
+            check.fails_at(|| Failing::Mpc(Box::new(self.clone())));
+            check
+        };
+        sheets.iter().map(check).collect()
     }
 
     /// The numbers at this state, and what they must be: equations, their derivatives, rates and accelerations.
