@@ -153,7 +153,10 @@ fn constraints_are_shrunk_and_replayed() {
     assert!(velocity.iter().all(|x| x == "0x0p+0"), "{velocity:?}");
     let fails = pintle(&["replay", name, "--plant", "wrong-entry"]).assert().code(1);
     let page = stdout(&fails);
-    assert!(page.contains("MPC PIN by MPC PIN 10-20") && page.contains("  given 0x"), "{page}");
+    assert!(
+        page.contains("MPC PIN by MPC PIN 10-20") && page.contains("  given -0x1.000010c6f7a0bp+0"),
+        "{page}"
+    );
     let passes = pintle(&["replay", name]).assert().code(0);
     assert!(stdout(&passes).trim_end().ends_with("no mismatch"), "{}", stdout(&passes));
     for form in ["rust", "jax", "inp"] {
