@@ -1,7 +1,8 @@
 //! Time and memory of the analysis of whole assemblies, checked before they are measured: `cargo bench --bench assembly [CONNECTORS]`.
 //!
 //! A chain of pendulums, a closed loop, a tree, and a grid of four-bar loops, of 1e5 connectors each unless told otherwise. Each is
-//! analysed at a quarter of the size too: memory that is linear is four times as much at the full one.
+//! analysed at a quarter of the size too: memory that is linear is four times as much at the full one. Then cubic lattices of 20³ and 33³ nodes, and
+//! one of 20³ whose nodes are moved off it.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a bench")]
 
 use peak_alloc::PeakAlloc;
@@ -134,6 +135,32 @@ fn grid(connectors: usize) -> (Scene, [usize; 2]) {
     (deck.scene(), [mobility, redundant])
 }
 
+/// A cubic lattice of n³ nodes with a LINK between neighbours, the first node held; nodes moved at random by up to `moved`, so that rows that cross
+/// each other fill. No link is redundant.
+fn lattice(n: usize, moved: f64) -> (Scene, [usize; 2]) {
+    let at = |i: usize, j: usize, k: usize| (i * n + j) * n + k + 1;
+    let (mut nodes, mut links, mut count) = (String::new(), String::new(), 0);
+    let mut random = 1_u64;
+    let mut off = || {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        moved * ((random >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+    };
+    for (i, j, k) in (0..n * n * n).map(|v| (v / n / n, v / n % n, v % n)) {
+        let [x, y, z] = [i, j, k].map(|x| x as f64 + off());
+        writeln!(nodes, "{}, {x:?}, {y:?}, {z:?}", at(i, j, k)).unwrap();
+        for (p, q, r) in [(i + 1, j, k), (i, j + 1, k), (i, j, k + 1)] {
+            if p.max(q).max(r) < n {
+                count += 1;
+                writeln!(links, "{count}, {}, {}", at(i, j, k), at(p, q, r)).unwrap();
+            }
+        }
+    }
+    let text = format!(
+        "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{links}*CONNECTOR SECTION, ELSET=L\nLINK\n*BOUNDARY\n1, 1, 3\n"
+    );
+    (Scene::parse("lattice.inp", &text).unwrap(), [3 * (n * n * n - 1) - count, 0])
+}
+
 fn measure(name: &str, scene: &Scene, known: [usize; 2]) {
     let model = Model::compile(scene).unwrap();
     PEAK.reset_peak_usage();
@@ -172,4 +199,10 @@ fn main() {
         let (scene, known) = grid(n);
         measure("grid", &scene, known);
     }
+    for n in [20, 33] {
+        let (scene, known) = lattice(n, 0.0);
+        measure("lattice", &scene, known);
+    }
+    let (scene, known) = lattice(20, 0.1);
+    measure("moved", &scene, known);
 }

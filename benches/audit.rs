@@ -47,8 +47,9 @@ impl Given {
                 // Afresh, for the places that are differenced are kept.
                 let truth = Truth::of(case).unwrap();
                 let [rate, acceleration] = truth.rates();
-                let forces = [truth.force_rows(), truth.force_row_changes()];
-                let of_state = [truth.value(), truth.first(), truth.second(), rate, acceleration];
+                let [second, changes] = truth.second(true);
+                let forces = [truth.force_rows(), changes];
+                let of_state = [truth.value(), truth.first(), second, rate, acceleration];
                 of_state.iter().chain(&forces).map(Entries::len).sum()
             }
             Oracle::WideSymbolic => {

@@ -276,7 +276,7 @@ def say(text):
 
 
 def printed(bench):
-    """What a bench prints, which interleaves and checks by itself."""
+    """What a bench prints, which interleaves and checks by itself; that of stress draws its figure too."""
 
     def block(arguments):
         say(f"{bench}: built, then run")
@@ -316,6 +316,7 @@ MEASUREMENTS = {
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
     printed("scale"): ("scale",),
+    printed("stress"): ("stress",),
 }
 
 

@@ -1,12 +1,13 @@
 """Would the tests notice if the code were wrong? The mutants of `cargo mutants`, all compiled into one program.
 
 `cargo mutants` compiles the crate once for each mutant; here that would take days. This script takes its list of mutants,
-writes every one of them into a copy of the sources behind a switch, `if mutated::on(k) { mutant } else { original }`,
-compiles that once, and runs the tests once for each k, until the first test fails. What does not compile is left out and
-counted. A mutant that every test passes has survived: each must be explained in `verify/mutants.toml`.
+writes every one of them into a copy of the sources behind a switch, `match mutated::among(k, k) { k => mutant, _ => original }`,
+compiles that once, and records which of them each test reaches. Then, for each k, the tests that reach it are run, the short
+ones first, until one fails. What does not compile is left out and counted. A mutant that every test passes has survived: each
+must be explained in `verify/mutants.toml`.
 
     pip install -r scripts/requirements-mutants.txt && cargo install cargo-mutants
-    python scripts/mutants.py build 'src/measure.rs' 'src/so3.rs' 'src/scalar/*.rs' 'src/behavior/**/*.rs'
+    python scripts/mutants.py build 'src/measure.rs' 'src/so3.rs' 'src/scalar/**/*.rs' 'src/behavior/**/*.rs'
     python scripts/mutants.py run --jobs 4
     python scripts/mutants.py report        # fails on a survivor without an explanation, or an explanation without survivor
 """
@@ -18,41 +19,68 @@ import json
 import os
 import pathlib
 import re
+import resource
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 HOME = pathlib.Path(os.environ.get("PINTLE_MUTANTS", ROOT / "target" / "mutants"))
-TREE, LIST, RESULTS = HOME / "tree", HOME / "mutants.json", HOME / "results.jsonl"
+TREE, LIST, TESTS, RESULTS = HOME / "tree", HOME / "mutants.json", HOME / "tests.json", HOME / "results.jsonl"
 EXPLAINED = ROOT / "verify" / "mutants.toml"
 
-SWITCH = """//! Which mutant is on: the number in `PINTLE_MUTANT`, none if it is absent.
+SWITCH = """//! Which mutant is on: the number in `PINTLE_MUTANT`, none if it is absent. If `PINTLE_REACHED` names a file, the numbers of the
+//! mutants whose place is reached are added to it instead, each at most once.
+use std::io::Write;
 use std::sync::atomic::{AtomicU32, Ordering};
-static ACTIVE: AtomicU32 = AtomicU32::new(u32::MAX);
+const UNREAD: u32 = u32::MAX;
+const RECORDED: u32 = u32::MAX - 1;
+static ACTIVE: AtomicU32 = AtomicU32::new(UNREAD);
+static REACHED: [AtomicU32; 1 << 10] = [const { AtomicU32::new(0) }; 1 << 10];
 #[cold]
-fn read() -> u32 {
-    let k = std::env::var("PINTLE_MUTANT").ok().and_then(|k| k.parse().ok()).unwrap_or(0);
-    ACTIVE.store(k, Ordering::Relaxed);
-    k
+#[inline(never)]
+fn seldom(active: u32, first: u32, last: u32) -> u32 {
+    if active == RECORDED {
+        for k in first..=last {
+            let (word, bit) = (&REACHED[k as usize / 32], 1 << (k % 32));
+            if word.load(Ordering::Relaxed) & bit == 0 && word.fetch_or(bit, Ordering::Relaxed) & bit == 0 {
+                let path = std::env::var_os("PINTLE_REACHED").unwrap();
+                let mut file = std::fs::OpenOptions::new().append(true).create(true).open(path).unwrap();
+                file.write_all(format!("{k}\\n").as_bytes()).unwrap();
+            }
+        }
+        return 0;
+    }
+    let told = std::env::var("PINTLE_MUTANT").ok().and_then(|k| k.parse().ok()).unwrap_or(0);
+    ACTIVE.store(if std::env::var_os("PINTLE_REACHED").is_some() { RECORDED } else { told }, Ordering::Relaxed);
+    among(first, last)
+}
+/// The mutant that is on, if it is one from `first` to `last`; else 0.
+#[inline]
+pub fn among(first: u32, last: u32) -> u32 {
+    let active = ACTIVE.load(Ordering::Relaxed);
+    if active >= RECORDED { seldom(active, first, last) } else if first <= active && active <= last { active } else { 0 }
 }
 /// Whether mutant `k` is on.
 #[inline]
 pub fn on(k: u32) -> bool {
-    let active = ACTIVE.load(Ordering::Relaxed);
-    (if active == u32::MAX { read() } else { active }) == k
+    among(k, k) == k
 }
 """
 
-# Tests are run in groups, the short ones first: those of up to so many seconds.
-GROUPS = [0.1, 1.0, 10.0, float("inf")]
+# Tests that reach a mutant are run in groups, the short ones first: those of up to so many seconds.
+GROUPS = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0, float("inf")]
 
-# Tests that compile or run other programs, or run very long.
-ELSEWHERE = ["export::", "reports::", "handover::", "fuzzing::", "scale::"]
+# Tests that compile other programs: without the switches (`cargo`), or of text that other tests compare byte by byte (C, Fortran).
+ELSEWHERE = ["export::", "handover::"]
+
+# What a test may need of memory at most: a mutant may ask for any amount.
+MEMORY = 6 << 30
 
 COMPARISONS = {"==", "!=", "<", ">", "<=", ">="}
 
@@ -76,12 +104,37 @@ def key(mutant):
     return re.sub(r"^([^:]+):\d+:\d+: ", r"\1: ", mutant["name"])
 
 
-def render(source, mutants, dropped):
-    """The text of a file with its mutants behind switches, and for each line of it the mutants that stand there."""
+def constants(files):
+    """The constants whose value has mutants, {name: path of its module}: each becomes a function too, which what is no constant calls."""
+    found = {}
+    for file, mutants in files.items():
+        source = (ROOT / file).read_bytes()
+        lines = {m["span"]["start"]["line"] - 1 for m in mutants if m["genre"] in ("UnaryOperator", "BinaryOperator")}
+        module = "crate::" + "::".join(pathlib.PurePath(file).with_suffix("").parts[1:]).removesuffix("::mod")
+        nodes = [syntax(source)]
+        while nodes:
+            node = nodes.pop()
+            nodes += node.named_children
+            value = node.child_by_field_name("value") if node.type == "const_item" else None
+            if value and lines & set(range(value.start_point.row, value.end_point.row + 1)):
+                path = module + "::" if node.parent.type == "source_file" else ""
+                found[node.child_by_field_name("name").text] = path.encode()
+    return found
+
+
+def syntax(source):
+    """The root of the syntax tree of a file."""
     import tree_sitter
     import tree_sitter_rust
 
-    parser = tree_sitter.Parser(tree_sitter.Language(tree_sitter_rust.language()))
+    return tree_sitter.Parser(tree_sitter.Language(tree_sitter_rust.language())).parse(source).root_node
+
+
+def render(source, mutants, dropped, called):
+    """The text of a file with its mutants behind switches, for each line of it the mutants that stand there, and all of them.
+
+    The constants `called` are read through their functions.
+    """
     lines = source.split(b"\n")
 
     def byte(position):
@@ -115,10 +168,10 @@ def render(source, mutants, dropped):
         return result + source[at : node.end_byte]
 
     def choice(alternatives, original):
-        chain = b""
-        for k, alternative in alternatives:
-            chain += b"\n/*%d*/ if crate::mutated::on(%d) { %s } else " % (k, k, alternative)
-        return chain + b"\n{ " + original + b" }"
+        arms = b"".join(b"\n/*%d*/ %d => { %s }" % (k, k, alternative) for k, alternative in alternatives)
+        return b"match crate::mutated::among(%d, %d) {%s\n_ => { %s } }" % (
+            alternatives[0][0], alternatives[-1][0], arms, original,
+        )
 
     def walk(node):
         kind = node.type
@@ -165,11 +218,45 @@ def render(source, mutants, dropped):
         if kind == "match_pattern" and node.child_by_field_name("condition"):
             condition = node.child_by_field_name("condition")
             return source[node.start_byte : condition.start_byte] + guarded(condition)
+        if kind == "const_item" and (name := node.child_by_field_name("name")).text in called:
+            value = node.child_by_field_name("value")
+            body = walk(value)
+            return node.text + b"\n#[allow(non_snake_case)] pub(crate) fn %s__() -> %s { %s }" % (
+                name.text, node.child_by_field_name("type").text, body,
+            )
+        if kind in ("const_item", "use_declaration", "array_type", "line_comment", "block_comment"):
+            return node.text
+        if kind == "identifier" and node.text in called:
+            return b"%s%s__()" % (called[node.text], node.text)
+        if kind == "struct_expression":
+            body = node.child_by_field_name("body")
+            base = [child for child in body.children if child.type == "base_field_initializer"]
+            fields = [(child, take("StructField", child)) for child in body.children if base]
+            if any(found for _, found in fields):
+                result = b"{ let base__: %s = %s; %s {" % (
+                    node.child_by_field_name("name").text, walk(base[0].named_children[0]), node.child_by_field_name("name").text,
+                )
+                for child, found in fields:
+                    if child.type == "shorthand_field_initializer":
+                        name, value = child.text, child.text
+                    elif child.type == "field_initializer":
+                        name, value = child.child_by_field_name("field").text, walk(child.child_by_field_name("value"))
+                    else:
+                        continue
+                    if found:
+                        value = choice([(found[0]["k"], b"base__." + name)], value)
+                    result += b"%s: %s, " % (name, value)
+                return result + b"..base__ } }"
         if kind == "function_item" and node.child_by_field_name("body"):
             body = node.child_by_field_name("body")
-            inner = [child for child in body.named_children if not child.type.endswith("comment")]
-            found = take("FnValue", inner[0]) if inner else []
+            found = next(filter(None, (take("FnValue", child) for child in body.named_children)), [])
             result = source[node.start_byte : body.start_byte] + b"{"
+            returned = node.child_by_field_name("return_type")
+            if found and returned and returned.text.startswith(b"impl "):
+                alternatives = [(m["k"], b"Box::new(%s)" % m["replacement"].encode()) for m in found]
+                return result + b"let b__: Box<dyn %s> = %s; b__ }" % (
+                    returned.text[5:], choice(alternatives, b"Box::new(" + text(body) + b")"),
+                )
             for m in found:
                 result += b"\n/*%d*/ if crate::mutated::on(%d) { return %s; }\n" % (
                     m["k"], m["k"], m["replacement"].encode(),
@@ -187,8 +274,7 @@ def render(source, mutants, dropped):
             ) % (m["k"], m["k"], result)
         return result
 
-    rendered = walk(parser.parse(source).root_node)
-    # The module's own documentation stays first; the switch is reached by its path.
+    rendered = walk(syntax(source))
     places = collections.defaultdict(list)
     for number, line in enumerate(rendered.split(b"\n"), 1):
         for k in re.findall(rb"/\*(\d+)\*/", line):
@@ -204,7 +290,7 @@ def build(patterns):
     mutants = identify(json.loads(subprocess.check_output(listing, cwd=ROOT)))
     for mutant in mutants:
         del mutant["diff"]
-    HOME.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(TREE, ignore_errors=True)
     for name in subprocess.check_output(["git", "ls-files"], cwd=ROOT, text=True).split("\n"):
         if name:
             (TREE / name).parent.mkdir(parents=True, exist_ok=True)
@@ -220,14 +306,14 @@ def build(patterns):
     for mutant in mutants:
         files[mutant["file"]].append(mutant)
     genres = {mutant["k"]: mutant["genre"] for mutant in mutants}
-    constant, dropped, changed = set(), {}, dict.fromkeys(files)
+    constant, dropped, changed, called = set(), {}, dict.fromkeys(files), constants(files)
     while True:
         places, used = {}, set()
         for file, its in files.items():
             source = (ROOT / file).read_bytes()
             if changed[file] is None:
                 changed[file] = strip(source, constant)
-            rendered, places[file], here = render(changed[file], its, dropped)
+            rendered, places[file], here = render(changed[file], its, dropped, called)
             used |= here
             if (TREE / file).read_bytes() != rendered:
                 (TREE / file).write_bytes(rendered)
@@ -252,6 +338,8 @@ def build(patterns):
         elif mutant["k"] not in used:
             mutant["left_out"] = "no place found for it"
     LIST.write_text(json.dumps(mutants, indent=1))
+    for stale in (RESULTS, TESTS):
+        stale.unlink(missing_ok=True)
     compiled = subprocess.run(
         ["cargo", "test", "--all-features", "--no-run", "--lib", "--test", "verify", "--message-format=json"],
         cwd=TREE, stdout=subprocess.PIPE, check=True, text=True,
@@ -312,7 +400,7 @@ def test(k, program, names, timeout):
     start = time.monotonic()
     process = subprocess.Popen(
         [program, "--exact", *names, "--test-threads=1"], cwd=TREE, env=environment, stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL, text=True, start_new_session=True,
+        stderr=subprocess.DEVNULL, text=True, process_group=0,
     )
     timer = threading.Timer(timeout, lambda: stop(process))
     timer.start()
@@ -330,32 +418,43 @@ def test(k, program, names, timeout):
     return "timeout" if time.monotonic() - start >= timeout else "crash"
 
 
-def durations(programs):
-    """How long every test takes that may notice something, without a mutant: {program: {test: seconds}}."""
-    kept = HOME / "durations.json"
-    found = json.loads(kept.read_text()) if kept.exists() else {}
+def reach(programs, jobs):
+    """What every test takes without a mutant, and which mutants it reaches: {program: {test: {seconds, reached}}}.
+
+    Each test runs in a process of its own, so that what is computed once for all tests is reached by each.
+    """
+    found = json.loads(TESTS.read_text()) if TESTS.exists() else {}
+
+    def trace(program, name):
+        with tempfile.TemporaryDirectory() as folder:
+            record = pathlib.Path(folder, "reached")
+            start = time.monotonic()
+            ended = subprocess.run(
+                [program, "--exact", name], cwd=TREE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                env=dict(os.environ, PINTLE_REACHED=str(record), INSTA_UPDATE="no"),
+            )
+            took = time.monotonic() - start
+            reached = sorted(set(map(int, record.read_text().split()))) if record.exists() else []
+        return program, name, ended.returncode, {"seconds": took, "reached": reached}
+
+    open_ones = []
     for program in programs:
-        known = found.setdefault(program, {})
         listed = subprocess.check_output([program, "--list"], cwd=TREE, text=True).splitlines()
         names = [line.removesuffix(": test") for line in listed if line.endswith(": test")]
-        names = [name for name in names if name not in known and not name.startswith(tuple(ELSEWHERE))]
-        if not names:
-            continue
-        process = subprocess.Popen(
-            [program, "--exact", *names, "--test-threads=1"], cwd=TREE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            env=dict(os.environ, PINTLE_MUTANT="0", INSTA_UPDATE="no"), text=True,
-        )
-        last = time.monotonic()
-        for line in process.stdout:
-            name = re.match(r"test (\S+).* \.\.\. ok$", line.rstrip())
-            now = time.monotonic()
-            if name:
-                known[name[1]] = now - last
-            elif line.rstrip().endswith("FAILED"):
-                sys.exit("the tests fail without any mutant: " + line)
-            last = now
-        process.wait()
-        kept.write_text(json.dumps(found, indent=1))
+        open_ones += [
+            (program, name) for name in names
+            if name not in found.setdefault(program, {}) and not name.startswith(tuple(ELSEWHERE))
+        ]
+    failed = []
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for program, name, code, result in pool.map(lambda it: trace(*it), open_ones):
+            if code:
+                failed.append(name)
+            else:
+                found[program][name] = result
+    TESTS.write_text(json.dumps(found))
+    if failed:
+        sys.exit("these tests fail without any mutant: " + " ".join(failed))
     return found
 
 
@@ -368,8 +467,14 @@ def stop(process):
 
 def run(jobs, timeout, only, stride, longest):
     """Runs the tests for every mutant that has no result yet, those of up to `longest` seconds."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     mutants, programs = json.loads(LIST.read_text()), json.loads((HOME / "programs.json").read_text())
-    seconds = durations(programs)
+    tests = reach(programs, jobs)
+    seconds = {(program, name): test["seconds"] for program in programs for name, test in tests[program].items()}
+    reaching = collections.defaultdict(list)
+    for program, name in seconds:
+        for k in tests[program][name]["reached"]:
+            reaching[k].append((program, name))
     before = results()
     open_ones = [
         m for m in mutants
@@ -382,22 +487,21 @@ def run(jobs, timeout, only, stride, longest):
         """Tries the tests that noticed the neighbours of a mutant first: those of its function, then those of its file."""
         started = time.monotonic()
         places = (mutant["file"], (mutant.get("function") or {}).get("function_name")), (mutant["file"], None)
-        likely = {test for place in places for test, _ in killers[place].most_common(3)}
         tried = before.get(mutant["k"], {"longest": 0.0})["longest"]
-        groups = [likely] if not tried else []
+        able = {test for test in reaching[mutant["k"]] if tried <= seconds[test] < longest}
+        groups = [[test] for place in places for test, _ in killers[place].most_common(2) if test in able]
+        able -= {test for group in groups for test in group}
         for low, high in zip([0.0, *GROUPS], GROUPS):
-            if high > tried and low < longest:
-                low, high = max(low, tried), min(high, longest)
-                groups.append({(p, n) for p in programs for n, took in seconds[p].items() if low <= took < high} - likely)
+            groups.append([test for test in able if low <= seconds[test] < high])
         caught = None
         for group in groups:
             for program in programs:
                 names = sorted(name for p, name in group if p == program)
-                allowed = timeout + 20.0 * sum(seconds[program][name] for name in names)
+                allowed = timeout + 10.0 * sum(seconds[program, name] for name in names)
                 caught = caught or test(mutant["k"], program, names, allowed)
                 if caught and "::" in caught:
                     for place in places:
-                        killers[place][program, caught] += seconds[program][caught] < 1.0
+                        killers[place][program, caught] += 1
                 if caught:
                     return mutant, caught, time.monotonic() - started
         return mutant, None, time.monotonic() - started
@@ -411,7 +515,8 @@ def run(jobs, timeout, only, stride, longest):
             file.flush()
             count[bool(caught)] += 1
             if not caught:
-                print("SURVIVED", mutant["k"], mutant["name"], flush=True)
+                by = f"passes {len(reaching[mutant['k']])} tests" if reaching[mutant["k"]] else "not reached by any test"
+                print("SURVIVED", mutant["k"], mutant["name"] + ":", by, flush=True)
     print(f"{count[True]} noticed, {count[False]} survived the tests of up to {longest} seconds")
 
 
@@ -447,7 +552,7 @@ def main():
     building.add_argument("file", nargs="+", help="patterns of `cargo mutants --file`")
     running = commands.add_parser("run", help="run the tests for each mutant")
     running.add_argument("--jobs", type=int, default=os.cpu_count())
-    running.add_argument("--timeout", type=float, default=60.0, help="seconds beyond twenty times the usual ones")
+    running.add_argument("--timeout", type=float, default=20.0, help="seconds beyond ten times the usual ones")
     running.add_argument("--longest", type=float, default=float("inf"), help="only tests of up to so many seconds; to go on later")
     running.add_argument("--only", nargs="*", default=[], help="files whose mutants are run")
     running.add_argument("--stride", type=int, default=1, help="run one mutant in so many, for a sample")

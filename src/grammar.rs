@@ -30,9 +30,45 @@ fn plural(noun: &str) -> String {
     }
 }
 
+/// Numbers of things, ascending, those that follow each other as ranges, eight of them at most: `states 0 to 3, 5 and 7 more`.
+pub(crate) fn ranges(noun: &str, numbers: &[u64]) -> String {
+    const NAMED: usize = 8;
+    let mut found: Vec<[u64; 2]> = Vec::new();
+    for number in numbers {
+        match found.last_mut() {
+            Some([_, last]) if last.checked_add(1) == Some(*number) => *last = *number,
+            _ => found.push([*number; 2]),
+        }
+    }
+    let named: u64 = found.iter().take(NAMED).map(|[first, last]| last - first + 1).sum();
+    let words: Vec<String> = found
+        .iter()
+        .take(NAMED)
+        .map(|[first, last]| match last - first {
+            0 => first.to_string(),
+            1 => format!("{first}, {last}"),
+            _ => format!("{first} to {last}"),
+        })
+        .collect();
+    let more = match numbers.len() as u64 - named {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let plural = if numbers.len() == 1 { "" } else { "s" };
+    format!("{noun}{plural} {}{more}", words.join(", "))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{agree, count};
+    use super::{agree, count, ranges};
+
+    #[test]
+    fn numbers_that_follow_each_other_are_ranges() {
+        assert_eq!(ranges("state", &[3]), "state 3");
+        assert_eq!(ranges("state", &[0, 1, 2, 3, 5, 7, 8]), "states 0 to 3, 5, 7, 8");
+        let odd: Vec<u64> = (0..12).map(|k| 2 * k + 1).collect();
+        assert_eq!(ranges("state", &odd), "states 1, 3, 5, 7, 9, 11, 13, 15 and 4 more");
+    }
 
     #[test]
     fn one_and_several() {

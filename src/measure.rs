@@ -55,6 +55,10 @@ pub enum Measure {
     FlowConversion,
 }
 
+/// The distance from a lock (rad) within which rounding decides the angles, a few roundings of the entries of Q: nothing of the
+/// direction across the axes is left, and a state counts as locked ([`Measure::unlocked`]).
+pub(crate) const LOCK: f64 = 2e-15;
+
 /// The unit of a measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -77,6 +81,8 @@ pub enum SingularClass {
     TrueSingularity,
     /// A principal value jumps by a period; the continued value does not.
     BranchCut,
+    /// A formula is 0/0 there, or a principal value jumps that is continued: value and derivatives have limits, and are these.
+    Removable,
 }
 
 /// A set of points where a measure, or a derivative of it, does not exist.
@@ -466,6 +472,11 @@ impl Measure {
         matches!(self, Self::Cardan(1 | 3) | Self::Euler(_) | Self::Torsion | Self::Sweep)
     }
 
+    /// Whether this is one of two angles of which a lock leaves only the sum or the difference.
+    pub(crate) const fn locks(self) -> bool {
+        matches!(self, Self::Cardan(1 | 3) | Self::Euler(1 | 3))
+    }
+
     /// Whether the value depends on the whole turns of torsion.
     pub const fn counts_torsion(self) -> bool {
         matches!(self, Self::ProjectedPosition(_) | Self::ComponentFlexion(_))
@@ -534,6 +545,24 @@ impl Measure {
             }
         };
         Some(SingularSet { at, class, distance, unit })
+    }
+
+    /// The points where only a formula fails: series or another formula take over there, and nothing is lost. No margin counts
+    /// the distance to them.
+    pub const fn removable_sets(self) -> &'static [SingularSet] {
+        const fn at(at: &'static str, distance: &'static str) -> SingularSet {
+            SingularSet { at, class: SingularClass::Removable, distance, unit: Unit::Angle }
+        }
+        const REST: SingularSet = at("φ = 0", "|φ|");
+        const HALF_TURN: SingularSet = at("|φ| = π", "||φ| − π|");
+        const ALIGNED: SingularSet = at("b in its initial orientation, ρ = 0", "|ρ|");
+        const STRAIGHT: SingularSet = at("e3b = e3a, α = 0", "α");
+        match self {
+            Self::RotationVector(_) | Self::RotationVectorAtB(_) => &[REST, HALF_TURN],
+            Self::Misalignment(_) => &[ALIGNED],
+            Self::Torsion | Self::ComponentFlexion(_) | Self::ProjectedPosition(_) => &[STRAIGHT],
+            _ => &[],
+        }
     }
 
     /// The distance of a state to the nearest point of [`Measure::singular_set`], `None` where there is no such point.
@@ -638,8 +667,6 @@ impl Measure {
     ///
     /// Cardan, β = ±π/2: γ ± α = atan2(Q₂₁, Q₂₂); Euler, β = 0 and π: α ± γ = atan2(Q₂₁, Q₁₁).
     pub(crate) fn unlocked<R: Real>(self, q: &Matrix<R>, evaluated: R, first: R) -> R {
-        // A few roundings of the entries of Q: nothing of the direction across the axes is left.
-        const LOCK: f64 = 2e-15;
         let zero = R::integer(0);
         let (across, beyond, sum, which) = match self {
             Self::Cardan(i @ (1 | 3)) => (norm([q[1][2], q[2][2]]), q[0][2], [q[1][0], q[1][1]], i),

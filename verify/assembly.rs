@@ -5,9 +5,10 @@
 
 mod linkages;
 
-use pintle::audit::assembly::{Assembly, Holds, analyse};
+use pintle::audit::assembly::{Assembly, Holds, analyse, analyse_steps};
 use pintle::evaluate::Model;
-use pintle::scene::{Code, Scene};
+use pintle::scene::{Code, NodeMotion, Rotation, Scene, State};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 type Point = [f64; 3];
@@ -109,7 +110,7 @@ fn is(assembly: &Assembly, gruebler: i64, mobility: usize, redundant: usize, hol
     let position = &assembly.positions[0];
     let counted = |wanted: Holds| assembly.redundant.iter().filter(|one| one.holds == wanted).count();
     let seen: Vec<(Holds, usize)> =
-        [Holds::Throughout, Holds::Rigid, Holds::Here, Holds::Isolated, Holds::Unjudged]
+        [Holds::Throughout, Holds::Rigid, Holds::Here, Holds::Isolated, Holds::Large, Holds::Unjudged]
             .into_iter()
             .map(|holds| (holds, counted(holds)))
             .filter(|(_, count)| *count > 0)
@@ -496,4 +497,124 @@ fn motions_are_told_apart() {
         );
         assert!(!words[..i].contains(word), "{message}");
     }
+}
+
+/// A parallelogram of hinged bars (1-2 to 7-8) whose cranks stand at an angle, moved from where they stand upright.
+fn parallelogram() -> (Deck, impl Fn(u64, f64) -> State) {
+    let mut deck = Deck::default();
+    let [low, tip] = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let ends = deck.closed(&[(low, Z), (tip, Z), ([2.0, 1.0, 0.0], Z), ([2.0, 0.0, 0.0], Z)]);
+    let state = move |number: u64, angle: f64| {
+        let turned = Rotation::Vector([0.0, 0.0, angle]);
+        let shift = [-angle.sin(), angle.cos() - 1.0, 0.0];
+        let mut nodes = BTreeMap::new();
+        let mut put = |node: usize, displacement: Point, rotation: Rotation| {
+            let motion = NodeMotion { displacement, rotation, ..NodeMotion::default() };
+            nodes.insert(node.to_string().parse().unwrap(), motion);
+        };
+        let at_rest = Rotation::Vector([0.0; 3]);
+        put(ends[0][1], [0.0; 3], turned);
+        put(ends[1][0], shift, turned);
+        put(ends[1][1], shift, at_rest);
+        put(ends[2][0], shift, at_rest);
+        put(ends[2][1], shift, turned);
+        put(ends[3][0], [0.0; 3], turned);
+        State { nodes, number: Some(number), ..State::default() }
+    };
+    (deck, state)
+}
+
+/// What moves, and what is redundant, is named at the states where it is not what it was.
+#[test]
+fn motions_at_a_flat_state_are_named() {
+    let (deck, state) = parallelogram();
+    let scene = Scene::parse("parallelogram.inp", &deck.text()).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let flat = std::f64::consts::FRAC_PI_2;
+    let states: Vec<State> =
+        [(0, 0.0), (1, -0.8), (4, -flat), (5, -1.8), (9, flat)].map(|(k, angle)| state(k, angle)).to_vec();
+    let assembly = analyse(&scene, &model, &states, 1).unwrap();
+    assert!(assembly.off.is_empty(), "{:?}", assembly.off);
+    let differing: Vec<u64> =
+        assembly.positions.iter().filter(|one| one.differs).filter_map(|one| one.state).collect();
+    assert_eq!(differing, [4, 9]);
+    for position in assembly.positions.iter().filter(|one| one.differs) {
+        assert_eq!((position.rank, position.undriven, position.modes.len()), (Some(34), Some(2), 2));
+        assert_ne!(position.modes[0].leading, position.modes[1].leading);
+        // One crank can turn without the other.
+        assert!(position.modes.iter().all(|mode| mode.decided && mode.moving.is_some_and(|n| n >= 2)));
+        let counted = |holds: Holds| position.dependent.iter().filter(|one| one.holds == holds).count();
+        assert_eq!((counted(Holds::Here), counted(Holds::Throughout)), (1, 3), "{:#?}", position.dependent);
+        assert!(position.dependent.iter().all(|one| !one.from.is_empty()));
+    }
+    assert!(assembly.positions.iter().filter(|one| !one.differs).all(|one| one.modes.is_empty()));
+    let report = pintle::audit::model::audit_model(&scene, &states, &Default::default());
+    let message = |code: Code, with: &str| {
+        report.findings.iter().any(|one| one.code() == code && one.message().contains(with))
+    };
+    assert!(message(
+        Code::AssemblyMechanism,
+        "at states 4, 9, the assembly can move in 2 ways that nothing drives, not 1 as initially"
+    ));
+    // Which of the constraints is named is a choice, and may not be the same at both.
+    let here = |states: &str| message(Code::AssemblyRedundantHere, &format!("at {states}, "));
+    assert!(here("states 4, 9") || (here("state 4") && here("state 9")));
+    let mut text = Vec::new();
+    let settings = pintle::audit::Settings::default();
+    let mut page = pintle::audit::audit_scenes(&settings, &[], &|_| {});
+    page.models.push(report.clone());
+    pintle::report::audit::human(&mut text, &page, 200, false).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    for line in ["at states 0, 1, 5: rank 35, mobility 1", "at states 4, 9: rank 34, mobility 2"] {
+        assert!(text.contains(line), "{text}");
+    }
+}
+
+/// What a later step holds is not what the first does: a hinge whose node is held in step 2, against its constraints and about its axis.
+#[test]
+fn later_steps_have_their_own_conditions() {
+    let mut deck = Deck::default();
+    let pin = deck.hinge([0.0; 3], Z);
+    deck.fixed.push(pin[0]);
+    deck.more = format!(
+        "*STEP\n*STATIC\n0.1, 1.\n*END STEP\n*STEP\n*STATIC\n0.1, 1.\n*END STEP\n*STEP\n*STATIC\n0.1, 2.\n*BOUNDARY\n{0}, 6, 6\n{0}, 4, 4\n*END STEP\n",
+        pin[1]
+    );
+    let scene = Scene::parse("steps.inp", &deck.text()).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let states: Vec<State> = [0.5, 1.0, 1.5, 2.5, 9.0]
+        .into_iter()
+        .enumerate()
+        .map(|(k, time)| State { number: Some(k as u64), time: Some(time), ..State::default() })
+        .collect();
+    let steps = analyse_steps(&scene, &model, &states).unwrap();
+    let looked_at = |assembly: &Assembly| -> Vec<Option<u64>> {
+        assembly.positions.iter().map(|one| one.state).collect()
+    };
+    let found: Vec<_> = steps
+        .iter()
+        .map(|one| (one.step, one.held, one.positions[0].mobility, one.redundant.len(), looked_at(one)))
+        .collect();
+    let expected = [
+        (1, 6, Some(1), 0, vec![None, Some(0), Some(1), Some(2)]),
+        (3, 8, Some(0), 1, vec![None, Some(3), Some(4)]),
+    ];
+    assert_eq!(found, expected);
+    let report = pintle::audit::model::audit_model(&scene, &states, &Default::default());
+    assert_eq!((report.assembly.as_ref(), report.later_steps.as_slice()), (Some(&steps[0]), &steps[1..]));
+    let told = |code: Code, begin: &str| {
+        report.findings.iter().filter(|one| one.code() == code && one.message().starts_with(begin)).count()
+    };
+    assert_eq!(told(Code::AssemblyRedundant, "in step 3, element 101: "), 1);
+    assert_eq!(
+        (
+            told(Code::AssemblyMechanism, "the assembly can move in 1 way"),
+            told(Code::AssemblyMechanism, "in step")
+        ),
+        (1, 0)
+    );
+    // Without their times, states are of the first step.
+    let timeless: Vec<State> = states.iter().map(|state| State { time: None, ..state.clone() }).collect();
+    let steps = analyse_steps(&scene, &model, &timeless).unwrap();
+    assert_eq!([steps[0].positions.len(), steps[1].positions.len()], [6, 1]);
 }

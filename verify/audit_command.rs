@@ -287,3 +287,118 @@ fn an_assembly_that_overflows_ends() {
     let page = stdout(&pintle(&["audit", &deck, "--wide-states", "1", "--drawn-states", "1"]).assert());
     assert!(page.contains("assembly::"), "{page}");
 }
+
+/// A scene that rules refuse has its report all the same, with everything that it breaks, in every format; the numbers of other scenes
+/// are audited. What is allowed or lowered in vain is told.
+#[test]
+fn a_refused_scene_has_a_report() {
+    let folder = folder("refused");
+    fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.join(name);
+        fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_string()
+    };
+    let refused = write(
+        "refused.inp",
+        "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 0., 0.\n4, 2., 0., 0.\n\
+         *ELEMENT, TYPE=CONN3D2, ELSET=D\n2, 2, 3\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n4, 2, 3\n\
+         *ELEMENT, TYPE=CONN3D2, ELSET=F\n3, 3, 4\n*CONNECTOR SECTION, ELSET=D\nHINGE\n\
+         *CONNECTOR SECTION, ELSET=E\nLINK\n*CONNECTOR SECTION, ELSET=F, BEHAVIOR=B\nAXIAL\n\
+         *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR STOP, COMPONENT=1\n2., 3.\n*BOUNDARY\n1, 1, 6\n",
+    );
+    let sound = write(
+        "sound.inp",
+        "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+         *CONNECTOR SECTION, ELSET=C\nBEAM\n*BOUNDARY\n1, 1, 6\n",
+    );
+    let page = folder.join("page.html");
+    let page = page.to_str().unwrap();
+    let more = ["--wide-states", "1", "--drawn-states", "1", "--html", page, "--allow", "rule", "--format"];
+    let told = |format: &str| {
+        let arguments = [&["audit", &sound, &refused][..], &more, &[format]].concat();
+        let found = pintle(&arguments).assert().code(6);
+        let said = stderr(&found);
+        assert!(said.contains("refused.inp: refused by rules"), "{said}");
+        assert!(said.contains("rule::orientation-required stays an error"), "{said}");
+        stdout(&found)
+    };
+    for (format, words) in [
+        (
+            "human",
+            [
+                "BEAM 7",
+                "error[rule::orientation-required]",
+                "error[rule::coincident-nodes]",
+                "element 3: u1 is 1",
+            ],
+        ),
+        ("junit", ["BEAM 7", "rule::orientation-required", "rule::coincident-nodes", "model::stop-violated"]),
+        ("markdown", ["BEAM 7", "rule::orientation-required", "rule::coincident-nodes", "stop-violated"]),
+    ] {
+        let text = told(format);
+        for word in words {
+            assert!(text.contains(word), "{format} lacks {word}:\n{text}");
+        }
+    }
+    let document: Value = serde_json::from_str(&told("json")).unwrap();
+    let codes = |scene: usize| -> Vec<String> {
+        let findings = document["models"][scene]["findings"].as_array().unwrap();
+        findings.iter().map(|finding| finding["code"].as_str().unwrap().to_string()).collect()
+    };
+    assert!(document["compared"].as_u64().unwrap() > 0);
+    assert!(document["models"][1]["assembly"].is_null() && !document["models"][0]["assembly"].is_null());
+    for code in ["rule::orientation-required", "rule::coincident-nodes", "model::stop-violated"] {
+        assert!(codes(1).iter().any(|found| found == code), "{code}: {:?}", codes(1));
+    }
+    assert!(fs::read_to_string(page).unwrap().contains("rule::orientation-required"));
+}
+
+/// The models alone: findings and the assembly, no numbers.
+#[test]
+fn models_alone_can_be_audited() {
+    let scene = ["audit", "gallery:slider_crank", "--model-only"];
+    let page = stdout(&pintle(&scene).assert().code(0));
+    assert!(page.contains("degrees of freedom") && page.contains("models alone"), "{page}");
+    assert!(!page.contains("subjects audited") && !page.contains("mutants"), "{page}");
+    pintle(&[&scene[..], &["--strict"]].concat()).assert().code(0);
+    pintle(&["audit", "--model-only"]).assert().code(2);
+}
+
+/// How near to a singular set a connector comes is told however far that is; and of several elements of a section, each one's own value.
+#[test]
+fn distances_and_values_are_told_of_each() {
+    let folder = folder("each");
+    fs::create_dir_all(&folder).unwrap();
+    let deck = folder.join("each.inp");
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 3., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n2, 1, 3\n\
+                *ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n*CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nCARTESIAN, CARDAN\nO\n\
+                *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR STOP, COMPONENT=1\n5., 9.\n*BOUNDARY\n1, 1, 6\n";
+    fs::write(&deck, text).unwrap();
+    let states = folder.join("each.csv");
+    fs::write(&states, "state,node,u1,u2,u3,ur1,ur2,ur3\n1,2,0,0,0,0,0.5,0\n2,2,0,0,0,0,1.5,0\n").unwrap();
+    let arguments = ["audit", deck.to_str().unwrap(), "--at", states.to_str().unwrap(), "--model-only"];
+    let page = stdout(&pintle(&arguments).assert().code(0));
+    assert!(
+        page.contains(
+            "nearest singular point: ur1 of element 1 is 7.080e-2 rad from β = ±π/2 (lock), at state 2"
+        ),
+        "{page}"
+    );
+    pintle(&[&arguments[..], &["--deny", "warnings"]].concat()).assert().code(1);
+    let document = stdout(&pintle(&[&arguments[..], &["--format", "json"]].concat()).assert().code(0));
+    let document: Value = serde_json::from_str(&document).unwrap();
+    let model = &document["models"][0];
+    assert_eq!(model["nearest"]["component"], "ur1");
+    assert_eq!(model["nearest"]["state"], 2);
+    let findings = model["findings"].as_array().unwrap();
+    let stop = findings.iter().find(|finding| finding["code"] == "model::stop-violated").unwrap();
+    assert_eq!(stop["about"]["elements"], serde_json::json!([1, 2]));
+    let values: Vec<f64> = stop["about"]["values"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|value| value.as_f64().unwrap().abs())
+        .collect();
+    assert_eq!(values, [4.0, 2.0]);
+}

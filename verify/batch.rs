@@ -102,17 +102,24 @@ fn compare(one: &One, (k, measure): (usize, Measure), lane: usize, found: &Hessi
     }
 }
 
+fn greatest_common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
+}
+
 fn check(group: &[One], name: &str, worst: &mut Worst) {
     let batch = match Batch::new(&group[0].connector, [true; 6]) {
         Ok(batch) => batch,
         Err(BatchError::NotBatched(_)) => return,
         Err(error) => panic!("{name}: {error}"),
     };
-    // A stride that has no factor in common with the number of cases: neighbours come from different regions.
-    let stride = (1..).map(|i| 7 + i).find(|s| !group.len().is_multiple_of(*s) || group.len() == 1).unwrap();
-    let order: Vec<&One> = (0..group.len().next_multiple_of(4))
-        .map(|i| &group[(i * stride + i / group.len()) % group.len()])
-        .collect();
+    // A stride without a common factor with the number of cases: neighbours come from different regions, and every case comes.
+    let count = group.len();
+    let stride = (8..).find(|&stride| greatest_common_divisor(stride, count) == 1).unwrap();
+    let order: Vec<&One> = (0..count.next_multiple_of(4)).map(|i| &group[i * stride % count]).collect();
+    assert!(
+        group.iter().all(|one| order.iter().any(|&of| std::ptr::eq(of, one))),
+        "{name}: a case is left out"
+    );
     let tiles: Vec<Tile> =
         order.chunks_exact(4).map(|ones| Tile::new(&four(|i| ones[i].state().pair))).collect();
     let sections: Vec<Section> =

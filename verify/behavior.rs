@@ -3,6 +3,8 @@
 
 pub(crate) mod belts; // friction over a ring
 mod drives; // motions and loads, step by step
+mod holding; // what holds components, and what is said of it
+mod tables; // tables in several variables
 mod tangents; // consistent tangents
 
 use crate::tolerance::{BEHAVIOR_JAX, BEHAVIOR_SLOPE, BELT_BALANCE, WIDE};
@@ -20,12 +22,16 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A connector of this type between nodes 1 and 2, (1, 2, 3) apart, with this behaviour and these steps.
-fn scene(types: &str, behavior: &str, steps: &str) -> Scene {
-    let deck = format!(
+fn deck(types: &str, behavior: &str, steps: &str) -> String {
+    format!(
         "*NODE\n1, 0., 0., 0.\n2, 1., 2., 3.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
          *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\n{types}\nO,\n\
          *AMPLITUDE, NAME=WAVE\n0., 0., 1., 2., 3., -2.\n*CONNECTOR BEHAVIOR, NAME=B\n{behavior}\n{steps}"
-    );
+    )
+}
+
+fn scene(types: &str, behavior: &str, steps: &str) -> Scene {
+    let deck = deck(types, behavior, steps);
     Scene::parse("deck.inp", &deck).unwrap_or_else(|error| panic!("{}\n{deck}", error.render(100, false)))
 }
 

@@ -1,10 +1,12 @@
 //! Friction: criteria against the manual's formulas typed a second time, derivatives against differences on 237 bits, the laws
 //! that stick and slip obey, and what JAX computes.
 
+mod coefficients; // coefficients, and where a limit is met first
 mod criteria; // P, F_C, F_N, Φ and their derivatives
 mod golden; // what JAX computes
 mod histories; // stick and slip along states
 mod laws; // stick, slip, energy, thresholds, range
+mod potentials; // potentials against their formulas
 mod tangents; // consistent tangents against differences
 mod users; // frictions that a deck defines
 

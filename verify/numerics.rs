@@ -16,6 +16,7 @@ mod fuzz;
 mod golden;
 mod grid;
 mod identity;
+mod margins;
 mod orders;
 mod truth;
 mod turns;

@@ -12,6 +12,7 @@ use pintle::evaluate::{Model, Plan, Selection};
 use pintle::report::audit::{self as report, Audited, Supplement};
 use pintle::scene::{GALLERY, Scene};
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
@@ -33,7 +34,7 @@ pub(crate) fn brief() -> Report {
     FOUND.get_or_init(|| audit_catalogue(&settings, &|_| {})).clone()
 }
 
-fn text(write: impl Fn(&mut dyn std::io::Write, &Report) -> std::io::Result<()>, report: &Report) -> String {
+fn text(write: impl Fn(&mut dyn Write, &Report) -> std::io::Result<()>, report: &Report) -> String {
     let mut text = Vec::new();
     write(&mut text, report).unwrap();
     String::from_utf8(text).unwrap()
@@ -374,9 +375,9 @@ fn models_maps(model: &ModelReport) -> usize {
 #[test]
 fn a_browser_shows_the_page() {
     let Some(chromium) = chromium() else {
-        println!(
-            "SKIPPED: no chromium in PATH, so no browser has looked at the page (Debian: apt install chromium)"
-        );
+        // Not `println!`, which a test that passes keeps to itself.
+        let message = "SKIPPED: no chromium in PATH, so no browser has looked at the page (Debian: apt install chromium)";
+        writeln!(std::io::stderr(), "{message}").unwrap();
         return;
     };
     let (page, report, _, models) = page();

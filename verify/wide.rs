@@ -459,6 +459,54 @@ fn functions_for_num_dual() {
     assert!((Wide::from_f64(1e-30).sph_j2() * 15.0 / 1e-60 - 1.0).abs() < 1e-15);
 }
 
+/// What the traits of numbers promise: neutral elements, sums and products, signs, conversions, the parts of a dual number.
+#[test]
+#[expect(clippy::disallowed_methods, reason = "the methods under test are those that formulas must not use")]
+fn numbers_obey_their_traits() {
+    use num_dual::DualStruct;
+    use num_traits::{FromPrimitive, One, Signed, Zero};
+    let [quarter, seven, none] = [Wide::ratio(1, 4), Wide::integer(-7), <Wide as Zero>::zero()];
+    assert!(none.is_zero() && !quarter.is_zero() && !seven.is_zero() && <Wide as One>::one() == 1.0);
+    assert_eq!(quarter + none, quarter);
+    assert_eq!([quarter, seven, quarter].into_iter().product::<Wide>() * 16.0, seven);
+    assert_eq!([quarter, seven, quarter, quarter, quarter].into_iter().sum::<Wide>(), Wide::integer(-6));
+    assert_eq!((Signed::abs(&quarter), Signed::abs(&seven)), (quarter, Wide::integer(7)));
+    assert_eq!((quarter.signum(), seven.signum()), (Wide::integer(1), Wide::integer(-1)));
+    assert_eq!((quarter.is_positive(), seven.is_positive()), (true, false));
+    assert_eq!((quarter.is_negative(), seven.is_negative()), (false, true));
+    // The positive difference: 0 where the other is greater.
+    assert_eq!((quarter.abs_sub(&seven), seven.abs_sub(&quarter)), (quarter + 7.0, none));
+    assert_eq!((quarter.max(seven), quarter.min(seven)), (quarter, seven));
+    assert!(quarter != 0.3 && seven == -7.0 && seven < 0.5 && quarter > 0.125);
+    let large = u64::MAX;
+    let halves = Wide::from_f64((large >> 32) as f64) * 2f64.powi(32) + (large & 0xffff_ffff) as f64;
+    assert_eq!(<Wide as FromPrimitive>::from_u64(large), Some(halves));
+    assert_eq!(<Wide as FromPrimitive>::from_i64(-7), Some(seven));
+    assert_eq!(<Wide as FromPrimitive>::from_f64(-7.0), Some(seven));
+    assert_eq!(
+        (quarter.re(), Wide::from_inner(&quarter), <Wide as DualNum>::from_re(quarter)),
+        (0.25, quarter, quarter)
+    );
+    assert_eq!(DualNum::scale(quarter, &seven) * 4.0, seven);
+    assert_eq!(Scalar::scale(quarter, seven) * 4.0, seven);
+    assert_eq!((Scalar::real(quarter), Scalar::nilpotent(quarter)), (quarter, none));
+    assert_eq!(DualNum::sin_cos(&quarter), quarter.sine_cosine());
+    assert_eq!(DualNum::atan2(&quarter, seven), quarter.arctangent(seven));
+    // Far out, where eˣ overflows, the hyperbolic tangent is 1.
+    assert_eq!(DualNum::tanh(&Wide::integer(-1_000_000)), Wide::integer(-1));
+}
+
+/// Decimals asked for are given, to the seventy-fifth.
+#[test]
+fn decimals_asked_for_are_given() {
+    let third = Wide::ratio(1, 3);
+    assert_eq!((format!("{third:.3}"), format!("{third:.2e}")), ("0.333".into(), "3.33e-1".into()));
+    assert_eq!(format!("{third:.1000}").len(), 77);
+    assert_eq!(format!("{third:.75}"), format!("{third:.76}"));
+    assert_eq!(format!("{third:.75e}"), format!("{third:.1000e}"));
+    assert_eq!(format!("{:8.2}", Wide::ratio(1, 4)), "    0.25");
+}
+
 /// No operation panics or hangs on a special value.
 #[test]
 fn special_values_are_harmless() {

@@ -149,7 +149,9 @@ impl<'a> Candidate<'a> {
             scene: self.name.to_string(),
             states: usize::try_from(coverage.samples).unwrap_or(usize::MAX),
             assembly: None,
+            later_steps: Vec::new(),
             coverage,
+            nearest: None,
             findings: gaps.into_iter().map(finding).collect(),
         })
     }

@@ -223,8 +223,7 @@ fn halved(n: usize, last: usize) -> usize {
 
 fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let regions = cases(connection, Extent::Full);
-    let near =
-        if connection.singular_measures().next().is_some() { settings.near_singular_states } else { 0 };
+    let near = if atlas::sites(connection).is_empty() { 0 } else { settings.near_singular_states };
     // Most of the wide states cover the regions, the others lie near singular sets.
     let near_wide = if near > 0 { settings.wide_states / 4 } else { 0 };
     let regular = settings.states.max(regions.len());

@@ -7,7 +7,7 @@
 
 use super::case::Case;
 use super::quantity::{Entries, Numbers, Quantity};
-use super::truth::{Place, Truth, bracket};
+use super::truth::{Place, Truth};
 use crate::catalog::Loading;
 use crate::connector::{Branch, Components, Connector, Output, Request, State, Tally};
 use crate::force::Want;
@@ -48,7 +48,7 @@ impl Truth {
             std::array::from_fn(|k| self.connector().has_force(k).then(|| vec![Wide::zero(); DOFS]));
         for j in self.reach() {
             let ([plus, minus], width) = self.around(j);
-            let (plus, minus) = (self.conjugates(plus), self.conjugates(minus));
+            let [plus, minus] = [plus, minus].map(|at| self.conjugates(at, &self.values(at)));
             for (k, row) in found.iter_mut().enumerate() {
                 if let (Some(row), Some(plus), Some(minus)) = (row, plus[k], minus[k]) {
                     row[j] = (plus - minus) / width;
@@ -58,40 +58,18 @@ impl Truth {
         Entries(found)
     }
 
-    /// How the rows of virtual work change, as differences of the rows; of gradients less half the bracket of two rotations.
-    pub fn force_row_changes(&self) -> Entries<Wide> {
-        let rows = |at: &Place| {
-            let tally = &mut Tally::default();
-            let found = self.connector().force_rows(&at.state, &at.branch, [true; 6], Want::default(), tally);
-            std::array::from_fn::<_, 6, _>(|k| found.row(k).map(|row| (row.row, row.is_gradient)))
-        };
-        let at_rest = rows(&self.at_rest());
-        let mut found: Components<Vec<Wide>> =
-            std::array::from_fn(|k| at_rest[k].map(|_| vec![Wide::zero(); DOFS * DOFS]));
-        for l in self.reach() {
-            let ([plus, minus], width) = self.around(l);
-            let (plus, minus) = (rows(plus), rows(minus));
-            for (k, change) in found.iter_mut().enumerate() {
-                let (Some(change), Some((plus, _)), Some((minus, _)), Some((row, is_gradient))) =
-                    (change, plus[k], minus[k], at_rest[k])
-                else {
-                    continue;
-                };
-                for j in self.reach() {
-                    let slope = (plus[j] - minus[j]) / width;
-                    change[j * DOFS + l] = if is_gradient { slope - bracket(&row, j, l) } else { slope };
-                }
-            }
-        }
-        Entries(found)
-    }
-
-    /// What the forces are conjugate to, after the nodes have moved: functions whose derivatives are the rows.
-    fn conjugates(&self, at: &Place) -> Components<Wide> {
+    /// What the forces are conjugate to, after the nodes have moved: functions whose derivatives are the rows. `values` are those
+    /// there, positions but for their initial ones where these are what is differentiated.
+    pub(super) fn conjugates(&self, at: &Place, values: &Components<Wide>) -> Components<Wide> {
         let connector = self.connector();
+        let is_value = |k: usize| connector.differentiated(k) == connector.position_measure(k);
         let is_conjugate = |k: usize| matches!(connector.connection().loading(k), Some(Loading::Conjugate));
-        let positions = Request::new(&[Output::CP], [0, 1, 2, 3, 4, 5].map(is_conjugate), 0);
-        let position = self.evaluate(at, &positions).position;
+        let others = [0, 1, 2, 3, 4, 5].map(|k| is_conjugate(k) && !is_value(k));
+        let position = if others.contains(&true) {
+            self.evaluate(at, &Request::new(&[Output::CP], others, 0)).position
+        } else {
+            [None; 6]
+        };
         let (was, pair) = (self.state(), &at.state.pair);
         let turned = LazyCell::new(|| turned(&was.pair, pair));
         std::array::from_fn(|k| {
@@ -102,7 +80,13 @@ impl Truth {
                 Loading::Conjugate if connector.position_measure(k)?.is_one_form() => {
                     Some(self.accumulated(&at.by))
                 }
-                Loading::Conjugate => position[k],
+                Loading::Conjugate => {
+                    if is_value(k) {
+                        values[k]
+                    } else {
+                        position[k]
+                    }
+                }
                 // The belt is |d| long, and what flows in at a and out at b comes on top.
                 Loading::Tension => Some(norm(pair.separation()) + pair.b.flow - pair.a.flow),
                 Loading::AlongA(_) | Loading::FrozenAxis(_) => {
@@ -115,7 +99,7 @@ impl Truth {
 }
 
 /// How far b has turned more than a since a pair was there, for small turns.
-fn turned(was: &Pair<Wide>, is: &Pair<Wide>) -> Vector<Wide> {
+pub(super) fn turned(was: &Pair<Wide>, is: &Pair<Wide>) -> Vector<Wide> {
     let since =
         |was: &node::Node<Wide>, is: &node::Node<Wide>| so3::log(&product(&is.triad, &transpose(&was.triad)));
     sub(since(&was.b, &is.b), since(&was.a, &is.a))

@@ -16,6 +16,7 @@
 pub mod assembly;
 pub mod atlas;
 pub mod behavior;
+mod beside;
 pub mod bound;
 mod candidate;
 pub mod case;
@@ -40,6 +41,7 @@ pub mod quantity;
 mod recorded;
 pub mod sample;
 mod scene;
+mod second;
 pub mod sheet;
 pub mod shrink;
 mod sides;

@@ -180,18 +180,23 @@ pub struct WideAnswers {
 impl WideAnswers {
     /// At the end of a case.
     pub fn of(truth: &Truth) -> Self {
-        let mut answers = Self::of_kinematics(truth);
+        let mut answers = Self::with(truth, true);
         answers.differences.set(Quantity::NodalForces, truth.force_rows());
-        answers.differences.set(Quantity::GeometricStiffness, truth.force_row_changes());
         answers
     }
 
     /// At the end of a case, without forces by differences.
     pub fn of_kinematics(truth: &Truth) -> Self {
+        Self::with(truth, false)
+    }
+
+    fn with(truth: &Truth, forces: bool) -> Self {
         let mut differences = Numbers::default();
         differences.set(Quantity::Value, truth.value());
         differences.set(Quantity::FirstDerivatives, truth.first());
-        differences.set(Quantity::SecondDerivatives, truth.second());
+        let [second, changes] = truth.second(forces);
+        differences.set(Quantity::SecondDerivatives, second);
+        differences.set(Quantity::GeometricStiffness, changes);
         let [rate, acceleration] = truth.rates();
         differences.set(Quantity::Rate, rate);
         differences.set(Quantity::Acceleration, acceleration);

@@ -321,8 +321,10 @@ impl Report {
 
     /// Models of whose assembly a rank is not certain, or was not found.
     pub fn undecided_models(&self) -> usize {
-        let assemblies = self.models.iter().filter_map(|model| model.assembly.as_ref());
-        assemblies.filter(|assembly| !assembly.is_decided()).count()
+        let is_undecided = |model: &&ModelReport| {
+            model.assembly.iter().chain(&model.later_steps).any(|assembly| !assembly.is_decided())
+        };
+        self.models.iter().filter(is_undecided).count()
     }
 
     /// Subjects of which something is undecided.

@@ -3,7 +3,7 @@
 //!
 //! First derivatives: h = s·1e-25, error of the difference about 1e-50, of rounding 1e-45. Second derivatives of values, as
 //! accelerations are: h = s·1e-18. s is the size of the degree of freedom, or the distance to the nearest singular set where
-//! that is less.
+//! that is less. Values alone are differenced: no dual number enters, and no map from relative to nodal degrees of freedom.
 
 use super::bound::Bound;
 use super::case::{Case, dof_size, exact_branch, exact_state, moved};
@@ -12,9 +12,9 @@ use super::sides::Sides;
 use crate::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
 };
-use crate::node::{self, DOFS};
+use crate::node::{self, DOFS, Pair};
 use crate::scalar::{Real, Scalar, Wide};
-use crate::vector::{Vector, cross, dot, product, sub, transpose};
+use crate::vector::{product, sub, transpose};
 use std::sync::OnceLock;
 
 const FIRST_STEP: f64 = 1e-25;
@@ -89,9 +89,17 @@ impl Truth {
         self.nearness
     }
 
+    fn clear(&self) -> f64 {
+        if self.nearness > 0.0 { self.nearness } else { 1.0 }
+    }
+
     fn step(&self, j: usize, size: f64) -> Wide {
-        let nearness = if self.nearness > 0.0 { self.nearness } else { 1.0 };
-        Wide::from_f64(size * nearness) * Wide::from_f64(dof_size(j, self.length))
+        Wide::from_f64(size * self.clear()) * Wide::from_f64(dof_size(j, self.length))
+    }
+
+    /// The step of second differences of values.
+    pub(super) fn second_step(&self, j: usize) -> Wide {
+        Wide::from_f64(SECOND_STEP * self.clear().sqrt()) * Wide::from_f64(dof_size(j, self.length))
     }
 
     pub(super) const fn connector(&self) -> &Connector<Wide> {
@@ -100,12 +108,6 @@ impl Truth {
 
     pub(super) const fn state(&self) -> &State<Wide> {
         &self.state
-    }
-
-    pub(super) fn state_at(&self, by: &NodalRow<Wide>) -> State<Wide> {
-        let mut state = self.state;
-        state.pair = moved(&self.state.pair, by);
-        state
     }
 
     /// The places at h and −h along a degree of freedom, and 2h.
@@ -117,8 +119,13 @@ impl Truth {
         (&places[j], step(j) + step(j))
     }
 
-    fn place(&self, by: NodalRow<Wide>) -> Place {
-        let state = self.state_at(&by);
+    pub(super) fn place(&self, by: NodalRow<Wide>) -> Place {
+        self.place_of(by, moved(&self.state.pair, &by))
+    }
+
+    /// The same where the nodes that have moved so far are known.
+    pub(super) fn place_of(&self, by: NodalRow<Wide>, pair: Pair<Wide>) -> Place {
+        let state = State { pair, ..self.state };
         let branch = self.connector.advance(&state, &Increment::none(), &self.branch);
         Place { by, state, branch }
     }
@@ -135,8 +142,13 @@ impl Truth {
 
     /// The value of a one-form from the end of the case on, along an increment.
     pub(super) fn accumulated(&self, by: &NodalRow<Wide>) -> Wide {
+        self.accumulated_from(&self.state.pair, by)
+    }
+
+    /// The same from other places of the nodes on.
+    pub(super) fn accumulated_from(&self, pair: &Pair<Wide>, by: &NodalRow<Wide>) -> Wide {
         let mut state = self.state;
-        state.pair = moved(&self.state.pair, by);
+        state.pair = moved(pair, by);
         let part = |at: usize| [by[at], by[at + 1], by[at + 2]];
         let increment = Increment {
             rotation: [part(node::THETA_A), part(node::THETA_B)],
@@ -148,13 +160,13 @@ impl Truth {
             + (after.accumulated_rest - self.branch.accumulated_rest)
     }
 
-    fn along(j: usize, h: Wide) -> NodalRow<Wide> {
+    pub(super) fn along(j: usize, h: Wide) -> NodalRow<Wide> {
         let mut by = [Wide::zero(); DOFS];
         by[j] = h;
         by
     }
 
-    fn values(&self, at: &Place) -> Components<Wide> {
+    pub(super) fn values(&self, at: &Place) -> Components<Wide> {
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
         let evaluation = self.evaluate(at, &asked);
         std::array::from_fn(|k| {
@@ -163,10 +175,6 @@ impl Truth {
             }
             evaluation.residual[k].or(evaluation.displacement[k])
         })
-    }
-
-    fn rows(&self, at: &Place) -> Components<NodalRow<Wide>> {
-        self.evaluate(at, &Request::new(&[], [true; 6], 1)).jacobian
     }
 
     /// Where the case ends.
@@ -223,29 +231,6 @@ impl Truth {
                 let of_component = moved.each_ref().map(|both| both.each_ref().map(|values| values[k]));
                 let scale = bound.scale(Quantity::FirstDerivatives, k, j);
                 entries[j] = Sides::along(still, &of_component, &steps, scale).unwrap_or(flat);
-            }
-        }
-        Entries(found)
-    }
-
-    /// The rows at q ± h along q_k, differenced, less the half of the bracket by which finite rotations about different axes
-    /// do not commute: exp(ε e_j) exp(h e_k) = exp(ε e_j + h e_k + ½ εh e_j × e_k). The row of a one-form has no such term.
-    pub fn second(&self) -> Entries<Wide> {
-        let mut found: Components<Vec<Wide>> = self.empty(DOFS * DOFS);
-        let at_rest = self.rows(&self.at_rest());
-        for k in self.active() {
-            let ([plus, minus], width) = self.around(k);
-            let (plus, minus) = (self.rows(plus), self.rows(minus));
-            for (c, entries) in found.iter_mut().enumerate() {
-                let (Some(entries), Some(plus), Some(minus)) = (entries, plus[c], minus[c]) else { continue };
-                let one_form = self.connector.differentiated(c).is_some_and(|m| m.is_one_form());
-                for j in self.active() {
-                    let mut want = (plus[j] - minus[j]) / width;
-                    if let (Some(row), false) = (at_rest[c], one_form) {
-                        want -= bracket(&row, j, k);
-                    }
-                    entries[j * DOFS + k] = want;
-                }
             }
         }
         Entries(found)
@@ -311,32 +296,7 @@ impl Truth {
         (0..DOFS).filter(move |j| active[*j])
     }
 
-    fn empty(&self, entries: usize) -> Components<Vec<Wide>> {
+    pub(super) fn empty(&self, entries: usize) -> Components<Vec<Wide>> {
         std::array::from_fn(|k| self.connector.differentiated(k).map(|_| vec![Wide::zero(); entries]))
-    }
-}
-
-/// ½ (e_j × e_k)·∂f/∂θ for two rotations j and k of one node: what the derivative of a row has more than the second derivative of
-/// f(exp(δθ^) C); 0 for any other two degrees of freedom.
-pub(super) fn bracket(row: &NodalRow<Wide>, j: usize, k: usize) -> Wide {
-    let (Some(first), Some(second)) = (rotation(j), rotation(k)) else { return Wide::zero() };
-    if j / 7 != k / 7 {
-        return Wide::zero();
-    }
-    let axis = |i: usize| {
-        let mut axis = [Wide::zero(); 3];
-        axis[i] = Wide::integer(1);
-        axis
-    };
-    let at = 7 * (j / 7) + node::THETA_A;
-    let gradient: Vector<Wide> = [row[at], row[at + 1], row[at + 2]];
-    dot(cross(axis(first), axis(second)), gradient) / Wide::integer(2)
-}
-
-/// Which rotation (0, 1, 2) of its node a degree of freedom is.
-const fn rotation(j: usize) -> Option<usize> {
-    match j % 7 {
-        i @ 3..=5 => Some(i - 3),
-        _ => None,
     }
 }

@@ -383,6 +383,53 @@ mod tests {
         assert_eq!(table.corner(0.0, 0.2), Some([0.0, 2.0]));
     }
 
+    /// Corners at distances from their neighbours that differ on both sides, and from time 0: the reach is a fraction of the shorter.
+    #[test]
+    fn corners_reach_a_fraction_of_the_shorter_interval() {
+        // Slopes 2, -2, -1, 1: the shorter intervals are 2, after the first corner and before the second, and 4.
+        let table = amplitude("TABULAR", &[10.0, 0.0, 14.0, 8.0, 16.0, 4.0, 22.0, -2.0, 26.0, 2.0]);
+        for (t, expected) in [
+            (13.25, [6.5, 2.0, 0.0]),
+            (13.75, [7.375, 1.0, -4.0]),
+            (14.0, [7.5, 0.0, -4.0]),
+            (14.75, [6.5, -2.0, 0.0]),
+            (15.25, [5.5, -2.0, 0.0]),
+            (16.0, [4.125, -1.5, 1.0]),
+            (16.75, [3.25, -1.0, 0.0]),
+            (20.75, [-0.75, -1.0, 0.0]),
+            (22.0, [-1.5, 0.0, 1.0]),
+            (23.25, [-0.75, 1.0, 0.0]),
+        ] {
+            // The reach is 0.5 at the first two corners, 1 at the third; second derivative Δs/(2 reach).
+            let found = at(&table, t, 0.25);
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-13, "{t}: {found} {expected}");
+            }
+        }
+    }
+
+    /// Points are met bit for bit, whatever the rounding of slopes, and half way a smooth step has half its rise, at 15/8 of the
+    /// mean slope.
+    #[test]
+    fn points_are_met_bit_for_bit() {
+        let mut x = 0.1;
+        let mut data = Vec::new();
+        for i in 0..40 {
+            x = 3.9 * x * (1.0 - x);
+            data.extend([f64::from(i) / 3.0 + x / 7.0 - 4.0, x * 11.0 - 3.0]);
+        }
+        let [lines, step] = ["TABULAR", "SMOOTH STEP"].map(|definition| amplitude(definition, &data));
+        for point in data.chunks(2) {
+            assert_eq!((at(&lines, point[0], 0.0)[0], at(&step, point[0], 0.0)[0]), (point[1], point[1]));
+        }
+        for pair in data.chunks(2).collect::<Vec<_>>().windows(2) {
+            let (length, rise) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
+            let [value, slope, _] = at(&step, pair[0][0] + length / 2.0, 0.0);
+            assert!((value - (pair[0][1] + rise / 2.0)).abs() < 1e-13, "{value}");
+            assert!((slope * length - rise * 15.0 / 8.0).abs() < 1e-12, "{slope}");
+        }
+    }
+
     /// Every definition against wide central differences, and against its formula at one time.
     #[test]
     fn derivatives_are_exact() {
@@ -458,6 +505,10 @@ mod tests {
         let span = Span::default();
         let code = |points: &[[f64; 2]]| check(points, "A", span).err().map(|fault| fault.code());
         assert_eq!(code(&[[0.0, 1.0], [1.0, 3.0], [1.0, 5.0], [2.0, -1e300]]), None);
+        // Large values, and times on both sides of 0, as long as the differences are doubles.
+        assert_eq!(code(&[[0.0, 1e308], [1.0, 1.5e308]]), None);
+        assert_eq!(code(&[[0.0, 1e300], [1e-9, 1e300]]), None);
+        assert_eq!(code(&[[-1.0, 0.0], [1.0, 5.0]]), None);
         assert_eq!(code(&[[1.0, 1.0], [0.5, 3.0]]), Some(Code::TableOrder));
         assert_eq!(
             code(&[[0.0, -1e308], [1.0, 1e308]]),

@@ -131,15 +131,10 @@ impl Schedule {
         schedule
     }
 
-    /// The number of the step to which a time belongs.
-    fn step<R: Real>(&self, time: R) -> Result<Option<usize>, Unknown> {
+    /// The number of the step to which a time belongs; none after the last one.
+    fn step<R: Real>(&self, time: R) -> Option<usize> {
         let is_within = |end: f64| !R::holds(R::from_f64(end).less(time));
-        let found = self.steps.iter().position(|step| is_within(step.end));
-        match found {
-            Some(step) => Ok(Some(step)),
-            None if self.steps.is_empty() && !self.is_open => Ok(None),
-            None => Err(Unknown::AfterSteps),
-        }
+        self.steps.iter().position(|step| is_within(step.end))
     }
 
     /// The steps that begin at this time, by number.
@@ -442,7 +437,6 @@ impl Context<'_> {
             given.applied.amplitude.as_ref().and_then(|name| self.amplitudes.get(name.value.as_str()));
         match amplitude {
             _ if given.applied.user => Course::External,
-            Some(amplitude) if !amplitude.is_function() => Course::External,
             Some(amplitude) => Course::Follows {
                 amplitude: Arc::clone(amplitude),
                 magnitude: if amplitude.is_absolute { 1.0 } else { magnitude },
@@ -546,11 +540,10 @@ impl Drive {
                 return Some(first.prescribed(S::zero(), None, &beginning));
             };
             match schedule.step(time.real()) {
-                Ok(Some(step)) => (self.phases.get(step)?.as_ref()?, schedule.steps.get(step)),
-                Ok(None) => (self.initially.as_ref()?, None),
-                Err(unknown) => {
+                Some(step) => (self.phases.get(step)?.as_ref()?, schedule.steps.get(step)),
+                None => {
                     let last = self.phases.last()?.as_ref()?;
-                    return Some(Prescribed::Unknown(last.kind, unknown));
+                    return Some(Prescribed::Unknown(last.kind, Unknown::AfterSteps));
                 }
             }
         };

@@ -142,13 +142,11 @@ impl Law {
         table.depends_on().find_map(|variable| conditions.lacks(variable))
     }
 
-    /// Adds the forces of the law.
+    /// The forces of the law, beside those of other components.
     pub(super) fn add<S: Scalar>(&self, motion: &Motion<S>, conditions: &Conditions, forces: &mut Forces<S>) {
         let unknown = self.unknown(conditions);
-        let mut put = |k: usize, force: S| {
-            let sum = forces.value[k].map_or(force, |known| known + force);
-            forces.value[k] = Some(sum);
-        };
+        // A component has one law: `check_single`.
+        let mut put = |k: usize, force: S| forces.value[k] = Some(force);
         if unknown.is_none() {
             let x = self.driver.of(motion);
             match &self.kind {

@@ -299,6 +299,11 @@ impl Behavior {
         self.available
     }
 
+    /// The components that the connection type constrains.
+    pub const fn constrained(&self) -> Mask {
+        self.constrained
+    }
+
     /// The components whose positions stops, locks and failures ask for, or may freeze.
     pub fn limited(&self) -> Mask {
         let criteria = self.locks.iter().chain(&self.failures);

@@ -352,7 +352,6 @@ impl Table {
             met.set(true);
         }
         match (is_at, side) {
-            (true, Side::Neither) => Place::Flat(before),
             (true, Side::Left) if before == 0 => self.beyond(0, 0),
             (true, Side::Left) => Place::Between(before - 1),
             _ if before == last => self.beyond(last, last - 1),

@@ -198,7 +198,7 @@ fn truth(case: &Case, element: &Element, components: &[usize]) -> Option<[Vec<Wi
     let wide = Connector::<Wide>::new(&case.definition);
     let values = wide.values(&exact_pair(&element.state.pair), &exact_branch(&element.branch), [true; 6]);
     let values: Vec<Wide> = components.iter().map(|k| values[*k]).collect::<Option<_>>()?;
-    let (first, second) = (truth.first(), truth.second());
+    let (first, [second, _]) = (truth.first(), truth.second(false));
     let all = |of: &[Option<Vec<Wide>>; 6]| -> Option<Vec<Wide>> {
         let rows: Vec<&Vec<Wide>> = components.iter().map(|k| of[*k].as_ref()).collect::<Option<_>>()?;
         Some(rows.into_iter().flatten().copied().collect())

@@ -88,6 +88,14 @@ impl Slot {
         }
     }
 
+    /// The function that a constraint is printed as, where that is not its position.
+    pub const fn printed(self) -> Option<Measure> {
+        match self {
+            Self::Constrained(_, Condition::ZeroOrHeld(printed) | Condition::Zero(printed)) => Some(printed),
+            _ => None,
+        }
+    }
+
     /// Whether the component is available.
     pub const fn is_available(self) -> bool {
         matches!(self, Self::Available(_))

@@ -1,6 +1,6 @@
 //! `pintle audit`.
 
-use super::eval::{Loaded, Source, load, source};
+use super::eval::{Source, complain, read, show_diagnostic, source};
 use super::{Failure, Sign, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -8,9 +8,10 @@ use pintle::audit::model::{Level, Levels, audit_model};
 use pintle::audit::{Oracle, Planted, Quantity, Report, Settings, Target, audit_catalogue, audit_scenes};
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
-use pintle::evaluate::{Plan, Selection};
+use pintle::evaluate::{Model, Plan, Selection};
 use pintle::report::audit as report;
-use pintle::scene::{Diagnostic, ForceFile, GALLERY, Scene};
+use pintle::scene::{Diagnostic, ForceFile, GALLERY, Scene, Severity, State};
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -34,11 +35,14 @@ constraints and free motions of the whole assembly; which region of
 configuration space the states exercised. Each finding has a code, which
 pintle explain CODE explains, and is a note, a warning or an error; --deny,
 --warn, --note and --allow say which. What is said of a code outweighs what is
-said of its group, and that what is said of all notes or warnings.
+said of its group, and that what is said of all notes or warnings. Rules that
+refuse a model stay errors: no number of such a scene is audited, the report has
+all it breaks, and the exit code is 6.
 
 Examples:
   pintle audit
   pintle audit model.inp --deny warnings --allow assembly::redundant
+  pintle audit model.inp --model-only
   pintle audit model.inp --at run.csv --counter-examples found
   pintle audit model.inp --html audit.html --plots figures
   pintle audit --states 10000 --format junit";
@@ -145,6 +149,9 @@ pub(crate) struct Audit {
     /// … are not shown
     #[arg(long, value_name = "CODE", value_delimiter = ',')]
     allow: Vec<String>,
+    /// Look at the models of the scenes only: findings, rank and mobility of the assembly, coverage; audit no numbers
+    #[arg(long, requires = "scenes", conflicts_with_all = ["oracles", "counter_examples", "connector"])]
+    model_only: bool,
     /// Exit with 3 where something is undecided
     #[arg(long)]
     strict: bool,
@@ -185,15 +192,8 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         [] => Selection::All,
         names => Selection::Named(names.to_vec()),
     };
-    let names: Vec<String> = sources
-        .iter()
-        .map(|source| match source {
-            Source::Gallery(example) => format!("gallery:{}", example.name),
-            Source::File(path) => (*path).to_string(),
-        })
-        .collect();
     let mut plans = Vec::new();
-    for (name, Loaded { model, .. }) in names.iter().zip(&loaded) {
+    for Loaded { name, model, .. } in loaded.iter().filter(|loaded| !loaded.is_refused) {
         let plan = Plan::compile(model, &selection, Request::nothing(0))
             .map_err(|error| Failure::Usage(error.to_string()))?;
         if plan.connectors.is_empty() && plan.mpcs.is_empty() {
@@ -202,11 +202,11 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         }
         plans.push(plan);
     }
-    let targets: Vec<Target<'_>> = loaded
+    let sound: Vec<&Loaded> = loaded.iter().filter(|loaded| !loaded.is_refused).collect();
+    let targets: Vec<Target<'_>> = sound
         .iter()
         .zip(&plans)
-        .zip(&names)
-        .map(|((Loaded { model, states, .. }, plan), name)| Target { name, model, plan, states })
+        .map(|(Loaded { name, model, states, .. }, plan)| Target { name, model, plan, states })
         .collect();
     let states: usize = targets.iter().map(|target| target.states.len().max(1)).sum();
     let types = if is_catalogue { TABLE.len() } else { 0 };
@@ -219,7 +219,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         bar.set_message(name.to_string());
     };
     let of_catalogue = is_catalogue.then(|| audit_catalogue(&settings, &progress));
-    let of_scenes = audit_scenes(&settings, &targets, &progress);
+    let of_scenes = audit_scenes(&settings, if arguments.model_only { &[] } else { &targets }, &progress);
     bar.finish_and_clear();
     let mut report = match of_catalogue {
         Some(of_catalogue) => of_catalogue.joined(of_scenes),
@@ -229,7 +229,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     report.models = loaded.iter().map(of_model).collect();
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
-        let scenes: Vec<&Scene> = loaded.iter().map(|loaded| &loaded.scene).collect();
+        let scenes: Vec<&Scene> = sound.iter().map(|loaded| &loaded.scene).collect();
         let supplement = page::supplement(&report, is_catalogue, &targets, &scenes);
         page::write(arguments, &report, &supplement)?;
     }
@@ -239,15 +239,63 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     if let Some(folder) = &arguments.counter_examples {
         save(folder, &report)?;
     }
-    verdict(arguments.strict, &report)
+    say_what_stays(&levels, &report);
+    let refused = loaded.iter().filter(|loaded| loaded.is_refused).map(|loaded| loaded.name.as_str());
+    let refused: Vec<&str> = refused.collect();
+    match verdict(arguments.strict, &report) {
+        Ok(()) | Err(Failure::Findings | Failure::Undecided | Failure::Nothing(_)) if !refused.is_empty() => {
+            let message = format!(
+                "{}: refused by rules, and not evaluated; the findings name them",
+                refused.join(", ")
+            );
+            Err(Failure::Input(message))
+        }
+        other => other,
+    }
 }
 
-/// A scene with its states and their forces, which are checked.
+/// Where a level was set in vain: what refuses a model stays an error.
+fn say_what_stays(levels: &Levels, report: &Report) {
+    let findings = report.models.iter().flat_map(|model| &model.findings);
+    let codes: BTreeSet<&str> = findings
+        .filter(|finding| finding.severity() == Severity::Error && levels.is_lowered(finding.code()))
+        .map(|finding| finding.code().as_str())
+        .collect();
+    for code in codes {
+        complain("note", &format!("{code} stays an error: a scene that breaks it is not evaluated"));
+    }
+}
+
+/// A scene that is to be audited.
+struct Loaded {
+    name: String,
+    scene: Scene,
+    states: Vec<State>,
+    /// Resolved as far as it goes.
+    model: Model,
+    /// Whether a rule refuses the model: then no number of it is audited.
+    is_refused: bool,
+}
+
+/// Errors of one scene that are shown with the lines they are about; the report has all.
+const SHOWN: usize = 20;
+
+/// A scene with its states and their forces, which are checked. Every rule that it breaks is told.
 fn with_forces(source: Source<'_>, arguments: &Audit) -> Result<Loaded, Failure> {
-    let mut loaded = load(source, arguments.at.as_deref())?;
-    let file = match source {
-        Source::File(path) => Path::new(path),
-        Source::Gallery(example) => Path::new(example.name),
+    let (scene, mut states) = read(source, arguments.at.as_deref())?;
+    let (mut model, errors) = Model::examine(&scene);
+    source.warn(&scene, &mut model);
+    let is_refused = !errors.is_empty();
+    let hidden = errors.len().saturating_sub(SHOWN);
+    for error in errors.into_iter().take(SHOWN) {
+        show_diagnostic(&source.quoted(error));
+    }
+    if hidden > 0 {
+        complain("note", &format!("{hidden} more errors of {} are in the report", scene.name));
+    }
+    let (name, file) = match source {
+        Source::File(path) => (path.to_string(), Path::new(path)),
+        Source::Gallery(example) => (format!("gallery:{}", example.name), Path::new(example.name)),
     };
     let file = arguments.forces.as_deref().or(arguments.at.as_deref()).unwrap_or(file);
     let show = |error: Diagnostic| match File::open(file) {
@@ -255,11 +303,13 @@ fn with_forces(source: Source<'_>, arguments: &Audit) -> Result<Loaded, Failure>
         Err(_) => error,
     };
     if let Some(forces) = &arguments.forces {
-        let forces = ForceFile::read(forces, &loaded.scene, arguments.force_sign.into())?;
-        forces.attach(&mut loaded.states, 0).map_err(show)?;
+        let forces = ForceFile::read(forces, &scene, arguments.force_sign.into())?;
+        forces.attach(&mut states, 0).map_err(show)?;
     }
-    loaded.model.check_forces(&loaded.states, 0, &file.display().to_string()).map_err(show)?;
-    Ok(loaded)
+    if !is_refused {
+        model.check_forces(&states, 0, &file.display().to_string()).map_err(show)?;
+    }
+    Ok(Loaded { name, scene, states, model, is_refused })
 }
 
 /// How bad the findings of each code are taken to be.
@@ -364,7 +414,8 @@ pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
     if report.failing_models() > 0 {
         return Err(Failure::Findings);
     }
-    if report.compared() == 0 {
+    let is_of_models_alone = report.subjects.is_empty() && !report.models.is_empty();
+    if report.compared() == 0 && !is_of_models_alone {
         return Err(Failure::Nothing("no number was compared".into()));
     }
     if strict && report.undecided() + report.undecided_models() > 0 {

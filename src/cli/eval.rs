@@ -26,11 +26,11 @@ pub(crate) enum Source<'a> {
 }
 
 /// A scene, read and resolved, with its states.
-pub(crate) struct Loaded {
-    pub(crate) scene: Scene,
-    /// Those of a file, of the gallery, or of the scene itself; the scene may have none.
-    pub(crate) states: Vec<State>,
-    pub(crate) model: Model,
+struct Loaded {
+    scene: Scene,
+    /// Those of the gallery, or of the scene itself; the scene may have none.
+    states: Vec<State>,
+    model: Model,
 }
 
 /// A scene that is to be evaluated.
@@ -123,7 +123,7 @@ pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
 /// A scene with its states, or the initial one, and its forces.
 fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
     let sign = arguments.force_sign.into();
-    let Loaded { scene, mut states, model } = load(source, None)?;
+    let Loaded { scene, mut states, model } = load(source)?;
     let forces = arguments.forces.as_deref().map(|file| Forces::open(file, &scene, sign)).transpose()?;
     let history = match &arguments.states {
         Some(file) => History::open(file, &scene)?,
@@ -138,8 +138,8 @@ fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
     Ok(Run { scene, history, survey, forces, model })
 }
 
-/// Reads and resolves a scene, and says what deserves a look.
-pub(crate) fn load(source: Source<'_>, states: Option<&Path>) -> Result<Loaded, Failure> {
+/// Reads a scene and its states: those of a file, or its own.
+pub(crate) fn read(source: Source<'_>, states: Option<&Path>) -> Result<(Scene, Vec<State>), Failure> {
     let scene = match source {
         Source::Gallery(example) => example.scene()?,
         Source::File(path) => Scene::read(path)?,
@@ -149,20 +149,37 @@ pub(crate) fn load(source: Source<'_>, states: Option<&Path>) -> Result<Loaded, 
         (None, Source::Gallery(example)) => example.states(&scene)?.states,
         (None, Source::File(_)) => scene.states.clone(),
     };
-    let with_source = |diagnostic: Diagnostic| match source {
-        Source::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
-        Source::File(_) => match File::open(diagnostic.file()) {
-            Ok(file) => diagnostic.with_source(BufReader::new(file)),
-            Err(_) => diagnostic,
-        },
-    };
-    let mut model = Model::compile(&scene).map_err(with_source)?;
-    for warning in &scene.warnings {
-        show_diagnostic(warning);
+    Ok((scene, states))
+}
+
+impl Source<'_> {
+    /// A diagnostic with the lines of this scene that it is about.
+    pub(crate) fn quoted(self, diagnostic: Diagnostic) -> Diagnostic {
+        match self {
+            Self::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
+            Self::File(_) => match File::open(diagnostic.file()) {
+                Ok(file) => diagnostic.with_source(BufReader::new(file)),
+                Err(_) => diagnostic,
+            },
+        }
     }
-    for warning in std::mem::take(&mut model.warnings) {
-        show_diagnostic(&with_source(warning));
+
+    /// Says what of a scene deserves a look.
+    pub(crate) fn warn(self, scene: &Scene, model: &mut Model) {
+        for warning in &scene.warnings {
+            show_diagnostic(warning);
+        }
+        for warning in std::mem::take(&mut model.warnings) {
+            show_diagnostic(&self.quoted(warning));
+        }
     }
+}
+
+/// Reads and resolves a scene, and says what deserves a look.
+fn load(source: Source<'_>) -> Result<Loaded, Failure> {
+    let (scene, states) = read(source, None)?;
+    let mut model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
+    source.warn(&scene, &mut model);
     Ok(Loaded { scene, states, model })
 }
 

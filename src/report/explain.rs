@@ -131,7 +131,7 @@ struct Component {
     singular: Vec<Singular>,
 }
 
-/// Where a component or a derivative of it does not exist.
+/// Where a component or a derivative of it does not exist, or only its formula fails.
 #[derive(Debug, Serialize)]
 struct Singular {
     of: &'static str,
@@ -378,20 +378,15 @@ fn summary(connection: &ConnectionType) -> Vec<Field> {
 fn component(connection: &ConnectionType, k: usize) -> Option<Component> {
     let slot = connection.slots[k];
     let position = slot.position()?;
-    let mut measures = vec![("position", position)];
-    let mut otherwise = None;
-    match slot {
-        Slot::Constrained(_, Condition::Zero(printed)) => measures.push(("constraint", printed)),
-        Slot::Constrained(_, Condition::ZeroOrHeld(printed)) => {
-            measures.push(("constraint", printed));
-            let symbol = position.symbol();
-            otherwise = Some(format!("{symbol} = {symbol}0 where it does not hold initially"));
-        }
-        _ => {}
-    }
+    let symbol = position.symbol();
+    let otherwise = matches!(slot, Slot::Constrained(_, Condition::ZeroOrHeld(_)))
+        .then(|| format!("{symbol} = {symbol}0 where it does not hold initially"));
+    let measures = [("position", position)].into_iter().chain(slot.printed().map(|m| ("constraint", m)));
     let singular = measures
-        .into_iter()
-        .filter_map(|(of, measure)| measure.singular_set().map(|set| Singular { of, set }))
+        .flat_map(|(of, measure)| {
+            let sets = measure.singular_set().into_iter().chain(measure.removable_sets().iter().copied());
+            sets.map(move |set| Singular { of, set })
+        })
         .collect();
     Some(Component {
         name: COMPONENT[k],

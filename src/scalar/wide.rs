@@ -4,6 +4,7 @@ use super::{MAX_ORDER, Real, Scalar, Series};
 use ::f256::{consts, f256};
 use num_dual::{DualNum, DualStruct, Mappable};
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
+use std::cmp::Ordering;
 use std::fmt;
 use std::iter::{Product, Sum};
 use std::num::ParseFloatError;
@@ -84,7 +85,7 @@ impl Wide {
         if exponent < -1075 {
             return sign * 0.0;
         }
-        let significand = high & ((1 << 108) - 1) | 1 << 108;
+        let significand = (high & ((1 << 108) - 1)) + (1 << 108);
         let normal = exponent.max(-1022);
         // 53 of the 109 bits stay, fewer where the result is subnormal.
         let dropped = 56 + (normal - exponent) as u32;
@@ -236,12 +237,12 @@ impl Real for Wide {
         let (height, width) = (y.abs(), x.abs());
         let octant = if height.eq_zero() {
             f256::ZERO
-        } else if height == width {
-            consts::FRAC_PI_4
-        } else if height < width {
-            (height / width).atan()
         } else {
-            consts::FRAC_PI_2 - (width / height).atan()
+            match height.partial_cmp(&width) {
+                Some(Ordering::Equal) => consts::FRAC_PI_4,
+                Some(Ordering::Less) => (height / width).atan(),
+                _ => consts::FRAC_PI_2 - (width / height).atan(),
+            }
         };
         let upper = if x.is_sign_negative() { consts::PI - octant } else { octant };
         if y.is_nan() || x.is_nan() { Self(f256::NAN) } else { Self(upper.copysign(y)) }
@@ -353,7 +354,7 @@ impl fmt::Display for Wide {
     /// The shortest decimal that reads back as the same number; with a precision, at most 75 decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match f.precision() {
-            Some(precision) if precision > 75 => write!(f, "{:.75}", self.0),
+            Some(76..) => write!(f, "{:.75}", self.0),
             _ => fmt::Display::fmt(&self.0, f),
         }
     }
@@ -363,7 +364,7 @@ impl fmt::LowerExp for Wide {
     /// The shortest decimal that reads back as the same number, with an exponent; with a precision, at most 75 decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match f.precision() {
-            Some(precision) if precision > 75 => write!(f, "{:.75e}", self.0),
+            Some(76..) => write!(f, "{:.75e}", self.0),
             _ => fmt::LowerExp::fmt(&self.0, f),
         }
     }
@@ -388,7 +389,7 @@ impl PartialEq<f64> for Wide {
 }
 
 impl PartialOrd<f64> for Wide {
-    fn partial_cmp(&self, other: &f64) -> Option<std::cmp::Ordering> {
+    fn partial_cmp(&self, other: &f64) -> Option<Ordering> {
         self.partial_cmp(&Self::from_f64(*other))
     }
 }
@@ -629,7 +630,7 @@ impl DualNum for Wide {
 
     fn tanh(&self) -> Self {
         let shrunk = (self.0.abs() * -f256::TWO).exp_m1();
-        Self((-shrunk / (shrunk + f256::TWO)).copysign(self.0))
+        Self((shrunk / (shrunk + f256::TWO)).copysign(self.0))
     }
 
     fn asinh(&self) -> Self {

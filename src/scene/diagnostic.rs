@@ -356,6 +356,12 @@ impl Diagnostic {
         self
     }
 
+    /// The same, with words before the message.
+    pub(crate) fn with_words_before(mut self, words: &str) -> Self {
+        self.0.message.insert_str(0, words);
+        self
+    }
+
     fn new(severity: Severity, code: Code, span: Span, message: String, label: String) -> Self {
         let (remedy, file) = (String::new(), String::new());
         Self(Box::new(Parts {

@@ -243,3 +243,42 @@ fn angles_are_driven_by_the_rotation_about_3() {
     assert_eq!(at(&renewed, 2.0), (angle(3.0), Some(8.0)));
     assert_eq!(at(&renewed, 3.0), (None, Some(0.0)));
 }
+
+/// A schedule knows its steps, and a component what is prescribed.
+#[test]
+fn schedules_and_drives_are_empty_or_not() {
+    for (steps, length, is_empty) in [
+        (String::new(), 0, true),
+        (format!("{STATIC}{}", &END[1..]), 1, true),
+        (format!("{STATIC}{}{STATIC}{}", motion("", 5.0), &END[1..]), 2, false),
+        (format!("{STATIC}*CONNECTOR LOAD\n7, 1, 5.{END}"), 1, false),
+    ] {
+        let (drives, schedule) = prescribed(&steps);
+        let found = (schedule.len(), schedule.is_empty(), drives.is_empty());
+        assert_eq!(found, (length, length == 0, is_empty), "{steps}");
+    }
+}
+
+/// Ramps meet both ends bit for bit, and are exact near them, however different they are.
+#[test]
+fn ramps_meet_their_ends() {
+    for (from, to) in [(0.1, 0.7), (0.3, -1.1), (1.3, 1e-3), (1e-3, 1e10), (1e10, 1e-3)] {
+        let steps = format!("{STATIC}{}{STATIC}{}", motion("", from), motion("", to));
+        let value = |time: f64| match moved(&steps, time) {
+            Some((_, Ok([value, _]))) => value,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!((value(2.0), value(4.0)), (from, to));
+        // A hair after the beginning and before the end of the second step, of length 2.
+        let hair = 2f64.powi(-50);
+        for (time, exact) in
+            [(2.0 + hair, from + (to - from) * hair / 2.0), (4.0 - hair, to - (to - from) * hair / 2.0)]
+        {
+            assert!(
+                (value(time) - exact).abs() <= 4.0 * f64::EPSILON * exact.abs(),
+                "{from} {to}: {}",
+                value(time)
+            );
+        }
+    }
+}

@@ -218,3 +218,120 @@ fn elastic_slip_is_read() {
         built("SLOT", "*CONNECTOR FRICTION, PREDEFINED\n0.\n*FRICTION, ELASTIC SLIP=-1.\n0.5\n", false);
     assert!(error.unwrap_err().message().contains("ELASTIC SLIP=-1 is not positive"));
 }
+
+/// A potential of forces and moments needs one effective radius, in every row; one of either kind alone takes none.
+#[test]
+fn effective_radii_are_where_forces_meet_moments() {
+    let of = |terms: &str, rows: &str| {
+        let deck = format!(
+            "*CONNECTOR FRICTION, STICK STIFFNESS=3.\n{rows}\n*CONNECTOR POTENTIAL\n{terms}\n*FRICTION\n0.1\n"
+        );
+        built_between("CARTESIAN", "CARDAN", &deck).map(|all| all.frictions[0].radius)
+    };
+    let code = |terms: &str, rows: &str| {
+        of(terms, rows).err().map(|error| (error.code(), error.message().to_string()))
+    };
+    for mixed in ["1\n4", "3\n5", "1\n2\n6"] {
+        assert_eq!(of(mixed, "0.5, 1.").ok(), Some(0.5), "{mixed}");
+        assert_eq!(code(mixed, ", 1.").unwrap().0, Code::MissingData, "{mixed}");
+    }
+    for alone in ["1\n2\n3", "4\n5\n6", "4\n6"] {
+        assert_eq!(of(alone, ", 1.").ok(), Some(1.0), "{alone}");
+        assert_eq!(code(alone, "0.5, 1.").unwrap().0, Code::BadValue, "{alone}");
+    }
+    assert_eq!(of("1\n4", "0.5, 1., 0.\n0.5, 2., 1.").ok(), Some(0.5));
+    let two = code("1\n4", "0.5, 1., 0.\n0.75, 2., 1.").unwrap();
+    assert_eq!(two, (Code::BadValue, "the effective radius is 0.5 in one row and 0.75 in another".into()));
+    for radius in ["0.", "-1."] {
+        let error = code("1\n4", &format!("{radius}, 1.")).unwrap();
+        assert_eq!(error.0, Code::NumberOutOfRange, "{radius}");
+    }
+    // A derived component may enter a potential where the type has its components.
+    let derived = |name: &str, component: u8| {
+        let deck = format!(
+            "*CONNECTOR DERIVED COMPONENT, NAME=D\n{component}\n1.\n*CONNECTOR FRICTION, STICK STIFFNESS=3.\n, 1.\n\
+             *CONNECTOR POTENTIAL\nD\n*FRICTION\n0.1\n"
+        );
+        built(name, &deck, false).is_ok()
+    };
+    assert!(derived("CARTESIAN", 3) && derived("SLOT", 1) && !derived("SLOT", 2) && !derived("REVOLUTE", 1));
+}
+
+fn built_between(first: &str, second: &str, behavior: &str) -> Result<Frictions, Diagnostic> {
+    let deck = format!("*NODE\n1, 0., 0., 0.\n*CONNECTOR BEHAVIOR, NAME=B\n{behavior}");
+    let scene = Scene::parse("deck.inp", &deck)
+        .unwrap_or_else(|error| panic!("{deck}\n{}", error.render(110, false)));
+    let connection = ConnectionType::named(first, Some(second)).unwrap();
+    of_behavior(&scene.behaviors["B"], &connection, false, 2.0)
+}
+
+/// The elastic slip is 1e-4 of the characteristic length, or 1e-4 rad where the slip is an angle; outputs are named by component.
+#[test]
+fn slips_of_angles_are_angles() {
+    for (component, slip, output) in
+        [(1, 2e-4, "CSF1"), (3, 2e-4, "CSF3"), (4, 1e-4, "CSM1"), (6, 1e-4, "CSM3")]
+    {
+        let deck = format!("*CONNECTOR FRICTION, COMPONENT={component}\n, 1.\n*FRICTION\n0.1\n");
+        let friction = built_between("CARTESIAN", "CARDAN", &deck).unwrap().frictions.remove(0);
+        assert_eq!(friction.stick_stiffness, StickStiffness::ElasticSlip(slip), "{component}");
+        assert_eq!(friction.criterion.output, output);
+    }
+    for (terms, slip) in [("4\n5", 1e-4), ("1\n2", 2e-4)] {
+        let deck = format!("*CONNECTOR FRICTION\n, 1.\n*CONNECTOR POTENTIAL\n{terms}\n*FRICTION\n0.1\n");
+        let friction = built_between("CARTESIAN", "CARDAN", &deck).unwrap().frictions.remove(0);
+        assert_eq!(
+            (friction.stick_stiffness, friction.criterion.output),
+            (StickStiffness::ElasticSlip(slip), "CSFC")
+        );
+    }
+    let hinge =
+        built("HINGE", "*CONNECTOR FRICTION, PREDEFINED\n0.05, 0.1, 10.\n*FRICTION\n0.1\n", false).unwrap();
+    assert_eq!(hinge.frictions[0].stick_stiffness, StickStiffness::ElasticSlip(1e-4));
+}
+
+/// The internal contact force over a position, with and without a temperature; what is left empty is 0 beside another contact
+/// force, and missing without.
+#[test]
+fn internal_contact_forces_over_positions() {
+    let of = |options: &str, rows: &str| {
+        let deck = format!(
+            "*CONNECTOR FRICTION, COMPONENT=1, STICK STIFFNESS=3.{options}\n{rows}\n*FRICTION\n0.1\n"
+        );
+        built_between("CARTESIAN", "CARDAN", &deck)
+    };
+    let conditions = Conditions { temperature: Some(20.0), ..Conditions::default() };
+    let normal = |options: &str, rows: &str, force: f64| {
+        let friction = of(options, rows).unwrap().frictions.remove(0);
+        let mut at = input([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, force, 0.0, 0.0, 0.0, 0.0]);
+        at.context = Context {
+            position: [0.0, 0.0, 0.5, 0.0, 0.0, 0.0],
+            conditions: &conditions,
+            ..Context::default()
+        };
+        friction.update(&State::default(), &at, Branch::Decided).normal
+    };
+    let position = ", INDEPENDENT COMPONENTS=POSITION";
+    assert_eq!(normal(position, "3\n, 1., 0.\n, 2., 1.", 0.0), 1.5);
+    assert_eq!(normal(position, "3\n, 1., 0., , 20.\n, 2., 1., , 20.", 0.0), 1.5);
+    assert_eq!(
+        normal(position, "3\n, 1., 0., , 10.\n, 2., 1., , 10.\n, 3., 0., , 30.\n, 4., 1., , 30.", 0.0),
+        2.5
+    );
+    let pressed = format!("{position}, CONTACT FORCE=2");
+    assert_eq!(normal(&pressed, "3\n, , 0.\n, 2., 1.", 4.0), 5.0);
+    assert_eq!(of(position, "3\n, , 0.\n, 2., 1.").unwrap_err().code(), Code::MissingData);
+}
+
+/// Every flag has its own name.
+#[test]
+fn flags_have_names() {
+    for (flag, name) in [
+        (Flag::NoTraction, "no-traction"),
+        (Flag::TiedMaximum { terms: [1, 2] }, "tied-maximum"),
+        (Flag::ReturnedAlongTraction, "returned-along-traction"),
+        (Flag::Unstable, "unstable"),
+        (Flag::Slack, "slack"),
+    ] {
+        assert_eq!(flag.name(), name);
+    }
+}

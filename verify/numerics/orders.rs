@@ -181,3 +181,32 @@ fn reals_have_no_nilpotent_part() {
     assert_eq!(Wide::from_real(pintle::scalar::Real::integer(7)).nilpotent().to_f64(), 0.0);
     assert_eq!(variable(2.5).nilpotent().re.re, 0.0);
 }
+
+/// exp(ε n^) q₀, all four derivatives from the spin ε n: (cos ε/2, n sin ε/2) q₀; and its log where n is the axis of q₀.
+#[test]
+fn spins_of_every_order() {
+    let [w, v] = [0.6, 0.8].map(f64::from);
+    let q0 = [w, v * 0.48, -v * 0.6, v * 0.64];
+    let n = [0.36, 0.48, -0.8];
+    // (0, n) q₀
+    let axis = [q0[1], q0[2], q0[3]];
+    let cross = vector::cross(n, axis);
+    let first = [
+        -(n[0] * axis[0] + n[1] * axis[1] + n[2] * axis[2]),
+        w * n[0] + cross[0],
+        w * n[1] + cross[1],
+        w * n[2] + cross[2],
+    ];
+    let r = so3::matrix(q0).map(|row| row.map(Jet::from_real));
+    let spin = n.map(|component| (variable(0.0)).scale(component));
+    for (i, found) in so3::quaternion_along(&r, Some(spin)).into_iter().enumerate() {
+        let (c, s) = (q0[i], first[i]);
+        agree("exp(σ^) q₀", 0.0, derivatives(found), [c, s / 2.0, -c / 4.0, -s / 8.0, c / 16.0]);
+    }
+    let along = axis.map(|component| variable(0.0).scale(component / v));
+    let angle = 2.0 * v.atan2(w);
+    for (i, found) in so3::log_along(&r, Some(along)).into_iter().enumerate() {
+        let component = axis[i] / v;
+        agree("log exp(ε n^)", 0.0, derivatives(found), [component * angle, component, 0.0, 0.0, 0.0]);
+    }
+}

@@ -17,6 +17,7 @@
 
 use super::noise::{self, NONE, Probes, Roundings, mix, random};
 pub(super) use super::sparse::Sparse;
+use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -38,6 +39,8 @@ const CANCELS: f64 = 1e3;
 /// than one grow with the number of nodes that are eliminated one after the other, and with them the condition of the pivots.
 const PREFERRED: f64 = 0.99;
 
+/// Where a pivot row is taken from rows of so many entries in all, threads share them.
+const SHARED: usize = 30_000;
 /// Pivot rows are kept that have no more entries, in all.
 pub(super) const KEPT: usize = 20_000_000;
 
@@ -76,8 +79,25 @@ pub(super) struct Outcome {
     pub(super) front: usize,
     /// Whether an entry is no finite number, or so large that its uncertainty is none: nothing is then certain.
     pub(super) overflows: bool,
+    /// Whether the elimination was given up, for it would have cost too much: nothing is then known but `front`, at which that was.
+    pub(super) exhausted: bool,
     pivots: Vec<Pivot>,
     others: Vec<(u32, f64)>,
+}
+
+/// What an elimination may cost; more, and it is given up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Most {
+    /// Entries of rows that are on their way, at once: 32 bytes each, 1.3 GB.
+    pub(super) entries: usize,
+    /// Entries that multiples of pivot rows are taken from, in all: some 4 ns each, two minutes of processor.
+    pub(super) work: usize,
+}
+
+impl Default for Most {
+    fn default() -> Self {
+        Self { entries: 40_000_000, work: 30_000_000_000 }
+    }
 }
 
 /// What is asked of an elimination.
@@ -89,6 +109,8 @@ pub(super) struct Task<'a> {
     pub(super) right: Option<&'a [f64]>,
     /// Whether pivot rows are kept, for solutions and null vectors.
     pub(super) keep: bool,
+    /// What it may cost.
+    pub(super) most: Most,
 }
 
 /// An entry of a row that is on its way.
@@ -131,8 +153,16 @@ struct Elimination<'a> {
     columns: Vec<u32>,
     place: Vec<u32>,
     outcome: Outcome,
+    /// The entries of rows that wait, and those that multiples of pivots were taken from.
+    waiting: usize,
+    work: usize,
     roundings: Roundings,
     spare: Vec<Entry>,
+}
+
+/// The number of entries of rows.
+fn entries(rows: &[Row]) -> usize {
+    rows.iter().map(|row| row.entries.len()).sum()
 }
 
 /// Eliminates the groups of a matrix in an order. Rows of lower number are preferred as pivots.
@@ -157,6 +187,8 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
         decided: (GAP * ROUNDINGS * U).max(3.0 * zero),
         place,
         outcome: Outcome { gap: [0.0, f64::INFINITY], ..Outcome::default() },
+        waiting: 0,
+        work: 0,
         roundings: Roundings::new(),
         spare: Vec::new(),
         columns,
@@ -174,6 +206,7 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
     let mut first = 0;
     for (at, group) in order.iter().enumerate() {
         let mut block = std::mem::take(&mut waiting[at]);
+        work.waiting -= entries(&block.rows);
         for row in std::mem::take(&mut begin[at]) {
             let row = work.row(row as usize);
             block.groups.extend(row.entries.iter().map(|entry| turn[entry.at as usize]));
@@ -184,7 +217,15 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
         block.groups.dedup();
         let end = first + matrix.columns_of(*group as usize).len() as u32;
         let width = block.groups.iter().map(|at| matrix.columns_of(order[*at as usize] as usize).len()).sum();
+        work.outcome.front = work.outcome.front.max(width);
+        if work.waiting + block.rows.len() * width > task.most.entries {
+            work.outcome.exhausted = true;
+        }
+        if work.outcome.exhausted {
+            break;
+        }
         let rest = work.group(block.rows, first..end, width);
+        work.waiting += entries(&rest);
         if let Some(next) = block.groups.get(1).filter(|_| !rest.is_empty()) {
             let next = &mut waiting[*next as usize];
             next.rows.extend(rest);
@@ -274,64 +315,19 @@ impl Elimination<'_> {
         }
     }
 
-    /// Takes the multiple of a pivot row from a row of which nothing is left then at a place.
-    fn reduce(&mut self, row: &mut Row, pivot: &Row, at: u32) {
-        let (Some(of_row), Some(of_pivot)) = (row.entry(at).copied(), pivot.entry(at).copied()) else {
-            return;
+    /// Takes multiples of a pivot row from rows of which nothing is left then at a place.
+    fn reduce_all(&mut self, rows: &mut [Row], pivot: &Row, at: u32) {
+        let roundings = &self.roundings;
+        self.work += rows.len() * pivot.entries.len();
+        self.outcome.exhausted |= self.work > self.task.most.work;
+        let largest = if rows.len() * pivot.entries.len() < SHARED {
+            let spare = &mut self.spare;
+            rows.iter_mut().map(|row| reduce(row, pivot, at, roundings, spare)).fold(0.0, f64::max)
+        } else {
+            let one = |spare: &mut Vec<Entry>, row: &mut Row| reduce(row, pivot, at, roundings, spare);
+            rows.par_iter_mut().map_init(Vec::new, one).reduce(|| 0.0, f64::max)
         };
-        let factor = of_row.value / of_pivot.value;
-        let narrow = factor as f32;
-        let slope: Probes =
-            std::array::from_fn(|i| (of_row.probes[i] - narrow * of_pivot.probes[i]) / of_pivot.value as f32);
-        // The rounding of the factor is that of the whole row; each product and difference has one of its own.
-        let step = mix(mix(u64::from(row.name) << 32 | u64::from(pivot.name)) ^ u64::from(at));
-        let common = random(step);
-        let mut merged = std::mem::take(&mut self.spare);
-        merged.clear();
-        let (mut left, mut right) = (row.entries.iter().peekable(), pivot.entries.iter().peekable());
-        loop {
-            let order = match (left.peek(), right.peek()) {
-                (Some(x), Some(y)) => x.at.cmp(&y.at),
-                (Some(_), None) => Ordering::Less,
-                (None, Some(_)) => Ordering::Greater,
-                (None, None) => break,
-            };
-            let old = if order == Ordering::Greater { None } else { left.next() };
-            let taken = if order == Ordering::Less { None } else { right.next() };
-            let Some(place) = old.or(taken).map(|entry| entry.at).filter(|place| *place != at) else {
-                continue;
-            };
-            let mut entry = old.copied().unwrap_or(Entry { at: place, value: 0.0, probes: NONE });
-            if let Some(by) = taken {
-                let product = factor * by.value;
-                entry.value -= product;
-                let (value, size) = (by.value as f32, (product as f32).abs());
-                noise::add(&mut entry.probes, -value, &slope);
-                noise::add(&mut entry.probes, -narrow, &by.probes);
-                if product != 0.0 {
-                    let own = self.roundings.of((step >> 16).wrapping_add(u64::from(place)));
-                    let left = entry.value.abs();
-                    noise::add(&mut entry.probes, size, &common);
-                    noise::add(&mut entry.probes, size + left as f32, own);
-                    if left > 0.0
-                        && left * CANCELS < product.abs()
-                        && left <= REMAINS * U * noise::size(&entry.probes)
-                    {
-                        let ratio = left / noise::size(&entry.probes);
-                        self.outcome.gap[0] = self.outcome.gap[0].max(ratio);
-                        let dropped = self.roundings.of((step >> 40).wrapping_add(u64::from(place)));
-                        noise::add(&mut entry.probes, (left / U) as f32, dropped);
-                        entry.value = 0.0;
-                    }
-                }
-            }
-            if entry.value != 0.0 || entry.probes != NONE {
-                merged.push(entry);
-            }
-        }
-        std::mem::swap(&mut row.entries, &mut merged);
-        self.spare = merged;
-        row.right -= factor * pivot.right;
+        self.outcome.gap[0] = self.outcome.gap[0].max(largest);
     }
 
     /// Finds the pivots of a group, whose places are given, and gives what is left of the other rows.
@@ -341,9 +337,7 @@ impl Elimination<'_> {
         while let Some((row, at)) = self.choose(&rows, done, &open) {
             rows.swap(done, row);
             let (above, below) = rows.split_at_mut(done + 1);
-            for row in below {
-                self.reduce(row, &above[done], at);
-            }
+            self.reduce_all(below, &above[done], at);
             open.retain(|other| *other != at);
             self.keep(&rows[done], at);
             done += 1;
@@ -361,10 +355,11 @@ impl Elimination<'_> {
                 self.outcome.dependent.push(row.name);
                 continue;
             }
-            row.entries.shrink_to_fit();
+            if row.entries.capacity() > 2 * row.entries.len() {
+                row.entries.shrink_to_fit();
+            }
             rest.push(row);
         }
-        self.outcome.front = self.outcome.front.max(width);
         if rest.len() > width - places.len() { self.compress(rest) } else { rest }
     }
 
@@ -400,12 +395,10 @@ impl Elimination<'_> {
                 waiting.entry(first.at).or_default().push(row);
             }
         }
-        while let Some((at, mut rows)) = waiting.pop_first() {
+        while let Some((at, mut rows)) = waiting.pop_first().filter(|_| !self.outcome.exhausted) {
             if let Some((pivot, _)) = self.choose(&rows, 0, &[at]) {
                 let pivot = rows.swap_remove(pivot);
-                for row in &mut rows {
-                    self.reduce(row, &pivot, at);
-                }
+                self.reduce_all(&mut rows, &pivot, at);
                 independent.push(pivot);
             }
             for row in rows {
@@ -423,10 +416,98 @@ impl Elimination<'_> {
     }
 }
 
+/// Takes the multiple of a pivot row from a row of which nothing is left then at a place, and gives the largest |s|/n of what was put to zero.
+fn reduce(row: &mut Row, pivot: &Row, at: u32, roundings: &Roundings, spare: &mut Vec<Entry>) -> f64 {
+    let (Some(of_row), Some(of_pivot)) = (row.entry(at).copied(), pivot.entry(at).copied()) else {
+        return 0.0;
+    };
+    let factor = of_row.value / of_pivot.value;
+    let narrow = factor as f32;
+    let slope: Probes =
+        std::array::from_fn(|i| (of_row.probes[i] - narrow * of_pivot.probes[i]) / of_pivot.value as f32);
+    // The rounding of the factor is that of the whole row; each product and difference has one of its own.
+    let step = mix(mix(u64::from(row.name) << 32 | u64::from(pivot.name)) ^ u64::from(at));
+    let taking = Taking { factor, narrow, slope, common: random(step), step, roundings };
+    row.right -= factor * pivot.right;
+    let mut largest = 0.0_f64;
+    let is_same = row.entries.len() == pivot.entries.len()
+        && row.entries.iter().zip(&pivot.entries).all(|(x, y)| x.at == y.at);
+    if is_same {
+        for (entry, by) in row.entries.iter_mut().zip(&pivot.entries) {
+            taking.take(entry, by, &mut largest);
+        }
+        let is_left = |entry: &Entry| entry.at != at && (entry.value != 0.0 || entry.probes != NONE);
+        row.entries.retain(is_left);
+        return largest;
+    }
+    spare.clear();
+    let (mut left, mut right) = (row.entries.iter().peekable(), pivot.entries.iter().peekable());
+    loop {
+        let order = match (left.peek(), right.peek()) {
+            (Some(x), Some(y)) => x.at.cmp(&y.at),
+            (Some(_), None) => Ordering::Less,
+            (None, Some(_)) => Ordering::Greater,
+            (None, None) => break,
+        };
+        let old = if order == Ordering::Greater { None } else { left.next() };
+        let taken = if order == Ordering::Less { None } else { right.next() };
+        let Some(place) = old.or(taken).map(|entry| entry.at).filter(|place| *place != at) else {
+            continue;
+        };
+        let mut entry = old.copied().unwrap_or(Entry { at: place, value: 0.0, probes: NONE });
+        if let Some(by) = taken {
+            taking.take(&mut entry, by, &mut largest);
+        }
+        if entry.value != 0.0 || entry.probes != NONE {
+            spare.push(entry);
+        }
+    }
+    std::mem::swap(&mut row.entries, spare);
+    largest
+}
+
+/// The multiple of a pivot row that is taken from a row.
+struct Taking<'a> {
+    factor: f64,
+    narrow: f32,
+    slope: Probes,
+    common: Probes,
+    step: u64,
+    roundings: &'a Roundings,
+}
+
+impl Taking<'_> {
+    #[inline(always)]
+    fn take(&self, entry: &mut Entry, by: &Entry, largest: &mut f64) {
+        let product = self.factor * by.value;
+        entry.value -= product;
+        let (value, size) = (by.value as f32, (product as f32).abs());
+        noise::add(&mut entry.probes, -value, &self.slope);
+        noise::add(&mut entry.probes, -self.narrow, &by.probes);
+        if product == 0.0 {
+            return;
+        }
+        let place = u64::from(entry.at);
+        let left = entry.value.abs();
+        noise::add(&mut entry.probes, size, &self.common);
+        noise::add(
+            &mut entry.probes,
+            size + left as f32,
+            self.roundings.of((self.step >> 16).wrapping_add(place)),
+        );
+        if left > 0.0 && left * CANCELS < product.abs() && left <= REMAINS * U * noise::size(&entry.probes) {
+            *largest = largest.max(left / noise::size(&entry.probes));
+            let dropped = self.roundings.of((self.step >> 40).wrapping_add(place));
+            noise::add(&mut entry.probes, (left / U) as f32, dropped);
+            entry.value = 0.0;
+        }
+    }
+}
+
 impl Outcome {
     /// Whether what counts as zero and what does not are well apart.
     pub(super) fn is_decided(&self) -> bool {
-        self.doubtful.is_empty() && !self.remains && !self.overflows
+        self.doubtful.is_empty() && !self.remains && !self.overflows && !self.exhausted
     }
 
     /// Whether pivot rows were kept.

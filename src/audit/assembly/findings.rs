@@ -1,14 +1,19 @@
 //! What is said of an assembly.
 
+use super::dense;
+use super::modes::MODES;
+use super::redundant::EXPLAINED;
 use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant};
 use crate::audit::model::{About, Finding};
 use crate::evaluate::Freedom;
-use crate::grammar::{agree, count};
+use crate::grammar::{agree, count, ranges};
 use crate::scene::{Code, Label, Scene, Span};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// The names that a message lists.
 const NAMED: usize = 8;
+/// What differs between given states is told in so many findings.
+const SETS: usize = 20;
 
 /// What is found of an assembly.
 pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
@@ -19,7 +24,22 @@ pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Find
     found.extend(undecided(scene, assembly));
     found.extend(not_assembled(scene, assembly));
     found.extend(mechanism(scene, assembly));
+    found.extend(mechanism_at(scene, assembly));
     found
+}
+
+/// What is found of an assembly step by step: of later ones what was not found before.
+pub(in crate::audit) fn findings_in_steps(scene: &Scene, assemblies: &[Assembly]) -> Vec<Finding> {
+    let (mut told, mut all): (HashSet<(Code, String)>, Vec<Finding>) = (HashSet::new(), Vec::new());
+    for (at, assembly) in assemblies.iter().enumerate() {
+        let mut found = findings(scene, assembly);
+        found.retain(|finding| told.insert((finding.code(), finding.message().to_string())));
+        let step = assembly.step;
+        let in_step =
+            |finding: Finding| if at == 0 { finding } else { finding.begin(&format!("in step {step}, ")) };
+        all.extend(found.into_iter().map(in_step));
+    }
+    all
 }
 
 /// Where something was read: the connector, or the constraint.
@@ -97,13 +117,17 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             [] if holds == Holds::Rigid && redundant.iter().all(|one| one.from.is_empty()) => {
                 " from boundary conditions and what is held".to_string()
             }
+            [] if redundant.iter().all(|one| one.from.is_empty()) => format!(
+                " from others, which are named in parts of up to {} equations with up to {EXPLAINED} redundant ones",
+                dense::LARGEST
+            ),
             [] => " from the others".to_string(),
             others => format!(" from those of {}", listed(others)),
         };
         let code = match holds {
             Holds::Throughout | Holds::Rigid => Code::AssemblyRedundant,
             Holds::Here | Holds::Isolated => Code::AssemblyRedundantHere,
-            Holds::Unjudged => Code::AssemblyRedundantUnjudged,
+            Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
         };
         let verb = if components.len() == 1 { "follows" } else { "follow" };
         let condition = if decided {
@@ -140,44 +164,57 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     found
 }
 
-/// Constraints that are redundant at a given state and not at others.
-fn at_states(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    let (state, first) = assembly.redundant_at.first()?;
-    let at: Vec<&Constraint> =
-        assembly.redundant_at.iter().filter(|(other, _)| other == state).map(|(_, one)| one).collect();
-    let mut states: Vec<u64> = assembly.redundant_at.iter().map(|(state, _)| *state).collect();
-    states.dedup();
-    let names: Vec<String> = at.iter().map(|one| one.to_string()).collect();
-    let also = if states.len() > 1 {
-        format!(" (and the like at {})", count(states.len() - 1, "more state"))
-    } else {
-        String::new()
-    };
+/// Constraints that are redundant at a given state and not at others: a finding for each set of them, with its states.
+fn at_states(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+    let mut by_state: BTreeMap<u64, Vec<&Constraint>> = BTreeMap::new();
+    for (state, constraint) in &assembly.redundant_at {
+        by_state.entry(*state).or_default().push(constraint);
+    }
+    let mut sets: Vec<(Vec<&Constraint>, Vec<u64>)> = Vec::new();
+    for (state, set) in by_state {
+        match sets.iter_mut().find(|(other, _)| *other == set) {
+            Some((_, states)) => states.push(state),
+            None => sets.push((set, vec![state])),
+        }
+    }
+    let more = sets.len().saturating_sub(SETS);
+    let mut found: Vec<Finding> =
+        sets.iter().take(SETS).map(|set| redundant_at(scene, assembly, set)).collect();
+    if more > 0
+        && let Some(last) = found.pop()
+    {
+        found.push(last.add(&format!("; {} besides, which the report lists", count(more, "such set"))));
+    }
+    found
+}
+
+fn redundant_at(scene: &Scene, assembly: &Assembly, (at, states): &(Vec<&Constraint>, Vec<u64>)) -> Finding {
+    let names: Vec<String> = at.iter().map(ToString::to_string).collect();
     /// What a change of the matrix by more than this makes zero is not zero to rounding, but to the digits of the state.
     const ROUNDING: f64 = 1e-12;
-    let zero = assembly
-        .positions
-        .iter()
-        .find(|position| position.state == Some(*state))
-        .map(|position| position.gap.zero);
-    let holds = match zero {
-        Some(zero) if zero > ROUNDING => format!(
+    let is_here = |position: &&Position| position.state.is_some_and(|state| states.contains(&state));
+    let zero =
+        assembly.positions.iter().filter(is_here).map(|position| position.gap.zero).fold(0.0, f64::max);
+    let holds = if zero > ROUNDING {
+        format!(
             "to the digits of the state, which a relative change of the matrix by {zero:.0e} allows for, it holds there only: at another \
              state given it does not"
-        ),
-        _ => Holds::Here.meaning().to_string(),
+        )
+    } else {
+        Holds::Here.meaning().to_string()
     };
     let message = format!(
-        "at state {state}, {} {} on other constraints; {holds}{also}",
+        "at {}, {} {} on other constraints; {holds}",
+        ranges("state", states),
         listed(&names),
         agree(names.len(), ["depends", "depend"]),
     );
     let reason = "the rank of the constraint Jacobian is smaller than at other given states";
     let remedy =
         "keep clear of this position, or drive through it with care: forces grow without bound near it";
-    let finding =
-        Finding::new(scene, Code::AssemblyRedundantHere, place(scene, first), message, reason, remedy);
-    Some(finding.about(About { state: Some(*state), ..about(&at) }))
+    let place = at.first().map(|first| place(scene, first)).unwrap_or_default();
+    let finding = Finding::new(scene, Code::AssemblyRedundantHere, place, message, reason, remedy);
+    finding.about(About { state: states.first().copied(), ..about(at) })
 }
 
 fn overdriven(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
@@ -208,8 +245,7 @@ fn skipped(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
         ),
     };
     let message = format!(
-        "the rank of the constraints was not found for the part of node {}, with {} and {}{more}: elimination would need dense matrices of {} \
-         columns{rest}",
+        "the rank of the constraints was not found for the part of node {}, with {} and {}{more}: elimination would take too much time or memory, with dense matrices of {} columns{rest}",
         largest.node,
         count(largest.connectors, "connector"),
         count(largest.degrees_of_freedom, "degree of freedom"),
@@ -357,19 +393,75 @@ fn mechanism(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     if undriven == 0 {
         return None;
     }
+    let message = format!("the assembly can move in {} initially{}", ways(undriven), named(&modes, undriven));
+    Some(moves(scene, message, &modes, undriven, None))
+}
+
+/// A number of motions.
+fn ways(undriven: usize) -> String {
+    format!("{} that nothing drives,", count(undriven, "way"))
+}
+
+/// Motions, by degrees of freedom.
+fn named(modes: &[&Mode], undriven: usize) -> String {
+    if modes.is_empty() {
+        return ", which are not named, for a thousand others are".to_string();
+    }
     let words: Vec<String> = modes.iter().take(NAMED).map(|mode| motion(mode)).collect();
     let more = if undriven > NAMED { format!("; and {} more", undriven - NAMED) } else { String::new() };
-    let ways = if undriven == 1 { "1 way".to_string() } else { format!("{undriven} ways") };
-    let message = format!(
-        "the assembly can move in {ways} that nothing drives, initially, by degree of freedom {}{more}",
-        words.join("; ")
-    );
+    let short = if modes.iter().take(NAMED).any(|mode| mode.moving.is_none()) {
+        format!(
+            " (all that moves is named for the first {MODES} motions of a part, and where it does not fill)"
+        )
+    } else {
+        String::new()
+    };
+    format!(", by degree of freedom {}{more}{short}", words.join("; "))
+}
+
+/// Motions at given states where there are more, or fewer, than initially: a finding for each set of them, with its states.
+fn mechanism_at(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+    let Some(initial) = assembly.positions.first().and_then(|position| position.undriven) else {
+        return Vec::new();
+    };
+    let mut sets: Vec<(&Position, usize, Vec<u64>)> = Vec::new();
+    for position in assembly.positions.iter().filter(|position| position.differs && position.decided) {
+        let (Some(state), Some(undriven)) = (position.state, position.undriven) else { continue };
+        if undriven == initial || undriven == 0 {
+            continue;
+        }
+        match sets.iter_mut().find(|(other, ..)| other.modes == position.modes) {
+            Some((.., states)) => states.push(state),
+            None => sets.push((position, undriven, vec![state])),
+        }
+    }
+    let more = sets.len().saturating_sub(SETS);
+    let of = |(position, undriven, states): &(&Position, usize, Vec<u64>)| {
+        let modes: Vec<&Mode> = position.modes.iter().collect();
+        let message = format!(
+            "at {}, the assembly can move in {} not {initial} as initially{}",
+            ranges("state", states),
+            ways(*undriven),
+            named(&modes, *undriven)
+        );
+        moves(scene, message, &modes, *undriven, states.first().copied())
+    };
+    let mut found: Vec<Finding> = sets.iter().take(SETS).map(of).collect();
+    if more > 0
+        && let Some(last) = found.pop()
+    {
+        found.push(last.add(&format!("; {} besides, which the report lists", count(more, "such set"))));
+    }
+    found
+}
+
+fn moves(scene: &Scene, message: String, modes: &[&Mode], undriven: usize, state: Option<u64>) -> Finding {
     let reason = "degrees of freedom less the rank of constraints and drives; springs, friction, stops and other elements are not looked at";
     let remedy = "as it should be for a mechanism under forces; in statics, hold or drive the motion";
     let mut nodes: Vec<Label> = modes.iter().flat_map(|mode| mode.nodes.iter().copied()).collect();
     nodes.sort();
     nodes.dedup();
     nodes.truncate(100);
-    let about = About { nodes, value: Some(undriven as f64), ..About::default() };
-    Some(Finding::new(scene, Code::AssemblyMechanism, Span::default(), message, reason, remedy).about(about))
+    let about = About { nodes, value: Some(undriven as f64), state, ..About::default() };
+    Finding::new(scene, Code::AssemblyMechanism, Span::default(), message, reason, remedy).about(about)
 }

@@ -46,6 +46,16 @@ impl Found {
         self.constraints.is_decided() && self.undriven().is_decided() && digits && self.zero_is_zero
     }
 
+    /// The rank, and the number of motions that nothing drives.
+    pub(super) fn numbers(&self) -> [usize; 2] {
+        [self.constraints.rank, self.undriven().free.len()]
+    }
+
+    /// Dependent rows, of the system.
+    pub(super) fn dependent(&self) -> Vec<u32> {
+        self.constraints.dependent.iter().map(|row| self.rows[*row as usize]).collect()
+    }
+
     /// Rows of the matrix of constraints whose independence, or dependence, is not certain.
     fn doubtful(&self) -> &[u32] {
         if !self.constraints.doubtful.is_empty() {
@@ -56,22 +66,31 @@ impl Found {
     }
 }
 
-/// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system); not at those that are too large.
-pub(super) fn look(system: &System<'_>, values: &[f64], residuals: &[f64], keep: bool) -> Vec<Option<Found>> {
+/// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system). Of those whose elimination would
+/// cost too much, the columns of the front where that was.
+pub(super) fn look(
+    system: &System<'_>,
+    values: &[f64],
+    residuals: &[f64],
+    keep: bool,
+) -> Vec<Result<Found, usize>> {
     let of_part = |part: &Part| {
-        if part.too_large.is_some() {
-            return None;
-        }
         let worst = part.rows.iter().filter_map(|row| residuals.get(*row as usize));
         let worst = super::largest(worst);
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, values, |role| role != Role::Driven);
-        let task = Task { uncertainty: 30.0 * worst, keep, right: None };
+        let task = Task { uncertainty: 30.0 * worst, keep, right: None, most: part.most };
         let constraints = eliminate(&matrix, &part.order, task);
+        if constraints.exhausted {
+            return Err(constraints.front);
+        }
         let driven = has_drives.then(|| {
             let (rows, matrix) = system.matrix(part, values, |_| true);
             (eliminate(&matrix, &part.order, task), rows)
         });
+        if let Some((driven, _)) = driven.as_ref().filter(|(driven, _)| driven.exhausted) {
+            return Err(driven.front);
+        }
         let is_small = dense::is_small(&matrix, if keep { dense::LARGEST } else { EVERYWHERE });
         let values = if is_small { dense::singular_values(&matrix) } else { Vec::new() };
         let [computed, rounded] = matrix.changes();
@@ -85,7 +104,7 @@ pub(super) fn look(system: &System<'_>, values: &[f64], residuals: &[f64], keep:
         });
         let is_wanted = keep && is_small && !constraints.dependent.is_empty();
         let matrix = is_wanted.then_some(matrix);
-        Some(Found { constraints, rows, driven, singular_values, zero_is_zero, matrix })
+        Ok(Found { constraints, rows, driven, singular_values, zero_is_zero, matrix })
     };
     system.parts.par_iter().map(of_part).collect()
 }
@@ -94,12 +113,13 @@ pub(super) fn look(system: &System<'_>, values: &[f64], residuals: &[f64], keep:
 pub(super) fn position(
     system: &System<'_>,
     state: Option<u64>,
-    found: &[Option<Found>],
+    found: &[Result<Found, usize>],
     fixed: usize,
 ) -> Position {
     // Of parts that were not looked at nothing is known, and so neither of the whole.
-    let sum =
-        |of: fn(&Found) -> usize| found.iter().map(|found| found.as_ref().map(of)).sum::<Option<usize>>();
+    let sum = |of: fn(&Found) -> usize| {
+        found.iter().map(|found| found.as_ref().ok().map(of)).sum::<Option<usize>>()
+    };
     let known = || found.iter().flatten();
     let outcomes = || known().flat_map(|found| [&found.constraints, found.undriven()]);
     let zero = outcomes().map(|outcome| outcome.gap[0]).fold(0.0, f64::max);
@@ -120,10 +140,13 @@ pub(super) fn position(
             .map(|found| found.undriven().free.len())
             .sum(),
         overdriven: sum(Found::overdriven),
-        decided: found.iter().all(|found| found.as_ref().is_some_and(Found::is_decided)),
+        decided: found.iter().all(|found| found.as_ref().is_ok_and(Found::is_decided)),
         finite: outcomes().all(|outcome| !outcome.overflows),
         gap: Gap { zero, nonzero, singular_values },
         doubtful: doubtful.take(100).collect(),
+        differs: false,
+        dependent: Vec::new(),
+        modes: Vec::new(),
     }
 }
 
@@ -151,7 +174,7 @@ pub(super) fn constraint(system: &System<'_>, row: u32) -> Constraint {
 }
 
 /// Drives that act on what is determined already.
-pub(super) fn overdriven(system: &System<'_>, found: &[Option<Found>]) -> Vec<Constraint> {
+pub(super) fn overdriven(system: &System<'_>, found: &[Result<Found, usize>]) -> Vec<Constraint> {
     let mut named = Vec::new();
     for found in found.iter().flatten() {
         let Some((driven, rows)) = found.driven.as_ref().filter(|_| found.overdriven() > 0) else { continue };

@@ -24,6 +24,7 @@
 //! | module | question |
 //! |---|---|
 //! | `system` | what are the equations, and which belong together? |
+//! | `steps` | in which steps are they others, and which states belong to those? |
 //! | `order` | in which order are nodes eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
 //! | `noise` | what of that is rounding? |
@@ -46,6 +47,7 @@ mod noise;
 mod order;
 mod redundant;
 mod sparse;
+mod steps;
 mod system;
 #[cfg(test)]
 mod tests;
@@ -72,6 +74,8 @@ pub enum Holds {
     Here,
     /// The part can move to first order, and no admissible state near by was found: judged a singular position.
     Isolated,
+    /// It was not judged, for the part is too large to be moved.
+    Large,
     /// It could not be judged.
     Unjudged,
 }
@@ -89,6 +93,10 @@ impl Holds {
             }
             Self::Isolated => {
                 "it holds at this state (judged a singular position: motions that are free to first order lead nowhere)"
+            }
+            Self::Large => {
+                "whether it holds at other states was not judged, for what belongs to it has more than 20 000 degrees of freedom, or fills when it \
+                 is eliminated: audit its loop as a scene of its own"
             }
             Self::Unjudged => "whether it holds at other states was not judged",
         }
@@ -192,8 +200,17 @@ pub struct Position {
     pub finite: bool,
     /// How certain they are.
     pub gap: Gap,
-    /// The constraints whose independence is not certain; at most a hundred.
+    /// The constraints whose independence, or dependence, is not certain; at most a hundred.
     pub doubtful: Vec<Constraint>,
+    /// Whether, of a given state, the rank or the number of motions of a part is another than initially: what is redundant and what moves
+    /// is named then, up to a thousand in all.
+    pub differs: bool,
+    /// Redundant constraints at a given state that differs; at the initial one, [`Assembly::redundant`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub dependent: Vec<Redundant>,
+    /// Motions that nothing drives, at a given state that differs; at the initial one, [`Assembly::modes`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<Mode>,
 }
 
 /// The whole assembly.
@@ -215,7 +232,7 @@ pub struct Assembly {
     pub parts: usize,
     /// The largest front, in columns: what the elimination cost.
     pub largest_front: usize,
-    /// Parts that were not looked at, for their elimination would have taken too much memory or time.
+    /// Parts that were not looked at, for their elimination would have taken more than 1.3 GB, or some minutes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub skipped: Vec<Skipped>,
     /// The initial state, then those given that were looked at.
@@ -249,7 +266,7 @@ pub struct Skipped {
     pub constraints: usize,
     /// Its first node.
     pub node: Label,
-    /// The columns of the front that would be too large.
+    /// The columns of the front at which it was given up.
     pub front: usize,
 }
 
@@ -270,15 +287,42 @@ const LISTED: usize = 1000;
 /// # Errors
 /// The points of a `*TRANSFORM` that define no directions.
 pub fn analyse(scene: &Scene, model: &Model, states: &[State], step: usize) -> Result<Assembly, Diagnostic> {
-    let prescribed = Prescribed::of(scene, step)?;
-    let plan = Plan::everything(model, request());
-    let system = System::new(model, &plan, &prescribed);
-    let mut assembly = Assembly::none(step);
-    of_system(&system, states, &mut assembly);
-    Ok(assembly)
+    Ok(in_step(model, states, step, &Prescribed::of(scene, step)?, &|_| true))
 }
 
-fn of_system(system: &System<'_>, states: &[State], assembly: &mut Assembly) {
+/// Looks at an assembly in its first step, and in all whose boundary conditions or connector motions are not those of the step before: at
+/// its initial state, and at those given that belong to the step by their time, or to those after it that prescribe the same. States
+/// whose time is not known, and all where the period of a step is not, count as of the first.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_steps(scene: &Scene, model: &Model, states: &[State]) -> Result<Vec<Assembly>, Diagnostic> {
+    let steps = steps::differing(scene)?;
+    let ends = steps::ends(scene);
+    let next = steps.iter().skip(1).map(|(step, _)| *step).chain([usize::MAX]);
+    let found = steps.iter().zip(next).map(|((step, prescribed), next)| {
+        let is_of = |state: &State| (*step..next).contains(&steps::of_state(ends.as_deref(), state));
+        in_step(model, states, *step, prescribed, &is_of)
+    });
+    Ok(found.collect())
+}
+
+/// Looks at those states that are of a step, following all.
+fn in_step(
+    model: &Model,
+    states: &[State],
+    step: usize,
+    prescribed: &Prescribed,
+    is_of: &dyn Fn(&State) -> bool,
+) -> Assembly {
+    let plan = Plan::everything(model, request());
+    let system = System::new(model, &plan, prescribed);
+    let mut assembly = Assembly::none(step);
+    of_system(&system, states, is_of, &mut assembly);
+    assembly
+}
+
+fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bool, assembly: &mut Assembly) {
     let drives = system.roles.iter().filter(|role| **role == Role::Driven).count();
     let columns = system.jacobian.columns();
     let constraints = system.origins.len() - drives;
@@ -289,7 +333,6 @@ fn of_system(system: &System<'_>, states: &[State], assembly: &mut Assembly) {
     assembly.drives = drives;
     assembly.gruebler = columns as i64 - constraints as i64;
     assembly.parts = system.parts.len();
-    assembly.skipped = system.skipped();
     let mut sequence = Sequence::new(system.model, system.plan);
     let mut values = Vec::new();
     if let Err(error) = sequence.assemble(&State::default(), &system.jacobian, &mut values) {
@@ -297,6 +340,9 @@ fn of_system(system: &System<'_>, states: &[State], assembly: &mut Assembly) {
         return;
     }
     let found = look(system, &values, &[], true);
+    let skipped =
+        system.parts.iter().zip(&found).filter_map(|(part, found)| Some((part, found.as_ref().err()?)));
+    assembly.skipped = skipped.filter_map(|(part, front)| system.skipped(part, *front)).collect();
     assembly.largest_front =
         found.iter().flatten().map(|found| found.constraints.front).max().unwrap_or_default();
     let is_held = |row: &u32| system.roles[*row as usize] != Role::Driven;
@@ -305,7 +351,7 @@ fn of_system(system: &System<'_>, states: &[State], assembly: &mut Assembly) {
     assembly.redundant = redundant::redundant(system, &found, &fixed);
     assembly.overdriven = overdriven(system, &found);
     assembly.modes = modes::modes(system, &found);
-    given::along(system, states, &found, fixed.len(), assembly);
+    given::along(system, (states, is_of), &found, fixed.len(), assembly);
 }
 
 impl Assembly {

@@ -6,14 +6,14 @@ use super::{LISTED, Mode};
 use crate::scene::Label;
 
 /// The modes that are named by all nodes that move, of one part.
-const MODES: usize = 20;
+pub(super) const MODES: usize = 20;
 
 /// The motions that are left, and what moves.
-pub(super) fn modes(system: &System<'_>, found: &[Option<Found>]) -> Vec<Mode> {
+pub(super) fn modes(system: &System<'_>, found: &[Result<Found, usize>]) -> Vec<Mode> {
     let freedoms = system.jacobian.freedoms();
     let mut modes = Vec::new();
     for (part, found) in system.parts.iter().zip(found) {
-        let Some(found) = found else { continue };
+        let Ok(found) = found else { continue };
         let (outcome, decided) = (found.undriven(), found.is_decided());
         for (at, column) in outcome.free.iter().enumerate() {
             if modes.len() >= LISTED {

@@ -1,6 +1,7 @@
 //! In which order are nodes eliminated, and which belong together?
 
-use std::collections::{BTreeSet, HashSet};
+use std::cmp::Ordering;
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// A hash of small numbers.
@@ -64,6 +65,137 @@ pub(super) fn minimum_degree(count: usize, cliques: &[Vec<u32>], most: usize) ->
     Ok(order)
 }
 
+/// The vertices of a graph so that sets which others separate come before those (nested dissection; George, 1973, by levels of distance from
+/// a far vertex as in his automatic one). Small sets are ordered by least degree.
+pub(super) fn dissection(count: usize, cliques: &[Vec<u32>]) -> Vec<u32> {
+    /// Sets of no more vertices are not divided.
+    const LEAF: usize = 60;
+    let mut joined: Vec<Vec<u32>> = vec![Vec::new(); count];
+    for clique in cliques {
+        for v in clique {
+            joined[*v as usize].extend(clique.iter().filter(|w| *w != v));
+        }
+    }
+    joined.iter_mut().for_each(|of| {
+        of.sort_unstable();
+        of.dedup();
+    });
+    // The set that each vertex is in; what was put last into the order is in none.
+    let mut set_of: Vec<u32> = vec![1; count];
+    let (mut sets, mut next) = (vec![(0..count as u32).collect::<Vec<u32>>()], 2);
+    let mut reversed = Vec::with_capacity(count);
+    while let Some(set) = sets.pop() {
+        let Some(first) = set.first() else { continue };
+        let own = set_of[*first as usize];
+        let levels = if set.len() > LEAF { far_levels(&joined, &set_of, *first) } else { Vec::new() };
+        let reached: usize = levels.iter().map(Vec::len).sum();
+        if reached > 0 && reached < set.len() {
+            // Parts that are not joined.
+            for v in levels.iter().flatten() {
+                set_of[*v as usize] = next;
+            }
+            next += 1;
+            sets.push(set.into_iter().filter(|v| set_of[*v as usize] == own).collect());
+            sets.push(levels.into_iter().flatten().collect());
+            continue;
+        }
+        let Some(middle) = separator(&levels) else {
+            let place: HashMap<u32, u32, BuildHasherDefault<Mix>> =
+                set.iter().enumerate().map(|(at, v)| (*v, at as u32)).collect();
+            let edges: Vec<Vec<u32>> = set
+                .iter()
+                .flat_map(|v| joined[*v as usize].iter().filter(move |w| *w > v).map(move |w| (v, w)))
+                .filter_map(|(v, w)| Some(vec![*place.get(v)?, *place.get(w)?]))
+                .collect();
+            let order = minimum_degree(set.len(), &edges, usize::MAX).unwrap_or_default();
+            reversed.extend(order.iter().rev().map(|at| set[*at as usize]));
+            set.iter().for_each(|v| set_of[*v as usize] = 0);
+            continue;
+        };
+        let [low, high] = [next, next + 1];
+        next += 2;
+        for (level, vertices) in levels.iter().enumerate() {
+            let to = match level.cmp(&middle) {
+                Ordering::Less => low,
+                Ordering::Equal => 0,
+                Ordering::Greater => high,
+            };
+            vertices.iter().for_each(|v| set_of[*v as usize] = to);
+        }
+        // What of the level has nothing beyond it does not separate.
+        for v in &levels[middle] {
+            if joined[*v as usize].iter().any(|w| set_of[*w as usize] == high) {
+                reversed.push(*v);
+            } else {
+                set_of[*v as usize] = low;
+            }
+        }
+        sets.push(set.iter().copied().filter(|v| set_of[*v as usize] == low).collect());
+        sets.push(set.iter().copied().filter(|v| set_of[*v as usize] == high).collect());
+    }
+    reversed.reverse();
+    reversed
+}
+
+/// The vertices of the set of one by their distance from a vertex that is far from others.
+fn far_levels(joined: &[Vec<u32>], set_of: &[u32], from: u32) -> Vec<Vec<u32>> {
+    let mut levels = levels_from(joined, set_of, from);
+    for _ in 0..4 {
+        let Some(last) =
+            levels.last().and_then(|last| last.iter().min_by_key(|v| joined[**v as usize].len()))
+        else {
+            break;
+        };
+        let next = levels_from(joined, set_of, *last);
+        if next.len() <= levels.len() {
+            break;
+        }
+        levels = next;
+    }
+    levels
+}
+
+fn levels_from(joined: &[Vec<u32>], set_of: &[u32], from: u32) -> Vec<Vec<u32>> {
+    let own = set_of[from as usize];
+    let mut seen: HashSet<u32, BuildHasherDefault<Mix>> = HashSet::default();
+    seen.insert(from);
+    let mut levels = vec![vec![from]];
+    loop {
+        let mut next = Vec::new();
+        for v in levels.last().into_iter().flatten() {
+            for w in &joined[*v as usize] {
+                if set_of[*w as usize] == own && seen.insert(*w) {
+                    next.push(*w);
+                }
+            }
+        }
+        if next.is_empty() {
+            return levels;
+        }
+        levels.push(next);
+    }
+}
+
+/// The smallest level of those in the middle; none where there is nothing on both sides.
+fn separator(levels: &[Vec<u32>]) -> Option<usize> {
+    let all: usize = levels.iter().map(Vec::len).sum();
+    let mut before = 0;
+    let mut best: Option<(usize, usize)> = None;
+    for (level, vertices) in levels.iter().enumerate() {
+        let after = all - before - vertices.len();
+        if before.min(after) * 10 >= all * 3
+            || (best.is_none() && before.min(after) > 0 && before * 2 + vertices.len() >= all)
+        {
+            let is_smaller = best.is_none_or(|(_, least)| vertices.len() < least);
+            if is_smaller {
+                best = Some((level, vertices.len()));
+            }
+        }
+        before += vertices.len();
+    }
+    best.map(|(level, _)| level)
+}
+
 /// Sets of things that are joined, directly or through others.
 pub(super) struct Union {
     parent: Vec<u32>,
@@ -95,7 +227,8 @@ impl Union {
 
 #[cfg(test)]
 mod tests {
-    use super::minimum_degree;
+    use super::{dissection, minimum_degree};
+    use std::collections::BTreeSet;
 
     #[test]
     fn leaves_come_before_their_hub() {
@@ -104,6 +237,41 @@ mod tests {
         assert_eq!(order.len(), 6);
         let hub = order.iter().position(|v| *v == 0).unwrap_or_default();
         assert!(hub >= 4, "{order:?}");
+    }
+
+    /// A cube of n³ vertices comes apart along its planes: what is joined when one is eliminated is at most about two of them.
+    #[test]
+    fn a_cube_comes_apart() {
+        let n = 9_u32;
+        let at = |i: u32, j: u32, k: u32| (i * n + j) * n + k;
+        let mut edges = Vec::new();
+        for (i, j, k) in (0..n * n * n).map(|v| (v / n / n, v / n % n, v % n)) {
+            for (p, q, r) in [(i + 1, j, k), (i, j + 1, k), (i, j, k + 1)] {
+                if p.max(q).max(r) < n {
+                    edges.push(vec![at(i, j, k), at(p, q, r)]);
+                }
+            }
+        }
+        let count = (n * n * n) as usize;
+        let order = dissection(count, &edges);
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        assert_eq!(sorted, (0..n * n * n).collect::<Vec<_>>());
+        let mut joined = vec![BTreeSet::new(); count];
+        for edge in &edges {
+            joined[edge[0] as usize].insert(edge[1]);
+            joined[edge[1] as usize].insert(edge[0]);
+        }
+        let mut most = 0;
+        for v in order {
+            let of = std::mem::take(&mut joined[v as usize]);
+            most = most.max(of.len());
+            for w in &of {
+                joined[*w as usize].remove(&v);
+                joined[*w as usize].extend(of.iter().filter(|other| *other != w));
+            }
+        }
+        assert!(most <= 2 * (n * n) as usize, "{most}");
     }
 
     /// In a complete graph the first vertex has all others for neighbours.

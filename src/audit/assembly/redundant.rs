@@ -4,7 +4,7 @@ use super::eliminate::{self, Task, eliminate};
 use super::found::{Found, constraint};
 use super::moving::elsewhere;
 use super::system::{Part, Role, System, request};
-use super::{Holds, Redundant, dense};
+use super::{Constraint, Holds, Redundant, dense};
 use crate::evaluate::{Plan, Sequence};
 use crate::scene::State;
 use rayon::prelude::*;
@@ -13,10 +13,14 @@ use std::collections::BTreeSet;
 /// Parts with no more degrees of freedom are moved, to judge where redundancies hold.
 const MOVED: usize = 20_000;
 /// Parts of which this many constraints are redundant say what from.
-const EXPLAINED: usize = 24;
+pub(super) const EXPLAINED: usize = 24;
 
 /// Names the redundant constraints and judges where they are.
-pub(super) fn redundant(system: &System<'_>, found: &[Option<Found>], fixed: &[u32]) -> Vec<Redundant> {
+pub(super) fn redundant(
+    system: &System<'_>,
+    found: &[Result<Found, usize>],
+    fixed: &[u32],
+) -> Vec<Redundant> {
     let held = fixed.iter().map(|row| Redundant {
         constraint: constraint(system, *row),
         holds: Holds::Rigid,
@@ -28,9 +32,10 @@ pub(super) fn redundant(system: &System<'_>, found: &[Option<Found>], fixed: &[u
         .par_iter()
         .zip(found)
         .map(|(part, found)| {
-            let Some(found) = found.as_ref().filter(|found| !found.constraints.dependent.is_empty()) else {
+            let Ok(found) = found else { return Vec::new() };
+            if found.constraints.dependent.is_empty() {
                 return Vec::new();
-            };
+            }
             let decided = found.is_decided();
             // Of what may not be redundant nothing is to be found elsewhere.
             let (elsewhere, rows) =
@@ -46,18 +51,22 @@ pub(super) fn redundant(system: &System<'_>, found: &[Option<Found>], fixed: &[u
                         holds => holds,
                     },
                     decided,
-                    from: match &found.matrix {
-                        Some(matrix) if dependent.len() <= EXPLAINED => {
-                            let made = dense::made_of(matrix, dependent, *row);
-                            made.iter().map(|row| constraint(system, found.rows[*row as usize])).collect()
-                        }
-                        _ => Vec::new(),
-                    },
+                    from: made_of(system, found, *row),
                 })
                 .collect()
         })
         .collect();
     held.chain(of_parts.into_iter().flatten()).collect()
+}
+
+/// What a dependent row of a part follows from, where the part is small enough to say it.
+pub(super) fn made_of(system: &System<'_>, found: &Found, row: u32) -> Vec<Constraint> {
+    let dependent = &found.constraints.dependent;
+    let Some(matrix) = found.matrix.as_ref().filter(|_| dependent.len() <= EXPLAINED) else {
+        return Vec::new();
+    };
+    let made = dense::made_of(matrix, dependent, row);
+    made.iter().map(|row| constraint(system, found.rows[*row as usize])).collect()
 }
 
 /// Of dependent rows, as many as are not elsewhere: those that are not named there, the last ones if there are more.
@@ -73,7 +82,7 @@ fn judge(system: &System<'_>, part: &Part, found: &Found) -> (Vec<u32>, Holds) {
         return (found.constraints.dependent.clone(), Holds::Rigid);
     }
     if part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT {
-        return (Vec::new(), Holds::Unjudged);
+        return (Vec::new(), Holds::Large);
     }
     // The part by itself: its connectors, constraints and nodes.
     let mut nodes = BTreeSet::new();
@@ -88,9 +97,6 @@ fn judge(system: &System<'_>, part: &Part, found: &Found) -> (Vec<u32>, Holds) {
     let plan = Plan { connectors, mpcs, nodes, request: request() };
     let own = System::new(system.model, &plan, system.prescribed);
     let [part] = own.parts.as_slice() else { return (Vec::new(), Holds::Unjudged) };
-    if part.too_large.is_some() {
-        return (Vec::new(), Holds::Unjudged);
-    }
     let sequence = Sequence::new(system.model, &plan);
     let mut values = Vec::new();
     let start = State::default();

@@ -1,8 +1,8 @@
 //! The equations of an assembly: what is enforced, held and driven, without dimensions, and what belongs together.
 
 use super::Skipped;
-use super::eliminate::Sparse;
-use super::order::{Union, minimum_degree};
+use super::eliminate::{Most, Sparse};
+use super::order::{Union, dissection, minimum_degree};
 use crate::connector::{Mask, Output, Request};
 use crate::evaluate::{Equation, Fixed, Freedom, Item, Jacobian, Model, Plan, Sequence, Source};
 use crate::measure::Unit;
@@ -46,8 +46,8 @@ pub(super) struct Part {
     /// Which connectors and MPCs of the model.
     pub(super) connectors: Vec<usize>,
     pub(super) mpcs: Vec<usize>,
-    /// The columns of a front that would be too large: it is not eliminated then.
-    pub(super) too_large: Option<usize>,
+    /// What its elimination may cost.
+    pub(super) most: Most,
 }
 
 /// What is enforced and held, by whether it is of a connector, and the index of that or of the MPC.
@@ -69,13 +69,13 @@ pub(super) struct System<'a> {
     hinges: HashSet<Label>,
 }
 
-/// A node that is eliminated has no more neighbours: fronts of 3600 columns. Loops, chains, trees and grids stay far below (317 neighbours at 1e5
-/// connectors). Of what is joined at random the work grows with the third power; at this number (2700 nodes, 5400 connectors) it took 20 s of
-/// processor and 120 MB, a third of the minute that an analysis may take.
-const NEIGHBOURS: usize = 600;
+/// Where a node would have more neighbours at its turn, nodes are ordered by dissection instead of least degree: to find that one takes time that
+/// grows with the square of their number, and of what is joined in three dimensions dissection leaves smaller fronts. Loops, chains, trees and grids
+/// in the plane stay below (317 neighbours at 1e5 connectors).
+const NEIGHBOURS: usize = 350;
 
 /// What prescribed motions do in a step: components of connectors that are held or driven, degrees of freedom that are.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Prescribed {
     pub(super) held: Fixed,
     pub(super) motions: HashMap<(Label, usize), Role>,
@@ -291,30 +291,24 @@ impl<'a> System<'a> {
                 .into_iter()
                 .map(|clique| clique.into_iter().filter_map(|node| local.get(&node).copied()).collect())
                 .collect();
-            match minimum_degree(local.len(), &cliques, NEIGHBOURS) {
-                Ok(order) => part.order = order,
-                // Six columns of each node.
-                Err(neighbours) => part.too_large = Some(6 * (neighbours + 1)),
-            }
+            part.order = minimum_degree(local.len(), &cliques, NEIGHBOURS)
+                .unwrap_or_else(|_| dissection(local.len(), &cliques));
         }
         self.parts = parts;
         self.fixed_rows = fixed_rows;
     }
 
-    /// The parts that are not looked at.
-    pub(super) fn skipped(&self) -> Vec<Skipped> {
-        let freedoms = self.jacobian.freedoms();
-        let of_part = |part: &Part| {
-            Some(Skipped {
-                connectors: part.connectors.len(),
-                mpcs: part.mpcs.len(),
-                degrees_of_freedom: part.columns.len(),
-                constraints: part.rows.len(),
-                node: freedoms.get(*part.columns.first()? as usize)?.node,
-                front: part.too_large?,
-            })
-        };
-        self.parts.iter().filter_map(of_part).collect()
+    /// A part that was not looked at, for a front of so many columns would be too large.
+    pub(super) fn skipped(&self, part: &Part, front: usize) -> Option<Skipped> {
+        let first = *part.columns.first()? as usize;
+        Some(Skipped {
+            connectors: part.connectors.len(),
+            mpcs: part.mpcs.len(),
+            degrees_of_freedom: part.columns.len(),
+            constraints: part.rows.len(),
+            node: self.jacobian.freedoms().get(first)?.node,
+            front,
+        })
     }
 
     /// Whether a row is an equation between lengths.

@@ -9,6 +9,7 @@ use crate::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult,
 use crate::measure::{Margin, Measure, Unit};
 use crate::scalar::elementary::norm;
 use crate::scene::{Code, Label, Scene, Severity, Span, State};
+use serde::Serialize;
 use std::convert::Infallible;
 
 /// The distance to a singular set (rad; of a length, in units of the connector's own) below which the way is noted.
@@ -19,17 +20,36 @@ const VIOLATED: f64 = 1e-3;
 /// Every component.
 const ALL: Mask = [true; 6];
 
-/// What is found at the initial state and along those given. `seen` is handed every connector at every given state.
+/// How near a connector comes to a singular set, at the initial state or one of those given.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Nearest {
+    /// The connector.
+    pub element: Label,
+    /// The component of relative motion, `u1` … `ur3`.
+    pub component: &'static str,
+    /// The set.
+    pub at: &'static str,
+    /// The distance to it: an angle (rad), or a length in the unit of the scene.
+    pub distance: f64,
+    /// Of which of the two.
+    pub unit: Unit,
+    /// The number of the state; none for the initial one.
+    pub state: Option<u64>,
+}
+
+/// What is found at the initial state and along those given, and the least distance to a singular set on the way: angles in rad and
+/// lengths in units of the connector's own are compared as they are. `seen` is handed every connector at every given state.
 pub(super) fn findings(
     scene: &Scene,
     model: &Model,
     states: &[State],
     seen: &mut dyn FnMut(&ConnectorResult),
-) -> Vec<Finding> {
+) -> (Vec<Finding>, Option<Nearest>) {
     let evaluated = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some());
     let spans = evaluated.map(|mpc| mpc.span).collect();
     let gathered = Gathered::default();
-    let mut walk = Walk { scene, model, lengths: lengths(model), spans, gathered, state: None };
+    let mut walk =
+        Walk { scene, model, lengths: lengths(model), spans, gathered, nearest: None, state: None };
     let request = Request::new(&[Output::CP, Output::CU, Output::RES], ALL, 0);
     let plan = Plan::everything(model, request);
     let mut sequence = Sequence::new(model, &plan);
@@ -48,7 +68,7 @@ pub(super) fn findings(
             Ok(())
         });
     }
-    walk.gathered.findings().collect()
+    (walk.gathered.findings().collect(), walk.nearest.map(|(_, nearest)| nearest))
 }
 
 /// The length that tells near from far, for each connector: its own, or the mean of the model where its nodes coincide.
@@ -66,6 +86,8 @@ struct Walk<'a> {
     /// Where each constraint of the model was read.
     spans: Vec<Span>,
     gathered: Gathered,
+    /// The least distance to a singular set so far, in units of the connector's length where it is one, and where.
+    nearest: Option<(f64, Nearest)>,
     /// The number of the state; none for the initial one.
     state: Option<u64>,
 }
@@ -104,10 +126,19 @@ impl Walk<'_> {
         for (k, margin) in result.margins.iter().enumerate() {
             let Some(Margin { distance, set }) = *margin else { continue };
             let size = if set.unit == Unit::Length { length } else { 1.0 };
+            if self.is_directed(element, k) {
+                continue;
+            }
+            if self.nearest.as_ref().is_none_or(|(least, _)| distance / size < *least) {
+                let (component, at, unit) = (COMPONENT[k], set.at, set.unit);
+                let nearest =
+                    Nearest { element: element.label, component, at, distance, unit, state: self.state };
+                self.nearest = Some((distance / size, nearest));
+            }
             let is_told = found.iter().any(|told| told.component == COMPONENT[k]);
             // A distance that is no number is told of as the position that it is of.
             let is_near = distance < NEAR * size;
-            if !is_near || is_told || self.is_directed(element, k) {
+            if !is_near || is_told {
                 continue;
             }
             found.push(Found {
@@ -284,11 +315,12 @@ fn violated(component: &str, residual: f64, of_length: bool) -> Found {
 }
 
 fn class(class: crate::measure::SingularClass) -> &'static str {
-    use crate::measure::SingularClass::{BranchCut, Kink, TrueSingularity};
+    use crate::measure::SingularClass::{BranchCut, Kink, Removable, TrueSingularity};
     match class {
         Kink => "the first derivatives jump",
         TrueSingularity => "derivatives grow without bound",
         BranchCut => "the principal value jumps by a period",
+        Removable => "value and derivatives continue",
     }
 }
 

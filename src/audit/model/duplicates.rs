@@ -3,36 +3,58 @@
 use super::finding::{About, Finding};
 use super::gather::Gathered;
 use crate::evaluate::{ConnectorElement, Model};
-use crate::scene::{Code, Label, Scene};
+use crate::measure::Measure;
+use crate::scene::{Behavior, Code, Label, Scene};
 use std::collections::HashMap;
 
-/// What two connectors have in common that do the same: the type, what is attached, the nodes in ascending order, and the bits of
-/// both triads in the order of the nodes.
-type Same<'a> = (&'a str, Option<&'a str>, [Option<Label>; 2], [u64; 18]);
+/// What a connector does: what two that do the same have in common besides their nodes and directions.
+#[derive(PartialEq, Eq, Hash)]
+enum Does<'a> {
+    /// What its type does, with a behaviour of this content, whatever its name, or none.
+    Type(&'a str, Option<u64>),
+    /// Nothing but what a behaviour of this content gives to single components, each by what it measures. Constraints are compared by
+    /// a rule of their own.
+    Components(u64, Vec<(u8, Option<Measure>)>),
+}
+
+/// What it does, the nodes in ascending order, and the bits of both triads in the order of the nodes.
+type Same<'a> = (Does<'a>, [Option<Label>; 2], [u64; 18]);
 
 /// Connectors that are there twice. Those that constrain the same components alike are told by a rule, and not again.
 pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
-    let mut first: HashMap<Same<'_>, Label> = HashMap::new();
+    let mut first: HashMap<Same<'_>, &ConnectorElement> = HashMap::new();
     let mut gathered = Gathered::default();
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
         let Some(section) = scene.section(given) else { continue };
-        let behavior = section.behavior.as_ref().map(|name| name.value.as_str());
-        let key = same(element, behavior);
+        let key = same(element, scene.behavior(section));
         match first.get(&key) {
-            None => drop(first.insert(key, element.label)),
+            None => drop(first.insert(key, element)),
             Some(_) if model.repeated.contains(&element.label) => {}
             Some(other) => {
+                let [name, of_other] = [element, other].map(|element| &element.connector.connection().name);
+                let what = match key.0 {
+                    Does::Type(_, None) => format!("is a {name} as well"),
+                    Does::Type(..) => format!("is a {name} with the same behaviour"),
+                    Does::Components(..) if name == of_other => {
+                        format!("is a {name} with the same behaviour")
+                    }
+                    Does::Components(..) => {
+                        format!(
+                            "has, as {name}, the behaviour that {of_other} has, on components that measure the same"
+                        )
+                    }
+                };
                 let message = format!(
-                    "element {} joins the nodes of element {other}, and is a {} with the same behaviour",
-                    element.label,
-                    element.connector.connection().name
+                    "element {} joins the nodes of element {}, and {what}",
+                    element.label, other.label
                 );
-                let reason = "type, nodes, orientations and behaviour agree";
+                let reason =
+                    "nodes, directions and the content of the behaviours agree, whatever their names";
                 let remedy = "remove one of the two; if both are meant, allow this code";
                 let finding =
                     Finding::new(scene, Code::ModelDuplicateConnector, given.span, message, reason, remedy);
-                let about = About { elements: vec![element.label, *other], ..About::default() };
+                let about = About { elements: vec![element.label, other.label], ..About::default() };
                 gathered.add(given.section, element.label, finding.about(about), |_, _| false);
             }
         }
@@ -40,7 +62,7 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
     gathered.findings().collect()
 }
 
-fn same<'a>(element: &'a ConnectorElement, behavior: Option<&'a str>) -> Same<'a> {
+fn same<'a>(element: &'a ConnectorElement, behavior: Option<&Behavior>) -> Same<'a> {
     let mut ends = [0, 1].map(|end| (element.nodes[end], element.triads()[end]));
     if ends[1].0 < ends[0].0 {
         ends.swap(0, 1);
@@ -51,5 +73,23 @@ fn same<'a>(element: &'a ConnectorElement, behavior: Option<&'a str>) -> Same<'a
         // −0 and 0 are the same direction cosine.
         *bits = (entry + 0.0).to_bits();
     }
-    (&element.connector.connection().name, behavior, ends.map(|(node, _)| node), bits)
+    let content = element.behavior.identity;
+    let does = match behavior.and_then(single_components) {
+        Some(components) => {
+            let measured = |k: u8| (k, element.connector.position_measure(usize::from(k).saturating_sub(1)));
+            Does::Components(content, components.into_iter().map(measured).collect())
+        }
+        None => Does::Type(&element.connector.connection().name, behavior.map(|_| content)),
+    };
+    (does, ends.map(|(node, _)| node), bits)
+}
+
+/// The components (1 to 6) on which a behaviour acts one by one; none where it couples components, or is triggered by others.
+fn single_components(behavior: &Behavior) -> Option<Vec<u8>> {
+    let Behavior { elasticity, damping, friction, plasticity, damage, stops, locks, failures, .. } = behavior;
+    let attached = elasticity.len() + damping.len() + friction.len() + plasticity.len() + damage.len();
+    let mut components: Vec<u8> = behavior.acts_on().collect();
+    components.sort_unstable();
+    let is_single = attached > 0 && components.len() == attached;
+    (is_single && stops.is_empty() && locks.is_empty() && failures.is_empty()).then_some(components)
 }

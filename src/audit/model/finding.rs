@@ -29,6 +29,9 @@ pub struct About {
     /// A number that says how much: an angle (rad), a distance, a ratio; the message says which.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
+    /// The same of each of [`About::elements`], in their order, where there are several: of each the worst.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub values: Vec<Option<f64>>,
 }
 
 /// One finding. It serialises with the code, severity, file, line, message, reason, remedy, and what it is about.
@@ -72,6 +75,13 @@ impl Finding {
     #[must_use]
     pub(in crate::audit) fn add(mut self, words: &str) -> Self {
         self.diagnostic = self.diagnostic.with_more(words);
+        self
+    }
+
+    /// The same, with words before the message.
+    #[must_use]
+    pub(in crate::audit) fn begin(mut self, words: &str) -> Self {
+        self.diagnostic = self.diagnostic.with_words_before(words);
         self
     }
 

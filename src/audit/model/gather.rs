@@ -2,7 +2,8 @@
 
 use super::finding::{About, Finding};
 use crate::scene::{Code, Label};
-use std::collections::{HashMap, HashSet};
+use indexmap::IndexMap;
+use std::collections::HashMap;
 
 /// Findings by what they are: of one code, section and components, the first or worst is told, and the others are counted.
 #[derive(Default)]
@@ -12,12 +13,11 @@ pub(super) struct Gathered {
 }
 
 struct Told {
+    /// The first or worst.
     finding: Finding,
-    elements: HashSet<Label>,
+    /// What it was found of: the elements of each finding, the one itself first, and how much.
+    each: IndexMap<Label, About>,
 }
-
-/// The number of elements that a finding names.
-const NAMED: usize = 100;
 
 impl Gathered {
     /// Adds what is found of an element of a section; `worse` says whether this one is to be told rather than the one so far.
@@ -32,30 +32,39 @@ impl Gathered {
         match self.known.get(&key).and_then(|place| self.order.get_mut(*place)) {
             None => {
                 self.known.insert(key, self.order.len());
-                self.order.push(Told { finding, elements: HashSet::from([label]) });
+                let each = IndexMap::from([(label, finding.about.clone())]);
+                self.order.push(Told { finding, each });
             }
             Some(told) => {
-                let is_new = told.elements.insert(label);
-                let mut named = std::mem::take(&mut told.finding.about.elements);
-                if worse(&finding.about, &told.finding.about) {
-                    let others = named.into_iter().filter(|other| *other != label);
-                    named = finding.about.elements.iter().copied().chain(others).collect();
-                    told.finding = finding;
-                } else if is_new {
-                    named.push(label);
+                match told.each.get_mut(&label) {
+                    Some(known) if worse(&finding.about, known) => *known = finding.about.clone(),
+                    Some(_) => {}
+                    None => drop(told.each.insert(label, finding.about.clone())),
                 }
-                named.truncate(NAMED);
-                told.finding.about.elements = named;
+                if worse(&finding.about, &told.finding.about) {
+                    told.finding = finding;
+                }
             }
         }
     }
 
-    /// The findings, each with the number of other elements of the section that it holds for.
+    /// The findings, each with the elements of the section that it holds for and how much of each.
     pub(super) fn findings(self) -> impl Iterator<Item = Finding> {
-        self.order.into_iter().map(|told| match told.elements.len() {
-            0 | 1 => told.finding,
-            2 => told.finding.add(" (and so on for 1 other element of the section)"),
-            more => told.finding.add(&format!(" (and so on for {} other elements of the section)", more - 1)),
+        self.order.into_iter().map(|Told { mut finding, each }| {
+            let others = match each.len() {
+                0 | 1 => return finding,
+                2 => " (and so on for 1 other element of the section)".to_string(),
+                more => format!(" (and so on for {} other elements of the section)", more - 1),
+            };
+            let own = finding.about.elements.clone();
+            let mut elements = own.clone();
+            elements.extend(each.keys().filter(|label| !own.contains(label)));
+            let value = |label: &Label| each.get(label).and_then(|about| about.value);
+            if finding.about.value.is_some() {
+                finding.about.values = elements.iter().map(value).collect();
+            }
+            finding.about.elements = elements;
+            finding.add(&others)
         })
     }
 }

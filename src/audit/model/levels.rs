@@ -80,8 +80,17 @@ impl Levels {
             return Some(severity);
         }
         let all = ALL.iter().find(|(_, of)| *of == severity).map_or("", |(name, _)| *name);
-        let level = [code.as_str(), code.group(), all].into_iter().find_map(|name| self.set.get(name));
-        level.map_or(Some(severity), |level| level.severity())
+        self.said(&[code.as_str(), code.group(), all]).map_or(Some(severity), Level::severity)
+    }
+
+    /// Whether a code or its group was set to less than an error; of no effect where the finding refuses the model.
+    pub fn is_lowered(&self, code: Code) -> bool {
+        self.said(&[code.as_str(), code.group()]).is_some_and(|level| level != Level::Deny)
+    }
+
+    /// What is said of the first of these names of which something is said.
+    fn said(&self, names: &[&str]) -> Option<Level> {
+        names.iter().find_map(|name| self.set.get(*name)).copied()
     }
 
     /// The findings that are shown, as bad as they are taken to be.

@@ -22,6 +22,7 @@ mod geometry;
 mod levels;
 mod rules;
 
+pub use along::Nearest;
 pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
@@ -38,10 +39,15 @@ pub struct ModelReport {
     pub scene: String,
     /// The number of states that were looked at besides the initial one.
     pub states: usize,
-    /// What the assembly as a whole can do; `None` where a rule refuses the model.
+    /// What the assembly as a whole can do, in the first step; `None` where a rule refuses the model.
     pub assembly: Option<Assembly>,
+    /// The same in later steps whose boundary conditions or connector motions are not those of the step before.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub later_steps: Vec<Assembly>,
     /// Which region of configuration space the states exercised.
     pub coverage: Coverage,
+    /// How near to a singular set any connector comes, initially and at the states; `None` where no component has one.
+    pub nearest: Option<Nearest>,
     /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
     pub findings: Vec<Finding>,
 }
@@ -67,17 +73,18 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(behavior::findings(scene, &model));
     findings.extend(duplicates::findings(scene, &model));
     let mut coverage = Coverage::default();
-    findings.extend(along::findings(scene, &model, states, &mut |result| {
+    let (along, nearest) = along::findings(scene, &model, states, &mut |result| {
         if let Some(element) = model.connectors.get(result.index) {
             coverage.add_of(&element.connector, &element.definition(), &result.state);
         }
-    }));
-    let mut assembly = None;
+    });
+    findings.extend(along);
+    let mut steps = Vec::new();
     if !is_refused {
-        match assembly::analyse(scene, &model, states, 1) {
+        match assembly::analyse_steps(scene, &model, states) {
             Ok(found) => {
-                findings.extend(assembly::findings::findings(scene, &found));
-                assembly = Some(found);
+                findings.extend(assembly::findings::findings_in_steps(scene, &found));
+                steps = found;
             }
             Err(error) => findings.push(error.into()),
         }
@@ -87,5 +94,16 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         Finding::new(scene, lack.code, Span::default(), lack.message, reason, lack.remedy)
     }));
     let findings = levels.apply(findings);
-    ModelReport { scene: scene.name.clone(), states: states.len(), assembly, coverage, findings }
+    let mut steps = steps.into_iter();
+    let assembly = steps.next();
+    let later_steps = steps.collect();
+    ModelReport {
+        scene: scene.name.clone(),
+        states: states.len(),
+        assembly,
+        later_steps,
+        coverage,
+        nearest,
+        findings,
+    }
 }

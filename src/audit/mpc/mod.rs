@@ -23,11 +23,11 @@ use crate::mpc::{
     Turning, XM, XS,
 };
 use crate::scalar::{Real, Scalar, Wide};
-use crate::vector::{self, add, cross, dot, product, sub};
+use crate::vector::{self, add, product, sub};
 
 /// The step of first differences, in sizes of the degree of freedom.
 const FIRST_STEP: f64 = 1e-25;
-/// The step in time of second differences.
+/// The step of second differences, in sizes of the degree of freedom, or in time.
 const SECOND_STEP: f64 = 1e-18;
 
 /// A constraint at a state.
@@ -153,9 +153,8 @@ impl MpcCase {
             if let Some((sides, _)) = &sides {
                 gradient = sides.iter().map(|along| along[row].map_or(zero, |sides| sides.least())).collect();
             }
-            let matrix: Vec<Wide> =
-                (0..DOFS * DOFS).map(|i| second[i % DOFS][row].map_or(zero, |row| row[i / DOFS])).collect();
-            // … and differences of rows are no second derivatives.
+            let matrix = second[row].clone().unwrap_or_else(|| vec![zero; DOFS * DOFS]);
+            // … and differences of those are no second derivatives.
             let bent = match &hessian {
                 Some(hessian) => hessian[row].as_ref().map_or_else(Vec::new, |h| narrow(h.as_flattened())),
                 None => narrow(&matrix),
@@ -274,8 +273,8 @@ impl Truth {
         self.evaluate(by, &Request::new(&[Output::RES], [true; 6], 0)).residual
     }
 
-    fn rows(&self, by: &Dofs<Wide>) -> Rows<Dofs<Wide>> {
-        self.evaluate(by, &Request::new(&[], [true; 6], 1)).jacobian
+    fn second_step(&self, j: usize) -> Wide {
+        Wide::from_f64(SECOND_STEP * self.near().sqrt() * self.sizes[j])
     }
 
     /// The distance to the nearest singular set; on one, what is far from another.
@@ -317,8 +316,7 @@ impl Truth {
     }
 
     fn around(&self, j: usize) -> ([Dofs<Wide>; 2], Wide) {
-        let near = self.near();
-        let h = Wide::from_f64(FIRST_STEP * near * self.sizes[j]);
+        let h = Wide::from_f64(FIRST_STEP * self.near() * self.sizes[j]);
         let along = |h: Wide| {
             let mut by = [Wide::zero(); DOFS];
             by[j] = h;
@@ -336,30 +334,44 @@ impl Truth {
         })
     }
 
-    /// By degree of freedom, the differences of the rows, less the half bracket of two rotations of one node.
-    fn second(&self) -> [Rows<Dofs<Wide>>; DOFS] {
-        let at_rest = self.rows(&[Wide::zero(); DOFS]);
-        std::array::from_fn(|k| {
-            let ([plus, minus], width) = self.around(k);
-            let (plus, minus) = (self.rows(&plus), self.rows(&minus));
-            std::array::from_fn(|row| {
-                let (plus, minus, gradient) = (plus[row]?, minus[row]?, at_rest[row]?);
-                Some(std::array::from_fn(|j| {
-                    let slope = (plus[j] - minus[j]) / width;
-                    let Some(at) = [THETA_S, THETA_M]
-                        .into_iter()
-                        .find(|at| (*at..at + 3).contains(&j) && (*at..at + 3).contains(&k))
-                    else {
-                        return slope;
+    /// Second differences of the equations, as those of connectors are taken: values alone, two rotations of one node at once as
+    /// exp((h_j e_j + h_k e_k)^).
+    fn second(&self) -> Rows<Vec<Wide>> {
+        let values = |j: usize, k: usize, sign: i32| {
+            let mut by = [Wide::zero(); DOFS];
+            for i in [j, k] {
+                by[i] = self.second_step(i) * Wide::integer(sign);
+            }
+            self.values(&by)
+        };
+        // The sum of the values on either side.
+        let sides = |j: usize, k: usize| -> Rows<Wide> {
+            let (ahead, behind) = (values(j, k, 1), values(j, k, -1));
+            std::array::from_fn(|row| Some(ahead[row]? + behind[row]?))
+        };
+        let still = self.values(&[Wide::zero(); DOFS]);
+        let alone: [Rows<Wide>; DOFS] = std::array::from_fn(|j| sides(j, j));
+        let two = Wide::integer(2);
+        let mut found: Rows<Vec<Wide>> = still.map(|row| row.map(|_| vec![Wide::zero(); DOFS * DOFS]));
+        for j in 0..DOFS {
+            for k in j..DOFS {
+                let together = if j == k { alone[j] } else { sides(j, k) };
+                let width = self.second_step(j) * self.second_step(k);
+                for (row, matrix) in found.iter_mut().enumerate() {
+                    let (Some(matrix), Some(f)) = (matrix, still[row]) else { continue };
+                    let (Some(both), Some(x), Some(y)) = (together[row], alone[j][row], alone[k][row]) else {
+                        continue;
                     };
-                    let mut axes = [[Wide::zero(); 3]; 2];
-                    axes[0][j - at] = Wide::integer(1);
-                    axes[1][k - at] = Wide::integer(1);
-                    let gradient = [gradient[at], gradient[at + 1], gradient[at + 2]];
-                    slope - dot(cross(axes[0], axes[1]), gradient) / Wide::integer(2)
-                }))
-            })
-        })
+                    let entry = if j == k {
+                        (both - two * f) / width
+                    } else {
+                        (both - x - y + two * f) / (two * width)
+                    };
+                    (matrix[j * DOFS + k], matrix[k * DOFS + j]) = (entry, entry);
+                }
+            }
+        }
+        found
     }
 
     /// Rates and accelerations, by differences along q(t) = q̇ t + q̈ t²/2.

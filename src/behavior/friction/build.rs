@@ -226,11 +226,8 @@ impl Builder<'_> {
             FrictionLaw::Table(rows) => {
                 let columns = ["the slip rate", "the contact force"];
                 let table = Table::new(rows, 1, &columns, Extrapolation::Constant)?;
-                let varies = table.depends_on().next().is_some();
                 match rows.as_slice() {
-                    [only] if !varies => {
-                        Coefficient::Constant(only.values.first().copied().flatten().unwrap_or(0.0))
-                    }
+                    [only] => Coefficient::Constant(only.values.first().copied().flatten().unwrap_or(0.0)),
                     _ => Coefficient::Table(table),
                 }
             }

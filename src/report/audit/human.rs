@@ -4,7 +4,7 @@ use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
 use super::summary::{
     LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling, undecided,
 };
-use crate::audit::{Against, Check, Quantity, Report, Subject, Verdict};
+use crate::audit::{Against, Approach, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
 use crate::grammar::{agree, count};
 use crate::node::{DOF, DOFS};
@@ -16,6 +16,15 @@ use std::io::{self, Write};
 /// # Errors
 /// Where the stream cannot be written to.
 pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) -> io::Result<()> {
+    if !report.subjects.is_empty() {
+        numbers(out, report, width, verbose)?;
+    }
+    super::model::human(out, &report.models, width)?;
+    verdict(out, report)
+}
+
+/// What was audited of numbers.
+fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) -> io::Result<()> {
     let settings = &report.settings;
     writeln!(
         out,
@@ -49,9 +58,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
         }
     }
     atlas(out, report)?;
-    self_test(out, report)?;
-    super::model::human(out, &report.models, width)?;
-    verdict(out, report)
+    self_test(out, report)
 }
 
 fn word(verdict: Verdict) -> String {
@@ -183,11 +190,8 @@ fn atlas(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         agree(report.atlas.len(), ["is what it is", "are what they are"])
     )?;
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
-        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
-        let text = format!(
-            "{} {} at {}: declared {:?}, seen {seen}",
-            approach.connection, approach.component, approach.at, approach.declared
-        );
+        let Approach { connection, component, at, .. } = approach;
+        let text = format!("{connection} {component} at {at}: {}", approach.told());
         writeln!(out, "  {}", styled(CARE, text))?;
     }
     Ok(())

@@ -39,7 +39,7 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
                 TestCaseStatus::success()
             } else {
                 let mut failure = TestCaseStatus::non_success(NonSuccessKind::Failure);
-                failure.set_message(format!("declared {:?}, seen {:?}", approach.declared, approach.seen));
+                failure.set_message(approach.told());
                 failure
             };
             suite.add_test_case(TestCase::new(title, status));

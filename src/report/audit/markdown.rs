@@ -121,13 +121,12 @@ fn items(report: &Report) -> (Vec<String>, Vec<String>) {
         }
     }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
-        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
         wrong.push(format!(
-            "- **{}** {} at {}: declared {:?}, seen {seen}",
+            "- **{}** {} at {}: {}",
             escaped(&approach.connection),
             approach.component,
             escaped(approach.at),
-            approach.declared
+            approach.told()
         ));
     }
     (wrong, mild)

@@ -3,8 +3,9 @@
 use super::super::layout::{BOLD, CARE, DIM, styled, wrap};
 use crate::audit::assembly::{Assembly, Position};
 use crate::audit::coverage::{Coverage, Histogram};
-use crate::audit::model::{Finding, ModelReport};
-use crate::grammar::count;
+use crate::audit::model::{Finding, ModelReport, Nearest};
+use crate::grammar::{count, ranges};
+use crate::measure::Unit;
 use crate::scene::Severity;
 use std::io::{self, Write};
 
@@ -15,12 +16,25 @@ pub(super) fn human(out: &mut dyn Write, models: &[ModelReport], width: usize) -
         for found in &model.findings {
             finding(out, found, width)?;
         }
-        if let Some(assembled) = &model.assembly {
+        for assembled in model.assembly.iter().chain(&model.later_steps) {
             assembly(out, assembled, width)?;
         }
         coverage(out, &model.coverage, width)?;
+        if let Some(nearest) = &model.nearest {
+            paragraph(out, &self::nearest(nearest), 2, width)?;
+        }
     }
     Ok(())
+}
+
+/// The nearest singular set, in words.
+pub(super) fn nearest(nearest: &Nearest) -> String {
+    let Nearest { element, component, at, distance, unit, state } = nearest;
+    let unit = if *unit == Unit::Angle { " rad" } else { "" };
+    let when = state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"));
+    format!(
+        "nearest singular point: {component} of element {element} is {distance:.3e}{unit} from {at}, {when}"
+    )
 }
 
 /// The number of findings, in words.
@@ -104,13 +118,7 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         );
         paragraph(out, &text, 2, width)?;
     }
-    let others: Vec<&Position> = assembly.positions.iter().skip(1).collect();
-    let ranks = || others.iter().filter_map(|position| position.rank);
-    if let (Some(least), Some(most)) = (ranks().min(), ranks().max()) {
-        let text =
-            format!("at {} of those given the rank is {}", count(others.len(), "state"), range(least, most));
-        paragraph(out, &text, 2, width)?;
-    }
+    along(out, assembly, width)?;
     if !assembly.off.is_empty() {
         let states = count(assembly.off.len(), "state");
         paragraph(out, &format!("{states} not looked at, for not satisfying the constraints"), 2, width)?;
@@ -123,9 +131,35 @@ pub(super) fn number(known: Option<usize>) -> String {
     known.map_or_else(|| "not known".to_string(), |number| number.to_string())
 }
 
-/// `35`, or `34 to 35`.
-fn range(least: usize, most: usize) -> String {
-    if least == most { most.to_string() } else { format!("{least} to {most}") }
+/// Which of the states given has which rank and motions.
+fn along(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Result<()> {
+    /// What is not the same at given states is told in so many lines.
+    const LINES: usize = 12;
+    type Numbers = (Option<usize>, Option<usize>, Option<usize>, bool);
+    let mut sets: Vec<(Numbers, Vec<u64>)> = Vec::new();
+    for position in assembly.positions.iter().skip(1) {
+        let Some(state) = position.state else { continue };
+        let numbers = (position.rank, position.mobility, position.undriven, position.decided);
+        match sets.iter_mut().find(|(other, _)| *other == numbers) {
+            Some((_, states)) => states.push(state),
+            None => sets.push((numbers, vec![state])),
+        }
+    }
+    for ((rank, mobility, undriven, decided), states) in sets.iter().take(LINES) {
+        let certain = if *decided { "" } else { " (undecided)" };
+        let text = format!(
+            "at {}: rank {}{certain}, mobility {}, of which nothing drives {}",
+            ranges("state", states),
+            number(*rank),
+            number(*mobility),
+            number(*undriven)
+        );
+        paragraph(out, &text, 2, width)?;
+    }
+    if let Some(more) = sets.len().checked_sub(LINES).filter(|more| *more > 0) {
+        paragraph(out, &format!("and {} of ranks, in JSON", count(more, "other set")), 2, width)?;
+    }
+    Ok(())
 }
 
 /// How certain a rank is.

@@ -144,6 +144,7 @@ fn of_numbers(report: &Report) -> String {
         (1.., 0, _) => count(mismatches, "mismatch"),
         (1.., 1.., _) => format!("{}; {failed}", count(mismatches, "mismatch")),
         (0, 1.., _) => failed,
+        (0, 0, 0) if report.subjects.is_empty() => "models alone: no number audited".into(),
         (0, 0, 0) => "no mismatch".into(),
         (0, 0, undecided) => format!("no mismatch; {} undecided", count(undecided, "subject")),
     }

@@ -7,6 +7,7 @@
 pub(super) mod de;
 pub(super) mod form;
 mod tree;
+mod value;
 mod wording;
 mod write;
 

@@ -54,7 +54,11 @@ pub fn figures(report: &Report, supplement: &Supplement<'_>) -> Vec<(String, Str
     }
     for approach in &report.atlas {
         let name = file_name(&format!("{} {}", approach.connection, approach.component));
-        found.push((format!("singular-{name}.svg"), page::approach(approach, Place::File)));
+        // A component may have several singular points.
+        let nth = |n: usize| if n == 1 { String::new() } else { format!("-{n}") };
+        let mut names = (1..).map(|n| format!("singular-{name}{}.svg", nth(n)));
+        let name = names.find(|name| found.iter().all(|(taken, _)| taken != name));
+        found.extend(name.map(|name| (name, page::approach(approach, Place::File))));
     }
     for scene in &supplement.scenes {
         let drawing = drawing(report, scene);

@@ -8,6 +8,7 @@ use crate::audit::coverage::Histogram;
 use crate::audit::model::ModelReport;
 use crate::audit::oracle::Shares;
 use crate::audit::{Against, Approach, Cause, Check, Quantity, Report, Subject, U, Verdict};
+use crate::bench::Environment;
 use crate::grammar::count;
 use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, symbols, telling};
 use askama::Template;
@@ -311,10 +312,9 @@ fn problems(report: &Report) -> Vec<ProblemGroup> {
         }
     }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
-        let seen = approach.seen.map_or("none of the classes".into(), |class| format!("{class:?}"));
         let problem = Problem {
             is_mild: false,
-            said: format!("At {}: declared {:?}, seen {seen}.", approach.at, approach.declared),
+            said: format!("At {}: {}.", approach.at, approach.told()),
             diagnosis: Vec::new(),
             heat: String::new(),
             numbers: String::new(),
@@ -460,11 +460,15 @@ fn coverage(found: &ModelReport) -> Option<CoverageSection> {
         scene: found.scene.clone(),
         summary: format!(
             "{}, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
-             away from the initial state in {}.",
+             away from the initial state in {}.{}",
             count(coverage.samples, "sample"),
             of(coverage.both_turned, coverage.could_turn_both),
             of(coverage.deformed, coverage.could_deform),
-            of(coverage.away, coverage.samples)
+            of(coverage.away, coverage.samples),
+            found.nearest.as_ref().map_or_else(String::new, |nearest| format!(
+                " The {}.",
+                super::super::model::nearest(nearest)
+            ))
         ),
         maps: all.into_iter().filter(|histogram| histogram.samples() > 0).map(map).collect(),
     })
@@ -573,21 +577,11 @@ pub(super) fn approach(found: &Approach, place: Place) -> String {
 }
 
 fn approach_card(found: &Approach) -> ApproachCard {
-    let words = |class: crate::measure::SingularClass| {
-        let name = format!("{class:?}");
-        let mut text = String::new();
-        for c in name.chars() {
-            if c.is_uppercase() && !text.is_empty() {
-                text.push(' ');
-            }
-            text.extend(c.to_lowercase());
-        }
-        text
-    };
-    let (class, class_name) = match (found.is_confirmed(), found.seen) {
-        (true, _) => ("pass", format!("{}, confirmed", words(found.declared))),
-        (false, Some(seen)) => ("wrong", format!("declared {}, seen {}", words(found.declared), words(seen))),
-        (false, None) => ("wrong", format!("declared {}, seen none of the classes", words(found.declared))),
+    let (class, class_name) = if found.is_confirmed() {
+        let (name, _) = crate::report::words::singular_class(found.declared);
+        ("pass", format!("{name}, confirmed"))
+    } else {
+        ("wrong", found.told())
     };
     ApproachCard {
         name: format!("{} {}", found.connection, found.component),
@@ -703,8 +697,13 @@ fn environment(report: &Report, supplement: &Supplement<'_>) -> Vec<(&'static st
     if !supplement.command.is_empty() {
         lines.push(("command", supplement.command.clone()));
     }
+    let here = Environment::here();
     lines.extend([
-        ("system", format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH)),
+        ("date", here.date),
+        ("compiler", format!("{} for {}", here.rustc, here.target)),
+        ("numbers", env!("PINTLE_NUMBERS").to_string()),
+        ("system", here.system),
+        ("processor", here.processor),
         ("threads", rayon::current_num_threads().to_string()),
         ("tolerance", format!("C·u·(conditioned scale) with C = {}, u = 2⁻⁵³", report.constant)),
         (

@@ -1,0 +1,194 @@
+//! Cases whose end lies at a given distance from a singular point.
+
+use super::case::{Case, Step, carried, turn};
+use super::sample::{Draw, Motion, about_1, about_3, cube_orientations, definition, pair};
+use crate::catalog::ConnectionType;
+use crate::measure::{Measure, SingularSet};
+use crate::so3;
+use crate::vector::{self, Matrix, Vector, apply, product as matrix_product, scale};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// A singular point of a measure that is approached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    /// The measure.
+    pub measure: Measure,
+    /// The set that the point is of, as declared.
+    pub set: SingularSet,
+    /// The point, in words.
+    pub at: &'static str,
+    /// The angle at which it lies (rad); of no meaning for lengths, and for locks.
+    angle: f64,
+}
+
+impl Site {
+    /// The point of the declared singular set, a removable one where there is only such.
+    fn first(measure: Measure) -> Option<Self> {
+        Self::all(measure).next()
+    }
+
+    /// Every point of a measure that is approached: of each declared set one, of the turns of a rotation vector two.
+    pub fn all(measure: Measure) -> impl Iterator<Item = Self> {
+        let is_vector = matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
+        let declared = measure.singular_set().into_iter().flat_map(move |set| {
+            let of = move |at, angle| Self { measure, set, at, angle };
+            let once = if is_vector { of("|φ| = 2π", TAU) } else { of(set.at, PI) };
+            [Some(once), is_vector.then(|| of("|φ| = 4π", 2.0 * TAU))].into_iter().flatten()
+        });
+        let removable = measure.removable_sets().iter().enumerate().map(move |(i, set)| {
+            // Rest comes first, half a turn second.
+            Self { measure, set: *set, at: set.at, angle: i as f64 * PI }
+        });
+        declared.chain(removable)
+    }
+}
+
+/// The singular points of a type, each once, by the components that have them as position or as constraint.
+pub fn sites(connection: &ConnectionType) -> Vec<(usize, Site)> {
+    let slots = connection.slots.iter().enumerate();
+    let measures = slots.flat_map(|(k, slot)| {
+        let both = [slot.position(), slot.printed()];
+        both.into_iter().flatten().map(move |measure| (k, measure))
+    });
+    measures.flat_map(|(k, measure)| Site::all(measure).map(move |site| (k, site))).collect()
+}
+
+/// A case whose end is `distance` away from the singular set of a measure, on its other side where negative, in the direction
+/// `azimuth` (rad) about the point of the set that is nearest; lengths are 1. `None` where the measure has no singular set.
+pub fn near(
+    connection: &ConnectionType,
+    measure: Measure,
+    distance: f64,
+    azimuth: f64,
+    draw: &mut Draw,
+) -> Option<Case> {
+    beside(connection, &Site::first(measure)?, distance, azimuth, draw)
+}
+
+/// The same beside one of its singular points, a removable one perhaps.
+pub fn beside(
+    connection: &ConnectionType,
+    site: &Site,
+    distance: f64,
+    azimuth: f64,
+    draw: &mut Draw,
+) -> Option<Case> {
+    let &Site { measure, angle, .. } = site;
+    // The 24 orientations of a cube turn without rounding.
+    let cubes = cube_orientations();
+    let a0 = cubes[draw.below(cubes.len())];
+    let axis = draw.direction();
+    let direction = apply(&turn([0.0, azimuth, 0.0]), axis);
+    let [alpha, gamma] = [draw.between(0.3, 0.9), draw.between(-0.9, -0.3)];
+    let about_2 = |angle: f64| turn([0.0, angle, 0.0]);
+    let between = |first: &Matrix<f64>, middle: &Matrix<f64>, last: &Matrix<f64>| {
+        matrix_product(&matrix_product(first, middle), last)
+    };
+    let mut reference = apply(&a0, [0.5, -0.25, 1.0]);
+    let mut flow = [0.0; 2];
+    // Q at the start, which is regular, and at the end.
+    let still = turn([0.2, -0.3, 0.1]);
+    let (start, end) = match measure {
+        Measure::Distance => {
+            reference = scale(direction, distance);
+            (still, still)
+        }
+        Measure::Strain => {
+            reference = apply(&a0, [1.0, 0.0, 0.0]);
+            flow = [0.0, 1.0 - distance];
+            (still, still)
+        }
+        Measure::RadialDistance => {
+            reference = apply(&a0, [distance * (0.6 + azimuth).cos(), distance * (0.6 + azimuth).sin(), 1.0]);
+            (still, still)
+        }
+        Measure::Cardan(_) => {
+            // At β = π/2 only γ + α is left.
+            let q = |beta: f64| between(&about_1(alpha + azimuth), &about_2(beta), &about_3(gamma - azimuth));
+            (q(0.6), q(FRAC_PI_2 - distance))
+        }
+        Measure::Euler(_) => {
+            let q = |beta: f64| between(&about_3(alpha + azimuth), &about_1(beta), &about_3(gamma - azimuth));
+            (q(0.6), q(distance))
+        }
+        Measure::Flexion | Measure::Sweep => {
+            let q = |beta: f64| between(&about_3(alpha + azimuth), &about_2(beta), &about_3(gamma - azimuth));
+            (q(0.6), q(distance))
+        }
+        Measure::Torsion | Measure::ComponentFlexion(_) | Measure::ProjectedPosition(_) => {
+            // At α = π only the difference of the two is left, at α = 0 only their sum.
+            let other = if angle > 0.0 { gamma + azimuth } else { gamma - azimuth };
+            let q = |beta: f64| between(&about_3(alpha + azimuth), &about_2(beta), &about_3(other));
+            if angle > 0.0 { (q(2.0), q(angle - distance)) } else { (q(0.6), q(distance)) }
+        }
+        Measure::Misalignment(_) => {
+            let spin = if angle > 0.0 { scale(axis, angle - distance) } else { scale(direction, distance) };
+            (vector::identity(), turn(spin))
+        }
+        Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => {
+            return Some(beside_a_turn(connection, site, [axis, direction], a0, distance, draw));
+        }
+        _ => return None,
+    };
+    let definition = definition(connection, pair(reference, a0, &start), 1.0);
+    let mut after = pair(reference, a0, &end);
+    [after.a.flow, after.b.flow] = flow;
+    let mut step = Step::between(&definition.initial, after);
+    step.state.velocity = draw.rates(1.0);
+    step.state.acceleration = draw.rates(1.0);
+    let name = format!("{} {distance:e} from {}", connection.name, site.at);
+    Some(Case { name, definition, start: None, path: vec![step], length: 1.0 })
+}
+
+/// Random states near the singular points of a type, removable ones among them: 1e-1 to 1e-12 away, from either side, from any
+/// direction, with both nodes turned besides. Nothing for a type that has no singular point.
+pub fn random_near(connection: &ConnectionType, draw: &mut Draw) -> Option<Case> {
+    let sites = sites(connection);
+    let (_, site) = sites.get(draw.below(sites.len()))?;
+    let sign = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
+    let distance = sign * 10.0_f64.powf(-draw.between(1.0, 12.0));
+    // A strain has no other side.
+    let distance = if site.measure == Measure::Strain { distance.abs() } else { distance };
+    let azimuth = draw.between(-PI, PI);
+    let mut case = beside(connection, site, distance, azimuth, draw)?;
+    // Turned together, exactly: entries change places and signs.
+    let cubes = cube_orientations();
+    let together = cubes[draw.below(cubes.len())];
+    for step in &mut case.path {
+        step.state.pair = carried(&step.state.pair, &together, [0.0; 3]);
+    }
+    Some(case)
+}
+
+/// φ beside rest, half a turn or whole turns, reached in steps. Whole turns about any axis end in one orientation, half turns do
+/// not: those are about `axis`, and what is left of them goes along `direction`.
+fn beside_a_turn(
+    connection: &ConnectionType,
+    site: &Site,
+    [axis, direction]: [Vector<f64>; 2],
+    a0: Matrix<f64>,
+    distance: f64,
+    draw: &mut Draw,
+) -> Case {
+    let reference = apply(&a0, [0.5, -0.25, 1.0]);
+    let definition = definition(connection, pair(reference, a0, &vector::identity()), 1.0);
+    let still = [0.0; 3];
+    let spin = if site.angle == 0.0 {
+        scale(direction, distance)
+    } else if site.angle < TAU {
+        let half = scale(axis, site.angle);
+        so3::continuous_log(&matrix_product(&turn(half), &turn(scale(direction, -distance))), half).phi
+    } else {
+        scale(direction, site.angle - distance)
+    };
+    let steps = (8.0 * site.angle / PI).max(1.0) as usize;
+    let motion =
+        Motion { common: still, spin: apply(&a0, spin), displacement: [still; 2], flow: [0.0; 2], steps };
+    let mut path = motion.path(&definition.initial);
+    if let Some(end) = path.last_mut() {
+        end.state.velocity = draw.rates(1.0);
+        end.state.acceleration = draw.rates(1.0);
+    }
+    let name = format!("{} {distance:e} from {}", connection.name, site.at);
+    Case { name, definition, start: None, path, length: 1.0 }
+}

@@ -1,0 +1,190 @@
+//! Second derivatives as differences of values on 237-bit numbers: of what the components measure, and of what their forces are
+//! conjugate to.
+//!
+//! With h_j = s_j·1e-18·√δ, δ the distance to the nearest singular set where that is less than 1, and e_j + e_k a turn of a node by
+//! exp((h_j e_j + h_k e_k)^),
+//!
+//! > ∂²f/∂q_j∂q_k = (f(h_j + h_k) + f(−h_j − h_k) − f(h_j) − f(−h_j) − f(h_k) − f(−h_k) + 2 f(0))/(2 h_j h_k),
+//!
+//! and the usual quotient where j = k. Relative errors are about (h/δ)² = 1e-36/δ, and of rounding 1e-71/h² = 1e-35/δ. What has no function has a row, itself a difference of what it accumulates: that row is
+//! differenced once more.
+
+use super::case::moved;
+use super::force::turned;
+use super::quantity::Entries;
+use super::truth::Truth;
+use crate::catalog::Loading;
+use crate::connector::{Components, NodalRow};
+use crate::node::{DOFS, Node, Pair};
+use crate::scalar::{Real, Scalar, Wide};
+use crate::vector::{add, dot};
+
+/// What is differenced at one place of the nodes.
+struct Sample {
+    pair: Pair<Wide>,
+    value: Components<Wide>,
+    conjugate: Components<Wide>,
+}
+
+/// Σ factor·sample, divided by `width`.
+fn combined(terms: &[(i32, &Sample)], width: Wide) -> [Components<Wide>; 2] {
+    let of = |part: fn(&Sample) -> &Components<Wide>| {
+        std::array::from_fn(|k| {
+            let mut sum = Wide::zero();
+            for (factor, sample) in terms {
+                sum += Wide::integer(*factor) * part(sample)[k]?;
+            }
+            Some(sum / width)
+        })
+    };
+    [of(|sample| &sample.value), of(|sample| &sample.conjugate)]
+}
+
+/// The nodes moved along two degrees of freedom, from where each of them alone has led: a turn is computed again only where both turn
+/// one node.
+fn together(
+    still: &Pair<Wide>,
+    by: &NodalRow<Wide>,
+    [(j, first), (l, second)]: [(usize, &Sample); 2],
+) -> Pair<Wide> {
+    let turns = |j: usize| matches!(j % 7, 3..=5);
+    if j / 7 == l / 7 && turns(j) && turns(l) {
+        return moved(still, by);
+    }
+    let node = |of: fn(&Pair<Wide>) -> &Node<Wide>, start: usize| {
+        let [here, one, other] = [of(still), of(&first.pair), of(&second.pair)];
+        let is_turned = |i: usize| turns(i) && i / 7 == start / 7;
+        let triad = if is_turned(j) {
+            one.triad
+        } else if is_turned(l) {
+            other.triad
+        } else {
+            here.triad
+        };
+        let displacement = add(here.displacement, [by[start], by[start + 1], by[start + 2]]);
+        Node { displacement, triad, flow: here.flow + by[start + 6] }
+    };
+    Pair { reference: still.reference, a: node(|pair| &pair.a, 0), b: node(|pair| &pair.b, 7) }
+}
+
+impl Truth {
+    /// Second derivatives of what is measured, and, where forces are asked for, how the rows of virtual work change.
+    pub fn second(&self, forces: bool) -> [Entries<Wide>; 2] {
+        let connector = self.connector();
+        let mut matrices: [Components<Vec<Wide>>; 2] = [
+            self.empty(DOFS * DOFS),
+            std::array::from_fn(|k| {
+                (forces && connector.has_force(k)).then(|| vec![Wide::zero(); DOFS * DOFS])
+            }),
+        ];
+        self.second_of_functions(forces, &mut matrices);
+        for k in 0..6 {
+            let is_form = connector.differentiated(k).is_some_and(|m| m.is_one_form());
+            if let Some(matrix) = matrices[0][k].as_mut().filter(|_| is_form) {
+                let columns: Vec<usize> = self.active().collect();
+                self.change_of_row(&columns, &|from, by| self.accumulated_from(from, by), matrix);
+            }
+            let Some(matrix) = matrices[1][k].as_mut() else { continue };
+            let columns: Vec<usize> = self.reach().collect();
+            match connector.connection().loading(k) {
+                Some(Loading::AlongA(_) | Loading::FrozenAxis(_)) => {
+                    // Moved nodes that have not turned have done no work on such a moment.
+                    let turns: Vec<usize> = columns.into_iter().filter(|j| matches!(j % 7, 3..=5)).collect();
+                    let work = |from: &Pair<Wide>, by: &NodalRow<Wide>| {
+                        let axis = connector.moment_axis(k, &from.a.triad);
+                        axis.map_or_else(Wide::zero, |axis| dot(axis, turned(from, &moved(from, by))))
+                    };
+                    self.change_of_row(&turns, &work, matrix);
+                }
+                Some(Loading::Conjugate)
+                    if connector.position_measure(k).is_some_and(|m| m.is_one_form()) =>
+                {
+                    self.change_of_row(&columns, &|from, by| self.accumulated_from(from, by), matrix);
+                }
+                _ => {}
+            }
+        }
+        matrices.map(Entries)
+    }
+
+    fn sample(&self, by: NodalRow<Wide>, pair: Pair<Wide>, forces: bool) -> Sample {
+        let at = self.place_of(by, pair);
+        let value = self.values(&at);
+        let conjugate = if forces { self.conjugates(&at, &value) } else { [None; 6] };
+        Sample { pair, value, conjugate }
+    }
+
+    fn second_of_functions(&self, forces: bool, matrices: &mut [Components<Vec<Wide>>; 2]) {
+        let step = |j: usize| self.second_step(j);
+        let both = |j: usize, l: usize, sign: i32| -> NodalRow<Wide> {
+            let mut by = Self::along(j, step(j) * Wide::integer(sign));
+            by[l] = step(l) * Wide::integer(sign);
+            by
+        };
+        let pair = &self.state().pair;
+        let alone = |j: usize| {
+            [1, -1].map(|sign| {
+                let by = both(j, j, sign);
+                self.sample(by, moved(pair, &by), forces)
+            })
+        };
+        let active: Vec<usize> = self.active().collect();
+        let reach: Vec<usize> = if forces { self.reach().collect() } else { Vec::new() };
+        let columns: Vec<usize> = (0..DOFS).filter(|j| active.contains(j) || reach.contains(j)).collect();
+        let mut put = |j: usize, l: usize, quotients: [Components<Wide>; 2]| {
+            let parts = [&active, &reach].into_iter().zip(quotients).zip(matrices.iter_mut());
+            for ((columns, entries), matrices) in parts {
+                let has_both = columns.contains(&j) && columns.contains(&l);
+                for (matrix, entry) in matrices.iter_mut().zip(entries).filter(|_| has_both) {
+                    if let (Some(matrix), Some(entry)) = (matrix, entry) {
+                        (matrix[j * DOFS + l], matrix[l * DOFS + j]) = (entry, entry);
+                    }
+                }
+            }
+        };
+        let still = self.sample([Wide::zero(); DOFS], *pair, forces);
+        let alone: Vec<(usize, [Sample; 2])> = columns.iter().map(|j| (*j, alone(*j))).collect();
+        for (n, (j, [ahead, behind])) in alone.iter().enumerate() {
+            put(*j, *j, combined(&[(1, ahead), (-2, &still), (1, behind)], step(*j) * step(*j)));
+            for (l, [other, other_behind]) in alone.iter().skip(n + 1) {
+                let sample = |sign: i32, first: &Sample, second: &Sample| {
+                    let by = both(*j, *l, sign);
+                    self.sample(by, together(pair, &by, [(*j, first), (*l, second)]), forces)
+                };
+                let terms = [
+                    (1, &sample(1, ahead, other)),
+                    (1, &sample(-1, behind, other_behind)),
+                    (-1, ahead),
+                    (-1, behind),
+                    (-1, other),
+                    (-1, other_behind),
+                    (2, &still),
+                ];
+                put(*j, *l, combined(&terms, Wide::integer(2) * step(*j) * step(*l)));
+            }
+        }
+    }
+
+    /// How the row of what is accumulated from a place on changes with the place: ∂ω_j/∂q_l in row j.
+    fn change_of_row(
+        &self,
+        columns: &[usize],
+        accumulated: &dyn Fn(&Pair<Wide>, &NodalRow<Wide>) -> Wide,
+        matrix: &mut [Wide],
+    ) {
+        let step = |j: usize| self.second_step(j);
+        let pair = &self.state().pair;
+        for l in columns.iter().copied() {
+            let [plus, minus] = [step(l), -step(l)].map(|h| moved(pair, &Self::along(l, h)));
+            for j in columns.iter().copied() {
+                let difference = |from: &Pair<Wide>| {
+                    accumulated(from, &Self::along(j, step(j))) - accumulated(from, &Self::along(j, -step(j)))
+                };
+                let width = Wide::integer(4) * step(j) * step(l);
+                if let Some(entry) = matrix.get_mut(j * DOFS + l) {
+                    *entry = (difference(&plus) - difference(&minus)) / width;
+                }
+            }
+        }
+    }
+}
