@@ -60,7 +60,7 @@ impl Given {
                 let found = self.truth.dual();
                 sum(Quantity::ALL.map(|q| found.entries(q).len()))
             }
-            Oracle::Taylor => remainders(&self.truth, rows, bound, &v).len(),
+            Oracle::Taylor => remainders(&self.truth, rows, bound, &v, &[1.0; 6]).len(),
             Oracle::NodalDual => narrow.nodal_dual(bound).numbers.len(),
             Oracle::HyperDual => narrow.hyper_dual(&v, &v).iter().flatten().count(),
             Oracle::NestedDual => {

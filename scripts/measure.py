@@ -6,7 +6,7 @@ Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 8] [--quick] [--core N] 
 Without a block, all of them. A block is the text between <!-- measured: NAME --> and <!-- end: NAME -->. What is compared is
 measured in rounds that take turns, on one core, and of each the least time counts, so that a busy machine disturbs all alike; every
 participant compares its numbers with the truth before it is timed. --check only verifies that the marks in the documents and the blocks here
-are the same. Needs gcc and, for the first time, a network: the peers are installed under target/peers.
+are the same, and that each block was measured. Needs gcc and, for the first time, a network: the peers are installed under target/peers.
 """
 
 import argparse
@@ -298,7 +298,7 @@ def lanes(arguments):
     speeds = [int(speed) for speed in re.findall(r"speed (\d+) %", text)]
     errors = [float(error) for error in re.findall(r"largest errors: lanes (\S+) (\S+)", text) for error in error]
     if not means:
-        return blocks | {"lanes-summary": "This machine lacks the vector unit for which rows are written by hand."}
+        return blocks | {"lanes-summary": f"The machine of {datetime.date.today():%Y-%m-%d} lacks the vector unit for which rows are written by hand."}
     first = speeds[: len(speeds) // len(means)]
     return blocks | {
         "lanes-summary": f"Batches of four connectors reach {means[0]} % of the speed of rows differentiated by hand for the same vector unit"
@@ -331,7 +331,14 @@ def documents():
     return [*sorted((ROOT / "docs").glob("*.md")), *sorted(ROOT.glob("*.md"))]
 
 
-def check():
+def unmeasured(text):
+    """The blocks that no measurement wrote: without a date."""
+    blocks = {name: text.split(OPEN.format(name), 1)[1].split(CLOSE.format(name), 1)[0] for name in marks(text)[0]}
+    return [name for name, block in blocks.items() if not re.search(r"\b20\d\d-\d\d-\d\d\b", block)]
+
+
+def check(complete):
+    """Whether marks and measurements agree; if `complete`, also whether every block was measured."""
     known = {name for names in MEASUREMENTS.values() for name in names}
     found, wrong = [], []
     for path in documents():
@@ -342,6 +349,8 @@ def check():
         if opened and str(where) not in DOCUMENTS:
             wrong.append(f"{where}: holds marks, and is not in DOCUMENTS")
         wrong += [f"{where}: nothing measures {name}" for name in opened if name not in known]
+        if complete and opened == closed:
+            wrong += [f"{where}: {name} is not measured yet: measure.py {name} does it" for name in unmeasured(path.read_text())]
         found += opened
     wrong += [f"{name} is in no document" for name in sorted(known - set(found))]
     wrong += [f"{name} is in more than one place" for name in sorted(set(found)) if found.count(name) > 1]
@@ -370,12 +379,12 @@ def main():
     parser.add_argument("--quick", action="store_true", help="one round, to see that it works: the numbers mean little")
     parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
     parser.add_argument("--python", help="an interpreter that has what scripts/peers/requirements.txt names")
-    parser.add_argument("--check", action="store_true", help="verify the marks; measure nothing")
+    parser.add_argument("--check", action="store_true", help="verify the marks and that each block has a date; measure nothing")
     arguments = parser.parse_args()
     arguments.rounds = arguments.rounds or (1 if arguments.quick else 8)
     if unknown := set(arguments.blocks) - set(known):
         parser.error(f"no such block: {', '.join(sorted(unknown))}")
-    if not check():
+    if not check(arguments.check):
         sys.exit(1)
     if not arguments.check:
         for measure, names in MEASUREMENTS.items():

@@ -8,7 +8,7 @@ pub(crate) mod formula;
 
 use crate::node::{self, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::elementary::{norm, recip};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Real, Scalar, unrolled};
 use crate::so3;
 use crate::vector::{self, Matrix, Vector, add, column, dot, scale, sub};
 use serde::Serialize;
@@ -205,12 +205,12 @@ impl<'a, S: Scalar> Shared<'a, S> {
             return known;
         }
         let mut frozen = [[S::zero(); 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
+        unrolled!(i < 3, {
+            unrolled!(j < 3, {
                 let row = self.section.initial_orientation[j];
                 frozen[i][j] = vector::dot_real(row, self.relative.q[i]);
-            }
-        }
+            })
+        });
         let phi = so3::log_along(&frozen, self.relative.spin);
         self.misalignment = Some(phi);
         phi
@@ -463,6 +463,7 @@ impl Measure {
 
     /// Whether a turn of a alone changes the value: not that of a length, nor of a position along the direction fixed in space of
     /// an AXIAL whose nodes coincide. Derivatives along such a turn are exactly zero.
+    #[inline]
     pub const fn turns_with_a(self) -> bool {
         !matches!(self, Self::Distance | Self::Strain | Self::Flow(_))
     }

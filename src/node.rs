@@ -15,7 +15,7 @@
 //! Nodal degrees of freedom are x_a, θ_a, Ψ_a, x_b, θ_b, Ψ_b, in this order ([`DOF`] names them). Rotations vary
 //! multiplicatively and spatially: C → exp(δθ^) C, so that θ̇ = ω and θ̈ = α at the state itself.
 
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Real, Scalar, unrolled};
 use crate::vector::{self, Matrix, Vector, add, column, cross, cross_real, dot, dot_real, scale, sub};
 
 /// The number of degrees of freedom of two nodes: translation, rotation and material flow of each.
@@ -223,16 +223,16 @@ impl<R: Real> Pair<R> {
         let mut q = [[S::zero(); 3]; 3];
         let mut spin = [S::zero(); 3];
         if needed.rotation {
-            for i in 0..3 {
+            unrolled!(i < 3, {
                 let of_a = column(a, i);
                 spin[i] = S::assemble(zero, placed(first, 3, of_a), none);
-                for j in 0..3 {
+                unrolled!(j < 3, {
                     let of_b = column(b, j);
                     let value = dot(of_a, of_b);
                     let mut second = none;
                     if S::ORDER > 1 {
-                        for k in 0..3 {
-                            for l in 0..=k {
+                        unrolled!(k < 3, {
+                            unrolled!(l < k + 1, {
                                 let product = of_a[k] * of_b[l];
                                 let entry = if k == l {
                                     product - value
@@ -242,12 +242,12 @@ impl<R: Real> Pair<R> {
                                 if first + N >= 6 && first <= 3 {
                                     second[3 - first + k][3 - first + l] = entry;
                                 }
-                            }
-                        }
+                            })
+                        })
                     }
                     q[i][j] = S::assemble(value, placed(first, 3, cross(of_b, of_a)), second);
-                }
-            }
+                })
+            });
         }
         let one = R::integer(1);
         let flow = [

@@ -14,7 +14,7 @@
 //! ```
 
 use crate::scalar::elementary::{atan2, atan2_opposite, direction, inverse_sqrt, norm, recip, sin_cos, sqrt};
-use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
+use crate::scalar::{MAX_ORDER, Real, Scalar, Series, unrolled};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
 
 /// A quaternion (w, x, y, z), scalar part first.
@@ -120,9 +120,9 @@ fn turned<S: Scalar>(q0: Quaternion<S::Real>, spin: Vector<S>) -> Quaternion<S> 
         dot_real([y, -x, w], spin),
     ];
     if S::ORDER == 1 {
-        for i in 0..4 {
+        unrolled!(i < 4, {
             q[i] = q[i].with_real(q0[i]);
-        }
+        });
         return q;
     }
     let square = spin[0].nilpotent_product(spin[0])
@@ -133,10 +133,10 @@ fn turned<S: Scalar>(q0: Quaternion<S::Real>, spin: Vector<S>) -> Quaternion<S> 
     if S::ORDER > 3 {
         cosine = cosine + (square * square).scale(S::Real::ratio(1, 384));
     }
-    for i in 0..4 {
+    unrolled!(i < 4, {
         let whole = if S::ORDER > 2 { q[i] + q[i] * sine } else { q[i] };
         q[i] = cosine.scale_add(q0[i], whole).with_real(q0[i]);
-    }
+    });
     q
 }
 
@@ -147,11 +147,14 @@ fn derived<S: Scalar>(r: &Matrix<S>, q0: Quaternion<S::Real>) -> Quaternion<S> {
         return constant(q0);
     }
     let mut change_of_r = *r;
-    for entry in change_of_r.as_flattened_mut() {
-        *entry = entry.nilpotent();
+    for i in 0..3 {
+        for j in 0..3 {
+            change_of_r[i][j] = r[i][j].nilpotent();
+        }
     }
     let e = eigen_matrix(S::zero(), &change_of_r);
-    let quarter = q0.map(|c| c * S::Real::ratio(1, 4));
+    let quarter = S::Real::ratio(1, 4);
+    let quarter = [q0[0] * quarter, q0[1] * quarter, q0[2] * quarter, q0[3] * quarter];
     let mut change = [S::zero(); 4];
     let mut rest = S::zero(); // (q·q₀)² − 1
     for i in 0..4 {

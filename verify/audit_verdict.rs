@@ -34,7 +34,8 @@ fn a_formula_is_right_only_where_its_exact_value_is() {
     let verdict = |off: f64| {
         let product = truth.map(|_, _, x| x + Wide::from_f64(off * tolerance));
         let exact = |_: Quantity| Some(Exact { product: &product, truth });
-        let around = Surroundings { bound: &bound, exact: Some(&exact), nearness, sides: None };
+        let around =
+            Surroundings { bound: &bound, exact: Some(&exact), nearness: [nearness; 6], sides: None };
         let oracles = [Oracle::WideDifferences, Oracle::WideDual, Oracle::WideSymbolic];
         oracles
             .map(|oracle| judge(quantity, &got, &answers.answer(oracle, quantity).unwrap(), &around).verdict)
@@ -44,7 +45,7 @@ fn a_formula_is_right_only_where_its_exact_value_is() {
         assert_eq!(verdict(off), [Verdict::Wrong; 3], "{off}");
     }
     // Without a witness nothing is proven.
-    let around = Surroundings { bound: &bound, exact: None, nearness, sides: None };
+    let around = Surroundings { bound: &bound, exact: None, nearness: [nearness; 6], sides: None };
     let answer = answers.answer(Oracle::WideDifferences, quantity).unwrap();
     assert_eq!(judge(quantity, &got, &answer, &around).verdict, Verdict::Wrong);
 }

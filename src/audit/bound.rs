@@ -47,7 +47,7 @@ pub fn scales(
     let f2 = f + times(&bent, input);
     let near = if nearness > 0.0 { (1.0 / nearness).max(1.0) } else { 1.0 };
     let row: Vec<f64> = size.iter().zip(&bent).map(|(s, bent)| f / s + bent).collect();
-    let matrix: Vec<f64> = size.iter().flat_map(|s| size.iter().map(move |t| near * f2 / (s * t))).collect();
+    let matrix: Vec<f64> = size.iter().flat_map(|s| size.iter().map(move |t| near * f2 / s / t)).collect();
     let fastest = velocity.iter().zip(size).fold(0.0_f64, |most, (v, s)| most.max(v.abs() / s));
     let rate = times(&row, velocity);
     let faster = times(&row, acceleration) + near * f2 * fastest * fastest;
@@ -70,6 +70,17 @@ impl Bound {
         length: f64,
         nearness: f64,
     ) -> Self {
+        Self::of_components(truth, velocity, acceleration, length, &[nearness; 6])
+    }
+
+    /// The same with the nearness of each component to its own singular sets.
+    pub fn of_components(
+        truth: &Numbers<f64>,
+        velocity: &NodalRates<f64>,
+        acceleration: &NodalRates<f64>,
+        length: f64,
+        nearness: &[f64; 6],
+    ) -> Self {
         let size: [f64; DOFS] = std::array::from_fn(|j| dof_size(j, length));
         let mut of = Self::default();
         let mut scales: [Entries<f64>; Quantity::ALL.len()] = Default::default();
@@ -80,7 +91,7 @@ impl Bound {
             };
             let (first, second) = (of(Quantity::FirstDerivatives), of(Quantity::SecondDerivatives));
             let found =
-                self::scales(value, &first, &second, (&size, &size), (velocity, acceleration), nearness);
+                self::scales(value, &first, &second, (&size, &size), (velocity, acceleration), nearness[k]);
             for (scale, entries) in scales.iter_mut().zip(found) {
                 scale.0[k] = Some(entries);
             }
@@ -91,7 +102,7 @@ impl Bound {
             let changes = of(Quantity::GeometricStiffness).unwrap_or_default();
             let still = ([0.0; DOFS], [0.0; DOFS]);
             let [_, row, matrix, ..] =
-                self::scales(0.0, rows, changes, (&size, &size), (&still.0, &still.1), nearness);
+                self::scales(0.0, rows, changes, (&size, &size), (&still.0, &still.1), nearness[k]);
             scales[Quantity::NodalForces as usize].0[k] = Some(row);
             scales[Quantity::GeometricStiffness as usize].0[k] = Some(matrix);
         }

@@ -28,13 +28,14 @@
 use super::bound::Bound;
 use super::case::{Case, dof_size, moved};
 use super::certificate::certificate;
+use super::conditioned::Conditioned;
 use super::coverage::{Coverage, Lack};
 use super::diagnosis::Symptoms;
 use super::engine::{Settings, checks_of, spread};
 use super::model::{Finding, ModelReport};
 use super::mutant::{self, mutants};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
-use super::outcome::{Against, Check, Report, Subject};
+use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::quantity::{Entries, Numbers, Quantity};
 use super::sample::{Draw, about_initial};
 use super::truth::Truth;
@@ -118,7 +119,9 @@ impl<'a> Candidate<'a> {
             checks_of(&mut found, self.judge(&case, &routine, wide.contains(&i)));
         }
         let connection = &self.definition.connection;
-        let mut subject = Subject::new(self.name.to_string(), certificate(connection), cases, found);
+        let expected = Expected::numbers(&[Quantity::Value, Quantity::FirstDerivatives]);
+        let mut subject =
+            Subject::new(self.name.to_string(), certificate(connection), cases, found, &expected);
         // A candidate's formula is judged state by state, by a witness that shares no elementary function with it or with us.
         let is_witness = |against| matches!(against, Against::Oracle(oracle) if oracle.is_independent());
         let of_values = subject.checks.iter().filter(|check| check.quantity == Some(Quantity::Value));
@@ -169,31 +172,35 @@ impl<'a> Candidate<'a> {
         let Some(truth) = Truth::of(case) else { return checks };
         // On a singular set only the wide differences tell its two sides.
         let answers = (wide || nearness == 0.0).then(|| WideAnswers::of_kinematics(&truth));
-        let trusted = match &answers {
-            Some(answers) if nearness > 0.0 => super::atlas::truth_to_f64(&answers.differences),
-            Some(answers) => super::atlas::truth_to_f64(&answers.dual),
-            None => product,
-        };
-        let bound =
-            Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+        let of_components = narrow.nearness_of_components();
+        let is_smooth = of_components.map(|near| near > 0.0);
+        let trusted = answers.as_ref().map_or(product, |answers| answers.trusted(&is_smooth));
+        let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
+        let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, &of_components);
         let sides = (nearness == 0.0).then(|| truth.sides(&bound));
         let connector = case.connector();
         let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
+        // A routine's numbers are not all there: what must be noticed of its derivatives is told of the product's.
+        let conditioned = Conditioned::new(&trusted, case, &units, &of_components);
         let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
         let turns = branch.turns.map(|turns| turns.turns);
         // The same checks of the routine's numbers with a mistake in them, at the states on 237 bits.
         let prove = |quantity: Quantity, answer: &Answer| {
-            if !wide || nearness == 0.0 {
+            if !wide {
                 return Score::default();
             }
             let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
             let scene = mutant::Scene { numbers: &given, case, units, turns, scale: &scale };
             let size = |i: usize| quantity.entry_size(i, case.length);
-            try_mutants(quantity, given.entries(quantity), answer, &bound, &size, &mutants(quantity, &scene))
+            let size: (&dyn Fn(usize) -> f64, _) = (&size, &conditioned);
+            let mut made = mutants(quantity, &scene);
+            made.retain(|mutant| mutant.changes.iter().all(|(k, ..)| is_smooth[*k]));
+            try_mutants(quantity, given.entries(quantity), answer, &bound, size, &made)
         };
         let mut compare = |quantity: Quantity, answer: &Answer| {
             let got = given.entries(quantity);
-            let around = Surroundings { bound: &bound, exact: None, nearness, sides: sides.as_ref() };
+            let sides = sides.as_ref();
+            let around = Surroundings { bound: &bound, exact: None, nearness: of_components, sides };
             let judgement = judge(quantity, got, answer, &around);
             let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
@@ -218,26 +225,27 @@ impl<'a> Candidate<'a> {
             }
             _ => {}
         }
+        // A component on its singular set has no step for differences of its values.
+        let near = of_components.into_iter().filter(|near| *near > 0.0).fold(1.0, f64::min);
         let own = central_differences(
             |by: &[f64; DOFS]| {
                 let mut state = step.state;
                 state.pair = moved(&state.pair, by);
                 routine(&state).0
             },
-            rows.map(|row| row.is_some()),
-            &|j| dof_size(j, case.length) * nearness,
+            std::array::from_fn(|k| rows[k].is_some() && is_smooth[k]),
+            &|j| dof_size(j, case.length) * near,
             narrow.active(),
             &bound,
         );
-        if nearness == 0.0 {
-            // On a singular set there is no step for differences of its values.
+        if own.numbers.is_empty() {
             return checks;
         }
         let mut check = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
-        let around = Surroundings { bound: &bound, exact: None, nearness, sides: None };
+        let around = Surroundings { bound: &bound, exact: None, nearness: of_components, sides: None };
         let judgement =
             judge(Quantity::FirstDerivatives, given.entries(Quantity::FirstDerivatives), &own, &around);
-        check.add(judgement, Score::default(), case);
+        check.add(judgement, prove(Quantity::FirstDerivatives, &own), case);
         checks.push(check);
         checks
     }

@@ -1,21 +1,24 @@
 //! The audit: cases × quantities × oracles and laws, in parallel, gathered per connector.
 
-use super::atlas::{self, Approach, truth_to_f64};
+use super::atlas::{self, Approach};
 use super::bound::Bound;
 use super::case::Case;
 use super::certificate::certificate;
+use super::conditioned::Conditioned;
 use super::diagnosis::Symptoms;
 use super::force::product_with_forces as product;
 use super::friction::friction_cases;
 use super::invariant::{self, Context, Invariant};
 use super::mutant::{self, Mistake, Mutant, mutants};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, remainders};
-use super::outcome::{Against, Check, Report, Subject};
+use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
 use super::sheet::Sheet;
 use super::truth::Truth;
-use super::verdict::{Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, judge, try_mutants};
+use super::verdict::{
+    Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, judge, try_along, try_mutants,
+};
 use crate::catalog::{ConnectionType, TABLE};
 use crate::measure::Unit;
 use crate::node::DOFS;
@@ -185,7 +188,8 @@ pub fn audit_cases(
                     .map(|(i, case)| audit_case(case, settings, wide.contains(&i), i)),
             );
             progress(name);
-            Some(Subject::new(name.clone(), certificate(connection), cases.len() as u64, checks))
+            let expected = Expected::of(&cases.first()?.connector());
+            Some(Subject::new(name.clone(), certificate(connection), cases.len() as u64, checks, &expected))
         })
         .collect();
     Report::new(settings, subjects, Vec::new())
@@ -248,7 +252,8 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
             checks.push(law_of_type(law, &demands, connection));
         }
     }
-    Subject::new(connection.name.to_string(), certificate(connection), count as u64, checks)
+    let expected = regions.first().map_or_else(Expected::default, |case| Expected::of(&case.connector()));
+    Subject::new(connection.name.to_string(), certificate(connection), count as u64, checks, &expected)
 }
 
 /// A law whose demands carry the numbers that they judge.
@@ -340,23 +345,26 @@ fn judge_numbers(
     let truth = (wide || narrow.nearness() == 0.0).then(|| Truth::of(case)).flatten();
     let answers = truth.as_ref().map(WideAnswers::of);
     let nearness = truth.as_ref().map_or_else(|| narrow.nearness(), Truth::nearness);
-    let trusted = match &answers {
-        Some(answers) if nearness > 0.0 => truth_to_f64(&answers.differences),
-        Some(answers) => truth_to_f64(&answers.dual),
-        None => numbers.clone(),
-    };
-    let bound = Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+    // Of a component on its singular set there are no differences to trust; any other is judged as everywhere.
+    let of_components = narrow.nearness_of_components();
+    let is_smooth = of_components.map(|near| near > 0.0);
+    let trusted = answers.as_ref().map_or_else(|| numbers.clone(), |answers| answers.trusted(&is_smooth));
+    let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
+    let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, &of_components);
     let scale = |quantity: Quantity| {
         let bound = &bound;
         move |k: usize, i: usize| bound.scale(quantity, k, i)
     };
     let connector = case.connector();
     let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(|m| m.unit()));
+    let conditioned = Conditioned::new(numbers, case, &units, &of_components);
     let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
     let turns: [f64; 6] = std::array::from_fn(|k| branch.turns[k].turns);
     let make = |quantity: Quantity| {
         let scale = scale(quantity);
-        mutants(quantity, &mutant::Scene { numbers, case, units, turns, scale: &scale })
+        let mut made = mutants(quantity, &mutant::Scene { numbers, case, units, turns, scale: &scale });
+        made.retain(|mutant| mutant.changes.iter().all(|(k, ..)| is_smooth[*k]));
+        made
     };
     let sides = truth.as_ref().filter(|_| nearness == 0.0).map(|truth| truth.sides(&bound));
     let at_rotations: OnceCell<Option<WideAnswers>> = OnceCell::new();
@@ -375,7 +383,7 @@ fn judge_numbers(
         let around = Surroundings {
             bound: &bound,
             exact: Some(&exact).filter(|_| answers.is_some()).map(|exact| exact as _),
-            nearness,
+            nearness: of_components,
             sides: sides.as_ref(),
         };
         for oracle in Oracle::ALL.into_iter().filter(|oracle| oracle.answers(quantity) && asked(*oracle)) {
@@ -400,10 +408,11 @@ fn judge_numbers(
             let judgement = judge(quantity, got, &answer, &around);
             // A check that speaks has proved that it can; mutants are made of right numbers.
             let is_wrong = judgement.verdict.is_mismatch();
-            let proves = nearness > 0.0 && often && !is_wrong;
+            let proves = often && !is_wrong;
             let score = if proves {
                 let made = made.get_or_insert_with(|| make(quantity));
-                try_mutants(quantity, got, &answer, &bound, &|i| quantity.entry_size(i, case.length), made)
+                let size = |i: usize| quantity.entry_size(i, case.length);
+                try_mutants(quantity, got, &answer, &bound, (&size, &conditioned), made)
             } else {
                 Score::default()
             };
@@ -423,13 +432,15 @@ fn judge_numbers(
         }
     }
     let draw = &mut Draw::new(&case.name);
-    if asked(Oracle::Taylor) && nearness > 0.0 {
-        checks.extend(truth.as_ref().and_then(|truth| taylor(case, numbers, truth, &bound, draw)));
+    let made = |quantity: Quantity| if often { make(quantity) } else { Vec::new() };
+    if asked(Oracle::Taylor) {
+        let of = |truth| taylor(case, numbers, truth, (&bound, &of_components), draw, &made);
+        checks.extend(truth.as_ref().and_then(of));
     }
-    if asked(Oracle::HyperDual) && nearness > 0.0 {
-        checks.extend(hyper_dual(case, numbers, narrow, &bound, draw));
+    if asked(Oracle::HyperDual) {
+        checks.extend(hyper_dual(case, numbers, narrow, (&bound, &is_smooth), draw, &made));
     }
-    if nearness > 0.0 && often {
+    if often {
         checks.extend(laws(case, numbers, &bound, wide, &make));
     }
     checks
@@ -446,12 +457,33 @@ fn direction(draw: &mut Draw, length: f64, active: &[bool; DOFS]) -> [f64; DOFS]
     v
 }
 
+/// Whether a sum, so many tolerances off, tells more than the worst known: one without a tolerance tells less than a wrong one, and
+/// more than a right one.
+fn is_worse((units, allowed): (f64, f64), worst: Option<&Finding>) -> bool {
+    let order = |units: f64, allowed: f64| match () {
+        () if !allowed.is_finite() => (1, 0.0),
+        () if units <= 1.0 => (0, units),
+        () => (2, units),
+    };
+    worst.is_none_or(|worst| order(units, allowed) > order(worst.units, worst.tolerance))
+}
+
+/// The verdict on the sum that is worst.
+fn of_sum(worst: Option<&Finding>) -> Verdict {
+    match worst {
+        Some(worst) if !worst.tolerance.is_finite() => Verdict::Undecided,
+        Some(worst) if worst.units > 1.0 => Verdict::Wrong,
+        _ => Verdict::Pass,
+    }
+}
+
 fn taylor(
     case: &Case,
     numbers: &Numbers<f64>,
     truth: &Truth,
-    bound: &Bound,
+    (bound, nearness): (&Bound, &[f64; 6]),
     draw: &mut Draw,
+    make: &dyn Fn(Quantity) -> Vec<Mutant>,
 ) -> Option<Check> {
     let quantity = Quantity::FirstDerivatives;
     let mut active = [false; DOFS];
@@ -462,15 +494,18 @@ fn taylor(
     let rows = numbers.entries(quantity);
     let mut worst: Option<Finding> = None;
     let mut compared = 0;
-    for remainder in remainders(truth, rows, bound, &v) {
+    let mut off = [None; 6];
+    for remainder in remainders(truth, rows, bound, &v, nearness) {
         compared += 1;
-        let units = if remainder.error == 0.0 { 0.0 } else { remainder.error / remainder.allowed };
-        if worst.as_ref().is_none_or(|w| units > w.units || units.is_nan()) {
+        off[remainder.component] = Some((remainder.off, remainder.allowed));
+        let error = remainder.off.abs();
+        let units = if error == 0.0 { 0.0 } else { error / remainder.allowed };
+        if is_worse((units, remainder.allowed), worst.as_ref()) {
             let order = remainder.order.map_or("linear to rounding".into(), |p| format!("order {p:.2}"));
             worst = Some(Finding {
                 entry: format!("∂{}·v, {order}", crate::catalog::COMPONENT[remainder.component]),
                 at: None,
-                got: remainder.error,
+                got: error,
                 want: 0.0,
                 tolerance: remainder.allowed,
                 units: if units.is_nan() { f64::INFINITY } else { units },
@@ -478,10 +513,13 @@ fn taylor(
             });
         }
     }
-    let wrong = worst.as_ref().is_some_and(|w| w.units > 1.0);
-    let verdict = if wrong { Verdict::Wrong } else { Verdict::Pass };
+    let verdict = of_sum(worst.as_ref());
     let mut check = Check::new(Some(quantity), Against::Oracle(Oracle::Taylor));
-    check.add(Judgement { verdict, worst, compared }, Score::default(), case);
+    let score = match verdict {
+        Verdict::Pass => try_along(quantity, rows, &Along { weight: &|j| v[j], off }, &make(quantity)),
+        _ => Score::default(),
+    };
+    check.add(Judgement { verdict, worst, compared }, score, case);
     (compared > 0).then_some(check)
 }
 
@@ -489,29 +527,34 @@ fn hyper_dual(
     case: &Case,
     numbers: &Numbers<f64>,
     narrow: &Narrow,
-    bound: &Bound,
+    (bound, is_smooth): (&Bound, &[bool; 6]),
     draw: &mut Draw,
+    make: &dyn Fn(Quantity) -> Vec<Mutant>,
 ) -> Option<Check> {
     let quantity = Quantity::SecondDerivatives;
     let v = direction(draw, case.length, narrow.active());
     let w = direction(draw, case.length, narrow.active());
     let mut worst: Option<Finding> = None;
     let mut compared = 0;
-    for (k, want) in narrow.hyper_dual(&v, &w).into_iter().enumerate() {
-        let (Some(want), Some(matrix)) = (want, &numbers.entries(quantity).0[k]) else { continue };
+    let rows = numbers.entries(quantity);
+    let weight = |i: usize| v[i / DOFS] * w[i % DOFS];
+    let mut off = [None; 6];
+    for (k, want) in narrow.hyper_dual(&v, &w).into_iter().enumerate().filter(|(k, _)| is_smooth[*k]) {
+        let (Some(want), Some(matrix)) = (want, &rows.0[k]) else { continue };
         compared += 1;
         let mut got = 0.0;
         let mut allowed = 0.0;
         for (i, entry) in matrix.iter().enumerate() {
-            let product = v[i / DOFS] * w[i % DOFS];
+            let product = weight(i);
             got += entry * product;
             // Once for the product's entries, once for the oracle's.
             allowed += 2.0 * bound.tolerance(quantity, k, i) * product.abs();
         }
+        off[k] = Some((want - got, allowed));
         let error = (got - want).abs();
         let units = if error == 0.0 { 0.0 } else { error / allowed };
         let units = if units.is_nan() { f64::INFINITY } else { units };
-        if worst.as_ref().is_none_or(|found| units > found.units) {
+        if is_worse((units, allowed), worst.as_ref()) {
             worst = Some(Finding {
                 entry: format!("vᵀ ∂²{} w", crate::catalog::COMPONENT[k]),
                 at: None,
@@ -523,10 +566,13 @@ fn hyper_dual(
             });
         }
     }
-    let wrong = worst.as_ref().is_some_and(|found| found.units > 1.0);
-    let verdict = if wrong { Verdict::Wrong } else { Verdict::Pass };
+    let verdict = of_sum(worst.as_ref());
     let mut check = Check::new(Some(quantity), Against::Oracle(Oracle::HyperDual));
-    check.add(Judgement { verdict, worst, compared }, Score::default(), case);
+    let score = match verdict {
+        Verdict::Pass => try_along(quantity, rows, &Along { weight: &weight, off }, &make(quantity)),
+        _ => Score::default(),
+    };
+    check.add(Judgement { verdict, worst, compared }, score, case);
     (compared > 0).then_some(check)
 }
 
@@ -557,7 +603,7 @@ fn laws(
                         Mistake::Scaled(delta) => delta == 1e-6,
                         _ => true,
                     };
-                    make(quantity).into_iter().filter(|mutant| coarse(mutant.mistake)).step_by(7).collect()
+                    make(quantity).into_iter().filter(|mutant| coarse(mutant.mistake)).collect()
                 });
                 score.merge(invariant::try_mutants(quantity, numbers, &demands, made));
             }

@@ -9,7 +9,7 @@ use super::case::Case;
 use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::{Place, Truth};
 use crate::catalog::Loading;
-use crate::connector::{Branch, Components, Connector, Output, Request, State, Tally};
+use crate::connector::{Branch, Components, Connector, Mask, Output, Request, State, Tally};
 use crate::force::Want;
 use crate::node::{self, DOFS, Pair};
 use crate::scalar::elementary::norm;
@@ -25,8 +25,19 @@ pub(super) fn add_forces<R: Differentiable>(
     state: &State<R>,
     branch: &Branch<R>,
 ) {
+    add_forces_of(numbers, connector, state, branch, [true; 6]);
+}
+
+/// The same of some components.
+pub(super) fn add_forces_of<R: Differentiable>(
+    numbers: &mut Numbers<R>,
+    connector: &Connector<R>,
+    state: &State<R>,
+    branch: &Branch<R>,
+    components: Mask,
+) {
     let want = Want { stiffness: true, ..Want::default() };
-    let rows = connector.force_rows(state, branch, [true; 6], want, &mut Tally::default());
+    let rows = connector.force_rows(state, branch, components, want, &mut Tally::default());
     let row = |k: usize| rows.row(k).map(|row| row.row.to_vec());
     let change = |k: usize| Some(rows.row(k)?.change.as_ref()?.as_flattened().to_vec());
     numbers.set(Quantity::NodalForces, Entries(std::array::from_fn(row)));

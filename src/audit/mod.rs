@@ -21,6 +21,7 @@ pub mod bound;
 mod candidate;
 pub mod case;
 pub mod certificate;
+pub mod conditioned;
 pub mod counterexample;
 pub mod coverage;
 pub mod diagnosis;

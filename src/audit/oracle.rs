@@ -6,7 +6,7 @@ use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::Truth;
 use super::verdict::Wanted;
 use crate::connector::{Branch, Components, Connector, Increment, Output, Request, State, Tally};
-use crate::measure::Unit;
+use crate::measure::{Margin, Unit};
 use crate::node::{DOFS, Pair};
 use crate::scalar::{Differentiable, Wide};
 use crate::symbolic::{Model, nodal_inputs};
@@ -203,6 +203,20 @@ impl WideAnswers {
         Self { dual: truth.dual(), differences, symbolic: truth.symbolic() }
     }
 
+    /// What the bound rests on: the differences of the components that are not on a singular set, where these are derivatives; of
+    /// the others what dual numbers say.
+    pub(super) fn trusted(&self, is_smooth: &[bool; 6]) -> Numbers<f64> {
+        let mut trusted = Numbers::default();
+        for quantity in Quantity::ALL {
+            let rows = std::array::from_fn(|k| {
+                let from = if is_smooth[k] { &self.differences } else { &self.dual };
+                from.entries(quantity).0[k].as_ref().map(|row| row.iter().map(|x| x.to_f64()).collect())
+            });
+            trusted.set(quantity, Entries(rows));
+        }
+        trusted
+    }
+
     /// What one of them says of a quantity.
     pub fn answer(&self, oracle: Oracle, quantity: Quantity) -> Option<Answer> {
         let numbers = match oracle {
@@ -286,8 +300,12 @@ impl Narrow {
     /// First derivatives by central differences on doubles: the best of a ladder of steps, none of which leads over a singular
     /// set.
     pub fn differences(&self, bound: &Bound) -> Answer {
-        let near = self.nearness();
-        let has_function = |k| self.connector.differentiated(k).is_some_and(|m| !m.is_one_form());
+        // A component on its singular set has no step.
+        let nearness = self.nearness_of_components();
+        let near = nearness.into_iter().filter(|near| *near > 0.0).fold(1.0, f64::min);
+        let has_function = |k: usize| {
+            nearness[k] > 0.0 && self.connector.differentiated(k).is_some_and(|m| !m.is_one_form())
+        };
         let size = |j: usize| dof_size(j, self.length) * near;
         let components = std::array::from_fn(has_function);
         central_differences(|by| self.values(by), components, &size, self.connector.active(), bound)
@@ -300,10 +318,18 @@ impl Narrow {
 
     /// min(1, distance to the nearest singular set, in radians and lengths of the connector).
     pub fn nearness(&self) -> f64 {
+        self.nearness_of_components().into_iter().fold(1.0, f64::min)
+    }
+
+    /// The same of each component by itself; 1 where it has no singular set.
+    pub fn nearness_of_components(&self) -> [f64; 6] {
         let margins = self.connector.margins(&self.state, &self.branch, [true; 6]);
-        margins.iter().flatten().fold(1.0_f64, |least, margin| {
-            let unit = if margin.set.unit == Unit::Length { self.length } else { 1.0 };
-            least.min(margin.distance / unit)
+        margins.map(|margin| {
+            let distance = |margin: Margin| match margin.set.unit {
+                Unit::Length => margin.distance / self.length,
+                Unit::Angle | Unit::None => margin.distance,
+            };
+            margin.map_or(1.0, distance).min(1.0)
         })
     }
 
@@ -392,22 +418,29 @@ pub struct Remainder {
     pub component: usize,
     /// The estimated order; `None` where the remainder is below the noise throughout, as for a linear function.
     pub order: Option<f64>,
-    /// The largest remainder over h at the finest step, which is the error of ∂f·v.
-    pub error: f64,
+    /// The remainder over h at the finest step, which is the error of ∂f·v: what it must be less what it is.
+    pub off: f64,
     /// What rounding of the row alone allows it to be.
     pub allowed: f64,
 }
 
 /// Taylor's test of a row: 237-bit values along a direction v, on a ladder of steps. Where the row is right the remainder over
-/// h falls like h until the rounding of the row itself shows, which is the error reported.
-pub fn remainders(truth: &Truth, rows: &Entries<f64>, bound: &Bound, v: &[f64; DOFS]) -> Vec<Remainder> {
+/// h falls like h until the rounding of the row itself shows, which is the error reported. A component on a singular set, of
+/// `nearness` 0, has no row to be tested.
+pub fn remainders(
+    truth: &Truth,
+    rows: &Entries<f64>,
+    bound: &Bound,
+    v: &[f64; DOFS],
+    nearness: &[f64; 6],
+) -> Vec<Remainder> {
     const LADDER: [f64; 5] = [1e-4, 1e-8, 1e-12, 1e-16, 1e-20];
     let still = truth.displaced(&[0.0; DOFS], 0.0);
-    let near = if truth.nearness() > 0.0 { truth.nearness() } else { 1.0 };
+    let near = nearness.iter().copied().filter(|near| *near > 0.0).fold(1.0, f64::min);
     let steps = LADDER.map(|h| h * near);
     let moved = steps.map(|h| truth.displaced(v, h));
     let mut found = Vec::new();
-    for k in 0..6 {
+    for k in (0..6).filter(|k| nearness[*k] > 0.0) {
         let (Some(row), Some(still)) = (&rows.0[k], still[k]) else { continue };
         let slope = row
             .iter()
@@ -418,23 +451,21 @@ pub fn remainders(truth: &Truth, rows: &Entries<f64>, bound: &Bound, v: &[f64; D
         let over_h: Vec<f64> = steps
             .iter()
             .zip(&moved)
-            .filter_map(|(h, moved)| {
-                Some((((moved[k]? - still) / Wide::from_f64(*h)) - slope).abs().to_f64())
-            })
+            .filter_map(|(h, moved)| Some((((moved[k]? - still) / Wide::from_f64(*h)) - slope).to_f64()))
             .collect();
         // The order, from the steps whose remainder stands clear of what rounding of the row allows.
         let clear: Vec<(f64, f64)> = steps
             .iter()
             .zip(&over_h)
-            .filter(|(_, r)| **r > 10.0 * allowed && **r > 0.0)
-            .map(|(h, r)| (h.ln(), r.ln()))
+            .filter(|(_, r)| r.abs() > 10.0 * allowed && **r != 0.0)
+            .map(|(h, r)| (h.ln(), r.abs().ln()))
             .collect();
         let order = match clear.as_slice() {
             [first, .., last] => Some(1.0 + (first.1 - last.1) / (first.0 - last.0)),
             _ => None,
         };
-        let error = over_h.last().copied().unwrap_or(f64::NAN);
-        found.push(Remainder { component: k, order, error, allowed });
+        let off = over_h.last().copied().unwrap_or(f64::NAN);
+        found.push(Remainder { component: k, order, off, allowed });
     }
     found
 }

@@ -13,6 +13,7 @@ use super::model::ModelReport;
 use super::oracle::Oracle;
 use super::quantity::{Entries, Quantity};
 use super::verdict::{Finding, Judgement, Score, Verdict, Wanted};
+use crate::connector::Connector;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -191,6 +192,30 @@ impl Check {
     }
 }
 
+/// What there is to judge, whoever is asked to judge it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Expected {
+    quantities: Vec<Quantity>,
+    laws: Vec<Invariant>,
+}
+
+impl Expected {
+    /// Numbers without laws.
+    pub(super) fn numbers(quantities: &[Quantity]) -> Self {
+        Self { quantities: quantities.to_vec(), laws: Vec::new() }
+    }
+
+    /// Of a connector: its numbers, those of forces where it has any; and the laws of a state that say something of it.
+    pub(super) fn of(connector: &Connector<f64>) -> Self {
+        let has_forces = (0..6).any(|k| connector.has_force(k));
+        let is_of_forces =
+            |quantity: Quantity| matches!(quantity, Quantity::NodalForces | Quantity::GeometricStiffness);
+        let quantities = Quantity::ALL.into_iter().filter(|quantity| has_forces || !is_of_forces(*quantity));
+        let laws = Invariant::ALL.into_iter().filter(|law| law.is_expected_of(connector));
+        Self { quantities: quantities.collect(), laws: laws.collect() }
+    }
+}
+
 /// Everything that was found about one connector or type.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Subject {
@@ -205,7 +230,15 @@ pub struct Subject {
     pub checks: Vec<Check>,
     /// What was proven of its formulas and its declaration.
     pub certificate: Option<Certificate>,
-    /// The verdict on its derivatives: the severest of the checks, undecided without an independent oracle.
+    /// Numbers of which no state tells whether a mistake would have been noticed: all are zero whatever the formula, as rates are
+    /// where nothing moves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_exercised: Vec<Quantity>,
+    /// Laws that speak of such a connector, and were not asked: for want of a degree of freedom, or of a state where they hold.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub laws_not_asked: Vec<Invariant>,
+    /// The verdict on its derivatives: the severest of the checks, undecided where a number that it has was not compared with that of
+    /// an independent oracle.
     pub derivative: Verdict,
     /// The verdict on its formulas.
     pub formula: Verdict,
@@ -219,11 +252,24 @@ impl Subject {
         certificate: Option<Certificate>,
         cases: u64,
         mut checks: Vec<Check>,
+        expected: &Expected,
     ) -> Self {
         for check in &mut checks {
             check.score.finish();
         }
-        let judged: BTreeSet<Quantity> = checks.iter().filter_map(|check| check.quantity).collect();
+        let judged = checks.iter().filter_map(|check| check.quantity);
+        let judged: BTreeSet<Quantity> = judged.chain(expected.quantities.iter().copied()).collect();
+        // Of wrong numbers the mutants do not count: the check has spoken.
+        let is_exercised = |quantity: &Quantity| {
+            let mut of_it = checks.iter().filter(|check| check.quantity == Some(*quantity));
+            of_it.any(|check| check.score.decisive() > 0 || check.verdict.is_mismatch())
+        };
+        let not_exercised = expected.quantities.iter().copied().filter(|quantity| !is_exercised(quantity));
+        let not_exercised: Vec<Quantity> = not_exercised.collect();
+        let is_asked = |law: &Invariant| {
+            checks.iter().any(|check| check.against == Against::Law(*law) && check.compared > 0)
+        };
+        let laws_not_asked = expected.laws.iter().copied().filter(|law| !is_asked(law)).collect();
         let witnessed = !judged.is_empty()
             && judged.iter().all(|quantity| {
                 checks.iter().any(|check| {
@@ -245,6 +291,8 @@ impl Subject {
             name,
             scene: None,
             cases,
+            not_exercised,
+            laws_not_asked,
             derivative: if witnessed { derivative } else { derivative.max(Verdict::Undecided) },
             formula: proven(has(|c| c.jax_states > 0)),
             declaration: declaration.max(proven(has(Certificate::is_declaration_read))),
@@ -332,10 +380,31 @@ impl Report {
         self.subjects.iter().filter(|subject| subject.verdict() == Verdict::Undecided).count()
     }
 
-    /// Mutants that survived a check which passed the numbers themselves.
+    /// Subjects with numbers of which no state tells whether a mistake would have been noticed.
+    pub fn not_exercised(&self) -> usize {
+        self.subjects.iter().filter(|subject| !subject.not_exercised.is_empty()).count()
+    }
+
+    /// Mutants that survived a check which passed the numbers themselves, and laws that noticed none of those that change what they
+    /// speak of.
     pub fn survivors(&self) -> u64 {
         let checks = self.subjects.iter().flat_map(|subject| &subject.checks);
-        checks.map(|check| check.score.survived).sum()
+        let survived: u64 = checks.map(|check| check.score.survived).sum();
+        survived + self.blind_laws().len() as u64
+    }
+
+    /// Laws that noticed no mutant over all subjects, though some change the numbers of which they speak.
+    pub fn blind_laws(&self) -> Vec<Invariant> {
+        let mut laws: BTreeMap<Invariant, [u64; 2]> = BTreeMap::new();
+        for check in self.subjects.iter().flat_map(|subject| &subject.checks) {
+            if let Against::Law(law) = check.against {
+                let [noticed, changed] = laws.entry(law).or_default();
+                *noticed += check.score.killed;
+                *changed += check.score.decisive() + check.score.below_resolution;
+            }
+        }
+        let is_blind = |[noticed, changed]: [u64; 2]| noticed == 0 && changed > 0;
+        laws.into_iter().filter(|(_, found)| is_blind(*found)).map(|(law, _)| law).collect()
     }
 
     /// A counter-example for every failed check, by file name, shrunk to the simplest values that still fail.

@@ -2,7 +2,7 @@
 
 use super::case::dof_size;
 use crate::catalog::{COMPONENT, FORCE};
-use crate::connector::{Components, Evaluation, Output, Request};
+use crate::connector::{Components, Evaluation, Mask, Output, Request};
 use crate::node::{DOF, DOFS};
 use serde::{Deserialize, Serialize};
 
@@ -264,5 +264,14 @@ impl<T: Copy> Numbers<T> {
 
 /// What is asked of a connector for [`Numbers`].
 pub fn request() -> Request {
-    Request::new(&[Output::CU, Output::CV, Output::CA, Output::RES, Output::RESV, Output::RESA], [true; 6], 2)
+    request_of([true; 6])
+}
+
+/// The same of some components.
+pub(super) fn request_of(components: Mask) -> Request {
+    Request::new(
+        &[Output::CU, Output::CV, Output::CA, Output::RES, Output::RESV, Output::RESA],
+        components,
+        2,
+    )
 }

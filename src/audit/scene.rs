@@ -6,7 +6,7 @@ use super::certificate::{certificate, certificate_of_mpc};
 use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread_of};
 use super::friction::{Slipping, audit_slipping, drawn, slipping};
 use super::mpc::MpcCase;
-use super::outcome::{Check, Report, Subject};
+use super::outcome::{Check, Expected, Report, Subject};
 use super::sample::{Draw, about_initial};
 use crate::behavior::state::History;
 use crate::connector::{Output, Request};
@@ -241,19 +241,24 @@ fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
     let Target { model, plan, .. } = *target;
     let connectors = plan.connectors.iter().filter_map(|at| {
         let element = model.connectors.get(*at)?;
-        Some((element.title(), certificate(element.connector.connection())))
+        let of_type = certificate(element.connector.connection());
+        Some((element.title(), of_type, Expected::of(&element.connector)))
     });
     let mpcs = plan.mpcs.iter().filter_map(|at| {
         let element = model.mpcs.get(*at)?;
-        Some((element.title(), certificate_of_mpc(element.constraint.kind())))
+        Some((
+            element.title(),
+            certificate_of_mpc(element.constraint.kind()),
+            Expected::numbers(&MpcCase::QUANTITIES),
+        ))
     });
     let named = connectors.chain(mpcs).zip(gathered);
     named
-        .map(|((title, certificate), mut one)| {
+        .map(|((title, certificate, expected), mut one)| {
             one.checks.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
             Subject {
                 scene: Some(target.name.to_string()),
-                ..Subject::new(title, certificate, one.cases, one.checks)
+                ..Subject::new(title, certificate, one.cases, one.checks, &expected)
             }
         })
         .collect()

@@ -30,9 +30,14 @@ pub struct Truth {
     length: f64,
     /// min(1, distance to the nearest singular set, in radians and lengths of the connector).
     nearness: f64,
+    /// The same of each component by itself.
+    of_components: [f64; 6],
     /// What first derivatives are differenced from, behind and ahead in each degree of freedom.
     places: OnceLock<[[Place; 2]; DOFS]>,
 }
+
+/// A step, and the values after it and before it.
+type Moved = (Wide, [Components<Wide>; 2]);
 
 /// Where the nodes have moved along one degree of freedom.
 pub(super) struct Place {
@@ -48,7 +53,7 @@ impl Truth {
         let narrow = case.connector();
         let end = case.last()?;
         let after = narrow.advance(&end.state, &end.increment, &case.branch_before(&narrow));
-        let nearness = super::oracle::Narrow::of(case)?.nearness();
+        let of_components = super::oracle::Narrow::of(case)?.nearness_of_components();
         let mut state = exact_state(&end.state);
         if end.state.pair.separation() == [0.0; 3] {
             // Nodes that coincide on doubles, and not to their last digits: that they coincide is what is meant.
@@ -59,7 +64,8 @@ impl Truth {
             state,
             branch: exact_branch(&after),
             length: case.length,
-            nearness,
+            nearness: of_components.into_iter().fold(1.0, f64::min),
+            of_components,
             places: OnceLock::new(),
         })
     }
@@ -236,14 +242,14 @@ impl Truth {
         Entries(found)
     }
 
-    /// Rate and acceleration: values at ±h along q(t) = q̇ t + q̈ t²/2, which turns the nodes by exp(q_θ(t)^), differenced.
+    /// Rate and acceleration: values at ±h along q(t) = q̇ t + q̈ t²/2, which turns the nodes by exp(q_θ(t)^), differenced. Each
+    /// component has the step of its own singular sets: one that is too short for it loses the digits of an acceleration.
     pub fn rates(&self) -> [Entries<Wide>; 2] {
         let speed = (0..DOFS).fold(0.0_f64, |most, j| {
             let size = dof_size(j, self.length);
             let (v, a) = (self.state.velocity[j].to_f64() / size, self.state.acceleration[j].to_f64() / size);
             most.max(v.abs()).max(a.abs().max(0.0).powf(0.5))
         });
-        let time = if speed > 0.0 { self.nearness.max(f64::MIN_POSITIVE) / speed } else { 1.0 };
         let at = |t: Wide| -> NodalRow<Wide> {
             std::array::from_fn(|j| {
                 self.state.velocity[j] * t + self.state.acceleration[j] * t * t / Wide::integer(2)
@@ -251,10 +257,8 @@ impl Truth {
         };
         let still = self.values(&self.at_rest());
         let both = |h: Wide| [h, -h].map(|h| self.values(&self.place(at(h))));
-        let (first_step, second_step) =
-            (Wide::from_f64(FIRST_STEP) * time, Wide::from_f64(SECOND_STEP) * time);
-        let [near, behind] = both(first_step);
-        let [far, far_behind] = both(second_step);
+        // The values after both steps, ahead and behind, by nearness.
+        let mut moved: Vec<(f64, [Moved; 2])> = Vec::new();
         let mut rate: Components<Vec<Wide>> = self.empty(1);
         let mut acceleration: Components<Vec<Wide>> = self.empty(1);
         for k in 0..6 {
@@ -264,6 +268,19 @@ impl Truth {
                 acceleration[k] = Some(vec![a]);
                 continue;
             }
+            let near = if self.of_components[k] > 0.0 { self.of_components[k] } else { 1.0 };
+            let known = moved.iter().find(|(of, ..)| *of == near).copied();
+            let (_, [(first_step, [near, behind]), (second_step, [far, far_behind])]) =
+                known.unwrap_or_else(|| {
+                    let time = if speed > 0.0 { near / speed } else { 1.0 };
+                    let after = |step: f64| {
+                        let step = Wide::from_f64(step) * time;
+                        (step, both(step))
+                    };
+                    let found = (near, [FIRST_STEP, SECOND_STEP].map(after));
+                    moved.push(found);
+                    found
+                });
             if let (Some(plus), Some(minus)) = (near[k], behind[k]) {
                 rate[k] = Some(vec![(plus - minus) / (first_step + first_step)]);
             }

@@ -1,6 +1,7 @@
 //! Judging numbers against an answer: which entry, by how much, and how small an error would have been seen.
 
 use super::bound::Bound;
+use super::conditioned::{Conditioned, NOTICED};
 use super::diagnosis::Cause;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
@@ -155,8 +156,8 @@ pub struct Surroundings<'a> {
     /// Where the numbers are the product's: its own source without rounding, and what differences there say. Asked where numbers are
     /// wrong by little.
     pub exact: Option<&'a dyn Fn(Quantity) -> Option<Exact<'a>>>,
-    /// min(1, distance to the nearest singular set); 0 on it.
-    pub nearness: f64,
+    /// min(1, distance to the nearest singular set) of each component; 0 on it.
+    pub nearness: [f64; 6],
     /// First derivatives from both sides, for states on a singular set.
     pub sides: Option<&'a Entries<Sides>>,
 }
@@ -165,8 +166,8 @@ impl<'a> Surroundings<'a> {
     /// On a singular set: the sides of a first derivative that differ by more than rounding. The two-sided difference is their mean
     /// there, which is no derivative, whoever agrees with it.
     fn kink(&self, quantity: Quantity, k: usize, i: usize) -> Option<&'a Sides> {
-        let sides = self.sides.filter(|_| quantity == Quantity::FirstDerivatives && self.nearness == 0.0)?;
-        let sides = sides.0.get(k)?.as_ref()?.get(i)?;
+        let is_it = quantity == Quantity::FirstDerivatives && self.nearness[k] == 0.0;
+        let sides = self.sides.filter(|_| is_it)?.0.get(k)?.as_ref()?.get(i)?;
         sides.differ(self.bound.tolerance(quantity, k, i)).then_some(sides)
     }
 }
@@ -217,20 +218,53 @@ pub(super) fn units(got: f64, want: Wide, allowed: f64) -> f64 {
     Wanted::from(want).units(got, allowed)
 }
 
-/// Judges the entries of one quantity.
+/// What is known of one entry besides its number.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    /// Whether its component, or row, is on a singular set.
+    pub(super) is_singular: bool,
+    /// Whether it is a first derivative whose two sides differ there.
+    pub(super) has_two_sides: bool,
+}
+
+/// The verdict on one entry, by itself: `units` is how far it is from what it must be, on a kink from what may stand there, in units
+/// of what is `allowed`.
+///
+/// A component that is not on a singular set is judged as everywhere, whatever the others of its connector do. On one, a value exists,
+/// and a first derivative from each side; what is formed of other derivatives may not. Nothing is decided where what is allowed, or
+/// what it must be, is no number.
+pub(super) fn verdict_of_entry(
+    quantity: Quantity,
+    (got, want): (f64, f64),
+    allowed: f64,
+    units: f64,
+    at: Point,
+) -> Verdict {
+    let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
+    if !got.is_finite() {
+        Verdict::Invalid
+    } else if units <= 1.0 {
+        if at.has_two_sides { Verdict::Kink } else { Verdict::Pass }
+    } else if at.is_singular && !(exists && want.is_finite()) {
+        Verdict::Kink
+    } else if !allowed.is_finite() || !want.is_finite() {
+        Verdict::Undecided
+    } else {
+        Verdict::Wrong
+    }
+}
+
+/// Judges the entries of one quantity, each by itself: the severest verdict is that of the quantity.
 pub fn judge(
     quantity: Quantity,
     got: &Entries<f64>,
     answer: &Answer,
     around: &Surroundings<'_>,
 ) -> Judgement {
-    // (units, component, entry) of the entry nearest to its tolerance, or farthest beyond.
-    let mut farthest: Option<(f64, usize, usize)> = None;
-    // (gap, component, entry) of the derivative whose sides are farthest apart.
-    let mut widest: Option<(f64, usize, usize)> = None;
+    // The entry that decides, by the severity of its verdict, and how clearly: the width of a kink, or the error in units.
+    let mut worst: Option<(Verdict, f64, Finding)> = None;
     let mut compared = 0;
     let mut coarse = false;
-    let mut is_finite = true;
     for (k, row) in got.0.iter().enumerate() {
         let (Some(row), Some(wanted)) = (row, &answer.numbers.0[k]) else { continue };
         let largest = row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -240,72 +274,47 @@ pub fn judge(
             let kink = around.kink(quantity, k, i);
             let want = kink.map_or(*want, |sides| sides.nearest(*x).into());
             let units = want.units(*x, allowed);
-            if let Some(gap) = kink.map(Sides::gap)
-                && widest.is_none_or(|(most, ..)| gap > most)
-            {
-                widest = Some((gap, k, i));
-            }
             coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
-            is_finite = x.is_finite();
-            if !is_finite || farthest.is_none_or(|(most, ..)| units > most) {
-                farthest = Some((units, k, i));
-            }
-            if !is_finite {
-                break;
+            let at = Point { is_singular: around.nearness[k] == 0.0, has_two_sides: kink.is_some() };
+            let verdict = verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at);
+            let clearly = kink.filter(|_| verdict == Verdict::Kink).map_or(units, Sides::gap);
+            if worst
+                .as_ref()
+                .is_none_or(|(most, least, _)| verdict > *most || verdict == *most && clearly > *least)
+            {
+                let finding = Finding {
+                    entry: quantity.entry_name(k, i),
+                    at: Some((k, i)),
+                    got: *x,
+                    want: want.to_f64(),
+                    tolerance: allowed,
+                    units,
+                    one_sided: kink.map(Sides::to_f64),
+                };
+                worst = Some((verdict, clearly, finding));
             }
         }
-        if !is_finite {
-            break;
-        }
     }
-    let found = |(k, i): (usize, usize)| {
-        let got = got.get(k, i)?;
-        let kink = around.kink(quantity, k, i);
-        let want = kink.map_or_else(|| answer.numbers.get(k, i), |sides| Some(sides.nearest(got).into()))?;
-        let tolerance = answer.allowed(around.bound, quantity, k, i);
-        Some(Finding {
-            entry: quantity.entry_name(k, i),
-            at: Some((k, i)),
-            got,
-            want: want.to_f64(),
-            tolerance,
-            units: want.units(got, tolerance),
-            one_sided: kink.map(Sides::to_f64),
-        })
-    };
-    let mut worst = farthest.and_then(|(_, k, i)| found((k, i)));
-    if !is_finite {
-        return Judgement { verdict: Verdict::Invalid, worst, compared };
-    }
-    if compared == 0 {
+    let Some((verdict, _, mut worst)) = worst else {
         return Judgement { verdict: Verdict::Undecided, worst: None, compared };
-    }
-    let beyond = worst.as_ref().is_some_and(|w| w.units > 1.0);
-    if let (false, Some((_, k, i))) = (beyond, widest) {
-        return Judgement { verdict: Verdict::Kink, worst: found((k, i)), compared };
-    }
-    let verdict = match (beyond, &mut worst) {
-        (false, _) if coarse && answer.oracle.is_wide() => Verdict::IllConditioned,
-        (true, Some(worst)) => why(quantity, worst, around),
-        _ => Verdict::Pass,
     };
-    Judgement { verdict, worst, compared }
+    let verdict = match verdict {
+        Verdict::Pass if coarse && answer.oracle.is_wide() => Verdict::IllConditioned,
+        Verdict::Wrong => why(quantity, &mut worst, around),
+        verdict => verdict,
+    };
+    Judgement { verdict, worst: Some(worst), compared }
 }
 
 /// Why an entry is beyond its tolerance.
 fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Verdict {
     let Some((k, i)) = worst.at else { return Verdict::Wrong };
-    // Values exist on a kink, and first derivatives whose sides agree; what is formed from other derivatives may not.
-    let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
-    if around.nearness == 0.0 && !exists {
-        return Verdict::Kink;
-    }
     let scale = around.bound.scale(quantity, k, i);
     let error = (worst.got - worst.want).abs();
     let tolerance = around.bound.tolerance(quantity, k, i);
     let is_proven = || {
         let exact = around.exact.and_then(|exact| exact(quantity));
-        exact.is_some_and(|exact| exact.proves(k, i, tolerance, around.nearness))
+        exact.is_some_and(|exact| exact.proves(k, i, tolerance, around.nearness[k]))
     };
     if error <= LOST_DIGITS * scale && is_proven() { Verdict::UnstableFormula } else { Verdict::Wrong }
 }
@@ -354,12 +363,11 @@ pub struct Score {
     pub by_mistake: BTreeMap<Cause, Fared>,
     /// The mistakes that survived, with an entry each.
     pub survivors: BTreeMap<String, String>,
-    /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states.
-    #[schemars(with = "Option<f64>")]
-    pub detectable: f64,
+    /// The smallest δ for which every significant entry × (1 + δ) was noticed: the worst of all states; none where no entry was
+    /// judged by itself.
+    pub detectable: Option<f64>,
     /// The same at the median state.
-    #[schemars(with = "Option<f64>")]
-    pub detectable_median: f64,
+    pub detectable_median: Option<f64>,
     /// The smallest δ at each state.
     #[serde(skip)]
     pub detectable_at: Vec<f64>,
@@ -407,8 +415,8 @@ impl Score {
     /// Settles the figures over all states.
     pub fn finish(&mut self) {
         self.detectable_at.sort_by(f64::total_cmp);
-        self.detectable = self.detectable_at.last().copied().unwrap_or(0.0);
-        self.detectable_median = self.detectable_at.get(self.detectable_at.len() / 2).copied().unwrap_or(0.0);
+        self.detectable = self.detectable_at.last().copied();
+        self.detectable_median = self.detectable_at.get(self.detectable_at.len() / 2).copied();
     }
 
     /// Mutants that had to be noticed.
@@ -421,13 +429,47 @@ impl Score {
 /// error that is noticed: what is left of a cancellation has no relative error of its own.
 pub(super) const SIGNIFICANT: f64 = 1e-3;
 
-/// Tries every mutant on the same comparison; `size` is the unit of an entry's degrees of freedom.
+/// A comparison of sums instead of entries: Σ_i w_i x_i of each component.
+pub struct Along<'a> {
+    /// The weight of an entry.
+    pub weight: &'a dyn Fn(usize) -> f64,
+    /// What the sum must be less what it is, and how far that may be from zero; of the components that are compared.
+    pub off: [Option<(f64, f64)>; 6],
+}
+
+/// Tries every mutant on a comparison of sums.
+pub fn try_along(quantity: Quantity, got: &Entries<f64>, along: &Along<'_>, mutants: &[Mutant]) -> Score {
+    let mut score = Score::default();
+    for mutant in mutants {
+        let mut moved = [0.0; 6];
+        for (k, i, x) in mutant.changes.iter() {
+            if let Some(was) = got.get(*k, *i) {
+                moved[*k] += (x - was) * (along.weight)(*i);
+            }
+        }
+        let compared = || moved.iter().zip(&along.off).filter_map(|(moved, off)| Some((*moved, (*off)?)));
+        let entry = || mutant.changes.iter().find(|(k, ..)| along.off.get(*k).is_some_and(Option::is_some));
+        let Some((k, i, _)) = entry() else { continue };
+        let noticed = compared().any(|(moved, (off, allowed))| (off - moved).abs() > allowed);
+        let change = || {
+            let of = |(moved, (_, allowed)): (f64, (f64, f64))| {
+                if moved == 0.0 { 0.0 } else { moved.abs() / allowed }
+            };
+            compared().map(of).fold(0.0_f64, f64::max)
+        };
+        score.count(mutant.mistake, noticed, change, || quantity.entry_name(*k, *i));
+    }
+    score
+}
+
+/// Tries every mutant on the same comparison; `size` is the unit of an entry's degrees of freedom. By an oracle on 237 bits a relative
+/// error of [`NOTICED`] must be noticed wherever `conditioned` demands it, whatever is allowed.
 pub fn try_mutants(
     quantity: Quantity,
     got: &Entries<f64>,
     answer: &Answer,
     bound: &Bound,
-    size: &dyn Fn(usize) -> f64,
+    (size, conditioned): (&dyn Fn(usize) -> f64, &Conditioned),
     mutants: &[Mutant],
 ) -> Score {
     let mut score = Score::default();
@@ -462,7 +504,16 @@ pub fn try_mutants(
                 Some(_) => moved / answer.allowed(bound, quantity, *k, *i),
             }
         };
-        let largest_change = || mutant.changes.iter().map(change).fold(0.0_f64, f64::max);
+        let is_demanded = || match (mutant.mistake, mutant.changes.first()) {
+            (Mistake::Scaled(delta), Some((k, i, _))) if delta >= NOTICED && answer.oracle.is_wide() => {
+                got.get(*k, *i).is_some_and(|x| conditioned.demands(quantity, *k, *i, x))
+            }
+            _ => false,
+        };
+        let largest_change = || match mutant.changes.iter().map(change).fold(0.0_f64, f64::max) {
+            small if small < 2.0 && is_demanded() => f64::INFINITY,
+            change => change,
+        };
         let entry = || mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
         score.count(mutant.mistake, noticed, largest_change, || entry().unwrap_or_default());
     }

@@ -5,46 +5,15 @@ use super::{Batch, BatchError, History, Section, Tile, same_length};
 use crate::measure::formula::{Formula, Pass, Task};
 use crate::measure::{Measure, Shared};
 use crate::node::Pair;
-use crate::scalar::Seeded;
 use crate::scalar::lanes::{FirstOrder, Lanes, SecondOrder};
-use pulp::{Simd, WithSimd};
+use crate::scalar::{Seeded, unrolled};
+use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
-
-/// What all loops of a batch work on.
-struct Work<'a, L> {
-    passes: &'a [Pass],
-    rows: usize,
-    tiles: &'a [Tile],
-    sections: &'a [Section],
-    histories: &'a [History],
-    out: &'a mut [L],
-}
-
-impl<L: Layout> WithSimd for Work<'_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<V: Simd>(self, _: V) {
-        // A vector unit multiplies and adds with one rounding; without one that would be a call of a library.
-        if V::F64_LANES > 1 { self.loops::<true>() } else { self.loops::<false>() }
-    }
-}
-
-impl<L> Work<'_, L> {
-    #[inline(always)]
-    fn loops<const FUSED: bool>(self)
-    where
-        L: Put<FUSED>,
-    {
-        let Work { passes, rows, tiles, sections, histories, out } = self;
-        for pass in passes {
-            pass.dispatch(Loop::<FUSED, L> { pass, rows, tiles, sections, histories, out });
-        }
-    }
-}
+use std::marker::PhantomData;
 
 /// One pass over all tiles.
-struct Loop<'a, const FUSED: bool, L> {
+struct Loop<'a, L> {
+    arch: Arch,
     pass: &'a Pass,
     rows: usize,
     tiles: &'a [Tile],
@@ -53,31 +22,79 @@ struct Loop<'a, const FUSED: bool, L> {
     out: &'a mut [L],
 }
 
-impl<const FUSED: bool, L: Put<FUSED>> Task for Loop<'_, FUSED, L> {
+impl<L: Layout> Task for Loop<'_, L> {
     #[inline(always)]
     fn run<F: Formula<M>, const M: usize>(self) {
-        let Loop { pass, rows, tiles, sections, histories, out } = self;
+        F::apart(self);
+    }
+}
+
+/// A formula with a function of its own for its loop: in one function, all loops take the compiler more than 25 minutes.
+trait Apart<const M: usize>: Formula<M> + Sized {
+    /// Runs the loop, on the vector unit there is. As a default method it belongs to the module of the formula.
+    #[inline(never)]
+    fn apart<L: Layout>(all: Loop<'_, L>) {
+        all.arch.dispatch(LoopOf::<Self, L, M> { all, formula: PhantomData });
+    }
+}
+
+impl<F: Formula<M>, const M: usize> Apart<M> for F {}
+
+/// The loop of one formula.
+struct LoopOf<'a, F, L, const M: usize> {
+    all: Loop<'a, L>,
+    formula: PhantomData<F>,
+}
+
+impl<F: Formula<M>, L: Layout, const M: usize> WithSimd for LoopOf<'_, F, L, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<V: Simd>(self, _: V) {
+        // A vector unit multiplies and adds with one rounding; without one that would be a call of a library.
+        if V::F64_LANES > 1 { self.run::<true>() } else { self.run::<false>() }
+    }
+}
+
+impl<F: Formula<M>, L, const M: usize> LoopOf<'_, F, L, M> {
+    #[inline(always)]
+    fn run<const FUSED: bool>(self)
+    where
+        L: Put<FUSED>,
+    {
+        let Loop { pass, rows, tiles, sections, histories, out, .. } = self.all;
         // Mostly the rows stand side by side where they are to go.
-        let in_place = pass.rows[0] < rows
-            && pass.rows[M - 1] < rows
-            && (1..M).all(|m| pass.rows[m] == pass.rows[0].wrapping_add(m));
-        let mut apart = [L::default(); M];
-        let out = out.get_mut(if in_place { pass.rows[0] } else { 0 }..).unwrap_or_default().chunks_mut(rows);
-        for (((tile, section), history), out) in tiles.iter().zip(sections).zip(histories).zip(out) {
+        let first = pass.rows[0];
+        let mut in_place = true;
+        for m in 0..M {
+            in_place &= pass.rows[m] < rows && pass.rows[m] == first.wrapping_add(m);
+        }
+        let count = tiles.len();
+        let (Some(sections), Some(histories)) = (sections.get(..count), histories.get(..count)) else {
+            return;
+        };
+        let Some(mut rest) = out.get_mut(if in_place { first } else { 0 }..) else { return };
+        let mut apart: Option<[L; M]> = None;
+        for i in 0..count {
             let target = if in_place {
-                let Some(target) = out.first_chunk_mut::<M>() else { return };
+                let Some(target) = rest.first_chunk_mut::<M>() else { return };
                 target
             } else {
-                &mut apart
+                apart.get_or_insert_with(|| [L::default(); M])
             };
-            differentiate::<F, L, M, FUSED>(tile, section, history, target);
-            if !in_place {
-                for (row, computed) in pass.rows.iter().zip(&apart) {
-                    if let Some(row) = out.get_mut(*row) {
-                        *row = *computed;
+            differentiate::<F, L, M, FUSED>(&tiles[i], &sections[i], &histories[i], target);
+            if let Some(computed) = &apart {
+                for m in 0..M {
+                    if pass.rows[m] < rows
+                        && let Some(row) = rest.get_mut(pass.rows[m])
+                    {
+                        *row = computed[m];
                     }
                 }
             }
+            // After the last tile there may be less left, and it does not matter.
+            let Some((_, following)) = rest.split_at_mut_checked(rows) else { return };
+            rest = following;
         }
     }
 }
@@ -94,14 +111,14 @@ fn differentiate<F: Formula<M>, L: Put<FUSED>, const M: usize, const FUSED: bool
     out: &mut [L; M],
 ) {
     // Mostly rotation vectors are principal: whether they are need be known in the end only, so that nothing waits for it.
-    let is_final = Element::<FUSED>::load(tile, section, history).rows::<F, L, M>(out, true);
+    let is_final = Element::<FUSED>::load(tile, section, history).rows::<F, L, M, true>(out);
     if const { continues_log(&F::MEASURES) } {
         if is_final {
             return;
         }
         // Of other numbers, as far as the compiler knows: else it would keep those above for this, lane by lane.
         let element = Element::<FUSED>::load(black_box(tile), black_box(section), black_box(history));
-        element.rows::<F, L, M>(out, false);
+        element.rows::<F, L, M, false>(out);
     }
 }
 
@@ -130,32 +147,37 @@ impl<const FUSED: bool> Element<FUSED> {
         Self { pair: tile.pair(), section: section.load(), history: history.load() }
     }
 
-    /// The rows of a formula; with `principal` rotation vectors, and whether those continue the history.
+    /// The rows of a formula; with principal rotation vectors if `PRINCIPAL`, and whether those continue the history.
+    ///
+    /// A constant, so that from the first no function holds both: the compiler would keep all numbers of it in memory.
     #[inline(always)]
-    fn rows<F: Formula<M>, L: Put<FUSED>, const M: usize>(&self, out: &mut [L; M], principal: bool) -> bool {
+    fn rows<F, L, const M: usize, const PRINCIPAL: bool>(&self, out: &mut [L; M]) -> bool
+    where
+        F: Formula<M>,
+        L: Put<FUSED>,
+    {
         // Constants, so that only one of these is compiled for each formula.
         if const { L::ORDER == 1 && F::NEEDED.of_position() } {
-            self.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 0, principal)
+            self.differentiate::<F, FirstOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 0)
         } else if const { L::ORDER == 1 && F::NEEDED.of_rotation() } {
-            self.differentiate::<F, FirstOrder<_, 3>, L, M, 3>(out, 3, principal)
+            self.differentiate::<F, FirstOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 3)
         } else if const { L::ORDER == 1 } {
-            self.differentiate::<F, FirstOrder<_, 6>, L, M, 6>(out, 0, principal)
+            self.differentiate::<F, FirstOrder<_, 6>, L, M, 6, PRINCIPAL>(out, 0)
         } else if const { F::NEEDED.of_position() } {
-            self.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 0, principal)
+            self.differentiate::<F, SecondOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 0)
         } else if const { F::NEEDED.of_rotation() } {
-            self.differentiate::<F, SecondOrder<_, 3>, L, M, 3>(out, 3, principal)
+            self.differentiate::<F, SecondOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 3)
         } else {
-            self.differentiate::<F, SecondOrder<_, 6>, L, M, 6>(out, 0, principal)
+            self.differentiate::<F, SecondOrder<_, 6>, L, M, 6, PRINCIPAL>(out, 0)
         }
     }
 
     /// The same by the N relative variations from number `first` on.
     #[inline(always)]
-    fn differentiate<F, S, L, const M: usize, const N: usize>(
+    fn differentiate<F, S, L, const M: usize, const N: usize, const PRINCIPAL: bool>(
         &self,
         out: &mut [L; M],
         first: usize,
-        principal: bool,
     ) -> bool
     where
         F: Formula<M>,
@@ -165,12 +187,14 @@ impl<const FUSED: bool> Element<FUSED> {
         let needed = F::NEEDED;
         let relative = self.pair.seeded::<S, N>(needed, first);
         let shared = Shared::new(&relative, &self.pair.a.triad, &self.section, &self.history);
-        let mut shared = if principal { shared.principal() } else { shared };
+        let mut shared = if PRINCIPAL { shared.principal() } else { shared };
         self.put::<F, S, L, M, N>(F::evaluate(&mut shared), out, first);
         shared.is_continued()
     }
 
     /// The rows of measures differentiated by the N relative variations from number `first` on.
+    ///
+    /// Row by row, not in a loop: the compiler leaves loops of so many instructions as they are, and what they index in memory.
     #[inline(always)]
     fn put<F, S, L, const M: usize, const N: usize>(&self, values: [S; M], out: &mut [L; M], first: usize)
     where
@@ -178,39 +202,62 @@ impl<const FUSED: bool> Element<FUSED> {
         S: Seeded<N, Real = Lanes<FUSED>>,
         L: Put<FUSED>,
     {
-        let needed = F::NEEDED;
-        let zero = Lanes::splat(0.0);
-        for m in 0..M {
-            let row = &mut out[m];
-            let mut all = [zero; 6];
-            let mut second = [[zero; 6]; 6];
-            let gradient = values[m].gradient();
-            all[first..first + N].copy_from_slice(&gradient);
-            if L::ORDER > 1 {
-                let hessian = values[m].hessian();
-                for i in 0..N {
-                    for j in 0..N {
-                        second[first + i][first + j] = hessian[i][j];
-                    }
-                }
-            }
-            let derivatives = Derivatives {
-                needed,
-                turns_with_a: F::MEASURES[m].turns_with_a(),
-                separation: self.pair.separation(),
-                translation: [all[0], all[1], all[2]],
-                rotation: [all[3], all[4], all[5]],
-                second,
-            };
-            row.put(values[m].real(), &derivatives);
+        const { assert!(M <= 3, "a formula of more than three measures") }
+        self.put_one::<F, S, L, M, N, 0>(&values, out, first);
+        if const { M > 1 } {
+            self.put_one::<F, S, L, M, N, 1>(&values, out, first);
         }
+        if const { M > 2 } {
+            self.put_one::<F, S, L, M, N, 2>(&values, out, first);
+        }
+    }
+
+    /// The row of measure number AT.
+    #[inline(always)]
+    fn put_one<F, S, L, const M: usize, const N: usize, const AT: usize>(
+        &self,
+        values: &[S; M],
+        out: &mut [L; M],
+        first: usize,
+    ) where
+        F: Formula<M>,
+        S: Seeded<N, Real = Lanes<FUSED>>,
+        L: Put<FUSED>,
+    {
+        let (Some(value), Some(row), Some(measure)) = (values.get(AT), out.get_mut(AT), F::MEASURES.get(AT))
+        else {
+            return;
+        };
+        let needed = const { F::NEEDED };
+        let zero = Lanes::splat(0.0);
+        let mut all = [zero; 6];
+        let mut second = [[zero; 6]; 6];
+        let gradient = value.gradient();
+        let hessian = value.hessian();
+        unrolled!(i < N, {
+            all[first + i] = gradient[i];
+            if L::ORDER > 1 {
+                unrolled!(j < N, {
+                    second[first + i][first + j] = hessian[i][j];
+                })
+            }
+        });
+        let derivatives = Derivatives {
+            needed,
+            turns_with_a: measure.turns_with_a(),
+            separation: self.pair.separation(),
+            translation: [all[0], all[1], all[2]],
+            rotation: [all[3], all[4], all[5]],
+            second,
+        };
+        row.put(value.real(), &derivatives);
     }
 }
 
 impl Batch {
     /// Values and rows, in the layout asked for: those of the first tile, then those of the second …
     ///
-    /// The loops are compiled by the crate that calls this, and only those of its layouts: they take the compiler minutes.
+    /// The loops are compiled by the crate that calls this, and only those of its layouts.
     ///
     /// # Errors
     /// [`BatchError::Length`] unless there are as many sections and histories as tiles, and as many rows as [`Batch::rows`] for
@@ -228,8 +275,9 @@ impl Batch {
         if self.rows() == 0 {
             return Ok(());
         }
-        let work = Work { passes: &self.passes, rows: self.rows(), tiles, sections, histories, out };
-        self.arch.dispatch(work);
+        for pass in &self.passes {
+            pass.dispatch(Loop { arch: self.arch, pass, rows: self.rows(), tiles, sections, histories, out });
+        }
         Ok(())
     }
 }

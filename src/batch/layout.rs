@@ -2,8 +2,8 @@
 
 use super::Four;
 use crate::node::Dependence;
-use crate::scalar::Scalar;
 use crate::scalar::lanes::Lanes;
+use crate::scalar::{Scalar, unrolled};
 use crate::vector::{Matrix, Vector, cross, dot, sub, transpose};
 
 /// Values and rows of first derivatives of one measure of four elements, in the order x_a, θ_a, x_b, θ_b.
@@ -122,19 +122,22 @@ const THETA_A: usize = 3;
 const XB: usize = 6;
 const THETA_B: usize = 9;
 
+/// The two axes after each.
+const NEXT: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
+
 type Block<const FUSED: bool> = Matrix<Lanes<FUSED>>;
 
 /// Writes a block and, apart from the diagonal, its transpose.
 #[inline(always)]
 fn write<const FUSED: bool>(to: &mut [[Four; 12]; 12], at: (usize, usize), block: &Block<FUSED>) {
-    for i in 0..3 {
-        for j in 0..3 {
+    unrolled!(i < 3, {
+        unrolled!(j < 3, {
             to[at.0 + i][at.1 + j] = block[i][j].0;
             if at.0 != at.1 {
                 to[at.1 + j][at.0 + i] = block[i][j].0;
             }
-        }
-    }
+        })
+    });
 }
 
 #[inline(always)]
@@ -171,13 +174,13 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
         let (g, h, separation) = (of.translation, of.rotation, of.separation);
         let half = Lanes::splat(0.5);
         let (mut dd, mut dr, mut rr) = (zero, zero, zero);
-        for i in 0..3 {
-            for j in 0..3 {
+        unrolled!(i < 3, {
+            unrolled!(j < 3, {
                 dd[i][j] = of.second[i][j];
                 dr[i][j] = of.second[i][3 + j];
                 rr[i][j] = of.second[3 + i][3 + j];
-            }
-        }
+            })
+        });
         let Dependence { translation, rotation, .. } = of.needed;
         // Blocks that vanish with what the measure does not depend on are written as zeros, and not computed.
         let minus = if translation { negated(&dd) } else { zero };
@@ -188,9 +191,10 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
         write(to, (XA, THETA_B), &if translation && rotation { negated(&dr) } else { zero });
         write(to, (THETA_B, THETA_B), &rr);
         if !of.turns_with_a {
-            for at in [XA, XB, THETA_B, THETA_A] {
-                write(to, (at, THETA_A), &zero);
-            }
+            write(to, (XA, THETA_A), &zero);
+            write(to, (XB, THETA_A), &zero);
+            write(to, (THETA_B, THETA_A), &zero);
+            write(to, (THETA_A, THETA_A), &zero);
             return;
         }
         let mut d_theta = zero;
@@ -212,17 +216,18 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
                 theta_theta = difference(&theta_theta, &r_theta);
             }
             let along = dot(g, separation);
-            for i in 0..3 {
-                for j in 0..3 {
+            unrolled!(i < 3, {
+                unrolled!(j < 3, {
                     let mut centripetal = g[i].multiply_add(separation[j], g[j] * separation[i]) * half;
                     if i == j {
                         centripetal = centripetal - along;
                     }
                     theta_theta[i][j] = theta_theta[i][j] + centripetal;
-                }
-            }
+                })
+            });
             // The transposed matrix of g ×.
-            for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+            for i in 0..3 {
+                let (j, k) = NEXT[i];
                 d_theta[i][j] = d_theta[i][j] + g[k];
                 d_theta[j][i] = d_theta[j][i] - g[k];
             }
@@ -230,7 +235,8 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
             theta_theta = rr;
         }
         if rotation {
-            for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+            for i in 0..3 {
+                let (j, k) = NEXT[i];
                 r_theta[i][j] = h[k].multiply_add(half, r_theta[i][j]);
                 r_theta[j][i] = h[k].multiply_add(-half, r_theta[j][i]);
             }

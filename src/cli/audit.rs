@@ -418,7 +418,7 @@ pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
     if report.compared() == 0 && !is_of_models_alone {
         return Err(Failure::Nothing("no number was compared".into()));
     }
-    if strict && report.undecided() + report.undecided_models() > 0 {
+    if strict && report.undecided() + report.not_exercised() + report.undecided_models() > 0 {
         return Err(Failure::Undecided);
     }
     Ok(())

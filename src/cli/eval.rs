@@ -8,7 +8,9 @@ use pintle::evaluate::{
     Branches, ElementBehavior, Fixed, ForceCheck, Item, Jacobian, Model, Plan, Selection, Sequence, request,
 };
 use pintle::report::{self, Block, Format, Kind, Subject};
-use pintle::scene::{Diagnostic, Example, ForceSign, GALLERY, Scene, State, StateFile, StateForces};
+use pintle::scene::{
+    Diagnostic, Example, ForceSign, GALLERY, Scene, State, StateFile, StateForces, StateIndex,
+};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Cursor, IsTerminal, Write};
@@ -241,7 +243,12 @@ fn wanted(arguments: &Eval, runs: &[Run]) -> Result<Request, Failure> {
 }
 
 /// Finds the states, the first of which has the number `first`, that the forces of a file belong to, and checks all forces.
-fn assign(run: &Run, first: u64, arguments: &Eval) -> Result<Assigned, Failure> {
+fn assign(
+    run: &Run,
+    first: u64,
+    states: Option<&StateIndex<'_>>,
+    arguments: &Eval,
+) -> Result<Assigned, Failure> {
     let Run { scene, history, survey, forces, model } = run;
     let (check, numbers) = (ForceCheck::new(model), survey.numbers(first));
     let number = |place: usize| numbers.get(place).copied().unwrap_or_default();
@@ -252,12 +259,12 @@ fn assign(run: &Run, first: u64, arguments: &Eval) -> Result<Assigned, Failure> 
             Err(_) => error,
         })?)
     };
-    let assigned = match forces {
-        Some(forces) => {
+    let assigned = match (forces, states) {
+        (Some(forces), Some(states)) => {
             let file = arguments.forces.as_deref().unwrap_or(Path::new(""));
-            forces.assign(scene, &survey.marks, first, |place, forces| of(place, forces, file))?
+            forces.assign(scene, states, |place, forces| of(place, forces, file))?
         }
-        None => Assigned::default(),
+        _ => Assigned::default(),
     };
     if survey.has_forces() {
         let file = arguments.states.as_deref().or(arguments.scene.as_deref().map(Path::new));
@@ -285,7 +292,7 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
     // What cannot be is said before anything is written.
     let mut walks = Vec::new();
     for run in runs {
-        let Run { scene, survey, model, .. } = run;
+        let Run { scene, survey, forces, model, .. } = run;
         let plan = Plan::compile(model, &selection, request.clone())
             .map_err(|error| Failure::Usage(error.to_string()))?;
         if plan.connectors.is_empty() && plan.mpcs.is_empty() && arguments.scene.is_some() {
@@ -296,14 +303,15 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
             Some(file) => resume(file, model, &plan)?,
             None => Branches::default(),
         };
-        let assigned = assign(run, branches.states, arguments)?;
+        let states = forces.as_ref().map(|_| StateIndex::new(&survey.marks, branches.states));
+        let assigned = assign(run, branches.states, states.as_ref(), arguments)?;
         let numbers = survey.numbers(branches.states);
         let shown = show.among(&numbers).map_err(Failure::Usage)?;
-        walks.push((plan, branches, shown, numbers, assigned));
+        walks.push((plan, branches, shown, numbers, states, assigned));
     }
     format.begin()?;
     let mut progress = Progress::new();
-    for (run, (plan, branches, shown, numbers, assigned)) in runs.iter().zip(&walks) {
+    for (run, (plan, branches, shown, numbers, states, assigned)) in runs.iter().zip(&walks) {
         let Run { scene, history, survey, forces, model } = run;
         let mut sequence = Sequence::resume(model, plan, branches.clone());
         if arguments.save_branches.is_some() || arguments.jacobian.is_some() {
@@ -318,8 +326,7 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
             [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
         format.scene(&Subject { scene, model, plan, states: numbers.len(), shown, first, last })?;
         let mut done = 0;
-        let marks = &survey.marks;
-        assigned.with(forces.as_ref(), (scene, marks, branches.states), |mut feed| {
+        assigned.with(forces.as_ref().zip(states.as_ref()), scene, |mut feed| {
             history.each(scene, |given| {
                 let with_forces = feed.at(done)?.map(|StateForces { elements, mpcs }| {
                     Box::new(State { forces: elements, mpc_forces: mpcs, ..given.clone() })

@@ -2,8 +2,8 @@
 
 use super::Failure;
 use pintle::scene::{
-    ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile, StateForces, StateMark,
-    StateStream,
+    ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile, StateForces,
+    StateIndex, StateMark, StateStream,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -99,13 +99,12 @@ impl Forces {
     pub(crate) fn assign(
         &self,
         scene: &Scene,
-        marks: &[StateMark],
-        first: u64,
+        states: &StateIndex<'_>,
         check: impl Fn(usize, Given<'_>) -> Result<(), Failure>,
     ) -> Result<Assigned, Failure> {
         let stream = match self {
             Self::Held(file) => {
-                let assigned = file.assign(marks, first)?;
+                let assigned = file.assign(states)?;
                 for (place, forces) in &assigned {
                     check(*place, (&forces.elements, &forces.mpcs))?;
                 }
@@ -115,7 +114,7 @@ impl Forces {
             Self::File(stream) => stream,
         };
         let (mut last, mut ascends) = (None, true);
-        stream.for_each(scene, marks, first, |place, forces| {
+        stream.for_each(scene, states, |place, forces| {
             ascends &= last < Some(place);
             last = Some(place);
             check(place, (&forces.elements, &forces.mpcs))
@@ -124,7 +123,7 @@ impl Forces {
             return Ok(Assigned::InOrder);
         }
         let mut held = BTreeMap::new();
-        stream.for_each(scene, marks, first, |place, forces| -> Result<(), Failure> {
+        stream.for_each(scene, states, |place, forces| -> Result<(), Failure> {
             held.insert(place, forces);
             Ok(())
         })?;
@@ -172,13 +171,13 @@ impl Assigned {
     /// Hands the forces to `walk`, which goes through the states: from memory, or as a thread reads them, no more than two states ahead.
     pub(crate) fn with<T>(
         &self,
-        forces: Option<&Forces>,
-        (scene, marks, first): (&Scene, &[StateMark], u64),
+        forces: Option<(&Forces, &StateIndex<'_>)>,
+        scene: &Scene,
         walk: impl FnOnce(Feed<'_>) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
-        let stream = match (self, forces) {
+        let (stream, states) = match (self, forces) {
             (Self::Held(held), _) => return walk(Feed::Held(held)),
-            (Self::InOrder, Some(Forces::File(stream))) => stream,
+            (Self::InOrder, Some((Forces::File(stream), states))) => (stream, states),
             (Self::InOrder, _) => return walk(Feed::Held(&BTreeMap::new())),
         };
         thread::scope(|scope| {
@@ -186,7 +185,7 @@ impl Assigned {
             let read = move || {
                 let gone = || Failure::Input("nobody reads the forces any more".to_string());
                 let each = |place, forces| sender.send(Ok((place, forces))).map_err(|_| gone());
-                if let Err(failure) = stream.for_each(scene, marks, first, each) {
+                if let Err(failure) = stream.for_each(scene, states, each) {
                     // Whoever has gone does not want to know.
                     _ = sender.send(Err(failure));
                 }

@@ -91,6 +91,11 @@ impl<R: Differentiable> Connector<R> {
         self.follower().follow(state, increment, branch, wanted, tally)
     }
 
+    /// Whether the history of these components depends on how the nodes turn: else [`Connector::follow`] does not read the increment.
+    pub(crate) fn history_turns(&self, wanted: Mask) -> bool {
+        self.follower().turns(wanted)
+    }
+
     /// The one-form over the increment.
     pub(super) fn accumulation(&self, pair: &Pair<R>, increment: &Increment<R>) -> R {
         self.follower().accumulation(pair, increment)
@@ -109,6 +114,12 @@ pub(crate) struct Follower<'a, R> {
 }
 
 impl<R: Differentiable> Follower<'_, R> {
+    /// [`Connector::history_turns`].
+    fn turns(&self, wanted: Mask) -> bool {
+        let rows = self.rows.iter().zip(wanted).filter(|(_, wanted)| *wanted);
+        rows.filter_map(|(row, _)| row.as_ref()).any(|row| row.position.dependence().rotation)
+    }
+
     /// [`Connector::follow`].
     pub(crate) fn follow(
         &self,
@@ -119,17 +130,16 @@ impl<R: Differentiable> Follower<'_, R> {
         tally: &mut Tally,
     ) -> Branch<R> {
         let mut next = *branch;
+        if !self.turns(wanted) {
+            return next;
+        }
         let is_followed = |k: usize| wanted[k] && self.rows[k].is_some();
         let needs = |kind: fn(Measure) -> bool| {
-            (0..6).filter(|k| wanted[*k]).filter_map(|k| self.rows[k]).any(|row| kind(row.position))
+            (0..6).filter(|k| wanted[*k]).filter_map(|k| self.rows[k].as_ref()).any(|row| kind(row.position))
         };
         let pair = &state.pair;
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
         let told = sub(sub(increment.rotation[1], increment.rotation[0]), whole);
-        let rotates = needs(|m| m.dependence().rotation);
-        if !rotates {
-            return next;
-        }
         let still = [R::integer(0); 3];
         let turned = Dependence { rotation: true, ..Dependence::default() };
         let relative = pair.varied(turned, still, still, [R::integer(0); 2]);

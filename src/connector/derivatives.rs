@@ -1,7 +1,7 @@
 //! Rows of first and second derivatives, and rates: the same measures on numbers with derivatives.
 
 use super::{
-    Branch, Components, Connector, Evaluation, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally,
+    Branch, Components, Connector, Evaluation, Linear, NodalMatrix, NodalRow, Output, Pass, Row, State, Tally,
 };
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node::{self, DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
@@ -11,7 +11,7 @@ use num_dual::{Dual, DualSVec, HyperDual};
 
 impl<R: Differentiable> Connector<R> {
     pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
-        let Pass { state, history, rows, request } = *pass;
+        let Pass { state, history, request, .. } = *pass;
         let of_position = |k: usize| request.wants_any([Output::CV, Output::CA], k);
         let of_residual = |k: usize, row: &Row| {
             request.wants_any([Output::RESV, Output::RESA], k) && row.slot.is_constrained()
@@ -19,26 +19,26 @@ impl<R: Differentiable> Connector<R> {
         let bias = |k: usize, row: &Row| request.wants(Output::RESB, k) && row.slot.is_constrained();
         let mut measures = Vec::new();
         let mut bias_measures = Vec::new();
-        for (k, row) in rows {
-            if of_position(*k) {
+        for (k, row) in pass.rows() {
+            if of_position(k) {
                 measures.push(row.position);
             }
-            if of_residual(*k, row) && !measures.contains(&row.differentiated) {
+            if of_residual(k, row) && !measures.contains(&row.differentiated) {
                 measures.push(row.differentiated);
             }
-            if bias(*k, row) {
+            if bias(k, row) {
                 bias_measures.push(row.differentiated);
             }
         }
         if !measures.is_empty() {
             let mut along = Along::new(self, state, &state.acceleration, history, measures);
-            for (k, row) in rows.iter().copied() {
+            for (k, row) in pass.rows() {
                 if of_position(k) {
                     let [velocity, acceleration] = along.rates(row.position, tally);
                     evaluation.velocity[k] = request.wants(Output::CV, k).then_some(velocity);
                     evaluation.acceleration[k] = request.wants(Output::CA, k).then_some(acceleration);
                 }
-                if of_residual(k, &row) {
+                if of_residual(k, row) {
                     let [velocity, acceleration] = along.rates(row.differentiated, tally);
                     evaluation.residual_rate[k] = request.wants(Output::RESV, k).then_some(velocity);
                     evaluation.residual_acceleration[k] =
@@ -49,8 +49,8 @@ impl<R: Differentiable> Connector<R> {
         if !bias_measures.is_empty() {
             let still = [R::integer(0); DOFS];
             let mut along = Along::new(self, state, &still, history, bias_measures);
-            for (k, row) in rows.iter().filter(|(k, row)| bias(*k, row)) {
-                evaluation.residual_bias[*k] = Some(along.rates(row.differentiated, tally)[1]);
+            for (k, row) in pass.rows().filter(|(k, row)| bias(*k, row)) {
+                evaluation.residual_bias[k] = Some(along.rates(row.differentiated, tally)[1]);
             }
         }
     }
@@ -61,8 +61,17 @@ impl<R: Differentiable> Connector<R> {
         tally: &mut Tally,
         evaluation: &mut Evaluation<R>,
     ) {
-        let Pass { state, history, rows, request } = *pass;
-        let measures: Vec<(usize, Measure)> = rows.iter().map(|(k, row)| (*k, row.differentiated)).collect();
+        let Pass { state, history, chosen, request, .. } = *pass;
+        if const { R::HAS_COMPILED_FORMULAS } && request.order == 1 {
+            let mut rows = [Linear::default(); 6];
+            let count = self.linearize(&state.pair, &evaluation.branch, chosen, &mut rows);
+            tally.gradients += count as u64;
+            for Linear { component, row, .. } in rows.iter().take(count) {
+                evaluation.jacobian[*component] = Some(*row);
+            }
+            return;
+        }
+        let measures: Vec<(usize, Measure)> = pass.rows().map(|(k, row)| (k, row.differentiated)).collect();
         let input = Differentiation { state, history, active: &self.kind.active, second: request.order > 1 };
         self.differentiate(&input, &measures, tally, &mut |k, row, hessian| {
             evaluation.jacobian[k] = Some(row);

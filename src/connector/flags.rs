@@ -274,14 +274,17 @@ impl Connector<f64> {
         let history = branch.history();
         let relative = LazyCell::new(|| state.pair.relative());
         // The components of one kind of measure share their singular set.
-        let mut known: Vec<(Discriminant<Measure>, f64)> = Vec::new();
+        let mut known: [Option<(Discriminant<Measure>, f64)>; 12] = [None; 12];
         let mut of = |measure: Measure| {
             let kind = mem::discriminant(&measure);
-            if let Some((_, distance)) = known.iter().find(|(seen, _)| *seen == kind) {
+            let is_same = |known: &&(Discriminant<Measure>, f64)| known.0 == kind;
+            if let Some((_, distance)) = known.iter().flatten().find(is_same) {
                 return Some(Margin { distance: *distance, set: measure.singular_set()? });
             }
             let margin = measure.margin(&relative, &self.kind.section, &history)?;
-            known.push((kind, margin.distance));
+            if let Some(free) = known.iter_mut().find(|known| known.is_none()) {
+                *free = Some((kind, margin.distance));
+            }
             Some(margin)
         };
         [0, 1, 2, 3, 4, 5].map(|k| {

@@ -108,8 +108,17 @@ struct Row {
 struct Pass<'a, R: Differentiable> {
     state: &'a State<R>,
     history: &'a History<R>,
-    rows: &'a [(usize, Row)],
+    rows: &'a Components<Row>,
+    chosen: Mask,
     request: &'a Request,
+}
+
+impl<'a, R: Differentiable> Pass<'a, R> {
+    /// The components chosen that there are.
+    fn rows(&self) -> impl Iterator<Item = (usize, &'a Row)> + use<'a, R> {
+        let (rows, chosen) = (self.rows, self.chosen);
+        rows.iter().enumerate().filter_map(move |(k, row)| Some((k, row.as_ref().filter(|_| chosen[k])?)))
+    }
 }
 
 /// What connectors have in common that differ in their initial lengths only. A model has many of these.
@@ -356,22 +365,18 @@ impl<R: Differentiable> Connector<R> {
         // Values and derivatives are taken on the sheets just chosen, so that rounding cannot set them apart at a half turn.
         let history = next.history();
         let mut evaluation = Evaluation::empty(next);
-        let rows: Vec<(usize, Row)> = (0..6)
-            .filter(|k| request.components()[*k])
-            .filter_map(|k| self.kind.rows[k].map(|row| (k, row)))
-            .collect();
-        let pass = Pass { state, history: &history, rows: &rows, request };
+        let pass =
+            Pass { state, history: &history, rows: &self.kind.rows, chosen: request.components(), request };
         self.positions(&pass, tally, &mut evaluation);
         self.rates(&pass, tally, &mut evaluation);
         if request.order > 0 {
-            let rows: Vec<(usize, Row)> = rows.iter().filter(|(k, _)| request.rows()[*k]).copied().collect();
-            self.rows_of_derivatives(&Pass { rows: &rows, ..pass }, tally, &mut evaluation);
+            self.rows_of_derivatives(&Pass { chosen: request.rows(), ..pass }, tally, &mut evaluation);
         }
         evaluation
     }
 
     fn positions(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
-        let Pass { state, history, rows, request } = *pass;
+        let Pass { state, history, request, .. } = *pass;
         let wants_position =
             |k: usize| request.wants_any([Output::CP, Output::CU, Output::CCU, Output::CSLST], k);
         let wants_residual = |k: usize, row: &Row| request.wants(Output::RES, k) && row.slot.is_constrained();
@@ -380,9 +385,9 @@ impl<R: Differentiable> Connector<R> {
         let residual = |k: usize, row: &Row| {
             (wants_residual(k, row) && !row.differentiated.winds()).then_some(row.differentiated)
         };
-        let needed = rows
-            .iter()
-            .flat_map(|(k, row)| [value(*k, row), residual(*k, row)])
+        let needed = pass
+            .rows()
+            .flat_map(|(k, row)| [value(k, row), residual(k, row)])
             .flatten()
             .fold(Dependence::default(), |sum, measure| sum.or(measure.dependence()));
         let relative = self.relative(&state.pair, needed);
@@ -395,13 +400,13 @@ impl<R: Differentiable> Connector<R> {
             measure.evaluate(&mut shared)
         };
         let zero = R::integer(0);
-        for (k, row) in rows.iter().copied() {
+        for (k, row) in pass.rows() {
             let turns = evaluation.branch.turns[k];
             if request.wants(Output::TURNS, k) && row.position.winds() {
                 evaluation.turns[k] = Some(turns);
             }
             // An angle that winds is differenced as principal parts, so that its turns cost no digits.
-            let known = value(k, &row).map(|measure| evaluate(measure, tally));
+            let known = value(k, row).map(|measure| evaluate(measure, tally));
             let from = |origin: R| match known {
                 Some(value) => value - origin,
                 None => R::with_turns(turns.principal - origin, turns.turns),
@@ -415,10 +420,10 @@ impl<R: Differentiable> Connector<R> {
             if request.wants(Output::CCU, k) && row.slot.is_available() {
                 evaluation.constitutive[k] = Some(from(self.kind.references[k].unwrap_or(self.initial[k])));
             }
-            if wants_residual(k, &row) {
+            if wants_residual(k, row) {
                 let offset = if row.vanishes { zero } else { self.initial[k] };
-                evaluation.residual[k] = Some(match residual(k, &row) {
-                    Some(measure) if Some(measure) == value(k, &row) => from(offset),
+                evaluation.residual[k] = Some(match residual(k, row) {
+                    Some(measure) if Some(measure) == value(k, row) => from(offset),
                     Some(measure) => evaluate(measure, tally) - offset,
                     None => R::with_turns(turns.principal - offset, turns.turns),
                 });

@@ -239,6 +239,18 @@ impl Output {
     }
 }
 
+/// The outputs that follow from component forces, a bit for each.
+const OF_FORCES: u64 = {
+    let (mut bits, mut i) = (0, 0);
+    while i < Output::ALL.len() {
+        if Output::ALL[i].is_of_forces() {
+            bits |= Output::ALL[i].bit();
+        }
+        i += 1;
+    }
+    bits
+};
+
 /// A set of components, of u1, u2, u3, ur1, ur2, ur3.
 pub type Mask = [bool; 6];
 
@@ -328,6 +340,11 @@ impl Request {
     /// Whether an output of component k (0-based) is wanted.
     pub const fn wants(&self, output: Output, k: usize) -> bool {
         self.wanted[k] & output.bit() != 0
+    }
+
+    /// Whether an output is wanted, of any component, that follows from component forces ([`Output::is_of_forces`]).
+    pub(crate) fn wants_of_forces(&self) -> bool {
+        self.wanted.iter().any(|wanted| wanted & OF_FORCES != 0)
     }
 
     #[inline(always)]

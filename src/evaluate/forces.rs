@@ -185,7 +185,7 @@ impl ForceResult {
         request: &Request,
         tally: &mut Tally,
     ) -> Option<Self> {
-        if !request.outputs().any(Output::is_of_forces) {
+        if !request.wants_of_forces() {
             return None;
         }
         // Slopes may be known where forces are not.

@@ -210,7 +210,7 @@ pub struct ConnectorResult {
     pub index: usize,
     /// Its nodes.
     pub state: State<f64>,
-    /// What they did since the previous state.
+    /// What they did since the previous state; how they turned, only where a history depends on it that is followed.
     pub increment: Increment<f64>,
     /// The branch that the previous state left; [`Evaluation::branch`] is the one after.
     pub before: Branch<f64>,
@@ -260,6 +260,25 @@ struct Memory {
     behavior: Option<Box<History>>,
 }
 
+/// Whether the behaviour of a connector has to be worked out, found once.
+#[derive(Clone, Copy, Debug)]
+struct Needed {
+    /// At a state of which the plan's outputs are wanted.
+    by_plan: bool,
+    /// At any other, because later ones depend on it.
+    always: bool,
+}
+
+impl Needed {
+    fn of(element: &ConnectorElement, planned: &Request) -> Self {
+        let behavior = &element.behavior;
+        Self {
+            by_plan: behavior.is_needed(planned, planned),
+            always: behavior.is_needed(&Request::nothing(0), planned),
+        }
+    }
+}
+
 /// The place of a node among those of the plan; the ground has none.
 type Place = Option<u32>;
 
@@ -276,6 +295,8 @@ pub struct Sequence<'a> {
     /// Nodes in the order of the plan, and how each is turned.
     labels: Vec<Label>,
     nodes: Vec<Orientation>,
+    /// Whether a history depends on how a node turns from state to state.
+    turning: Vec<bool>,
     /// Where the nodes are at the state that is being evaluated.
     moved: Vec<Moved>,
     /// The nodes of connectors and MPCs, in the order of the plan.
@@ -284,6 +305,8 @@ pub struct Sequence<'a> {
     connectors: Vec<Memory>,
     /// The components of each connector whose history is followed.
     followed: Vec<Mask>,
+    /// Whether the behaviour of each has to be worked out.
+    needed: Vec<Needed>,
     mpcs: Vec<[Turns<f64>; 2]>,
     tally: Tally,
     velocities: Velocities,
@@ -326,14 +349,31 @@ impl<'a> Sequence<'a> {
             known.copied().unwrap_or(START)
         };
         let turned = |label: &Label| branches.nodes.get(label).copied().unwrap_or(UNTURNED);
+        let ends: Vec<[Place; 2]> = plan.connectors.iter().map(ends).collect();
+        let mpc_nodes: Vec<Vec<Place>> = plan.mpcs.iter().map(of_mpc).collect();
+        let followed: Vec<Mask> =
+            plan.connectors.iter().map(|index| followed(&model.connectors[*index], plan)).collect();
+        let mut turning = vec![false; labels.len()];
+        for (index, (ends, followed)) in plan.connectors.iter().zip(ends.iter().zip(&followed)) {
+            if model.connectors[*index].connector.history_turns(*followed) {
+                turns(&mut turning, ends);
+            }
+        }
+        mpc_nodes.iter().for_each(|nodes| turns(&mut turning, nodes));
         Self {
             states: branches.states,
-            ends: plan.connectors.iter().map(ends).collect(),
-            mpc_nodes: plan.mpcs.iter().map(of_mpc).collect(),
+            ends,
+            mpc_nodes,
             mpcs: plan.mpcs.iter().map(angles).collect(),
             nodes: labels.iter().map(turned).collect(),
             connectors: plan.connectors.iter().map(memory).collect(),
-            followed: plan.connectors.iter().map(|index| followed(&model.connectors[*index], plan)).collect(),
+            followed,
+            turning,
+            needed: plan
+                .connectors
+                .iter()
+                .map(|index| Needed::of(&model.connectors[*index], &plan.request))
+                .collect(),
             moved: vec![STILL; labels.len()],
             labels,
             tally: Tally::default(),
@@ -348,6 +388,7 @@ impl<'a> Sequence<'a> {
     /// of the same connectors. To be said before the first state.
     pub fn follow_everything(&mut self) {
         self.followed.fill([true; 6]);
+        self.turning.fill(true);
     }
 
     /// The number of states committed, those before [`Sequence::resume`] among them.
@@ -417,8 +458,7 @@ impl<'a> Sequence<'a> {
         digest: impl Fn(Item) -> T + Sync,
         take: impl FnMut(T) -> Result<(), E>,
     ) -> Result<(), E> {
-        let plan = self.plan;
-        self.walk(state, &plan.request, digest, take)
+        self.walk(state, true, digest, take)
     }
 
     /// Commits the next state without any output: branches follow it, and results carry their flags only.
@@ -426,7 +466,7 @@ impl<'a> Sequence<'a> {
     /// # Errors
     /// The first error of `take`; the walk must then be given up.
     pub fn pass<E>(&mut self, state: &SceneState, take: impl FnMut(Item) -> Result<(), E>) -> Result<(), E> {
-        self.walk(state, &Request::nothing(0), |item| item, take)
+        self.walk(state, false, |item| item, take)
     }
 
     /// Commits the next state and writes the entries of the sparse Jacobian there, and nothing else of it: `values` gets the length of
@@ -449,6 +489,7 @@ impl<'a> Sequence<'a> {
                     return Err(ForeignPattern::History);
                 }
                 followed[k] = true;
+                turns(&mut self.turning, &self.ends[at]);
             }
         }
         let followed = &self.followed.clone();
@@ -456,7 +497,7 @@ impl<'a> Sequence<'a> {
         values.resize(jacobian.entries(), 0.0);
         self.follow_nodes(state);
         let beyond = self.beyond(state);
-        let Self { model, plan, moved, ends, connectors, tally, velocities, conditions, .. } = self;
+        let Self { model, plan, moved, ends, connectors, needed, tally, velocities, conditions, .. } = self;
         let context = Context {
             model,
             planned: &plan.request,
@@ -477,7 +518,8 @@ impl<'a> Sequence<'a> {
                 let mut request = Request::nothing(0);
                 request.add_rows(jacobian.wanted(at));
                 let index = plan.connectors[at];
-                let result = context.connector(index, nodes, memory, &request, followed[at], &mut tally);
+                let history = (followed[at], needed[at].always);
+                let result = context.connector(index, nodes, memory, &request, history, &mut tally);
                 let element = &model.connectors[index];
                 let branch = &result.evaluation.branch;
                 let rows =
@@ -535,15 +577,27 @@ impl<'a> Sequence<'a> {
 
     /// Where the nodes of the plan are at the next state.
     fn follow_nodes(&mut self, state: &SceneState) {
-        let (labels, rotations) = (&self.labels, &mut self.tally.rotations);
-        let mut nodes: Vec<_> = self.nodes.iter_mut().zip(&mut self.moved).collect();
+        let rotations = &mut self.tally.rotations;
+        // Both are in order: the motions are found by going along, unless few nodes of many are planned.
+        const FEW: usize = 16;
+        let is_sparse = self.labels.len() < state.nodes.len() / FEW;
+        let mut given = state.nodes.iter().peekable();
+        let mut motion = |label: &Label| {
+            if is_sparse {
+                return state.nodes.get(label);
+            }
+            while given.next_if(|(known, _)| *known < label).is_some() {}
+            given.next_if(|(known, _)| *known == label).map(|(_, motion)| motion)
+        };
+        let places = self.nodes.iter_mut().zip(&mut self.moved).zip(&self.turning);
+        let mut nodes: Vec<_> =
+            self.labels.iter().zip(places).map(|(label, place)| (motion(label), place)).collect();
         let Ok(()) = parallel::in_order(
             &mut nodes,
-            |at, (orientation, moved)| {
-                let given = state.nodes.get(&labels[at]);
+            |_, (given, ((orientation, moved), is_followed))| {
                 let motion = given.copied().unwrap_or_default();
                 let is_turned = motion.rotation != Rotation::default() || !is_unturned(orientation);
-                let (node, after) = follow(&motion, orientation, given.is_some());
+                let (node, after) = follow(&motion, orientation, given.is_some(), **is_followed);
                 (**moved, **orientation) = (node, after);
                 u64::from(is_turned)
             },
@@ -599,13 +653,27 @@ impl<'a> Sequence<'a> {
     fn walk<T: Send, E>(
         &mut self,
         state: &SceneState,
-        request: &Request,
+        is_wanted: bool,
         digest: impl Fn(Item) -> T + Sync,
         mut take: impl FnMut(T) -> Result<(), E>,
     ) -> Result<(), E> {
         self.follow_nodes(state);
         let beyond = self.beyond(state);
-        let Self { model, plan, moved, ends, connectors, followed, tally, velocities, conditions, .. } = self;
+        let nothing = Request::nothing(0);
+        let request = if is_wanted { &self.plan.request } else { &nothing };
+        let Self {
+            model,
+            plan,
+            moved,
+            ends,
+            connectors,
+            followed,
+            needed,
+            tally,
+            velocities,
+            conditions,
+            ..
+        } = self;
         let context = Context {
             model,
             planned: &plan.request,
@@ -619,8 +687,11 @@ impl<'a> Sequence<'a> {
             |at, memory| {
                 let mut tally = Tally::default();
                 let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
+                let Needed { by_plan, always } = needed[at];
+                let is_needed = if is_wanted { by_plan } else { always };
+                let history = (followed[at], is_needed);
                 let result =
-                    context.connector(plan.connectors[at], nodes, memory, request, followed[at], &mut tally);
+                    context.connector(plan.connectors[at], nodes, memory, request, history, &mut tally);
                 (digest(Item::Connector(Box::new(result))), tally)
             },
             |_, (digested, work)| {
@@ -700,7 +771,7 @@ impl Context<'_> {
         ends: [&Moved; 2],
         memory: &mut Memory,
         request: &Request,
-        followed: Mask,
+        (followed, needs_behavior): (Mask, bool),
         tally: &mut Tally,
     ) -> ConnectorResult {
         let Self { model, planned, velocities, conditions, scene_state, beyond } = *self;
@@ -708,7 +779,7 @@ impl Context<'_> {
         let (state, increment) = place(element, ends);
         let connector = &element.connector;
         let before = memory.branch;
-        let behavior = Some(&*element.behavior).filter(|behavior| behavior.is_needed(request, planned));
+        let behavior = needs_behavior.then_some(&*element.behavior);
         let slides = behavior.is_some_and(|behavior| behavior.slides(planned));
         let needed = behavior.map(|behavior| behavior.request(request, slides));
         tally.behaviors += u64::from(behavior.is_some());
@@ -790,6 +861,15 @@ impl Context<'_> {
     }
 }
 
+/// Marks nodes whose turning matters.
+fn turns(turning: &mut [bool], nodes: &[Place]) {
+    for place in nodes.iter().flatten() {
+        if let Some(turns) = turning.get_mut(*place as usize) {
+            *turns = true;
+        }
+    }
+}
+
 /// The state of a connector whose nodes are there, and its increment since the state before.
 fn place(element: &ConnectorElement, ends: [&Moved; 2]) -> (State<f64>, Increment<f64>) {
     let node = |end: usize| Node {
@@ -831,8 +911,8 @@ fn is_unturned(orientation: &Orientation) -> bool {
 /// The increment is the rotation vector of C(new) C(old)ᵀ. It is principal, unless one of the two states gave a rotation
 /// vector beyond half a turn: those keep their turns, and the increment then continues their difference. Vectors that are
 /// wrapped at half a turn stay principal where π was rounded up: both within 0.001 rad of half a turn or less, and more than
-/// 3π/2 apart.
-fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Orientation) {
+/// 3π/2 apart. Of a node whose turning is not `followed` there is no increment.
+fn follow(motion: &NodeMotion, before: &Orientation, given: bool, followed: bool) -> (Moved, Orientation) {
     if motion.rotation == Rotation::default() && is_unturned(before) {
         let node = Moved {
             displacement: motion.displacement,
@@ -849,9 +929,11 @@ fn follow(motion: &NodeMotion, before: &Orientation, given: bool) -> (Moved, Ori
         Rotation::Vector(phi) => so3::exp(phi),
         Rotation::Quaternion(q) => so3::normalize(q),
     };
+    let still = [0.0; 3];
     let relative = so3::compose(quaternion, so3::conjugate(before.quaternion));
-    let principal = so3::log_quaternion(relative);
+    let principal = if followed { so3::log_quaternion(relative) } else { still };
     let (vector, change) = match motion.rotation {
+        Rotation::Vector(new) if !followed => (new, still),
         Rotation::Vector(new) if keep_turns(new, before.vector) => {
             (new, so3::continuous_log_quaternion(relative, sub(new, before.vector)).phi)
         }
@@ -899,7 +981,7 @@ mod tests {
         for angle in angles {
             let motion =
                 NodeMotion { rotation: Rotation::Vector([*angle, 0.0, 0.0]), ..NodeMotion::default() };
-            let (node, after) = follow(&motion, &before, true);
+            let (node, after) = follow(&motion, &before, true, true);
             sum += node.change[0];
             before = after;
         }
@@ -915,7 +997,8 @@ mod tests {
         for rotation in
             [quaternion(0.3), Rotation::Vector([20.6, 0.0, 0.0]), quaternion(22.0), quaternion(24.0)]
         {
-            let (node, after) = follow(&NodeMotion { rotation, ..NodeMotion::default() }, &before, true);
+            let (node, after) =
+                follow(&NodeMotion { rotation, ..NodeMotion::default() }, &before, true, true);
             sum += node.change[0];
             before = after;
         }

@@ -41,32 +41,37 @@ const fn needed<const M: usize>(measures: &[Measure; M]) -> Dependence {
 }
 
 macro_rules! formulas {
-    ($($count:literal: $($measure:ident $(($($index:literal),+))? by $method:ident),+;)*) => {
+    ($($module:ident: $count:literal: $($measure:ident $(($($index:literal),+))? by $method:ident),+;)*) => {
         /// The measures of each formula. What stands first is preferred: longer formulas share more.
         const FORMULAS: &[&[Measure]] = &[$(&[$(formulas!(@measure $measure $($($index)+)?)),+]),*];
+
+        // Each in a module, which is what the compiler makes units of, and works on side by side.
+        $(mod $module {
+            use super::{Formula, Measure, Scalar, Shared};
+
+            pub(super) struct Evaluated;
+
+            impl Formula<$count> for Evaluated {
+                const MEASURES: [Measure; $count] = [$(formulas!(@measure $measure $($($index)+)?)),+];
+
+                #[inline(always)]
+                fn evaluate<S: Scalar>(shared: &mut Shared<'_, S>) -> [S; $count] {
+                    [$(shared.$method($($($index),+)?)),+]
+                }
+            }
+        })*
 
         impl Pass {
             /// Does a task for the formula of this pass.
             #[inline(always)]
             pub(crate) fn dispatch(&self, task: impl Task) {
                 let mut number = 0;
-                $({
-                    struct Evaluated;
-
-                    impl Formula<$count> for Evaluated {
-                        const MEASURES: [Measure; $count] = [$(formulas!(@measure $measure $($($index)+)?)),+];
-
-                        #[inline(always)]
-                        fn evaluate<S: Scalar>(shared: &mut Shared<'_, S>) -> [S; $count] {
-                            [$(shared.$method($($($index),+)?)),+]
-                        }
-                    }
-
+                $(
                     if self.number == number {
-                        return task.run::<Evaluated, $count>();
+                        return task.run::<$module::Evaluated, $count>();
                     }
                     number += 1;
-                })*
+                )*
                 let _ = number;
             }
         }
@@ -76,26 +81,26 @@ macro_rules! formulas {
 }
 
 formulas! {
-    3: RotationVector(1) by rotation, RotationVector(2) by rotation, RotationVector(3) by rotation;
-    3: Misalignment(1) by misaligned, Misalignment(2) by misaligned, Misalignment(3) by misaligned;
-    3: ProjectedPosition(1) by projected, ProjectedPosition(2) by projected, ProjectedPosition(3) by projected;
-    2: ComponentFlexion(1) by component_flexion, ComponentFlexion(2) by component_flexion;
-    3: Position(1) by coordinate, Position(2) by coordinate, Position(3) by coordinate;
-    1: Distance by distance;
-    1: RadialDistance by radius;
-    1: Cosine(1, 2) by cosine;
-    1: Cosine(1, 3) by cosine;
-    3: Cardan(1) by cardan, Cardan(2) by cardan, Cardan(3) by cardan;
-    3: Cardan(1) by cardan, Cosine(1, 3) by cosine, Cosine(1, 2) by cosine;
-    1: Cardan(1) by cardan;
-    1: Cardan(2) by cardan;
-    1: Cardan(3) by cardan;
-    1: Euler(1) by euler;
-    1: Euler(2) by euler;
-    1: Euler(3) by euler;
-    1: Flexion by flexion;
-    1: Torsion by torsion;
-    1: Sweep by sweep;
+    rotation_vector: 3: RotationVector(1) by rotation, RotationVector(2) by rotation, RotationVector(3) by rotation;
+    misalignment: 3: Misalignment(1) by misaligned, Misalignment(2) by misaligned, Misalignment(3) by misaligned;
+    projected_position: 3: ProjectedPosition(1) by projected, ProjectedPosition(2) by projected, ProjectedPosition(3) by projected;
+    component_flexion: 2: ComponentFlexion(1) by component_flexion, ComponentFlexion(2) by component_flexion;
+    position: 3: Position(1) by coordinate, Position(2) by coordinate, Position(3) by coordinate;
+    distance: 1: Distance by distance;
+    radial_distance: 1: RadialDistance by radius;
+    cardan: 3: Cardan(1) by cardan, Cardan(2) by cardan, Cardan(3) by cardan;
+    cardan_and_cosines: 3: Cardan(1) by cardan, Cosine(1, 3) by cosine, Cosine(1, 2) by cosine;
+    cosine_12: 1: Cosine(1, 2) by cosine;
+    cosine_13: 1: Cosine(1, 3) by cosine;
+    cardan_1: 1: Cardan(1) by cardan;
+    cardan_2: 1: Cardan(2) by cardan;
+    cardan_3: 1: Cardan(3) by cardan;
+    euler_1: 1: Euler(1) by euler;
+    euler_2: 1: Euler(2) by euler;
+    euler_3: 1: Euler(3) by euler;
+    flexion: 1: Flexion by flexion;
+    torsion: 1: Torsion by torsion;
+    sweep: 1: Sweep by sweep;
 }
 
 /// The passes that compute `measures`, and the rows that none computes: first formulas that are wanted whole, then each that computes
@@ -128,4 +133,19 @@ pub(crate) fn cover(measures: &[Measure]) -> (Vec<Pass>, Vec<usize>) {
 pub(crate) fn alone(measure: Measure, row: usize) -> Option<Pass> {
     let number = FORMULAS.iter().position(|formula| *formula == [measure.as_function()])?;
     Some(Pass { number, rows: [row, usize::MAX, usize::MAX] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FORMULAS;
+
+    /// A formula that stands before one of which it is a part would take its measures away from it.
+    #[test]
+    fn longer_formulas_are_preferred() {
+        for (i, formula) in FORMULAS.iter().enumerate() {
+            for before in FORMULAS.iter().take(i) {
+                assert!(!before.iter().all(|one| formula.contains(one)), "{before:?} before {formula:?}");
+            }
+        }
+    }
 }

@@ -162,6 +162,10 @@ pub trait Differentiable: Real {
     /// First and second derivatives in time.
     type Time: Scalar<Real = Self>;
 
+    /// Whether a connector takes its rows from formulas that are compiled for each set of measures, as the product does: many functions,
+    /// of which the witnesses on other numbers keep apart.
+    const HAS_COMPILED_FORMULAS: bool = false;
+
     /// value + velocity t + acceleration t²/2.
     fn moving(value: Self, velocity: Self, acceleration: Self) -> Self::Time;
     /// The first and second time derivative.
@@ -169,8 +173,9 @@ pub trait Differentiable: Real {
 }
 
 macro_rules! differentiable {
-    ($($real:ty: $first:ident, $second:ident;)*) => { $(
+    ($($real:ty: $first:ident, $second:ident, $compiled:literal;)*) => { $(
         impl Differentiable for $real {
+            const HAS_COMPILED_FORMULAS: bool = $compiled;
             type Gradient<const N: usize> = $first<Self, N>;
             type Hessian<const N: usize> = $second<Self, N>;
             type Time = Dual2<Self>;
@@ -190,8 +195,8 @@ macro_rules! differentiable {
 
 // On doubles plain arrays take half of num-dual's time: those hold their derivatives as an option and multiply what is zero.
 differentiable! {
-    Wide: DualSVec, Dual2SVec;
-    f64: FirstOrder, SecondOrder;
+    Wide: DualSVec, Dual2SVec, false;
+    f64: FirstOrder, SecondOrder, true;
 }
 
 /// Dual numbers of plain arrays, in place of num-dual's: those ask of the number underneath an order and a conversion to `f64`,

@@ -61,9 +61,9 @@ pub fn recip<S: Scalar>(x: S) -> S {
 #[inline(always)]
 fn inverse_one_plus<S: Scalar>(r: S) -> S {
     let mut sum = S::one();
-    for _ in 0..S::ORDER {
+    unrolled!(_k < S::ORDER, {
         sum = S::one() - r * sum;
-    }
+    });
     sum
 }
 
@@ -158,10 +158,10 @@ pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
     let inverse = n.reciprocal_or_zero();
     let mut e = [S::zero(); N];
     let mut a = S::zero();
-    for i in 0..N {
+    unrolled!(i < N, {
         e[i] = v[i].nilpotent();
         a = a + e[i].scale(u[i]);
-    }
+    });
     // With p_ij = u_j e_i − u_i e_j: the part of e across u is Σ_j p_ij u_j, and its square Σ_{i<j} p_ij²; neither needs the
     // subtraction e − a u. The tangent t = (part across u) / (n + a). To second order a does not enter t·t; leaving it out
     // keeps the second derivative of the norm from overflowing in between.
@@ -169,8 +169,8 @@ pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
     let mut tangent = [S::zero(); N];
     let mut rise = S::zero(); // (n + a) t·t
     let mut tt = S::zero();
-    for i in 0..N {
-        for j in 0..i {
+    unrolled!(i < N, {
+        unrolled!(j < i, {
             let p = e[i].scale(u[j]) - e[j].scale(u[i]);
             let quotient = p.scale(inverse);
             let t = if S::ORDER > 1 { quotient * shorten } else { quotient };
@@ -183,8 +183,8 @@ pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
                 rise = rise + p * t;
                 tt = tt + t * t;
             }
-        }
-    }
+        })
+    });
     let mut length = S::from_real(n) + a;
     let mut unit = [S::zero(); N];
     let half = S::Real::ratio(1, 2);
@@ -194,17 +194,17 @@ pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
     if S::ORDER > 3 {
         length = length - (rise * tt).scale(S::Real::ratio(1, 8));
     }
-    for i in 0..N {
+    unrolled!(i < N, {
         unit[i] = S::from_real(u[i]) + tangent[i];
-    }
+    });
     if S::ORDER > 1 {
         let mut shrink = S::one() - tt.scale(half);
         if S::ORDER > 3 {
             shrink = shrink + (tt * tt).scale(S::Real::ratio(3, 8));
         }
-        for component in &mut unit {
-            *component = *component * shrink;
-        }
+        unrolled!(i < N, {
+            unit[i] = unit[i] * shrink;
+        });
     }
     (length, unit)
 }

@@ -22,6 +22,24 @@
 //! assert_eq!(angle.eps, -1.0); // (x dy − y dx) / (x² + y²)
 //! ```
 
+/// A loop over 0..n, written out for n ≤ 6: the compiler unrolls loops of few instructions only, and keeps what it indexes in others
+/// in memory. Dual numbers of lanes are many.
+macro_rules! unrolled {
+    ($i:ident < $n:expr, $body:block) => { unrolled!(@ $i, $n, $body, 0 1 2 3 4 5) };
+    (@ $i:ident, $n:expr, $body:block, $($at:literal)+) => {{
+        let count: usize = $n;
+        if count <= 6 {
+            $(if $at < count {
+                let $i: usize = $at;
+                $body
+            })+
+        } else {
+            for $i in 0..count $body
+        }
+    }};
+}
+pub(crate) use unrolled;
+
 mod coefficients;
 mod double;
 mod dual;

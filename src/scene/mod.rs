@@ -78,7 +78,7 @@ pub(crate) use diagnostic::nearest;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub(crate) use document::in_words_of;
 pub use document::{Converted, Format, MAX_DOCUMENT, schema};
-pub use forces::{ElementForces, ForceFile, ForceSign, ForceStream, StateForces};
+pub use forces::{ElementForces, ForceFile, ForceSign, ForceStream, StateForces, StateIndex};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
 pub use include::{Disk, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES, NoFiles};

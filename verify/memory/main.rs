@@ -11,7 +11,8 @@ use pintle::connector::{Output, Request};
 use pintle::evaluate::{Item, Model, Plan, Selection, Sequence};
 use pintle::report::{Block, Format, Subject, csv::Csv, json::Json};
 use pintle::scene::{
-    Diagnostic, ForceSign, ForceStream, NodeMotion, Rotation, Scene, State, StateMark, StateStream,
+    Diagnostic, ForceSign, ForceStream, NodeMotion, Rotation, Scene, State, StateIndex, StateMark,
+    StateStream,
 };
 use std::fmt::Write as _;
 use std::fs::File;
@@ -150,11 +151,15 @@ fn memory_does_not_grow_with_forces() {
     };
     let peak = |states: u64, is_json: bool| {
         let marks = vec![StateMark::default(); states as usize];
+        let before = ALLOCATOR.current_usage();
+        let index = StateIndex::new(&marks, 0);
+        let of_index = ALLOCATOR.current_usage() - before;
+        assert!(of_index <= 16 * states as usize, "{of_index} bytes for the index of {states} states");
         ALLOCATOR.reset_peak_usage();
         let before = ALLOCATOR.current_usage();
         let mut read = 0;
         let stream = ForceStream::open(path(states, is_json), ForceSign::Internal).unwrap();
-        let all = stream.for_each(&scene, &marks, 0, |place, forces| -> Result<(), Diagnostic> {
+        let all = stream.for_each(&scene, &index, |place, forces| -> Result<(), Diagnostic> {
             assert_eq!((place as u64, forces.elements.len()), (read, CONNECTORS));
             read += 1;
             Ok(())

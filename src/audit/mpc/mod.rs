@@ -125,6 +125,15 @@ impl MpcCase {
         (sheets, nearness)
     }
 
+    /// What is judged of a constraint.
+    pub(super) const QUANTITIES: [Quantity; 5] = [
+        Quantity::Value,
+        Quantity::FirstDerivatives,
+        Quantity::SecondDerivatives,
+        Quantity::Rate,
+        Quantity::Acceleration,
+    ];
+
     fn sheets_of(&self, got: &Evaluation<f64>, truth: &Truth) -> Vec<Sheet> {
         let kind = self.constraint.kind();
         let rows: Vec<usize> = (0..ROWS).filter(|row| self.constraint.rows()[*row]).collect();
@@ -134,15 +143,7 @@ impl MpcCase {
         let [rate, acceleration] = truth.rates();
         let sides = (truth.nearness == 0.0).then(|| truth.sides());
         let hessian = sides.is_some().then(|| truth.hessian());
-        let mut sheets: Vec<Sheet> = [
-            Quantity::Value,
-            Quantity::FirstDerivatives,
-            Quantity::SecondDerivatives,
-            Quantity::Rate,
-            Quantity::Acceleration,
-        ]
-        .map(Sheet::new)
-        .into();
+        let mut sheets: Vec<Sheet> = Self::QUANTITIES.map(Sheet::new).into();
         for row in rows {
             let name = kind.row_name(row);
             let narrow = |of: &[Wide]| of.iter().map(|x| x.to_f64()).collect::<Vec<f64>>();

@@ -373,8 +373,18 @@ pub fn about_initial(
             }
             if !moves {
                 (motion.displacement[end], motion.flow[end]) = (still, 0.0);
-                // The ground does not turn: neither a, nor b, which is turned by both.
-                common = if end == 0 { still } else { scale(spin, -1.0) };
+            }
+        }
+        // Neither the ground turns, nor an end without rotations: a is turned by one of them, b by both.
+        let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
+        if !turns[0] {
+            common = still;
+        }
+        if !turns[1] {
+            if turns[0] {
+                common = scale(spin, -1.0);
+            } else {
+                motion.spin = still;
             }
         }
         let mut path = Motion { common, ..motion }.path(&definition.initial);
@@ -395,7 +405,8 @@ fn rates(definition: &Definition, length: f64, draw: &mut Draw) -> [f64; DOFS] {
     let mut rates = draw.rates(length);
     for (j, rate) in rates.iter_mut().enumerate() {
         let in_plane = matches!(j % 7, 0 | 1 | 5 | 6);
-        if !definition.moves[j / 7] || definition.planar && !in_plane {
+        let is_held = matches!(j % 7, 3..=5) && !definition.rotates[j / 7];
+        if !definition.moves[j / 7] || is_held || definition.planar && !in_plane {
             *rate = 0.0;
         }
     }

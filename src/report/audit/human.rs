@@ -46,6 +46,7 @@ fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) ->
     writeln!(out)?;
     subjects(out, report)?;
     undecided_declarations(out, report, width)?;
+    left_out(out, report, width)?;
     for subject in &report.subjects {
         let shown: Vec<&Check> =
             if verbose { subject.checks.iter().collect() } else { telling(subject).collect() };
@@ -68,7 +69,6 @@ fn word(verdict: Verdict) -> String {
 
 /// Why declarations are undecided: once for each reason.
 fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
-    const SHOWN: usize = 4;
     let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
         let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
@@ -78,16 +78,33 @@ fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) ->
         }
     }
     for (page, names) in reasons {
-        let more = names.len().saturating_sub(SHOWN);
-        let mut text = names.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
-        if more > 0 {
-            text.push_str(&format!(" and {more} more"));
-        }
-        for line in wrap(&format!("{text}: declaration undecided: {page}"), width.saturating_sub(2)) {
+        let text = format!("{}: declaration undecided: {page}", some_of(&names));
+        for line in wrap(&text, width.saturating_sub(2)) {
             writeln!(out, "  {}", styled(DIM, line))?;
         }
     }
     Ok(())
+}
+
+/// Which numbers no state exercises, and which laws were not asked: once for each list of them.
+fn left_out(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
+    for (text, subjects) in super::summary::left_out(report) {
+        for line in wrap(&format!("{}: {text}", some_of(&subjects)), width.saturating_sub(2)) {
+            writeln!(out, "  {}", styled(DIM, line))?;
+        }
+    }
+    Ok(())
+}
+
+/// The first few names, and how many more there are.
+fn some_of(names: &[&str]) -> String {
+    const SHOWN: usize = 4;
+    let more = names.len().saturating_sub(SHOWN);
+    let mut text = names.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
+    if more > 0 {
+        text.push_str(&format!(" and {more} more"));
+    }
+    text
 }
 
 /// A table of the catalogue, and one of each scene.
@@ -215,6 +232,10 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     }
     for (law, killed) in laws {
         writeln!(out, "  {}  {} noticed", left(law, 32), count(killed, "mutant"))?;
+    }
+    for law in report.blind_laws() {
+        let text = format!("{}: no mutant of what it speaks of was noticed", law.name());
+        writeln!(out, "  {} {text}", styled(CARE, "survived:"))?;
     }
     Ok(())
 }

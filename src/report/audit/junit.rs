@@ -1,7 +1,7 @@
 //! JUnit XML: a suite per connector, a case per check; a suite per model, a case per finding.
 
 use super::model::{place, word};
-use super::summary::undecided;
+use super::summary::{left_out_of, undecided};
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Verdict};
 use crate::grammar::count;
@@ -28,6 +28,9 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         ];
         for (claim, verdict) in claims {
             suite.add_test_case(TestCase::new(format!("claim: {claim}"), plain(verdict)));
+        }
+        for text in left_out_of(subject) {
+            suite.add_test_case(TestCase::new(text, TestCaseStatus::skipped()));
         }
         document.add_test_suite(suite);
     }

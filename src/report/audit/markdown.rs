@@ -1,6 +1,8 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
-use super::summary::{LEGEND, Row, detectable, failed, headline, self_test, symbols, telling, undecided};
+use super::summary::{
+    LEGEND, Row, detectable, failed, headline, left_out, self_test, symbols, telling, undecided,
+};
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Subject};
 use crate::grammar::count;
@@ -128,6 +130,10 @@ fn items(report: &Report) -> (Vec<String>, Vec<String>) {
             escaped(approach.at),
             approach.told()
         ));
+    }
+    for (text, names) in left_out(report) {
+        let names: Vec<String> = names.into_iter().map(escaped).collect();
+        mild.push(format!("- **{}**: {text}", names.join(", ")));
     }
     (wrong, mild)
 }

@@ -62,13 +62,37 @@ pub(super) fn detectable(subject: &Subject) -> Option<f64> {
         .checks
         .iter()
         .filter(|check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check));
-    let most = sharp.map(|check| check.score.detectable_median).fold(0.0, f64::max);
-    (most > 0.0).then_some(most)
+    sharp.filter_map(|check| check.score.detectable_median).reduce(f64::max)
 }
 
 /// The checks that say something is wrong, lost or survived.
 pub(super) fn telling(subject: &Subject) -> impl Iterator<Item = &Check> {
     subject.checks.iter().filter(|check| check.verdict > Verdict::IllConditioned || check.score.survived > 0)
+}
+
+/// What was left out of the audit of which subjects: numbers that no state exercises, laws that were not asked.
+pub(super) fn left_out(report: &Report) -> BTreeMap<String, Vec<&str>> {
+    let mut found: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for subject in &report.subjects {
+        for text in left_out_of(subject) {
+            found.entry(text).or_default().push(&subject.name);
+        }
+    }
+    found
+}
+
+/// The same of one subject.
+pub(super) fn left_out_of(subject: &Subject) -> impl Iterator<Item = String> {
+    let quantities: Vec<&str> = subject.not_exercised.iter().map(|quantity| quantity.name()).collect();
+    let laws: Vec<&str> = subject.laws_not_asked.iter().map(|law| law.name()).collect();
+    let lists = [
+        (quantities, "not exercised, for they are zero at every state whatever the formula"),
+        (laws, "laws not asked, for want of degrees of freedom or of states where they hold"),
+    ];
+    lists
+        .into_iter()
+        .filter(|(list, _)| !list.is_empty())
+        .map(|(list, why)| format!("{why}: {}", list.join(", ")))
 }
 
 /// Why states of a check are undecided, a sentence for each reason.

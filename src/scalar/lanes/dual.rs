@@ -23,6 +23,19 @@ pub struct SecondOrder<R, const N: usize> {
     pub second: [[R; N]; N],
 }
 
+/// A body for each pair j ≤ i < N: written out for up to three directions; of six, the code would be too long.
+macro_rules! each_pair {
+    ($i:ident, $j:ident, $body:block) => {
+        if N <= 3 {
+            unrolled!($i < N, { unrolled!($j < $i + 1, $body) });
+        } else {
+            for $i in 0..N {
+                for $j in 0..=$i $body
+            }
+        }
+    };
+}
+
 macro_rules! first_order {
     (|$($x:ident),+| $f:expr) => {{
         let value = {
@@ -47,13 +60,13 @@ macro_rules! second_order {
         let mut first = [value; N];
         let mut second = [[R::integer(0); N]; N];
         for i in 0..N {
-            for j in 0..=i {
-                $(let $x = $x.second[i][j];)+
-                second[i][j] = $f;
-            }
             $(let $x = $x.first[i];)+
             first[i] = $f;
         }
+        each_pair!(i, j, {
+            $(let $x = $x.second[i][j];)+
+            second[i][j] = $f;
+        });
         SecondOrder { value, first, second }
     }};
 }
@@ -119,12 +132,11 @@ impl<R: Real, const N: usize> Mul for SecondOrder<R, N> {
         let (mut first, mut second) = (dx, self.second);
         for i in 0..N {
             first[i] = x.multiply_add(dy[i], dx[i] * y);
-            for j in 0..=i {
-                let of_first = dx[i].multiply_add(dy[j], dx[j] * dy[i]);
-                second[i][j] =
-                    x.multiply_add(other.second[i][j], self.second[i][j].multiply_add(y, of_first));
-            }
         }
+        each_pair!(i, j, {
+            let of_first = dx[i].multiply_add(dy[j], dx[j] * dy[i]);
+            second[i][j] = x.multiply_add(other.second[i][j], self.second[i][j].multiply_add(y, of_first));
+        });
         Self { value: x * y, first, second }
     }
 }
@@ -224,11 +236,9 @@ impl<R: Real, const N: usize> Scalar for SecondOrder<R, N> {
     fn nilpotent_product(self, other: Self) -> Self {
         let (dx, dy) = (self.first, other.first);
         let mut product = Self::zero();
-        for i in 0..N {
-            for j in 0..=i {
-                product.second[i][j] = dx[i].multiply_add(dy[j], dx[j] * dy[i]);
-            }
-        }
+        each_pair!(i, j, {
+            product.second[i][j] = dx[i].multiply_add(dy[j], dx[j] * dy[i]);
+        });
         product
     }
 
@@ -262,11 +272,11 @@ impl<R: Real, const N: usize> Scalar for SecondOrder<R, N> {
         lifted.value = c[0];
         for i in 0..N {
             lifted.first[i] = self.first[i] * c[1];
-            for j in 0..=i {
-                let curved = (twice * self.first[i]) * self.first[j];
-                lifted.second[i][j] = c[1].multiply_add(self.second[i][j], curved);
-            }
         }
+        each_pair!(i, j, {
+            let curved = (twice * self.first[i]) * self.first[j];
+            lifted.second[i][j] = c[1].multiply_add(self.second[i][j], curved);
+        });
         lifted
     }
 }
@@ -324,11 +334,9 @@ impl<R: Real, const N: usize> Seeded<N> for SecondOrder<R, N> {
     #[inline(always)]
     fn hessian(self) -> [[R; N]; N] {
         let mut hessian = self.second;
-        for i in 0..N {
-            for j in 0..i {
-                hessian[j][i] = hessian[i][j];
-            }
-        }
+        each_pair!(i, j, {
+            hessian[j][i] = hessian[i][j];
+        });
         hessian
     }
 }

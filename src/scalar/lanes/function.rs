@@ -91,8 +91,8 @@ pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, 
     let one = Lanes::splat(1.0);
     let quarter = (x * Lanes::splat(std::f64::consts::FRAC_2_PI)).nearest_integer();
     let mut r = x;
-    for part in HALF {
-        r = r - quarter * Lanes::splat(part);
+    for i in 0..3 {
+        r = r - quarter * Lanes::splat(HALF[i]);
     }
     let square = r * r;
     let sine = (polynomial(&SINE, square) * square).multiply_add(r, r);
@@ -117,8 +117,8 @@ pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, 
 #[inline(always)]
 pub(super) fn square<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> Lanes<FUSED> {
     let mut square = v[0] * v[0];
-    for component in v.iter().skip(1) {
-        square = component.multiply_add(*component, square);
+    for i in 1..N {
+        square = v[i].multiply_add(v[i], square);
     }
     square
 }
@@ -131,13 +131,13 @@ const EXPONENT: u64 = 0x7ff << 52;
 #[inline(always)]
 fn rescaled<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> (Lanes<FUSED>, [Lanes<FUSED>; N]) {
     let mut largest = v[0].magnitude();
-    for component in v.iter().skip(1) {
-        largest = component.magnitude().greater(largest);
+    for i in 1..N {
+        largest = v[i].magnitude().greater(largest);
     }
     let scale = opposite_power(largest);
     let mut scaled = v;
-    for component in &mut scaled {
-        *component = *component * scale;
+    for i in 0..N {
+        scaled[i] = v[i] * scale;
     }
     (scale, scaled)
 }
@@ -169,8 +169,8 @@ pub(super) fn direction_and_norm<const FUSED: bool, const N: usize>(
     let norm = square.square_root();
     let factor = norm * inverse;
     let mut unit = scaled;
-    for component in &mut unit {
-        *component = *component * factor;
+    for i in 0..N {
+        unit[i] = scaled[i] * factor;
     }
     (unit, norm * opposite_power(scale))
 }
@@ -181,8 +181,8 @@ pub(super) fn inverted<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) 
     let (scale, scaled) = rescaled(v);
     let factor = square_and_inverse(scaled).1 * scale;
     let mut inverted = scaled;
-    for component in &mut inverted {
-        *component = *component * factor;
+    for i in 0..N {
+        inverted[i] = scaled[i] * factor;
     }
     inverted
 }
@@ -204,11 +204,7 @@ pub(super) fn quaternion<const FUSED: bool>(r: &[[Lanes<FUSED>; 3]; 3]) -> [Lane
     // |column|² is 4 times its diagonal entry. Adding zero makes +0 of −0, whose sign is none.
     let sign = column[0] + Lanes::splat(0.0);
     let inverse = (Lanes::splat(0.5) / largest.square_root()).with_sign_of(sign);
-    let mut unit = column;
-    for component in &mut unit {
-        *component = *component * inverse;
-    }
-    unit
+    [column[0] * inverse, column[1] * inverse, column[2] * inverse, column[3] * inverse]
 }
 
 /// What stands with the larger key, and that key.

@@ -5,6 +5,9 @@
 //! ([`crate::batch`]). Where lanes may need different formulas both are computed and the result selected, or one formula
 //! serves the whole domain, as norms are taken of vectors scaled by a power of two; what only rare arguments need (sines of large
 //! angles) is computed lane by lane when one of the four does.
+//!
+//! What the loops of [`crate::batch`] call is marked `#[inline]`, or is a loop over indices: iterators over arrays and `map` are not so
+//! marked in the standard library, which puts them into units of compilation of their own, and numbers that they touch into memory.
 
 mod dual;
 mod function;

@@ -4,7 +4,7 @@ use super::{ForceSign, Group, StateForces, Take, document, table};
 use crate::scene::diagnostic::{Code, Diagnostic, Result};
 use crate::scene::model::Scene;
 use crate::scene::states::{self, Source, State, StateMark};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -67,7 +67,7 @@ impl ForceFile {
     /// Forces of a state that there is not, of a time that no state or several have, or of a state that has forces already.
     pub fn attach(&self, states: &mut [State], first: u64) -> Result<()> {
         let marks: Vec<StateMark> = states.iter().map(StateMark::of).collect();
-        for (index, forces) in self.assign(&marks, first)? {
+        for (index, forces) in self.assign(&StateIndex::new(&marks, first))? {
             if let Some(state) = states.get_mut(index) {
                 state.forces.clone_from(&forces.elements);
                 state.mpc_forces.clone_from(&forces.mpcs);
@@ -80,11 +80,11 @@ impl ForceFile {
     ///
     /// # Errors
     /// Those of [`ForceFile::attach`].
-    pub fn assign(&self, states: &[StateMark], first: u64) -> Result<BTreeMap<usize, &StateForces>> {
-        let mut known = Known::of(states, first);
+    pub fn assign(&self, states: &StateIndex<'_>) -> Result<BTreeMap<usize, &StateForces>> {
+        let mut reading = Reading::of(states);
         let mut assigned = BTreeMap::new();
         for group in &self.groups {
-            if let Some(place) = known.place(group).map_err(|error| error.in_file(&self.name))? {
+            if let Some(place) = reading.place(group).map_err(|error| error.in_file(&self.name))? {
                 assigned.insert(place, &group.forces);
             }
         }
@@ -97,8 +97,8 @@ impl ForceFile {
     }
 }
 
-/// A file of component forces that is read as often as it is asked for, one state at a time: it takes memory for one state, however many
-/// there are.
+/// A file of component forces that is read as often as it is asked for, one state at a time: of the forces it holds those of one state,
+/// however many there are. What it is told of the states, by which it finds them, is the caller's: a [`StateIndex`] of all.
 #[derive(Clone, Debug)]
 pub struct ForceStream {
     path: PathBuf,
@@ -122,8 +122,8 @@ impl ForceStream {
     }
 
     /// Reads the file from its beginning and hands on its forces, one state after another in the order of the file, each with the place of
-    /// the state that it belongs to; states without numbers of their own count from `first`. What comes before a place where something is
-    /// wrong has been handed on.
+    /// the state that it belongs to. What comes before a place where something is wrong has been handed on. While it reads, it keeps a bit
+    /// for each state: whether that has got forces.
     ///
     /// # Errors
     /// The first thing that is wrong with the file, with its place and a remedy; those of [`ForceFile::attach`]; the first error of `take`,
@@ -131,15 +131,14 @@ impl ForceStream {
     pub fn for_each<E: From<Diagnostic>>(
         &self,
         scene: &Scene,
-        states: &[StateMark],
-        first: u64,
+        states: &StateIndex<'_>,
         mut take: impl FnMut(usize, StateForces) -> Result<(), E>,
     ) -> Result<(), E> {
         let located = |error| E::from(states::located_in(&self.path, error));
-        let mut known = Known::of(states, first);
+        let mut reading = Reading::of(states);
         let mut failure = None;
         let mut each = |group: Group| {
-            let taken = match known.place(&group) {
+            let taken = match reading.place(&group) {
                 Ok(Some(place)) => take(place, group.forces),
                 Ok(None) => Ok(()),
                 Err(error) => Err(located(error)),
@@ -168,33 +167,61 @@ fn fail(code: Code, group: &Group, message: String, remedy: &str) -> Diagnostic 
     Diagnostic::error(code, group.span, message, "here").help(remedy)
 }
 
-/// The states by number and by time, and which of them have got forces.
-struct Known<'a> {
+/// States by number and by time, found once for however many readings of forces: 16 bytes for each, and 16 more for one with a time.
+#[derive(Clone, Debug)]
+pub struct StateIndex<'a> {
     states: &'a [StateMark],
     first: u64,
-    numbers: HashMap<u64, usize>,
+    /// In order of the numbers, of equal ones in order of the states.
+    numbers: Vec<(u64, usize)>,
     /// In order of time.
     times: Vec<(f64, usize)>,
-    given: HashSet<usize>,
 }
 
-impl<'a> Known<'a> {
-    fn of(states: &'a [StateMark], first: u64) -> Self {
+impl<'a> StateIndex<'a> {
+    /// The index of states that are known by their marks; those without numbers of their own count from `first`.
+    pub fn new(states: &'a [StateMark], first: u64) -> Self {
         let numbered = (first..).zip(states).enumerate();
-        let numbers = numbered.map(|(index, (counted, state))| (state.number.unwrap_or(counted), index));
+        let mut numbers: Vec<(u64, usize)> =
+            numbered.map(|(index, (counted, state))| (state.number.unwrap_or(counted), index)).collect();
+        numbers.sort_unstable();
         let timed = states.iter().enumerate();
         let mut times: Vec<(f64, usize)> =
             timed.filter_map(|(index, state)| Some((state.time?, index))).collect();
         times.sort_by(|(one, _), (other, _)| one.total_cmp(other));
-        Self { states, first, numbers: numbers.collect(), times, given: HashSet::new() }
+        Self { states, first, numbers, times }
+    }
+
+    /// The state with a number, of several the last.
+    fn numbered(&self, number: u64) -> Option<usize> {
+        let after = self.numbers.partition_point(|(known, _)| *known <= number);
+        let (known, index) = self.numbers.get(after.checked_sub(1)?)?;
+        (*known == number).then_some(*index)
+    }
+}
+
+/// One reading of forces: which states have got theirs.
+struct Reading<'a> {
+    states: &'a StateIndex<'a>,
+    /// A bit for each state.
+    given: Vec<u64>,
+}
+
+impl<'a> Reading<'a> {
+    fn of(states: &'a StateIndex<'a>) -> Self {
+        Self { states, given: vec![0; states.states.len().div_ceil(64)] }
     }
 
     /// The place of the state that forces belong to; `None` where they give nothing.
     fn place(&mut self, group: &Group) -> Result<Option<usize>> {
-        let index = self.index(group)?;
-        let Some(state) = self.states.get(index) else { return Ok(None) };
-        if state.has_forces || self.given.contains(&index) {
-            let number = state.number.unwrap_or(self.first + index as u64);
+        let StateIndex { states, first, .. } = self.states;
+        let index = self.states.index(group)?;
+        let (Some(state), Some(bits)) = (states.get(index), self.given.get_mut(index / 64)) else {
+            return Ok(None);
+        };
+        let bit = 1 << (index % 64);
+        if state.has_forces || *bits & bit != 0 {
+            let number = state.number.unwrap_or(first + index as u64);
             let message = format!("state {number} is given forces twice");
             let remedy = "keep one of them: in the file of states or in that of forces, once";
             return Err(fail(Code::ForcesRepeatedElement, group, message, remedy));
@@ -202,10 +229,13 @@ impl<'a> Known<'a> {
         if group.forces.elements.is_empty() && group.forces.mpcs.is_empty() {
             return Ok(None);
         }
-        self.given.insert(index);
+        *bits |= bit;
         Ok(Some(index))
     }
+}
 
+impl StateIndex<'_> {
+    /// The place of the state that forces are said to belong to.
     fn index(&self, group: &Group) -> Result<usize> {
         let Self { states, .. } = self;
         let fail =
@@ -213,7 +243,7 @@ impl<'a> Known<'a> {
         let remedy = "give the numbers of the states, as `pintle eval` prints them, in `state`";
         match (group.state, group.time) {
             (Some(number), _) => {
-                let Some(index) = self.numbers.get(&number).copied() else {
+                let Some(index) = self.numbered(number) else {
                     let [lowest, highest] = self.range();
                     let message = format!("forces of state {number}: the states are {lowest} to {highest}");
                     return fail(message, remedy);
@@ -241,8 +271,7 @@ impl<'a> Known<'a> {
     }
 
     fn range(&self) -> [u64; 2] {
-        [self.numbers.keys().min(), self.numbers.keys().max()]
-            .map(|number| number.copied().unwrap_or_default())
+        [self.numbers.first(), self.numbers.last()].map(|found| found.map_or(0, |(number, _)| *number))
     }
 
     fn tolerance(&self, given: f64) -> f64 {

@@ -25,7 +25,7 @@ mod file;
 mod table;
 
 pub(super) use document::JsonForces;
-pub use file::{ForceFile, ForceStream};
+pub use file::{ForceFile, ForceStream, StateIndex};
 
 use super::diagnostic::{Code, Result};
 use super::label::Label;

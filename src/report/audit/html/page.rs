@@ -602,7 +602,7 @@ fn strip(report: &Report) -> String {
     let sharp = |subject: &Subject| {
         let is_it = |check: &&Check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check);
         let scores = || subject.checks.iter().filter(is_it).map(|check| &check.score);
-        let most = |of: fn(&crate::audit::Score) -> f64| scores().map(of).fold(0.0, f64::max);
+        let most = |of: fn(&crate::audit::Score) -> Option<f64>| scores().filter_map(of).fold(0.0, f64::max);
         [most(|score| score.detectable_median), most(|score| score.detectable)]
     };
     let mut all: Vec<(String, [f64; 2])> = report

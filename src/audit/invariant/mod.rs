@@ -1,0 +1,383 @@
+//! What holds without any reference: laws that relate the numbers of one connector to each other, or to its own numbers at a
+//! state that is the same thing seen from elsewhere.
+//!
+//! Every law here is a list of [`Demand`]s, each linear in the numbers judged: Σ c·x = want. So the same list judges the
+//! numbers and every mutant of them.
+
+mod power;
+mod rigid;
+mod twin;
+mod type_laws;
+
+pub use type_laws::of_type;
+
+use super::bound::{Bound, U};
+use super::case::Case;
+use super::mutant::Mutant;
+use super::quantity::{Numbers, OneOrMany, Quantity};
+use super::verdict::Score;
+use crate::connector::{Branch, Connector, Increment, State};
+use crate::measure::Measure;
+use crate::node::DOFS;
+use serde::Serialize;
+use std::fmt::{self, Display, Formatter};
+
+/// A law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Invariant {
+    /// The six rigid modes are in the kernel of every row.
+    RigidModes,
+    /// Axes turned with everything change no value, and turn the rows.
+    Frame,
+    /// The nodal forces of each component are in equilibrium, moments about any point included.
+    Equilibrium,
+    /// Rates are J q̇, accelerations J q̈ + q̇ᵀ H q̇; and the power of the nodal forces is that of the component forces, each with
+    /// the rate that it is conjugate to.
+    Power,
+    /// Second derivatives are symmetric.
+    Symmetry,
+    /// Derivatives that the declaration says are zero are zero.
+    Sparsity,
+    /// Exchanged nodes give the same length, the opposite rotation vector.
+    NodeSwap,
+    /// An assembled type gives what its halves give, bit for bit.
+    Halves,
+    /// A history saved and restored gives the same, bit for bit.
+    Restored,
+    /// A part of the request gives that part of the whole, bit for bit.
+    Restricted,
+    /// At the initial state nothing has moved.
+    Start,
+    /// Turns are counted through ±π and 2πk, either way.
+    Turns,
+    /// e1a·e2b = 0 and its family: a turn about the free axis, however far, leaves the printed constraints met.
+    FreeAxis,
+    /// What a friction remembers at a state is what it left at the state before, and its increment is what lies between the two.
+    Carried,
+}
+
+impl Invariant {
+    /// Every law.
+    pub const ALL: [Self; 14] = [
+        Self::RigidModes,
+        Self::Frame,
+        Self::Equilibrium,
+        Self::Power,
+        Self::Symmetry,
+        Self::Sparsity,
+        Self::NodeSwap,
+        Self::Halves,
+        Self::Restored,
+        Self::Restricted,
+        Self::Start,
+        Self::Turns,
+        Self::FreeAxis,
+        Self::Carried,
+    ];
+
+    /// In words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::RigidModes => "rigid modes in the kernel",
+            Self::Frame => "frame equivariance",
+            Self::Equilibrium => "equilibrium of nodal forces",
+            Self::Power => "power identity",
+            Self::Symmetry => "symmetry of second derivatives",
+            Self::Sparsity => "declared sparsity",
+            Self::NodeSwap => "exchanged nodes",
+            Self::Halves => "assembly equals its halves",
+            Self::Restored => "restored history",
+            Self::Restricted => "restricted request",
+            Self::Start => "zero at the start",
+            Self::Turns => "turns through ±π and 2πk",
+            Self::FreeAxis => "turns about the free axis",
+            Self::Carried => "friction from state to state",
+        }
+    }
+
+    /// Whether it speaks of the states of such a connector: of exchanged nodes where a length or a rotation vector is measured, of
+    /// halves where a type is assembled of two. The laws of types and of friction are asked elsewhere.
+    pub(super) fn is_expected_of(self, connector: &Connector<f64>) -> bool {
+        let mut measures = (0..6).filter_map(|k| connector.differentiated(k));
+        match self {
+            Self::RigidModes | Self::Frame | Self::Sparsity | Self::Restored | Self::Restricted => {
+                measures.next().is_some()
+            }
+            Self::Power => measures.any(|measure| !measure.has_nodal_rates()),
+            Self::Symmetry => measures.any(|measure| !measure.is_one_form()),
+            Self::Equilibrium => (0..6).any(|k| connector.has_force(k)),
+            Self::NodeSwap => measures.any(|measure| twin::exchanged(measure).is_some()),
+            Self::Halves => connector.connection().halves.iter().all(Option::is_some),
+            Self::Start | Self::Turns | Self::FreeAxis | Self::Carried => false,
+        }
+    }
+}
+
+/// Σ c·x = want, for numbers x of one evaluation.
+#[derive(Clone, Debug)]
+pub struct Demand {
+    /// (quantity, component, entry, coefficient c).
+    pub terms: OneOrMany<(Quantity, usize, usize, f64)>,
+    /// A number that is judged besides and is not among those of the evaluation.
+    pub offset: f64,
+    /// What the sum must be.
+    pub want: f64,
+    /// How far it may be from that.
+    pub allowed: f64,
+    /// What is demanded, in words.
+    pub what: What,
+}
+
+/// What is demanded, written when somebody reads it.
+#[derive(Clone, Debug)]
+pub enum What {
+    /// A sentence.
+    Said(String),
+    /// An entry of a component (0-based), with what is said before and after its name.
+    Entry(&'static str, Quantity, usize, usize, &'static str),
+}
+
+impl Display for What {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Said(sentence) => f.write_str(sentence),
+            Self::Entry(before, quantity, k, i, after) => {
+                write!(f, "{before}{}{after}", quantity.entry_name(*k, *i))
+            }
+        }
+    }
+}
+
+impl Demand {
+    /// The sum, with numbers by quantity, component and entry.
+    pub fn sum(&self, number: impl Fn(Quantity, usize, usize) -> Option<f64>) -> f64 {
+        self.terms.iter().fold(self.offset, |sum, (quantity, k, i, c)| {
+            sum + c * number(*quantity, *k, *i).unwrap_or(f64::NAN)
+        })
+    }
+
+    /// How far a sum is from what it must be, in units of what is allowed.
+    fn units_of(&self, sum: f64) -> f64 {
+        let error = (sum - self.want).abs();
+        if error == 0.0 {
+            return 0.0;
+        }
+        let units = error / self.allowed;
+        if units.is_nan() { f64::INFINITY } else { units }
+    }
+
+    /// How far numbers are from it, in units of what is allowed.
+    pub fn units(&self, numbers: &Numbers<f64>) -> f64 {
+        self.units_of(self.sum(|quantity, k, i| numbers.entries(quantity).get(k, i)))
+    }
+}
+
+/// A state with what laws need to know of it.
+pub struct Context<'a> {
+    case: &'a Case,
+    connector: Connector<f64>,
+    before: Branch<f64>,
+    after: Branch<f64>,
+    numbers: &'a Numbers<f64>,
+    bound: &'a Bound,
+    state: State<f64>,
+    increment: Increment<f64>,
+    /// The components that are not on a singular set: those of which derivatives exist.
+    is_smooth: [bool; 6],
+}
+
+impl<'a> Context<'a> {
+    /// The end of a case; `None` for an empty path.
+    pub fn new(case: &'a Case, numbers: &'a Numbers<f64>, bound: &'a Bound) -> Option<Self> {
+        let connector = case.connector();
+        let before = case.branch_before(&connector);
+        let step = *case.last()?;
+        let after = connector.advance(&step.state, &step.increment, &before);
+        let margins = connector.margins(&step.state, &after, [true; 6]);
+        let is_smooth = margins.map(|margin| margin.is_none_or(|margin| margin.distance > 0.0));
+        Some(Self {
+            case,
+            is_smooth,
+            connector,
+            before,
+            after,
+            numbers,
+            bound,
+            state: step.state,
+            increment: step.increment,
+        })
+    }
+
+    fn measure(&self, k: usize) -> Option<Measure> {
+        self.connector.differentiated(k)
+    }
+
+    fn components(&self) -> impl Iterator<Item = (usize, Measure)> + '_ {
+        (0..6).filter(|k| self.is_smooth[*k]).filter_map(|k| Some((k, self.measure(k)?)))
+    }
+
+    fn tolerance(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
+        self.bound.tolerance(quantity, k, i)
+    }
+
+    /// A sum of entries that must be `want`, allowed what its terms are allowed and a rounding each.
+    fn sum(
+        &self,
+        terms: impl Into<OneOrMany<(Quantity, usize, usize, f64)>>,
+        want: f64,
+        what: What,
+    ) -> Demand {
+        let terms = terms.into();
+        let allowed = terms
+            .iter()
+            .map(|(q, k, i, c)| {
+                let x = self.numbers.entries(*q).get(*k, *i).unwrap_or(0.0);
+                c.abs() * (self.tolerance(*q, *k, *i) + 4.0 * U * x.abs())
+            })
+            .sum();
+        Demand { terms, offset: 0.0, want, allowed, what }
+    }
+
+    /// What a law demands of the numbers; nothing where it has nothing to say of this connector.
+    pub fn demands(&self, invariant: Invariant) -> Vec<Demand> {
+        match invariant {
+            Invariant::RigidModes => self.rigid_modes(),
+            Invariant::Frame => self.frame(),
+            Invariant::Equilibrium => self.equilibrium(),
+            Invariant::Power => self.power(),
+            Invariant::Symmetry => self.symmetry(),
+            Invariant::Sparsity => self.sparsity(),
+            Invariant::NodeSwap => self.node_swap(),
+            Invariant::Halves => self.halves(),
+            Invariant::Restored => self.restored(),
+            Invariant::Restricted => self.restricted(),
+            Invariant::Start | Invariant::Turns | Invariant::FreeAxis | Invariant::Carried => Vec::new(),
+        }
+    }
+
+    /// Whether a measure changes with a nodal degree of freedom, as its declaration says.
+    fn depends(&self, measure: Measure, j: usize) -> bool {
+        let on = measure.dependence();
+        match j % 7 {
+            0..=2 => on.translation,
+            3..=5 => on.rotation || (j < 7 && on.translation && measure.turns_with_a()),
+            _ => on.flow && self.connector.connection().flow[j / 7],
+        }
+    }
+
+    fn symmetry(&self) -> Vec<Demand> {
+        let mut found = Vec::new();
+        for (k, _) in self.components().filter(|(_, measure)| !measure.is_one_form()) {
+            for j in 0..DOFS {
+                for l in 0..j {
+                    let second = Quantity::SecondDerivatives;
+                    let terms = vec![(second, k, j * DOFS + l, 1.0), (second, k, l * DOFS + j, -1.0)];
+                    let what = What::Entry("symmetry of ", second, k, j * DOFS + l, "");
+                    found.push(self.sum(terms, 0.0, what));
+                }
+            }
+        }
+        found
+    }
+
+    fn sparsity(&self) -> Vec<Demand> {
+        let mut found = Vec::new();
+        let active = self.connector.active();
+        for (k, measure) in self.components() {
+            let reach = self.connector.reach();
+            for (j, active) in active.iter().enumerate() {
+                if !self.depends(measure, j) || !active {
+                    found.push(Demand {
+                        terms: OneOrMany::One([(Quantity::FirstDerivatives, k, j, 1.0)]),
+                        offset: 0.0,
+                        want: 0.0,
+                        allowed: 0.0,
+                        what: What::Entry("", Quantity::FirstDerivatives, k, j, " is declared zero"),
+                    });
+                }
+                if !reach[j] && self.numbers.entries(Quantity::NodalForces).get(k, j).is_some() {
+                    found.push(Demand {
+                        terms: OneOrMany::One([(Quantity::NodalForces, k, j, 1.0)]),
+                        offset: 0.0,
+                        want: 0.0,
+                        allowed: 0.0,
+                        what: What::Entry("", Quantity::NodalForces, k, j, " is declared zero"),
+                    });
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Judges a list of demands: the worst, in units of what is allowed.
+pub fn worst<'a>(numbers: &Numbers<f64>, demands: &'a [Demand]) -> Option<(&'a Demand, f64)> {
+    demands.iter().map(|demand| (demand, demand.units(numbers))).max_by(|x, y| x.1.total_cmp(&y.1))
+}
+
+/// Of the mutants that touch a number of which a law speaks, one in so many is tried.
+const TRIED: usize = 7;
+
+/// Which mutants of a quantity a law notices, of those that touch a number of which it speaks. One that changes every sum by less
+/// than twice what is allowed is below its resolution.
+pub fn try_mutants(
+    quantity: Quantity,
+    numbers: &Numbers<f64>,
+    demands: &[Demand],
+    mutants: &[Mutant],
+) -> Score {
+    let width = quantity.entries();
+    let place = |k: usize, i: usize| k * width + i;
+    // The demands in which each entry occurs.
+    let mut touched: Vec<Vec<usize>> = vec![Vec::new(); 6 * width];
+    for (n, demand) in demands.iter().enumerate() {
+        for (_, k, i, _) in demand.terms.iter().filter(|(q, ..)| *q == quantity) {
+            if let Some(of_entry) = touched.get_mut(place(*k, *i)) {
+                of_entry.push(n);
+            }
+        }
+    }
+    let speaks = |k: usize, i: usize| touched.get(place(k, i)).is_some_and(|of_entry| !of_entry.is_empty());
+    let is_touched = |mutant: &&Mutant| mutant.changes.iter().any(|(k, i, _)| speaks(*k, *i));
+    let mut changed: Vec<Option<f64>> = vec![None; 6 * width];
+    let mut score = Score::default();
+    let right = |q: Quantity, k: usize, i: usize| numbers.entries(q).get(k, i);
+    for mutant in mutants.iter().filter(is_touched).step_by(TRIED) {
+        for (k, i, x) in mutant.changes.iter() {
+            if let Some(entry) = changed.get_mut(place(*k, *i)) {
+                *entry = Some(*x);
+            }
+        }
+        let number = |q: Quantity, k: usize, i: usize| {
+            let new = if q == quantity { changed.get(place(k, i)).copied().flatten() } else { None };
+            new.or_else(|| right(q, k, i))
+        };
+        let mut asked: Vec<usize> = mutant
+            .changes
+            .iter()
+            .filter_map(|(k, i, _)| touched.get(place(*k, *i)))
+            .flatten()
+            .copied()
+            .collect();
+        asked.sort_unstable();
+        asked.dedup();
+        let asked: Vec<&Demand> = asked.into_iter().filter_map(|n| demands.get(n)).collect();
+        let noticed = asked.iter().any(|demand| demand.units_of(demand.sum(number)) > 1.0);
+        let change = || {
+            let of = |demand: &&Demand| match (demand.sum(number) - demand.sum(right)).abs() {
+                0.0 => 0.0,
+                moved => moved / demand.allowed,
+            };
+            asked.iter().map(of).fold(0.0, f64::max)
+        };
+        let what = || asked.first().map_or_else(String::new, |demand| demand.what.to_string());
+        score.count(mutant.mistake, noticed, change, what);
+        for (k, i, _) in mutant.changes.iter() {
+            if let Some(entry) = changed.get_mut(place(*k, *i)) {
+                *entry = None;
+            }
+        }
+    }
+    score
+}

@@ -1,0 +1,114 @@
+//! The law of power: rates and accelerations are those that the rows give along the motion, and the nodal forces do the work of the
+//! component forces.
+
+use super::{Context, Demand, What};
+use crate::audit::quantity::Quantity;
+use crate::catalog::{COMPONENT, FORCE, Loading};
+use crate::connector::{NodalRow, Output, Request, Tally};
+use crate::node::{self, DOFS};
+use crate::scalar::elementary::norm;
+use crate::vector::{dot, sub};
+
+impl Context<'_> {
+    pub(super) fn power(&self) -> Vec<Demand> {
+        let mut found = self.rates_along_rows();
+        found.extend(self.power_of_forces());
+        found
+    }
+
+    /// Whether the nodes move by a degree of freedom that changes something and has no column: rows do not tell of that.
+    fn moves_beside(&self, is_there: &[bool; DOFS], changes: impl Fn(usize) -> bool) -> bool {
+        let (v, a) = (&self.state.velocity, &self.state.acceleration);
+        (0..DOFS).any(|j| changes(j) && !is_there[j] && (v[j] != 0.0 || a[j] != 0.0))
+    }
+
+    fn rates_along_rows(&self) -> Vec<Demand> {
+        let mut found = Vec::new();
+        let (v, a) = (&self.state.velocity, &self.state.acceleration);
+        for (k, measure) in self.components() {
+            let beside = self.moves_beside(self.connector.active(), |j| self.depends(measure, j));
+            if measure.has_nodal_rates() || beside {
+                continue;
+            }
+            let name = COMPONENT[k];
+            let row = |rates: &NodalRow<f64>| {
+                let rates = *rates;
+                (0..DOFS)
+                    .map(move |j| (Quantity::FirstDerivatives, k, j, -rates[j]))
+                    .filter(|term| term.3 != 0.0)
+            };
+            let mut terms = vec![(Quantity::Rate, k, 0, 1.0)];
+            terms.extend(row(v));
+            found.push(self.sum(terms, 0.0, What::Said(format!("d{name}/dt is J q̇"))));
+            let mut terms = vec![(Quantity::Acceleration, k, 0, 1.0)];
+            terms.extend(row(a));
+            for j in 0..DOFS {
+                for l in 0..DOFS {
+                    if v[j] * v[l] != 0.0 {
+                        terms.push((Quantity::SecondDerivatives, k, j * DOFS + l, -v[j] * v[l]));
+                    }
+                }
+            }
+            found.push(self.sum(terms, 0.0, What::Said(format!("d²{name}/dt² is J q̈ + q̇ᵀ H q̇"))));
+        }
+        found
+    }
+
+    /// The nodal forces of a unit force times the nodal velocities are the rate that the force is conjugate to: that of its position;
+    /// of a moment about an axis that a carries, the relative rate of rotation about it; of a tension, the rate of the length and of
+    /// the flow.
+    fn power_of_forces(&self) -> Vec<Demand> {
+        let mut found = Vec::new();
+        let v = &self.state.velocity;
+        let asked = Request::new(&[Output::CV], [true; 6], 0);
+        let rates = self.connector.evaluate(
+            &self.state,
+            &self.increment,
+            &self.before,
+            &asked,
+            &mut Tally::default(),
+        );
+        let part = |at: usize| [v[at], v[at + 1], v[at + 2]];
+        for k in self.forces() {
+            let (Some(loading), Some(position)) =
+                (self.connector.connection().loading(k), self.connector.position_measure(k))
+            else {
+                continue;
+            };
+            if self.moves_beside(self.connector.reach(), |j| self.loads(k, j)) {
+                continue;
+            }
+            let mut terms: Vec<_> =
+                (0..DOFS).map(|j| (Quantity::NodalForces, k, j, v[j])).filter(|term| term.3 != 0.0).collect();
+            let mut want = 0.0;
+            match loading {
+                // Its rates are not those of its position.
+                Loading::Conjugate if position.has_nodal_rates() => continue,
+                Loading::Conjugate if self.measure(k) == Some(position) => {
+                    terms.push((Quantity::Rate, k, 0, -1.0));
+                }
+                Loading::Conjugate => match rates.velocity[k] {
+                    Some(rate) => want = rate,
+                    None => continue,
+                },
+                Loading::AlongA(_) | Loading::FrozenAxis(_) => {
+                    let Some(axis) = self.connector.moment_axis(k, &self.state.pair.a.triad) else {
+                        continue;
+                    };
+                    want = dot(axis, sub(part(node::THETA_B), part(node::THETA_A)));
+                }
+                Loading::Tension => {
+                    let d = self.state.pair.separation();
+                    let stretching = dot(d, sub(part(node::XB), part(node::XA))) / norm(d);
+                    want = stretching + v[node::PSI_B] - v[node::PSI_A];
+                }
+            }
+            let what = What::Said(format!("power of the nodal forces of {}", FORCE[k]));
+            let mut demand = self.sum(terms, want, what);
+            // Both sides are rounded.
+            demand.allowed *= 2.0;
+            found.push(demand);
+        }
+        found
+    }
+}

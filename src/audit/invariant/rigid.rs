@@ -1,0 +1,162 @@
+//! Laws of rigid motions: what a connector measures and loads is between its nodes.
+//!
+//! A node may have no rotations, or be the ground; a connector may lie in a plane. Each law is asked of a component for the motions
+//! that are there: those of which every degree of freedom by which the component changes is among its columns.
+
+use super::{Context, Demand, What};
+use crate::audit::case::{carried, turn};
+use crate::audit::quantity::{OneOrMany, Quantity};
+use crate::catalog::{COMPONENT, FORCE, Loading};
+use crate::measure::Measure;
+use crate::node;
+use crate::vector::{Vector, apply_transposed, cross};
+
+/// The places of both nodes' translations and rotations along an axis.
+const fn both(a: usize, b: usize, i: usize) -> [usize; 2] {
+    [a + i, b + i]
+}
+
+fn axis(i: usize) -> Vector<f64> {
+    let mut axis = [0.0; 3];
+    axis[i] = 1.0;
+    axis
+}
+
+impl Context<'_> {
+    /// Whether a rigid motion can change the component: the direction of a coincident AXIAL is fixed in space.
+    pub(super) fn is_fixed_in_space(&self, measure: Measure) -> bool {
+        matches!(measure, Measure::Distance) && self.state.pair.separation() == [0.0; 3]
+    }
+
+    /// The axes along which a rigid motion translates, and about which it turns: of a two-dimensional connector those of its plane.
+    const fn motions(&self) -> [&'static [usize]; 2] {
+        if self.case.definition.planar { [&[0, 1], &[2]] } else { [&[0, 1, 2], &[0, 1, 2]] }
+    }
+
+    /// The sums of a row along the rigid motions of which it has every column.
+    fn along_rigid_motions(
+        &self,
+        (quantity, k): (Quantity, usize),
+        is_there: impl Fn(usize) -> bool,
+        name: impl Fn(&str) -> String,
+    ) -> Vec<Demand> {
+        let separation = self.state.pair.separation();
+        let [along, about] = self.motions();
+        let mut found = Vec::new();
+        for i in along {
+            let columns = both(node::XA, node::XB, *i);
+            if columns.iter().all(|j| is_there(*j)) {
+                let terms = columns.map(|j| (quantity, k, j, 1.0)).to_vec();
+                found.push(self.sum(terms, 0.0, What::Said(name("translation"))));
+            }
+        }
+        for i in about {
+            let arm = cross(axis(*i), separation);
+            let mut terms = both(node::THETA_A, node::THETA_B, *i).map(|j| (quantity, k, j, 1.0)).to_vec();
+            terms.extend((0..3).map(|j| (quantity, k, node::XB + j, arm[j])));
+            terms.retain(|term| term.3 != 0.0);
+            if terms.iter().all(|(_, _, j, _)| is_there(*j)) {
+                found.push(self.sum(terms, 0.0, What::Said(name("rotation"))));
+            }
+        }
+        found
+    }
+
+    pub(super) fn rigid_modes(&self) -> Vec<Demand> {
+        let active = self.connector.active();
+        let components = self.components().filter(|(_, measure)| !self.is_fixed_in_space(*measure));
+        let of = |(k, measure): (usize, Measure)| {
+            self.along_rigid_motions(
+                (Quantity::FirstDerivatives, k),
+                |j| active[j] || !self.depends(measure, j),
+                |motion| format!("∂{} along a {motion}", COMPONENT[k]),
+            )
+        };
+        components.flat_map(of).collect()
+    }
+
+    /// Whether the force of component k loads a degree of freedom, as its declaration says.
+    pub(super) fn loads(&self, k: usize, j: usize) -> bool {
+        match self.connector.connection().loading(k) {
+            Some(Loading::Conjugate) => {
+                self.connector.position_measure(k).is_some_and(|measure| self.depends(measure, j))
+            }
+            Some(Loading::Tension) => match j % 7 {
+                3..=5 => false,
+                6 => self.connector.connection().flow[j / 7],
+                _ => true,
+            },
+            Some(Loading::AlongA(_) | Loading::FrozenAxis(_)) => matches!(j % 7, 3..=5),
+            None => false,
+        }
+    }
+
+    /// The components that have a force and are not on a singular set.
+    pub(super) fn forces(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..6)
+            .filter(|k| self.is_smooth[*k])
+            .filter(|k| self.numbers.entries(Quantity::NodalForces).0[*k].is_some())
+    }
+
+    /// Forces sum to zero, and so do moments about a: M_a + M_b + d × F_b.
+    pub(super) fn equilibrium(&self) -> Vec<Demand> {
+        let reach = self.connector.reach();
+        let is_fixed = |k: usize| {
+            self.connector.position_measure(k).is_some_and(|measure| self.is_fixed_in_space(measure))
+        };
+        let of = |k: usize| {
+            self.along_rigid_motions(
+                (Quantity::NodalForces, k),
+                |j| reach[j] || !self.loads(k, j),
+                |motion| {
+                    let what = if motion == "rotation" { "moments" } else { "forces" };
+                    format!("nodal {what} of {}", FORCE[k])
+                },
+            )
+        };
+        self.forces().filter(|k| !is_fixed(*k)).flat_map(of).collect()
+    }
+
+    pub(super) fn frame(&self) -> Vec<Demand> {
+        // A rotation that is far from every special one, about the third axis where the connector lies in a plane.
+        let rotation = turn(if self.case.definition.planar { [0.0, 0.0, 1.3] } else { [0.9, -1.3, 0.4] });
+        let mut state = self.state;
+        state.pair = carried(&self.state.pair, &rotation, [0.0; 3]);
+        let twin = self.evaluate(&self.connector, &state, &self.after);
+        let mut found = Vec::new();
+        for (k, measure) in self.components() {
+            if self.is_fixed_in_space(measure) {
+                continue;
+            }
+            // The turned inputs are rounded: three roundings in each direction.
+            let wider = |mut demand: Demand| {
+                demand.allowed *= 4.0;
+                demand
+            };
+            if let (Some(want), false) = (twin.entries(Quantity::Value).get(k, 0), measure.is_one_form()) {
+                let terms = OneOrMany::One([(Quantity::Value, k, 0, 1.0)]);
+                let what = What::Entry("", Quantity::Value, k, 0, " in turned axes");
+                found.push(wider(self.sum(terms, want, what)));
+            }
+            let vectors = [Quantity::FirstDerivatives, Quantity::NodalForces]
+                .into_iter()
+                .flat_map(|q| [node::XA, node::THETA_A, node::XB, node::THETA_B].map(|at| (q, at)));
+            for (quantity, at) in vectors {
+                let Some(row) = &twin.entries(quantity).0[k] else { continue };
+                let back = apply_transposed(&rotation, [row[at], row[at + 1], row[at + 2]]);
+                for (i, want) in back.into_iter().enumerate() {
+                    let terms = OneOrMany::One([(quantity, k, at + i, 1.0)]);
+                    let what = What::Entry("", quantity, k, at + i, " in turned axes");
+                    let mut demand = wider(self.sum(terms, want, what));
+                    // A component of a vector is as uncertain as the vector.
+                    demand.allowed = (0..3)
+                        .map(|j| 4.0 * self.tolerance(quantity, k, at + j))
+                        .sum::<f64>()
+                        .max(demand.allowed);
+                    found.push(demand);
+                }
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,161 @@
+//! Laws of twins: another connector, another history or a part of the request must give the same numbers.
+
+use super::{Context, Demand, What};
+use crate::audit::case::Case;
+use crate::audit::force::add_forces_of;
+use crate::audit::quantity::{Numbers, OneOrMany, Quantity, request_of};
+use crate::catalog::ConnectionType;
+use crate::connector::{Branch, Connector, Increment, NodalRow, Output, Request, State, Tally};
+use crate::measure::Measure;
+use crate::node::{DOFS, Pair};
+use crate::vector::scale;
+
+/// The sign that exchanged nodes give a measure: a length is the same, a rotation vector the opposite. Of others there is no such law.
+pub(super) const fn exchanged(measure: Measure) -> Option<f64> {
+    match measure {
+        Measure::Distance => Some(1.0),
+        Measure::RotationVector(_) => Some(-1.0),
+        _ => None,
+    }
+}
+
+impl Context<'_> {
+    /// The numbers of another connector or state, asked the same.
+    pub(super) fn evaluate(
+        &self,
+        connector: &Connector<f64>,
+        state: &State<f64>,
+        branch: &Branch<f64>,
+    ) -> Numbers<f64> {
+        asked(connector, state, &Increment::none(), branch, [true; 6])
+    }
+
+    pub(super) fn node_swap(&self) -> Vec<Demand> {
+        let mut found = Vec::new();
+        if !self.components().any(|(_, measure)| exchanged(measure).is_some()) {
+            return found;
+        }
+        let swap = |pair: &Pair<f64>| Pair { reference: scale(pair.reference, -1.0), a: pair.b, b: pair.a };
+        let rows = |x: &NodalRow<f64>| -> NodalRow<f64> { std::array::from_fn(|j| x[(j + DOFS / 2) % DOFS]) };
+        let mut definition = self.case.definition.clone();
+        definition.initial = swap(&definition.initial);
+        definition.moves.reverse();
+        definition.rotates.reverse();
+        let state = State {
+            pair: swap(&self.state.pair),
+            velocity: rows(&self.state.velocity),
+            acceleration: rows(&self.state.acceleration),
+        };
+        let mut branch = self.after;
+        branch.rotation_vector = scale(branch.rotation_vector, -1.0);
+        let twin = self.evaluate(&Connector::new(&definition), &state, &branch);
+        for (k, measure) in self.components() {
+            let Some(sign) = exchanged(measure) else { continue };
+            let Some(row) = &twin.entries(Quantity::FirstDerivatives).0[k] else { continue };
+            for j in 0..DOFS {
+                let terms = OneOrMany::One([(Quantity::FirstDerivatives, k, j, 1.0)]);
+                let what = What::Entry("", Quantity::FirstDerivatives, k, j, " with exchanged nodes");
+                let mut demand = self.sum(terms, sign * row[(j + DOFS / 2) % DOFS], what);
+                // The rotation vector's components are taken along a's directions before and b's after.
+                let block = j - j % 7 % 3;
+                let vector: f64 = (0..3)
+                    .filter(|i| block + i < DOFS)
+                    .map(|i| self.tolerance(Quantity::FirstDerivatives, k, block + i))
+                    .sum();
+                demand.allowed = 2.0 * demand.allowed.max(vector);
+                found.push(demand);
+            }
+        }
+        found
+    }
+
+    /// `twin` has the same numbers of `quantities` for `components`, bit for bit: none more and none fewer.
+    fn same(
+        &self,
+        twin: &Numbers<f64>,
+        quantities: &[Quantity],
+        components: std::ops::Range<usize>,
+        what: &'static str,
+    ) -> Vec<Demand> {
+        let mut found = Vec::new();
+        for quantity in quantities.iter().copied() {
+            for k in components.clone() {
+                let of = |numbers: &Numbers<f64>| numbers.entries(quantity).0[k].as_ref().map_or(0, Vec::len);
+                for i in 0..of(self.numbers).max(of(twin)) {
+                    let pair = [self.numbers, twin].map(|numbers| numbers.entries(quantity).get(k, i));
+                    // What is no number on either side is judged as such by others.
+                    if pair.iter().all(|x| x.is_some_and(|x| !x.is_finite())) {
+                        continue;
+                    }
+                    found.push(Demand {
+                        terms: OneOrMany::One([(quantity, k, i, 1.0)]),
+                        offset: 0.0,
+                        // A number that the twin lacks is one that nothing equals.
+                        want: pair[1].unwrap_or(f64::NAN),
+                        allowed: 0.0,
+                        what: What::Entry("", quantity, k, i, what),
+                    });
+                }
+            }
+        }
+        found
+    }
+
+    pub(super) fn halves(&self) -> Vec<Demand> {
+        let [Some(translational), Some(rotational)] = self.case.definition.connection.halves else {
+            return Vec::new();
+        };
+        let half = |half, range: std::ops::Range<usize>| {
+            let connection = ConnectionType::basic(half);
+            let mut definition = self.case.definition.clone();
+            definition.connection = connection.into();
+            let connector = Connector::<f64>::new(&definition);
+            let start = Case { definition, ..self.case.clone() }.branch_before(&connector);
+            let twin = asked(&connector, &self.state, &self.increment, &start, [true; 6]);
+            self.same(&twin, &Quantity::ALL, range, " of its half")
+        };
+        let mut found = half(translational, 0..3);
+        found.extend(half(rotational, 3..6));
+        found
+    }
+
+    pub(super) fn restored(&self) -> Vec<Demand> {
+        let saved = serde_json::to_string(&self.before).ok();
+        let restored: Option<Branch<f64>> = saved.and_then(|text| serde_json::from_str(&text).ok());
+        let branch = restored.unwrap_or_else(|| self.connector.initial_branch());
+        let again = asked(&self.connector, &self.state, &self.increment, &branch, [true; 6]);
+        self.same(&again, &Quantity::ALL, 0..6, " after a restored history")
+    }
+
+    /// One component asked for alone, with everything; and all components without second derivatives, rates and forces.
+    pub(super) fn restricted(&self) -> Vec<Demand> {
+        let mut found = Vec::new();
+        for k in (0..6).filter(|k| self.measure(*k).is_some()) {
+            let mut only = [false; 6];
+            only[k] = true;
+            let part = asked(&self.connector, &self.state, &self.increment, &self.before, only);
+            found.extend(self.same(&part, &Quantity::ALL, k..k + 1, " asked for alone"));
+        }
+        let rows = Request::new(&[Output::CU, Output::RES], [true; 6], 1);
+        let mut tally = Tally::default();
+        let part = self.connector.evaluate(&self.state, &self.increment, &self.before, &rows, &mut tally);
+        let both = [Quantity::Value, Quantity::FirstDerivatives];
+        found.extend(self.same(&Numbers::of(&part), &both, 0..6, " asked for without rates"));
+        found
+    }
+}
+
+/// The numbers of some components of a connector at a state, with forces.
+fn asked(
+    connector: &Connector<f64>,
+    state: &State<f64>,
+    increment: &Increment<f64>,
+    branch: &Branch<f64>,
+    components: [bool; 6],
+) -> Numbers<f64> {
+    let request = request_of(components);
+    let evaluation = connector.evaluate(state, increment, branch, &request, &mut Tally::default());
+    let mut numbers = Numbers::of(&evaluation);
+    add_forces_of(&mut numbers, connector, state, &evaluation.branch, components);
+    numbers
+}
