@@ -4,6 +4,7 @@
 mod assembly; // what assemblies of known mobility can do
 mod audit; // whether the audit notices what is wrong, and nothing else
 mod audit_command; // the audit and replay through the command line: exit codes, formats, counter-examples
+mod audit_counterexample; // counter-examples of constraints, frictions and slopes
 mod audit_evidence; // whether nothing passes without evidence, and nothing hides behind a kink
 mod audit_friction; // whether friction of scenes is audited, along its history
 mod audit_laws; // whether the laws are asked of every connector, and speak

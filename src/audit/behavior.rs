@@ -2,11 +2,14 @@
 
 use super::case::Case;
 use super::engine::Settings;
+use super::failing::Failing;
 use super::mutant::Mistake;
 use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sheet::{Change, Entry, Sheet};
+use crate::behavior::damping::Damping;
+use crate::behavior::elasticity::Elasticity;
 use crate::behavior::state::Behavior;
 use crate::behavior::{Conditions, Motion, Unknown};
 use crate::catalog::{COMPONENT, FORCE};
@@ -65,6 +68,20 @@ pub struct Slopes {
     pub lacks: bool,
 }
 
+/// Springs and dampers at a motion.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlopesCase {
+    /// The state, in words.
+    pub(super) name: String,
+    elasticity: Elasticity,
+    damping: Damping,
+    motion: Motion<f64>,
+    conditions: Conditions,
+    /// The size of lengths.
+    length: f64,
+}
+
 /// Judges the slopes at the end of a case; `None` where there are none. Undecided where a force depends on what is not given.
 pub(super) fn audit_behavior(
     case: &Case,
@@ -75,101 +92,126 @@ pub(super) fn audit_behavior(
     if !settings.oracles.contains(&Oracle::WideDifferences) {
         return None;
     }
-    let Slopes { mut sheet, lacks } = slopes(case, behavior)?;
-    if let Some(planted) = settings.planted {
-        planted.spoil_sheet(&mut sheet);
-    }
-    let mut check = Check::new(Some(Quantity::BehaviorTangent), Against::Oracle(Oracle::WideDifferences));
-    if !sheet.entries.is_empty() {
-        // No case: a counter-example holds a connector without its behaviour.
-        check = sheet.check(1.0, proves, &case.name, None);
-    }
-    if lacks {
-        check.add_undecided(LACKS, &case.name);
-    }
-    (!check.states.is_empty()).then_some(check)
+    SlopesCase::of(case, behavior)?.audit(settings, proves)
 }
 
 /// The slopes at the end of a case; `None` where nothing acts or all of it is rigid, or on a kink of a table, where there are two
 /// slopes.
 pub fn slopes(case: &Case, behavior: &Behavior) -> Option<Slopes> {
-    let acts =
-        [behavior.elasticity.components(), behavior.damping.components()].as_flattened().contains(&true);
-    if !acts {
-        return None;
+    SlopesCase::of(case, behavior)?.slopes()
+}
+
+impl SlopesCase {
+    /// The end of a case; `None` where nothing acts.
+    fn of(case: &Case, behavior: &Behavior) -> Option<Self> {
+        let acts = [behavior.elasticity.components(), behavior.damping.components()];
+        if !acts.as_flattened().contains(&true) {
+            return None;
+        }
+        let asked = Request::new(&[Output::CP, Output::CCU, Output::CV], [true; 6], 0);
+        let (evaluation, _) = case.evaluation(&asked)?;
+        let value = |of: [Option<f64>; 6]| of.map(Option::unwrap_or_default);
+        Some(Self {
+            name: case.name.clone(),
+            elasticity: behavior.elasticity.clone(),
+            damping: behavior.damping.clone(),
+            motion: Motion {
+                position: value(evaluation.position),
+                constitutive: value(evaluation.constitutive),
+                velocity: value(evaluation.velocity),
+            },
+            conditions: Conditions::default(),
+            length: case.length,
+        })
     }
-    let asked = Request::new(&[Output::CP, Output::CCU, Output::CV], [true; 6], 0);
-    let (evaluation, _) = case.evaluation(&asked)?;
-    let value = |of: [Option<f64>; 6]| of.map(Option::unwrap_or_default);
-    let motion = Motion {
-        position: value(evaluation.position),
-        constitutive: value(evaluation.constitutive),
-        velocity: value(evaluation.velocity),
-    };
-    let conditions = Conditions::default();
-    let on_kink = !behavior.elasticity.kinks(&motion, &conditions).is_empty()
-        || !behavior.damping.kinks(&motion, &conditions).is_empty();
-    if on_kink {
-        return None;
+
+    /// The check at this motion.
+    pub(super) fn audit(&self, settings: &Settings, proves: bool) -> Option<Check> {
+        let Slopes { mut sheet, lacks } = self.slopes()?;
+        if let Some(planted) = settings.planted {
+            planted.spoil_sheet(&mut sheet);
+        }
+        let mut check = Check::new(Some(Quantity::BehaviorTangent), Against::Oracle(Oracle::WideDifferences));
+        if !sheet.entries.is_empty() {
+            check = sheet.check(1.0, proves, &self.name, None);
+            check.fails_at(|| Failing::Slopes(Box::new(self.clone())));
+        }
+        if lacks {
+            check.add_undecided(LACKS, &self.name);
+        }
+        (!check.states.is_empty()).then_some(check)
     }
-    // Without temperature and fields some forces are not known: their slopes are not judged, and that is said.
-    let laws =
-        [behavior.elasticity.forces(&motion, &conditions), behavior.damping.forces(&motion, &conditions)];
-    let is_known = |i: usize| laws.iter().all(|law| law.unknown[i].is_none());
-    let lacks =
-        |law: &crate::behavior::Forces<f64>| law.unknown.iter().flatten().any(|why| *why != Unknown::Rigid);
-    let tangent = behavior.tangent(&motion, &conditions, None, [false; 6]);
-    let size = |k: usize, x: f64| x.abs().max(if k < 3 { case.length } else { 1.0 });
-    let forces = |of_velocity: bool, j: usize, h: Wide| -> [Wide; 6] {
-        let wide = |x: [f64; 6]| x.map(Wide::from_f64);
-        let mut moved = Motion {
-            position: wide(motion.position),
-            constitutive: wide(motion.constitutive),
-            velocity: wide(motion.velocity),
+
+    fn slopes(&self) -> Option<Slopes> {
+        let Self { motion, conditions, .. } = self;
+        let mut behavior = Behavior::default();
+        (behavior.elasticity, behavior.damping) = (self.elasticity.clone(), self.damping.clone());
+        let on_kink = !behavior.elasticity.kinks(motion, conditions).is_empty()
+            || !behavior.damping.kinks(motion, conditions).is_empty();
+        if on_kink {
+            return None;
+        }
+        // Without temperature and fields some forces are not known: their slopes are not judged, and that is said.
+        let laws =
+            [behavior.elasticity.forces(motion, conditions), behavior.damping.forces(motion, conditions)];
+        let is_known = |i: usize| laws.iter().all(|law| law.unknown[i].is_none());
+        let lacks = |law: &crate::behavior::Forces<f64>| {
+            law.unknown.iter().flatten().any(|why| *why != Unknown::Rigid)
         };
-        if of_velocity {
-            moved.velocity[j] += h;
-        } else {
-            moved.position[j] += h;
-            moved.constitutive[j] += h;
+        let tangent = behavior.tangent(motion, conditions, None, [false; 6]);
+        let size = |k: usize, x: f64| x.abs().max(if k < 3 { self.length } else { 1.0 });
+        let forces = |of_velocity: bool, j: usize, h: Wide| -> [Wide; 6] {
+            let wide = |x: [f64; 6]| x.map(Wide::from_f64);
+            let mut moved = Motion {
+                position: wide(motion.position),
+                constitutive: wide(motion.constitutive),
+                velocity: wide(motion.velocity),
+            };
+            if of_velocity {
+                moved.velocity[j] += h;
+            } else {
+                moved.position[j] += h;
+                moved.constitutive[j] += h;
+            }
+            behavior.forces(&moved, conditions)
+        };
+        let still = forces(false, 0, Wide::from_f64(0.0));
+        let mut sheet = Sheet::new(Quantity::BehaviorTangent);
+        let motions = [false, true].into_iter().flat_map(|of_velocity| (0..6).map(move |j| (of_velocity, j)));
+        let motions: Vec<(bool, usize)> = motions.collect();
+        sheet.columns = motions
+            .iter()
+            .map(|(of_velocity, j)| format!("{}({})", if *of_velocity { "v" } else { "u" }, COMPONENT[*j]))
+            .collect();
+        let of = |(of_velocity, j): (bool, usize)| {
+            let size = size(j, if of_velocity { motion.velocity[j] } else { motion.constitutive[j] });
+            let h = Wide::from_f64(STEP * size);
+            let (plus, minus) = (forces(of_velocity, j, h), forces(of_velocity, j, -h));
+            (size, [0, 1, 2, 3, 4, 5].map(|i| (plus[i] - minus[i]) / (h + h)))
+        };
+        let wanted: Vec<(f64, [Wide; 6])> = motions.iter().map(|motion| of(*motion)).collect();
+        for i in (0..6).filter(|i| is_known(*i)) {
+            sheet.rows.push(format!("∂{}", FORCE[i]));
+            for (column, ((of_velocity, j), (size, want))) in motions.iter().zip(&wanted).enumerate() {
+                let slopes = if *of_velocity { &tangent.velocity } else { &tangent.displacement };
+                sheet.entries.push(Entry {
+                    name: format!("∂{}/∂{}", FORCE[i], sheet.columns[column]),
+                    got: slopes[i][*j],
+                    want: want[i],
+                    scale: still[i].to_f64().abs() / size + want[i].to_f64().abs(),
+                    class: (i / 3, column / 3, 0),
+                    error: 0.0,
+                    sides: None,
+                });
+            }
         }
-        behavior.forces(&moved, &conditions)
-    };
-    let still = forces(false, 0, Wide::from_f64(0.0));
-    let mut sheet = Sheet::new(Quantity::BehaviorTangent);
-    let motions = [false, true].into_iter().flat_map(|of_velocity| (0..6).map(move |j| (of_velocity, j)));
-    let motions: Vec<(bool, usize)> = motions.collect();
-    sheet.columns = motions
-        .iter()
-        .map(|(of_velocity, j)| format!("{}({})", if *of_velocity { "v" } else { "u" }, COMPONENT[*j]))
-        .collect();
-    let of = |(of_velocity, j): (bool, usize)| {
-        let size = size(j, if of_velocity { motion.velocity[j] } else { motion.constitutive[j] });
-        let h = Wide::from_f64(STEP * size);
-        let (plus, minus) = (forces(of_velocity, j, h), forces(of_velocity, j, -h));
-        (size, [0, 1, 2, 3, 4, 5].map(|i| (plus[i] - minus[i]) / (h + h)))
-    };
-    let wanted: Vec<(f64, [Wide; 6])> = motions.iter().map(|motion| of(*motion)).collect();
-    for i in (0..6).filter(|i| is_known(*i)) {
-        sheet.rows.push(format!("∂{}", FORCE[i]));
-        for (column, ((of_velocity, j), (size, want))) in motions.iter().zip(&wanted).enumerate() {
-            let slopes = if *of_velocity { &tangent.velocity } else { &tangent.displacement };
-            sheet.entries.push(Entry {
-                name: format!("∂{}/∂{}", FORCE[i], sheet.columns[column]),
-                got: slopes[i][*j],
-                want: want[i],
-                scale: still[i].to_f64().abs() / size + want[i].to_f64().abs(),
-                class: (i / 3, column / 3, 0),
-                error: 0.0,
-                sides: None,
-            });
-        }
+        let rows: Vec<usize> = (0..6).filter(|i| is_known(*i)).collect();
+        let secants = |i: usize| {
+            let (elastic, viscous) =
+                (laws[0].value[i].unwrap_or(f64::NAN), laws[1].value[i].unwrap_or(f64::NAN));
+            [(i, elastic / motion.constitutive[i]), (6 + i, viscous / motion.velocity[i])]
+        };
+        sheet.mistakes = mistakes(&sheet, &rows, &secants);
+        Some(Slopes { sheet, lacks: laws.iter().any(lacks) })
     }
-    let rows: Vec<usize> = (0..6).filter(|i| is_known(*i)).collect();
-    let secants = |i: usize| {
-        let (elastic, viscous) = (laws[0].value[i].unwrap_or(f64::NAN), laws[1].value[i].unwrap_or(f64::NAN));
-        [(i, elastic / motion.constitutive[i]), (6 + i, viscous / motion.velocity[i])]
-    };
-    sheet.mistakes = mistakes(&sheet, &rows, &secants);
-    Some(Slopes { sheet, lacks: laws.iter().any(lacks) })
 }

@@ -2,6 +2,7 @@
 //! machine sees the same state.
 
 use super::case::{Case, Step};
+use super::failing::Failing;
 use super::hex::Hex;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
@@ -138,6 +139,9 @@ pub enum ReplayError {
         /// How many there must be.
         wanted: usize,
     },
+    /// Values that make nothing that can be judged.
+    #[error("its values: {0}")]
+    Values(String),
     /// A number that is infinite or not a number.
     #[error("a value is not finite")]
     NotFinite,
@@ -286,9 +290,11 @@ impl ConnectorValues {
 }
 
 impl CounterExample {
-    /// Of a check that failed; `None` for one that did not.
+    /// Of a check of a connector that failed; `None` for any other.
     pub fn of(check: &Check, subject: &str) -> Option<Self> {
-        let (case, worst) = (check.failing.as_ref()?, check.worst.as_ref()?);
+        let (Failing::Connector(case), worst) = (check.failing.as_deref()?, check.worst.as_ref()?) else {
+            return None;
+        };
         Some(Self {
             schema: SCHEMA.to_string(),
             version: crate::VERSION.to_string(),

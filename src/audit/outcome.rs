@@ -4,15 +4,14 @@ use super::atlas::Approach;
 use super::bound::C;
 use super::case::Case;
 use super::certificate::Certificate;
-use super::counterexample::CounterExample;
 use super::diagnosis::{Diagnosis, Symptoms, diagnose};
-use super::engine::{Settings, audit_case};
+use super::engine::Settings;
+use super::failing::{Example, Failing};
 use super::illustration::Comparison;
 use super::invariant::Invariant;
 use super::model::ModelReport;
 use super::oracle::Oracle;
 use super::quantity::{Entries, Quantity};
-use super::shrink::shrink;
 use super::verdict::{Finding, Judgement, Score, Verdict, Wanted};
 use crate::connector::Connector;
 use serde::Serialize;
@@ -75,9 +74,9 @@ pub struct Check {
     /// The matrix of first derivatives at the worst state, where it is wrong.
     #[serde(skip)]
     pub comparison: Option<Box<Comparison>>,
-    /// The case of the worst mismatch, for a counter-example.
+    /// What fails worst, for a counter-example.
     #[serde(skip)]
-    pub failing: Option<Box<Case>>,
+    pub failing: Option<Box<Failing>>,
 }
 
 impl Check {
@@ -116,6 +115,13 @@ impl Check {
             Score::default(),
             case,
         );
+    }
+
+    /// Keeps what was judged, where it failed.
+    pub(super) fn fails_at(&mut self, failing: impl FnOnce() -> Failing) {
+        if self.verdict.is_mismatch() {
+            self.failing = Some(Box::new(failing()));
+        }
     }
 
     /// Adds a state of which nobody can say what a number must be, and why.
@@ -164,7 +170,7 @@ impl Check {
             self.worst = judgement.worst;
             self.worst_state = Some(state.to_string());
             if judgement.verdict.is_mismatch() {
-                self.failing = case.map(|case| Box::new(case.clone()));
+                self.failing = case.map(|case| Box::new(Failing::Connector(Box::new(case.clone()))));
             }
         }
         self.verdict = self.verdict.max(judgement.verdict);
@@ -413,22 +419,35 @@ impl Report {
         laws.into_iter().filter(|(_, found)| is_blind(*found)).map(|(law, _)| law).collect()
     }
 
-    /// A counter-example for every failed check of an oracle, by file name, shrunk to the simplest values that still fail.
-    pub fn counter_examples(&self) -> Vec<(String, CounterExample)> {
-        let mut found: Vec<(String, CounterExample)> = Vec::new();
+    /// A counter-example for every failed check, by file name, shrunk to the simplest values that still fail.
+    pub fn counter_examples(&self) -> Vec<(String, Example)> {
+        let mut found: Vec<(String, Example)> = Vec::new();
         for subject in &self.subjects {
             let failed = subject.checks.iter().filter(|check| check.verdict.is_mismatch());
             for (i, check) in failed.enumerate() {
-                let Some(case) = &check.failing else { continue };
-                let same = |case: &Case| {
-                    let checks = audit_case(case, &self.settings, true, 0);
+                let Some(failing) = &check.failing else { continue };
+                // Of what is no connector, sheets of other oracles are made apart.
+                let oracles = match (check.against, failing.as_ref()) {
+                    (Against::Oracle(oracle), other) if !matches!(other, Failing::Connector(_)) => {
+                        [oracle].into()
+                    }
+                    _ => self.settings.oracles.clone(),
+                };
+                let settings = Settings { oracles, ..self.settings.clone() };
+                // Values of which nobody can say what they make fail for another reason.
+                let is_told = |check: &Check| {
+                    check.worst.as_ref().is_some_and(|w| w.want.is_finite() && w.tolerance.is_finite())
+                };
+                let same = |failing: &Failing| {
+                    let checks = failing.checks(&settings, false);
                     checks.into_iter().find(|other| {
                         (other.quantity, other.against) == (check.quantity, check.against)
                             && other.verdict == check.verdict
+                            && (is_told(other) || !is_told(check))
                     })
                 };
-                let small = shrink(case, &|case| same(case).is_some());
-                let example = CounterExample::of(same(&small).as_ref().unwrap_or(check), &subject.name);
+                let small = failing.shrunk(&|failing| same(failing).is_some());
+                let example = Example::of(same(&small).as_ref().unwrap_or(check), &subject.name);
                 let words: String = subject
                     .name
                     .chars()
@@ -443,8 +462,8 @@ impl Report {
         found
     }
 
-    /// Subjects with mismatches of which there is no counter-example: those of multi-point constraints, frictions and slopes of
-    /// behaviour, which a file of a connector alone does not hold; each with the kinds of numbers.
+    /// Subjects with mismatches of which there is no counter-example: those of all forces of a connector together, which follow from
+    /// more than a state; each with the kinds of numbers.
     pub fn without_counter_example(&self) -> Vec<(String, Vec<Quantity>)> {
         let of = |subject: &Subject| {
             let failed = subject.checks.iter().filter(|check| check.verdict.is_mismatch());

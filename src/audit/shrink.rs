@@ -69,7 +69,7 @@ pub fn shrink(case: &Case, fails: &dyn Fn(&Case) -> bool) -> Case {
 }
 
 /// Candidates for a simpler number, the simplest first.
-fn simpler(x: f64) -> Vec<f64> {
+pub(super) fn simpler(x: f64) -> Vec<f64> {
     let mut found: Vec<f64> = [0.0, 1.0, -1.0, 0.5, -0.5].to_vec();
     for bits in [4, 8, 16, 26] {
         let mask = !((1u64 << (52 - bits)) - 1);
@@ -80,7 +80,7 @@ fn simpler(x: f64) -> Vec<f64> {
 }
 
 /// How many significant bits a number has.
-fn bits_of(x: f64) -> u32 {
+pub(super) fn bits_of(x: f64) -> u32 {
     if x == 0.0 { 0 } else { 53 - (x.to_bits() | 1 << 52).trailing_zeros().min(52) }
 }
 

@@ -13,7 +13,7 @@ use crate::scalar::{Real, Scalar};
 use crate::scene::{self, DampingKind, Diagnostic, TableOptions};
 
 /// All dampings of a behaviour.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Damping {
     laws: Vec<Law>,
     structural: usize,

@@ -17,7 +17,7 @@ use crate::scalar::{Real, Scalar};
 use crate::scene::{self, Diagnostic, TableOptions};
 
 /// All elasticities of a behaviour.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Elasticity {
     laws: Vec<Law>,
 }

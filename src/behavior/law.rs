@@ -7,7 +7,7 @@ use crate::scalar::{Real, Scalar};
 use crate::scene::{self, Basis, Code, Diagnostic, Extrapolation, Independent, Row, Span, TableOptions};
 
 /// What drives a law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) enum Driver {
     /// The constitutive displacement.
     Displacement,
@@ -32,7 +32,7 @@ impl Driver {
 }
 
 /// What a column of a nonlinear table holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 enum Axis {
     /// The driver of the component itself.
     Own,
@@ -43,7 +43,7 @@ enum Axis {
 }
 
 /// One law.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 enum Kind {
     /// F_k = c x_k; column: frequency.
     Linear { component: usize, table: Table },
@@ -56,7 +56,7 @@ enum Kind {
 }
 
 /// A law of elasticity or damping, for one connection type.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct Law {
     kind: Kind,
     driver: Driver,

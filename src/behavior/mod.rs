@@ -38,7 +38,7 @@ use serde::Serialize;
 use table::Variable;
 
 /// The motion of the available components; zero for the others.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Motion<S> {
     /// Positions (CP), of all components.
     pub position: [S; 6],
@@ -49,7 +49,7 @@ pub struct Motion<S> {
 }
 
 /// What forces depend on besides motions. The default is that nothing of it is known.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Conditions {
     /// The temperature.
     pub temperature: Option<f64>,

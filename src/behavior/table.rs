@@ -21,7 +21,7 @@ use crate::scene::{Code, Diagnostic, Extrapolation, Row, Span};
 use std::cell::Cell;
 
 /// An independent variable of a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Variable {
     /// The column at this place (from 0) after the dependent values.
     Column(usize),
@@ -58,7 +58,7 @@ enum Side {
 }
 
 /// A dependent value for each output, or blocks by the values of one variable.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 enum Block {
     Values(Vec<f64>),
     Along { at: Vec<f64>, blocks: Vec<Block> },
@@ -78,7 +78,7 @@ enum Block {
 /// assert_eq!((kinks[0].left, kinks[0].right), (0.0, 1.0e5));
 /// # Ok::<(), pintle::scene::Diagnostic>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Table {
     /// The variables, fastest first, and whether more than one value of each is given.
     variables: Vec<(Variable, bool)>,

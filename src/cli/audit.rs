@@ -357,8 +357,7 @@ fn save(folder: &Path, report: &Report) -> Result<(), Failure> {
     for (subject, kinds) in report.without_counter_example() {
         let kinds: Vec<&str> = kinds.into_iter().map(Quantity::name).collect();
         anstream::eprintln!(
-            "note: no counter-example of {subject}: {}; the file has a place for a connector alone, not for constraints, frictions and \
-             behaviours: audit the scene again instead",
+            "note: no counter-example of {subject}: {}; these follow from more than a state: audit the scene again instead",
             kinds.join(", ")
         );
     }

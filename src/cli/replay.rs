@@ -3,7 +3,7 @@
 use super::audit::{AuditFormat, Plant};
 use super::{Failure, convert};
 use clap::{Args, ValueEnum};
-use pintle::audit::{Case, CounterExample, ExportError, Planted, Settings, audit_cases};
+use pintle::audit::{CounterExample, Example, ExportError, Planted, Settings};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -66,37 +66,45 @@ fn export(form: Form, example: &CounterExample, name: &str, output: Option<&Path
 
 /// Judges the state of a counter-example again, by every oracle, or writes it in another form.
 pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
-    let name = arguments.file.display();
+    let name = arguments.file.display().to_string();
     let text = fs::read_to_string(&arguments.file)
         .map_err(|error| Failure::Input(format!("cannot read {name}: {error}")))?;
-    let example: CounterExample = serde_json::from_str(&text).map_err(|error| {
+    let example = Example::read(&text).map_err(|error| {
         Failure::Input(format!("{name} is no counter-example, as --counter-examples writes it: {error}"))
     })?;
-    let case: Case =
-        example.case().map_err(|error| Failure::Input(format!("{name} cannot be replayed: {error}")))?;
+    let failing =
+        example.failing().map_err(|error| Failure::Input(format!("{name} cannot be replayed: {error}")))?;
     if let Some(form) = arguments.export {
-        return export(form, &example, &name.to_string(), arguments.output.as_deref());
+        return match &example {
+            Example::Connector(example) => export(form, example, &name, arguments.output.as_deref()),
+            Example::Other(recorded) => Err(Failure::Input(format!(
+                "{name} cannot be exported: only the state of a connector is a Rust test, a JAX script or a deck, and this is one of a \
+                 {}; judge it by `pintle replay` alone",
+                recorded.kind.name()
+            ))),
+        };
     }
     if matches!(arguments.format, AuditFormat::Human) {
+        let (subject, version, entry, against, numbers) = match &example {
+            Example::Connector(e) => {
+                (&e.subject, &e.version, &e.entry, &e.against, [e.got, e.want, e.tolerance])
+            }
+            Example::Other(e) => (&e.subject, &e.version, &e.entry, &e.against, [e.got, e.want, e.tolerance]),
+        };
+        let [got, want, tolerance] = numbers;
+        let entry = if entry.is_empty() { "no entry" } else { entry };
         let mut out = BufWriter::new(anstream::stdout().lock());
         writeln!(
             out,
-            "{name}: {} by {} of version {}: {} against {}\n  given {}, must be {}, tolerance {}\n",
-            case.definition.connection.name,
-            example.subject,
-            example.version,
-            if example.entry.is_empty() { "no entry" } else { &example.entry },
-            example.against,
-            example.got,
-            example.want,
-            example.tolerance
+            "{name}: {} by {subject} of version {version}: {entry} against {against}\n  given {got}, must be {want}, tolerance \
+             {tolerance}\n",
+            failing.title()
         )?;
         out.flush()?;
     }
     let planted = arguments.plant.map(Planted::from);
     let settings = Settings { wide_states: 1, atlas: false, planted, ..Settings::default() };
-    let title = format!("{} now", case.definition.connection.name);
-    let report = audit_cases(&settings, &[(title, vec![case])], &|_| {});
+    let report = failing.audit(&settings);
     super::audit::write(arguments.format, true, &report)?;
     super::audit::verdict(false, &report)
 }

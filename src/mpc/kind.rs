@@ -5,7 +5,7 @@ use crate::measure::{SingularClass, SingularSet, Unit};
 use serde::Serialize;
 
 /// The type of a multi-point constraint (keyword *MPC).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, serde::Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Kind {
     /// A rigid beam.

@@ -85,7 +85,8 @@ pub type Dofs<R> = [R; DOFS];
 pub type Rows<T> = [Option<T>; ROWS];
 
 /// A multi-point constraint on numbers of type R.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(bound(serialize = "R: serde::Serialize", deserialize = "R: serde::Deserialize<'de>"))]
 pub struct Constraint<R: Differentiable> {
     kind: Kind,
     /// X_S − X_M.
@@ -96,7 +97,7 @@ pub struct Constraint<R: Differentiable> {
 }
 
 /// One of the nodes S and M at one instant.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Body<R> {
     /// u.
     pub displacement: Vector<R>,
@@ -107,7 +108,7 @@ pub struct Body<R> {
 }
 
 /// The nodes of a constraint at one instant.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct State<R> {
     /// S.
     pub slave: Body<R>,
@@ -139,7 +140,7 @@ impl<R: Real> State<R> {
 }
 
 /// How S turned against M since the state before, global components (rad).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Turning<R> {
     /// Whole turns, of S less those of M: what rotation vectors beyond half a turn tell besides the rotations.
     pub whole: Vector<R>,

@@ -8,6 +8,7 @@ use super::increment::{branch_of, exact_state, forced};
 use super::solve::{Unsolved, root};
 use super::{Judged, checks, reach};
 use crate::audit::engine::Settings;
+use crate::audit::failing::Failing;
 use crate::audit::mutant::Mistake;
 use crate::audit::oracle::Oracle;
 use crate::audit::outcome::Check;
@@ -30,9 +31,11 @@ const INPUTS: [&str; 5] = ["Δu2", "T1", "T2", "α", "Δt"];
 const POINT: [&str; 3] = ["T1", "T2", "α"];
 
 /// A belt at an increment.
-pub(super) struct BeltCase {
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BeltCase {
     /// The state, in words.
-    pub(super) name: String,
+    pub(in crate::audit) name: String,
     pub(super) belt: Belt,
     pub(super) before: State<f64>,
     pub(super) flow: f64,
@@ -54,11 +57,13 @@ fn flat<R: Copy>(tangent: &BeltTangent<R>) -> Vec<Vec<R>> {
 
 impl BeltCase {
     /// All checks at this state.
-    pub(super) fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
+    pub(in crate::audit) fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
         let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
         let mut sheets = self.criterion_sheets(settings, wide, outcome.coefficient);
         sheets.extend(self.increment_sheets(settings, wide, &outcome, &tangent));
-        checks(sheets, settings, &self.name, proves)
+        let mut found = checks(sheets, settings, &self.name, proves);
+        found.iter_mut().for_each(|check| check.fails_at(|| Failing::Belt(Box::new(self.clone()))));
+        found
     }
 
     fn sizes(&self) -> [f64; 3] {

@@ -104,6 +104,14 @@ impl FrictionCase {
         })
     }
 
+    /// How the limit changes with slip, about: for the scale of rounding.
+    fn limit_slope(&self, outcome: &Outcome<f64>) -> f64 {
+        const STEP: f64 = 1e-6;
+        let slip = outcome.slip_increment;
+        let limit = |slip: f64| self.friction.limit_after(&self.before, &self.input(0, 0.0), slip)[1];
+        if slip > 0.0 { (limit(slip * (1.0 + STEP)) - limit(slip)) / (slip * STEP) } else { 0.0 }
+    }
+
     /// The magnitudes of what results are formed from: themselves, and of forces and slip the shift of a potential.
     fn magnitudes(&self, outcome: &Outcome<f64>) -> Vec<f64> {
         let shift = self.shift();
@@ -114,6 +122,7 @@ impl FrictionCase {
         let flexibility = outcome.stick_stiffness.map_or(0.0, |stiffness| stiffness.recip());
         if shift > 0.0 && flexibility.is_finite() {
             found[6] += shift * flexibility;
+            found[8] += self.limit_slope(outcome).abs() * shift * flexibility;
         }
         found.to_vec()
     }

@@ -20,9 +20,11 @@ mod scene;
 mod solve;
 mod total;
 
+pub(super) use belt::BeltCase;
 pub(super) use scene::{Slipping, audit_slipping, drawn, slipping};
 
 use super::engine::Settings;
+use super::failing::Failing;
 use super::mutant::Mistake;
 use super::oracle::Oracle;
 use super::outcome::Check;
@@ -37,7 +39,8 @@ use crate::catalog::{ConnectionType, Contact};
 use crate::scalar::Real;
 
 /// A friction at given forces, and an increment of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FrictionCase {
     /// The state, in words.
     name: String,
@@ -158,10 +161,12 @@ impl FrictionCase {
     }
 
     /// All checks at this state: those on 237 bits if `wide`, with mutants if it `proves`.
-    fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
+    pub(super) fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
         let mut sheets = self.criterion_sheets(settings, wide);
         sheets.extend(self.increment_sheets(settings, wide));
-        checks(sheets, settings, &self.name, proves)
+        let mut found = checks(sheets, settings, &self.name, proves);
+        found.iter_mut().for_each(|check| check.fails_at(|| Failing::Friction(Box::new(self.clone()))));
+        found
     }
 
     fn context<R: Real>(&self) -> Context<'_, R> {

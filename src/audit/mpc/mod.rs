@@ -9,6 +9,7 @@ mod mistakes;
 use super::bound::scales;
 use super::case::turn;
 use super::engine::Settings;
+use super::failing::Failing;
 use super::oracle::Oracle;
 use super::outcome::Check;
 use super::quantity::Quantity;
@@ -30,7 +31,8 @@ const FIRST_STEP: f64 = 1e-25;
 const SECOND_STEP: f64 = 1e-18;
 
 /// A constraint at a state.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MpcCase {
     /// The constraint and the state, in words.
     pub name: String,
@@ -94,7 +96,10 @@ impl MpcCase {
         };
         let mut checks: Vec<Check> =
             sheets.iter().map(|sheet| sheet.check(nearness, proves, &self.name, None)).collect();
-        checks.iter_mut().for_each(|check| check.name_stage(|| stage));
+        for check in &mut checks {
+            check.name_stage(|| stage);
+            check.fails_at(|| Failing::Mpc(Box::new(self.clone())));
+        }
         checks
     }
 

@@ -23,7 +23,7 @@ use crate::vector::{Vector, cross, dot, sub};
 use serde::Serialize;
 
 /// The friction of a belt around a ring.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Belt {
     /// μ. A table's contact force is the smaller tension.
     pub coefficient: Coefficient,

@@ -8,7 +8,7 @@ use crate::scalar::elementary::exp;
 use crate::scalar::{Real, Scalar};
 
 /// μ as `*FRICTION` gives it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Coefficient {
     /// A number.
     Constant(f64),

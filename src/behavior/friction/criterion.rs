@@ -14,7 +14,7 @@ use crate::scene::Basis;
 use crate::vector::{cross, dot};
 
 /// What slides: P(f), the magnitude of the tangential tractions.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Tangential {
     /// √(Σ (f_k/R_k)²), R_k = 1 where there is none: the components (from 0) and their radii.
     Norm(Vec<(usize, f64)>),
@@ -23,7 +23,7 @@ pub enum Tangential {
 }
 
 /// What presses: F_C.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Pressing {
     /// Nothing: an internal contact force alone.
     Nothing,
@@ -36,17 +36,49 @@ pub enum Pressing {
 }
 
 /// One term of a predefined contact force: number · Π times / over · magnitude.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Term {
     number: i32,
     times: Vec<f64>,
     over: Option<f64>,
+    #[serde(with = "catalogued")]
     load: Load,
     present: [bool; 6],
 }
 
+/// A load in a file: that of the catalogue which reads the same.
+mod catalogued {
+    use crate::catalog::{Contact, Load, TABLE};
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(load: &Load, serializer: S) -> Result<S::Ok, S::Error> {
+        name(load).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Load, D::Error> {
+        let wanted = String::deserialize(deserializer)?;
+        let criteria = TABLE.iter().filter_map(|connection| connection.friction).flat_map(|f| f.criteria);
+        let terms = criteria.flat_map(|criterion| match criterion.contact {
+            Contact::Sum { terms, .. } => terms,
+            Contact::Belt => &[],
+        });
+        let mut loads = terms.map(|term| term.load);
+        let found = loads.find(|load| name(load) == wanted);
+        found.ok_or_else(|| D::Error::custom(format!("no friction of the catalogue has the load {wanted:?}")))
+    }
+
+    fn name(load: &Load) -> String {
+        match load {
+            Load::Norm(components) => format!("norm of components {components:?} (from 0)"),
+            Load::Along(axis) => format!("along {}", axis.name()),
+            Load::Across(axis) => format!("across {}", axis.name()),
+        }
+    }
+}
+
 /// F_C^int, the internal contact force, positive or negative.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Internal {
     /// A number.
     Constant(f64),
@@ -62,7 +94,7 @@ pub enum Internal {
 }
 
 /// A friction criterion, ready to be evaluated on any scalar.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Criterion {
     /// P.
     pub tangential: Tangential,
@@ -71,6 +103,7 @@ pub struct Criterion {
     /// F_C^int.
     pub internal: Internal,
     /// The output in which the friction force appears: CSF1 … CSM3 of one component, else CSFC.
+    #[serde(skip)]
     pub output: &'static str,
 }
 

@@ -8,14 +8,14 @@ use crate::scalar::{Real, Scalar};
 use crate::scene::{Basis, Operator, PotentialFunction, PotentialOperator};
 
 /// A derived component: a sum of terms, each a combination of forces with scale factors.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Derived {
     /// The terms.
     pub parts: Vec<DerivedPart>,
 }
 
 /// One term of a derived component, s · op(α_1 f_1, α_2 f_2 …).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct DerivedPart {
     /// √(Σ x²), Σ x or Σ ⟨x⟩ with ⟨x⟩ = max(x, 0), of x_i = α_i f_i.
     pub operator: Operator,
@@ -113,7 +113,7 @@ where
 }
 
 /// What a contribution to a potential is formed from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Form {
     /// The force in a component (from 0).
     Component(usize),
@@ -122,7 +122,7 @@ pub enum Form {
 }
 
 /// A contribution s · H(X/R − a) to a potential (decision D-15 for the place of a).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Contribution {
     /// X.
     pub of: Form,
@@ -139,7 +139,7 @@ pub struct Contribution {
 }
 
 /// A potential: P = (Σ s_i P_i^α_i)^(1/β), or max s_i P_i.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Potential {
     operator: PotentialOperator,
     exponent: f64,

@@ -30,7 +30,7 @@ pub const ELASTIC_SLIP: f64 = 1e-4;
 pub const THRESHOLD: f64 = 1e-12;
 
 /// The stiffness of stick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum StickStiffness {
     /// `STICK STIFFNESS`: K_s, in the unit of P over that of the slip.
     Given(f64),
@@ -40,7 +40,7 @@ pub enum StickStiffness {
 }
 
 /// One friction of a connector.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Friction {
     /// P, F_C, F_C^int.
     pub criterion: Criterion,

@@ -1,0 +1,119 @@
+//! What fails a check, as values: a connector's case, a constraint, a friction, a belt, springs and dampers.
+
+use super::behavior::SlopesCase;
+use super::case::Case;
+use super::certificate::{certificate, certificate_of_mpc};
+use super::counterexample::{CounterExample, ReplayError};
+use super::engine::{Settings, audit_case};
+use super::friction::{BeltCase, FrictionCase};
+use super::mpc::MpcCase;
+use super::outcome::{Check, Report, Subject};
+use super::recorded::Recorded;
+use super::shrink::shrink;
+use serde::Serialize;
+
+/// One state of something that is judged.
+#[derive(Clone, Debug)]
+pub enum Failing {
+    /// A connector after its history.
+    Connector(Box<Case>),
+    /// A multi-point constraint.
+    Mpc(Box<MpcCase>),
+    /// A friction in an increment.
+    Friction(Box<FrictionCase>),
+    /// A belt around a ring in an increment.
+    Belt(Box<BeltCase>),
+    /// Springs and dampers at a motion.
+    Slopes(Box<SlopesCase>),
+}
+
+impl Failing {
+    /// All checks of it, on 237 bits too; with mutants where it `proves`.
+    pub(super) fn checks(&self, settings: &Settings, proves: bool) -> Vec<Check> {
+        match self {
+            Self::Connector(case) => audit_case(case, settings, true, 0),
+            Self::Mpc(case) => case.audit(settings, proves),
+            Self::Friction(case) => case.judged(settings, true, proves),
+            Self::Belt(case) => case.judged(settings, true, proves),
+            Self::Slopes(case) => case.audit(settings, proves).into_iter().collect(),
+        }
+    }
+
+    /// What it is, and of which state, in words.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Connector(case) => case.definition.connection.name.to_string(),
+            Self::Mpc(case) => format!("MPC {}", case.constraint.kind().name()),
+            Self::Friction(case) => format!("friction of {}", case.name()),
+            Self::Belt(case) => format!("belt of {}", case.name),
+            Self::Slopes(case) => format!("springs and dampers of {}", case.name),
+        }
+    }
+
+    /// Judges it again, by everything that is asked, with mutants.
+    pub fn audit(&self, settings: &Settings) -> Report {
+        let certificate = match self {
+            Self::Connector(case) => certificate(&case.definition.connection),
+            Self::Mpc(case) => certificate_of_mpc(case.constraint.kind()),
+            Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => None,
+        };
+        let checks = self.checks(settings, true);
+        let subject = Subject::new(format!("{} now", self.title()), certificate, 1, checks);
+        Report::new(settings, vec![subject], Vec::new())
+    }
+
+    /// The simplest values found at which the same check fails the same way.
+    pub(super) fn shrunk(&self, fails: &dyn Fn(&Self) -> bool) -> Self {
+        match self {
+            Self::Connector(case) => {
+                let fails = |case: &Case| fails(&Self::Connector(Box::new(case.clone())));
+                Self::Connector(Box::new(shrink(case, &fails)))
+            }
+            other => Recorded::shrunk(other, fails),
+        }
+    }
+}
+
+/// A counter-example in a file: of a connector, or of something else.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Example {
+    /// Of a connector.
+    Connector(Box<CounterExample>),
+    /// Of a constraint, a friction, springs and dampers.
+    Other(Box<Recorded>),
+}
+
+impl Example {
+    /// Reads a file's text: what names its kind is no connector.
+    ///
+    /// # Errors
+    /// What is no counter-example: no JSON, another kind than there are, missing or unknown fields.
+    pub fn read(text: &str) -> Result<Self, serde_json::Error> {
+        let document: serde_json::Value = serde_json::from_str(text)?;
+        // From the text, for numbers of a value are not those of the text to the last bit.
+        if document.get("kind").is_some() {
+            return Ok(Self::Other(Box::new(serde_json::from_str(text)?)));
+        }
+        Ok(Self::Connector(Box::new(serde_json::from_str(text)?)))
+    }
+
+    /// Of a check that failed; `None` for one that did not, or of which nothing was kept.
+    pub fn of(check: &Check, subject: &str) -> Option<Self> {
+        match check.failing.as_deref()? {
+            Failing::Connector(_) => Some(Self::Connector(Box::new(CounterExample::of(check, subject)?))),
+            _ => Some(Self::Other(Box::new(Recorded::of(check, subject)?))),
+        }
+    }
+
+    /// What failed, bit for bit.
+    ///
+    /// # Errors
+    /// Another schema, values that make no such thing, values that are not finite.
+    pub fn failing(&self) -> Result<Failing, ReplayError> {
+        match self {
+            Self::Connector(example) => Ok(Failing::Connector(Box::new(example.case()?))),
+            Self::Other(recorded) => recorded.failing(),
+        }
+    }
+}
