@@ -7,7 +7,7 @@ use super::counterexample::{CounterExample, ReplayError};
 use super::engine::{Settings, audit_case};
 use super::friction::{BeltCase, FrictionCase};
 use super::mpc::MpcCase;
-use super::outcome::{Check, Report, Subject};
+use super::outcome::{Check, Expected, Report, Subject};
 use super::recorded::Recorded;
 use super::shrink::shrink;
 use serde::Serialize;
@@ -57,8 +57,13 @@ impl Failing {
             Self::Mpc(case) => certificate_of_mpc(case.constraint.kind()),
             Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => None,
         };
+        let expected = match self {
+            Self::Connector(case) => Expected::of(&case.connector()),
+            Self::Mpc(_) => Expected::numbers(&MpcCase::QUANTITIES),
+            Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => Expected::default(),
+        };
         let checks = self.checks(settings, true);
-        let subject = Subject::new(format!("{} now", self.title()), certificate, 1, checks);
+        let subject = Subject::new(format!("{} now", self.title()), certificate, 1, checks, &expected);
         Report::new(settings, vec![subject], Vec::new())
     }
 
