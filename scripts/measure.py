@@ -192,6 +192,17 @@ def beyond_cache(least, batch, names):
     return f"pintle takes {slower:.2f} times its own time in the first cache"
 
 
+def outcome(aim, found, each, rounds, bound):
+    """Whether a mean reaches an aim, in how many single rounds it did, and which types by themselves do not."""
+    parts = [f"{aim}: reached" if found >= aim else f"{aim}: not reached, {bound}"]
+    often = sum(value >= aim for value in rounds)
+    if 0 < often < len(rounds) or (often == 0 and found >= aim):
+        parts.append(f"in {often} of {len(rounds)} single rounds")
+    if below := [name for name, value in each.items() if value < aim]:
+        parts.append(f"by themselves below: {', '.join(below)}")
+    return "; ".join(parts)
+
+
 def peer_tables(least, per_round, errors):
     names = list(errors[OURS])
     batches = sorted({batch for _, batch, _ in least}, key=int)
@@ -218,7 +229,7 @@ def peer_tables(least, per_round, errors):
                 *(f"{value:.3g}" for value in each),
                 f"**{found:.3g}**",
                 f"{min(rounds):.3g} … {max(rounds):.3g}",
-                f"{aim}: {'reached' if found >= aim else 'not reached, ' + beyond_cache(least, batch, names)}",
+                outcome(aim, found, dict(zip(names, each)), rounds, beyond_cache(least, batch, names)),
             ])
     ratios = table(["times pintle's", "batch", *names, "geometric mean", "in single rounds", "aim"], lines)
     lines = [[variant, what, *(f"{errors[variant][name]:.0e}" for name in names)] for variant, what in WHAT.items()]
