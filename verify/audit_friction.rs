@@ -350,7 +350,7 @@ fn a_belt_at_rest_is_no_mismatch() {
             let arguments = [&["audit", &deck][..], more].concat();
             let page = crate::cli::stdout(&crate::cli::pintle(&arguments).assert().code(0));
             assert!(!page.contains(": wrong"), "{stiffness} {more:?}: {page}");
-            assert_eq!(page.contains("kink"), more.is_empty(), "{stiffness} {more:?}: {page}");
+            assert_eq!(page.contains(": kink ("), more.is_empty(), "{stiffness} {more:?}: {page}");
         }
     }
 }
