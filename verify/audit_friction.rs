@@ -92,6 +92,14 @@ const OF_FRICTION: [Quantity; 6] = [
     Quantity::ConsistentTangent,
 ];
 
+/// The elements of which something is undecided.
+fn undecided(report: &Report) -> Vec<&str> {
+    let open = report.subjects.iter().filter(|subject| {
+        [subject.derivative, subject.formula, subject.declaration].contains(&Verdict::Undecided)
+    });
+    open.filter_map(|subject| subject.name.split_whitespace().last()).collect()
+}
+
 fn frictions(report: &Report) -> impl Iterator<Item = (&str, &Check)> {
     let of = |check: &&Check| {
         check.against == Against::Law(Invariant::Carried)
@@ -130,7 +138,8 @@ fn frictions_of_a_scene_are_judged_along_its_history() {
     }
     let report = audited(&model, &states, &brief());
     let page = human(&report);
-    assert_eq!((report.mismatches(), report.survivors(), report.undecided()), (0, 0, 0), "{page}");
+    // The formulas of what presses through a derived component are typed in no second language.
+    assert_eq!((report.mismatches(), report.survivors(), undecided(&report)), (0, 0, vec!["102"]), "{page}");
     for (name, check) in frictions(&report) {
         assert_eq!(check.verdict.headline(), Verdict::Pass, "{name}: {check:?}");
         assert!(check.score.killed > 20, "{name}: {check:?}");
@@ -203,7 +212,11 @@ fn frictions_without_forces_are_judged_at_drawn_ones() {
     for states in [states.as_slice(), &[]] {
         let report = audited(&model, states, &brief());
         let page = human(&report);
-        assert_eq!((report.mismatches(), report.survivors(), report.undecided()), (0, 0, 0), "{page}");
+        assert_eq!(
+            (report.mismatches(), report.survivors(), undecided(&report)),
+            (0, 0, vec!["102"]),
+            "{page}"
+        );
         for (name, check) in frictions(&report).filter(|(name, _)| !name.contains("102")) {
             assert!(
                 check.worst_state.as_deref().unwrap_or_default().ends_with("drawn forces"),
@@ -215,7 +228,9 @@ fn frictions_without_forces_are_judged_at_drawn_ones() {
     // What depends on a temperature that nobody gives is undecided.
     let text = DECK.replace("*FRICTION\n0.3\n", "*FRICTION\n0.3, , , 20.\n0.2, , , 80.\n");
     let report = audited(&crate::audit_friction::model(&text), &path(), &brief());
-    assert_eq!((report.mismatches(), report.undecided()), (0, 1));
+    assert_eq!((report.mismatches(), undecided(&report)), (0, vec!["102"]));
+    let rod = report.subjects.iter().find(|subject| subject.name.contains("102")).unwrap();
+    assert_eq!(rod.derivative.headline(), Verdict::Undecided, "{}", human(&report));
 }
 
 /// A component that has failed slides no more, and the friction that it shares with another goes on without it.
@@ -231,12 +246,8 @@ fn a_friction_that_lost_a_component_is_judged() {
     let last = states.iter().map(|state| walk.step(state)).last().unwrap();
     assert!(last.connectors[2].behavior.as_ref().unwrap().failed[2]);
     let report = audited(&model, &states, &Settings { wide_states: 6, ..brief() });
-    assert_eq!(
-        (report.mismatches(), report.survivors(), report.undecided()),
-        (0, 0, 0),
-        "{}",
-        human(&report)
-    );
+    let page = human(&report);
+    assert_eq!((report.mismatches(), report.survivors(), undecided(&report)), (0, 0, vec!["102"]), "{page}");
 }
 
 /// At rest, where nothing slides and a traction has no direction, both derivatives are told, and none is called wrong.
