@@ -261,7 +261,7 @@ pub fn figures(report: &Report) -> Vec<(String, String)> {
             }
             let curves = names.iter().enumerate().map(|(i, name)| Curve {
                 name,
-                colour: (i % 10) as u8 + 1,
+                colour: (i % 11) as u8 + 1,
                 points: diagram
                     .points
                     .iter()
