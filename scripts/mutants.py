@@ -221,13 +221,13 @@ def render(source, mutants, dropped, called):
         if kind == "const_item" and (name := node.child_by_field_name("name")).text in called:
             value = node.child_by_field_name("value")
             body = walk(value)
-            return node.text + b"\n#[allow(non_snake_case)] pub(crate) fn %s__() -> %s { %s }" % (
-                name.text, node.child_by_field_name("type").text, body,
+            return node.text + b"\npub(crate) fn %s__() -> %s { %s }" % (
+                name.text.lower(), node.child_by_field_name("type").text, body,
             )
         if kind in ("const_item", "use_declaration", "array_type", "line_comment", "block_comment"):
             return node.text
         if kind == "identifier" and node.text in called:
-            return b"%s%s__()" % (called[node.text], node.text)
+            return b"%s%s__()" % (called[node.text], node.text.lower())
         if kind == "struct_expression":
             body = node.child_by_field_name("body")
             base = [child for child in body.children if child.type == "base_field_initializer"]
