@@ -204,51 +204,16 @@ fn main() {
 #[cfg(target_arch = "x86_64")]
 mod by_hand {
     use super::*;
+    use crate::hand::sweep::Sweep;
     use pulp::x86::V3;
 
     /// The types written by hand.
     const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
 
-    struct Sweep<'a, L> {
-        v: V3,
-        case: &'a Case,
-        out: &'a mut [L],
+    fn sweep<'a, L>(v: V3, case: &'a Case, out: &'a mut [L]) -> Sweep<'a, L> {
+        let Case { name, tiles, sections, batch, .. } = case;
+        Sweep { v, name, tiles, sections, rows: batch.rows(), out }
     }
-
-    /// Loops written out: a closure would be compiled for the baseline, and called.
-    macro_rules! sweep {
-        ($layout:ty, $module:ident) => {
-            impl pulp::NullaryFnOnce for Sweep<'_, $layout> {
-                type Output = ();
-
-                #[inline(always)]
-                fn call(self) {
-                    let Self { v, case, out } = self;
-                    let tiles = case.tiles.iter().zip(&case.sections);
-                    let tiles = tiles.zip(out.chunks_exact_mut(case.batch.rows()));
-                    macro_rules! each {
-                        (|$tile:ident, $section:ident, $rows:ident| $row:expr) => {
-                            for (($tile, $section), $rows) in tiles {
-                                $row
-                            }
-                        };
-                    }
-                    use crate::hand::$module as by_hand;
-                    match case.name {
-                        "SLIDE-PLANE" => each!(|tile, _section, rows| by_hand::slide_plane(v, tile, rows)),
-                        "REVOLUTE" => each!(|tile, _section, rows| by_hand::revolute(v, tile, rows)),
-                        "TRANSLATOR" => {
-                            each!(|tile, section, rows| by_hand::translator(v, tile, section, rows))
-                        }
-                        "ROTATION" => each!(|tile, _section, rows| by_hand::rotation(v, tile, rows)),
-                        _ => each!(|tile, _section, rows| by_hand::cardan(v, tile, rows)),
-                    }
-                }
-            }
-        };
-    }
-    sweep!(Row, simd);
-    sweep!(HessianRow, hessian);
 
     /// The least times of a state in ns, lanes and by hand: of rows, and with second derivatives.
     type Times = [[f64; 2]; 2];
@@ -262,9 +227,9 @@ mod by_hand {
             least[which][who] = least[which][who].min(time / states);
         };
         note(0, 0, time(400, || case.rows(black_box(&mut rows))), states);
-        note(0, 1, time(400, || v.vectorize(Sweep { v, case, out: black_box(&mut rows[..]) })), states);
+        note(0, 1, time(400, || v.vectorize(sweep(v, case, black_box(&mut rows[..])))), states);
         note(1, 0, time(200, || case.hessians(black_box(&mut second))), of_second);
-        note(1, 1, time(200, || v.vectorize(Sweep { v, case, out: black_box(&mut second[..]) })), of_second);
+        note(1, 1, time(200, || v.vectorize(sweep(v, case, black_box(&mut second[..])))), of_second);
     }
 
     fn check(v: V3, case: &Case) {
@@ -274,8 +239,8 @@ mod by_hand {
         let of_lanes = assert_exact(case, &rows, &second, "lanes");
         rows.fill(Row::default());
         second.fill(HessianRow::default());
-        v.vectorize(Sweep { v, case, out: &mut rows[..] });
-        v.vectorize(Sweep { v, case, out: &mut second[..] });
+        v.vectorize(sweep(v, case, &mut rows[..]));
+        v.vectorize(sweep(v, case, &mut second[..]));
         let of_hand = assert_exact(case, &rows, &second, "by hand");
         let text = |errors: [f64; 3]| errors.map(|error| format!("{error:.1e}")).join(" ");
         println!("{:12} largest errors: lanes {}, by hand {}", case.name, text(of_lanes), text(of_hand));

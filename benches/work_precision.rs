@@ -12,11 +12,13 @@ mod hand {
     #[expect(dead_code, reason = "the rows need some of them")]
     mod coefficients;
     #[cfg(target_arch = "x86_64")]
-    pub(crate) mod hessian;
+    mod hessian;
     pub(crate) mod naive;
     pub(crate) mod scalar;
     #[cfg(target_arch = "x86_64")]
-    pub(crate) mod simd;
+    mod simd;
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) mod sweep;
     #[cfg(target_arch = "x86_64")]
     mod vector;
 }
@@ -265,6 +267,7 @@ impl Prepared for ByLanes<'_> {
 #[cfg(target_arch = "x86_64")]
 mod by_hand {
     use super::*;
+    use crate::hand::sweep::Sweep;
     use pulp::x86::V3;
 
     pub(super) struct HandLanes(pub(super) Order);
@@ -288,50 +291,6 @@ mod by_hand {
         v: V3,
         tiles: Tiles<'s>,
     }
-
-    struct Sweep<'a, L> {
-        v: V3,
-        name: &'a str,
-        tiles: &'a [Tile],
-        sections: &'a [Section],
-        rows: usize,
-        out: &'a mut [L],
-    }
-
-    /// Loops written out: a closure would be compiled for the baseline, and called.
-    macro_rules! sweep {
-        ($layout:ty, $module:ident) => {
-            impl pulp::NullaryFnOnce for Sweep<'_, $layout> {
-                type Output = ();
-
-                #[inline(always)]
-                fn call(self) {
-                    let Self { v, name, tiles, sections, rows, out } = self;
-                    macro_rules! each {
-                        (|$tile:ident, $section:ident, $rows:ident| $row:expr) => {
-                            for (($tile, $section), $rows) in
-                                tiles.iter().zip(sections).zip(out.chunks_exact_mut(rows))
-                            {
-                                $row
-                            }
-                        };
-                    }
-                    use crate::hand::$module as by_hand;
-                    match name {
-                        "SLIDE-PLANE" => each!(|tile, _section, rows| by_hand::slide_plane(v, tile, rows)),
-                        "REVOLUTE" => each!(|tile, _section, rows| by_hand::revolute(v, tile, rows)),
-                        "TRANSLATOR" => {
-                            each!(|tile, section, rows| by_hand::translator(v, tile, section, rows))
-                        }
-                        "ROTATION" => each!(|tile, _section, rows| by_hand::rotation(v, tile, rows)),
-                        _ => each!(|tile, _section, rows| by_hand::cardan(v, tile, rows)),
-                    }
-                }
-            }
-        };
-    }
-    sweep!(Row, simd);
-    sweep!(HessianRow, hessian);
 
     impl Prepared for ByHandLanes<'_> {
         fn run(&mut self) {

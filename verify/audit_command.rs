@@ -10,7 +10,8 @@ fn brief<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&["audit", "gallery:hinge_pendulum", "--wide-states", "1", "--connector", "102"], more].concat()
 }
 
-fn folder(name: &str) -> PathBuf {
+/// A folder of that name that does not exist yet.
+pub(crate) fn folder(name: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     _ = fs::remove_dir_all(&path);
     path

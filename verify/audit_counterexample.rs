@@ -1,5 +1,6 @@
 //! Counter-examples of what is no connector: constraints, frictions, belts, springs and dampers, as values that fail again.
 
+use crate::audit_command::folder;
 use crate::behavior::belts::{STIFFNESS, deck as belt, state as pulled};
 use crate::cli::{pintle, stderr, stdout};
 use crate::laws::mpc;
@@ -15,7 +16,6 @@ use pintle::scene::{Scene, State};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::PathBuf;
 
 const START: [Turns<f64>; 2] = [Turns { turns: 0.0, principal: 0.0 }; 2];
 
@@ -125,12 +125,6 @@ fn belts_and_slopes_are_recorded() {
     let found = wrong(&report);
     let check = found.iter().find(slopes).unwrap();
     fails_again(check, &settings, Kind::Slopes);
-}
-
-fn folder(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    _ = fs::remove_dir_all(&path);
-    path
 }
 
 /// Through the command line: shrunk, replayed with the fault and without; other forms are refused, and so is what is no such thing.

@@ -1,6 +1,7 @@
 //! Friction of scenes: predefined, defined by users, of belts; at given forces along a history of states, and at drawn ones.
 
 use crate::behavior::belts::{ALPHA, STIFFNESS, deck as belt, sliding, state as pulled};
+use crate::reports::text;
 use crate::tolerance::BELT_SLOPE;
 use pintle::audit::sample::Draw;
 use pintle::audit::{
@@ -8,7 +9,7 @@ use pintle::audit::{
 };
 use pintle::behavior::friction::Status;
 use pintle::evaluate::{Model, Plan, Selection, Sequence, request};
-use pintle::report;
+use pintle::report::{self, audit::Supplement};
 use pintle::scene::{ElementForces, Label, NodeMotion, Rotation, Scene, State};
 use std::collections::BTreeSet;
 
@@ -91,6 +92,17 @@ const OF_FRICTION: [Quantity; 6] = [
     Quantity::FrictionTangent,
     Quantity::ConsistentTangent,
 ];
+
+/// The report in every form.
+fn pages(report: &Report) -> Vec<String> {
+    vec![
+        human(report),
+        text(report::audit::json, report),
+        text(report::audit::junit, report),
+        text(report::audit::markdown, report),
+        text(|out, report| report::audit::html(out, report, &Supplement::default()), report),
+    ]
+}
 
 /// The elements of which something is undecided.
 fn undecided(report: &Report) -> Vec<&str> {
@@ -183,17 +195,7 @@ fn an_error_in_a_friction_is_named() {
     let of = |check: &&Check| check.quantity == Some(Quantity::FrictionTangent) && check.against == sharp;
     let entry = &guide.checks.iter().find(of).unwrap().worst.as_ref().unwrap().entry;
     assert!(entry.starts_with("∂f1/∂"), "{entry}");
-    let mut pages = vec![human(&report)];
-    let mut text = Vec::new();
-    report::audit::json(&mut text, &report).unwrap();
-    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
-    report::audit::junit(&mut text, &report).unwrap();
-    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
-    report::audit::markdown(&mut text, &report).unwrap();
-    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
-    report::audit::html(&mut text, &report, &report::audit::Supplement::default()).unwrap();
-    pages.push(String::from_utf8(text).unwrap());
-    for page in pages {
+    for page in pages(&report) {
         assert!(page.contains(entry.as_str()), "{entry}: {page}");
     }
     // Neighbours: the planted fault is one of friction.
@@ -427,17 +429,7 @@ fn a_friction_without_a_witness_is_undecided_with_a_reason() {
     let states: u64 = check.undecided.values().sum();
     assert_eq!(check.states.get(&Verdict::Undecided), Some(&states), "{check:?}");
     assert_eq!(check.states.values().sum::<u64>(), 12, "every state is accounted for: {check:?}");
-    let mut pages = vec![page];
-    let mut text = Vec::new();
-    report::audit::json(&mut text, &report).unwrap();
-    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
-    report::audit::junit(&mut text, &report).unwrap();
-    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
-    report::audit::markdown(&mut text, &report).unwrap();
-    pages.push(String::from_utf8(std::mem::take(&mut text)).unwrap());
-    report::audit::html(&mut text, &report, &report::audit::Supplement::default()).unwrap();
-    pages.push(String::from_utf8(text).unwrap());
-    for page in pages {
+    for page in pages(&report) {
         assert!(page.contains("the increment is told to have no solution"), "{page}");
     }
 }

@@ -34,7 +34,11 @@ pub(crate) fn brief() -> Report {
     FOUND.get_or_init(|| audit_catalogue(&settings, &|_| {})).clone()
 }
 
-fn text(write: impl Fn(&mut dyn Write, &Report) -> std::io::Result<()>, report: &Report) -> String {
+/// A report in one of its forms.
+pub(crate) fn text(
+    write: impl Fn(&mut dyn Write, &Report) -> std::io::Result<()>,
+    report: &Report,
+) -> String {
     let mut text = Vec::new();
     write(&mut text, report).unwrap();
     String::from_utf8(text).unwrap()

@@ -3,6 +3,7 @@
 #[path = "../../src/scalar/coefficients.rs"]
 #[expect(dead_code, reason = "the rows need some of them")]
 mod coefficients;
-pub(crate) mod hessian;
-pub(crate) mod simd;
+mod hessian;
+mod simd;
+pub(crate) mod sweep;
 mod vector;

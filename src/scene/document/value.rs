@@ -112,6 +112,23 @@ impl<T: JsonSchema> JsonSchema for Spanned<T> {
     }
 }
 
+/// A type whose JSON Schema is written out, where it is used.
+macro_rules! described {
+    ($name:ident, $schema:tt) => {
+        impl JsonSchema for $name {
+            fn inline_schema() -> bool {
+                true
+            }
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                json_schema!($schema)
+            }
+        }
+    };
+}
+
 /// A type that is one of several simple ones: how it is read, written and described.
 macro_rules! simple {
     (
@@ -133,17 +150,7 @@ macro_rules! simple {
             }
         }
 
-        impl JsonSchema for $name {
-            fn inline_schema() -> bool {
-                true
-            }
-            fn schema_name() -> Cow<'static, str> {
-                stringify!($name).into()
-            }
-            fn json_schema(_: &mut SchemaGenerator) -> Schema {
-                json_schema!($schema)
-            }
-        }
+        described!($name, $schema);
     };
 }
 
@@ -278,17 +285,7 @@ macro_rules! listed {
             }
         }
 
-        impl JsonSchema for $name {
-            fn inline_schema() -> bool {
-                true
-            }
-            fn schema_name() -> Cow<'static, str> {
-                stringify!($name).into()
-            }
-            fn json_schema(_: &mut SchemaGenerator) -> Schema {
-                json_schema!($schema)
-            }
-        }
+        described!($name, $schema);
     };
 }
 
