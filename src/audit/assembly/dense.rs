@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 pub(super) const LARGEST: usize = 200;
 
 /// Contributions below this part of the largest are rounding.
-const CONTRIBUTES: f64 = 1e-8;
+pub(super) const CONTRIBUTES: f64 = 1e-8;
 
 /// Whether a matrix is small enough: of this size, and not too long.
 pub(super) fn is_small(matrix: &Sparse, largest: usize) -> bool {

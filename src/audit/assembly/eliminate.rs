@@ -15,6 +15,7 @@
 //! What rounding leaves is put to zero where it arises ([`REMAINS`]): it would come back multiplied by other remains, with an uncertainty of
 //! second order, of which the first says nothing. By how much an entry was changed is added to its uncertainty.
 
+use super::krylov::Named;
 use super::noise::{self, NONE, Probes, Roundings, mix, random};
 pub(super) use super::sparse::Sparse;
 use rayon::prelude::*;
@@ -46,7 +47,7 @@ pub(super) const KEPT: usize = 20_000_000;
 
 /// A row that became a pivot.
 #[derive(Clone, Debug)]
-struct Pivot {
+pub(super) struct Pivot {
     column: u32,
     entry: f64,
     /// Where the other entries of the row are.
@@ -81,8 +82,16 @@ pub(super) struct Outcome {
     pub(super) overflows: bool,
     /// Whether the elimination was given up, for it would have cost too much: nothing is then known but `front`, at which that was.
     pub(super) exhausted: bool,
-    pivots: Vec<Pivot>,
-    others: Vec<(u32, f64)>,
+    /// The number of rows and columns.
+    pub(super) size: [usize; 2],
+    /// Where nothing was eliminated: bounds of the smallest singular value that is not zero, and of the largest that is, over the largest.
+    pub(super) singular_values: Option<[f64; 2]>,
+    /// Where nothing was eliminated: what moves, by the column that stands for it, of some free motions or all.
+    pub(super) motions: Vec<Named>,
+    /// Where nothing was eliminated: the rows that dependent ones are made of.
+    pub(super) made_of: Vec<(u32, Vec<u32>)>,
+    pub(super) pivots: Vec<Pivot>,
+    pub(super) others: Vec<(u32, f64)>,
 }
 
 /// What an elimination may cost; more, and it is given up.
@@ -186,7 +195,11 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
         zero,
         decided: (GAP * ROUNDINGS * U).max(3.0 * zero),
         place,
-        outcome: Outcome { gap: [0.0, f64::INFINITY], ..Outcome::default() },
+        outcome: Outcome {
+            gap: [0.0, f64::INFINITY],
+            size: [matrix.rows(), matrix.width()],
+            ..Outcome::default()
+        },
         waiting: 0,
         work: 0,
         roundings: Roundings::new(),
@@ -508,6 +521,21 @@ impl Outcome {
     /// Whether what counts as zero and what does not are well apart.
     pub(super) fn is_decided(&self) -> bool {
         self.doubtful.is_empty() && !self.remains && !self.overflows && !self.exhausted
+    }
+
+    /// The number of rows that depend on others: as many as are named, or more where nothing was eliminated.
+    pub(super) fn redundant(&self) -> usize {
+        self.size[0] - self.rank
+    }
+
+    /// The number of free motions, as [`Outcome::redundant`].
+    pub(super) fn mobility(&self) -> usize {
+        self.size[1] - self.rank
+    }
+
+    /// Whether all rows that depend on others are named.
+    pub(super) fn names_all(&self) -> bool {
+        self.dependent.len() == self.redundant()
     }
 
     /// Whether pivot rows were kept.

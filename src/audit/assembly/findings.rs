@@ -126,7 +126,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
         };
         let code = match holds {
             Holds::Throughout | Holds::Rigid => Code::AssemblyRedundant,
-            Holds::Here | Holds::Isolated => Code::AssemblyRedundantHere,
+            Holds::Here | Holds::Loop | Holds::Isolated => Code::AssemblyRedundantHere,
             Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
         };
         let verb = if components.len() == 1 { "follows" } else { "follow" };
@@ -142,7 +142,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
         );
         let reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice";
         let remedy = match holds {
-            Holds::Here | Holds::Isolated => {
+            Holds::Here | Holds::Loop | Holds::Isolated => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"
             }
             _ => {
@@ -161,7 +161,22 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             owners - MOST
         )));
     }
+    found.extend(unnamed(scene, assembly));
     found
+}
+
+/// Redundant constraints of which no name is known.
+fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let all = assembly.positions.first()?.redundant?;
+    let more = all.checked_sub(assembly.redundant.len()).filter(|more| *more > 0)?;
+    let message = format!(
+        "{} more {} redundant, which are not named: their part fills when it is eliminated, and its rank was found without",
+        count(more, "constraint"),
+        agree(more, ["is", "are"])
+    );
+    let reason = "the rank of the constraint Jacobian";
+    let remedy = "audit smaller pieces of the part as scenes of their own to have them named";
+    Some(Finding::new(scene, Code::AssemblyRedundantUnjudged, Span::default(), message, reason, remedy))
 }
 
 /// Constraints that are redundant at a given state and not at others: a finding for each set of them, with its states.

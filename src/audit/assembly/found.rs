@@ -2,6 +2,7 @@
 
 use super::dense;
 use super::eliminate::{Outcome, Sparse, Task, eliminate};
+use super::krylov;
 use super::system::{Origin, Part, Role, System};
 use super::{Constraint, Gap, Position};
 use crate::audit::bound::U;
@@ -10,7 +11,7 @@ use crate::evaluate::Source;
 use rayon::prelude::*;
 
 /// A singular value below this part of the largest that is not zero by rounding is decided by digits that decks do not have.
-const DIGITS: f64 = 1e-7;
+pub(super) const DIGITS: f64 = 1e-7;
 /// By so many rounding units an entry is off that was computed: directions, levers, and what a deck was written from.
 const COMPUTED: f64 = 1e3;
 /// By so many rounding units of itself a coordinate is off.
@@ -46,9 +47,14 @@ impl Found {
         self.constraints.is_decided() && self.undriven().is_decided() && digits && self.zero_is_zero
     }
 
+    /// Whether the rank is certain, and all redundant rows are named.
+    pub(super) fn names_certainly(&self) -> bool {
+        self.is_decided() && self.constraints.names_all()
+    }
+
     /// The rank, and the number of motions that nothing drives.
     pub(super) fn numbers(&self) -> [usize; 2] {
-        [self.constraints.rank, self.undriven().free.len()]
+        [self.constraints.rank, self.undriven().mobility()]
     }
 
     /// Dependent rows, of the system.
@@ -66,6 +72,18 @@ impl Found {
     }
 }
 
+/// The norm of what rounding, and a relative uncertainty of the entries, can change of a matrix.
+pub(super) fn allowed(matrix: &Sparse, uncertainty: f64) -> f64 {
+    let [computed, rounded] = matrix.changes();
+    U * (COMPUTED * computed + ROUNDED * rounded) + uncertainty * computed
+}
+
+/// The rank of the matrix of a part: by elimination, but of one that fills first by products with it.
+fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>) -> Outcome {
+    let by_products = if part.fills { krylov::rank(matrix, task.uncertainty) } else { None };
+    by_products.unwrap_or_else(|| eliminate(matrix, &part.order, task))
+}
+
 /// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system). Of those whose elimination would
 /// cost too much, the columns of the front where that was.
 pub(super) fn look(
@@ -80,28 +98,28 @@ pub(super) fn look(
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, values, |role| role != Role::Driven);
         let task = Task { uncertainty: 30.0 * worst, keep, right: None, most: part.most };
-        let constraints = eliminate(&matrix, &part.order, task);
+        let constraints = outcome(part, &matrix, task);
         if constraints.exhausted {
             return Err(constraints.front);
         }
         let driven = has_drives.then(|| {
             let (rows, matrix) = system.matrix(part, values, |_| true);
-            (eliminate(&matrix, &part.order, task), rows)
+            (outcome(part, &matrix, task), rows)
         });
         if let Some((driven, _)) = driven.as_ref().filter(|(driven, _)| driven.exhausted) {
             return Err(driven.front);
         }
         let is_small = dense::is_small(&matrix, if keep { dense::LARGEST } else { EVERYWHERE });
         let values = if is_small { dense::singular_values(&matrix) } else { Vec::new() };
-        let [computed, rounded] = matrix.changes();
-        let allowed = U * (COMPUTED * computed + ROUNDED * rounded) + task.uncertainty * computed;
+        let allowed = allowed(&matrix, task.uncertainty);
         let zero_is_zero = values.get(constraints.rank).is_none_or(|zero| *zero <= allowed);
-        let singular_values = (!values.is_empty()).then_some(values).and_then(|values| {
+        let of_small = (!values.is_empty()).then_some(values).and_then(|values| {
             let largest = values.first().copied().filter(|largest| *largest > 0.0)?;
             let nonzero = values.get(constraints.rank.checked_sub(1)?)?;
             let zero = values.get(constraints.rank).copied().unwrap_or_default();
             Some([nonzero / largest, zero / largest])
         });
+        let singular_values = of_small.or(constraints.singular_values);
         let is_wanted = keep && is_small && !constraints.dependent.is_empty();
         let matrix = is_wanted.then_some(matrix);
         Ok(Found { constraints, rows, driven, singular_values, zero_is_zero, matrix })
@@ -132,12 +150,12 @@ pub(super) fn position(
     Position {
         state,
         rank: sum(|found| found.constraints.rank),
-        mobility: sum(|found| found.constraints.free.len()),
-        undriven: sum(|found| found.undriven().free.len()),
-        redundant: sum(|found| found.constraints.dependent.len()).map(|redundant| redundant + fixed),
+        mobility: sum(|found| found.constraints.mobility()),
+        undriven: sum(|found| found.undriven().mobility()),
+        redundant: sum(|found| found.constraints.redundant()).map(|redundant| redundant + fixed),
         undriven_undecided: known()
             .filter(|found| !found.is_decided())
-            .map(|found| found.undriven().free.len())
+            .map(|found| found.undriven().mobility())
             .sum(),
         overdriven: sum(Found::overdriven),
         decided: found.iter().all(|found| found.as_ref().is_ok_and(Found::is_decided)),

@@ -34,7 +34,7 @@ pub(super) fn along(
     let mut sequence = Sequence::new(system.model, system.plan);
     let mut values = Vec::new();
     let rows = |found: &Result<Found, usize>| {
-        found.as_ref().ok().filter(|found| found.is_decided()).map(Found::dependent)
+        found.as_ref().ok().filter(|found| found.names_certainly()).map(Found::dependent)
     };
     let mut least: Dependent = initial.iter().map(rows).collect();
     least.resize(system.parts.len(), None);

@@ -27,6 +27,7 @@
 //! | `steps` | in which steps are they others, and which states belong to those? |
 //! | `order` | in which order are nodes eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
+//! | `krylov` | what are they where elimination would fill the matrix? |
 //! | `noise` | what of that is rounding? |
 //! | `dense` | singular values of small parts |
 //! | `found` | what has each part, and the whole, at one state? |
@@ -34,6 +35,7 @@
 //! | `modes` | which motions are left? |
 //! | `given` | what holds at the states given? |
 //! | `moving` | does a redundancy hold elsewhere? |
+//! | `local` | … where the part is too large to be moved as a whole? |
 //! | `findings` | what is said of it? |
 
 mod dense;
@@ -41,6 +43,8 @@ mod eliminate;
 pub(super) mod findings;
 mod found;
 mod given;
+mod krylov;
+mod local;
 mod modes;
 mod moving;
 mod noise;
@@ -74,7 +78,10 @@ pub enum Holds {
     Here,
     /// The part can move to first order, and no admissible state near by was found: judged a singular position.
     Isolated,
-    /// It was not judged, for the part is too large to be moved.
+    /// At this state, and not at others that its neighbourhood, cut out of a part that is too large to be moved, can go to: at this one only, unless
+    /// the rest of the assembly keeps it here.
+    Loop,
+    /// It was not judged: the part is too large to be moved, and no neighbourhood was found that has all it follows from.
     Large,
     /// It could not be judged.
     Unjudged,
@@ -94,9 +101,13 @@ impl Holds {
             Self::Isolated => {
                 "it holds at this state (judged a singular position: motions that are free to first order lead nowhere)"
             }
+            Self::Loop => {
+                "it holds at this state, and not at others that the connectors about it can go to (proven to rounding; the whole is too large to be \
+                 moved): at this one only, unless the rest of the assembly keeps them here"
+            }
             Self::Large => {
-                "whether it holds at other states was not judged, for what belongs to it has more than 20 000 degrees of freedom, or fills when it \
-                 is eliminated: audit its loop as a scene of its own"
+                "whether it holds at other states was not judged: the part is too large to be moved, and what it follows from was not found among the \
+                 connectors about it, of up to 20 000 degrees of freedom"
             }
             Self::Unjudged => "whether it holds at other states was not judged",
         }

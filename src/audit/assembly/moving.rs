@@ -7,10 +7,12 @@
 
 use super::eliminate::{Outcome, Sparse, Task, eliminate};
 use super::system::{Part, Role, System};
-use super::{Holds, dense, largest as largest_of};
+use super::{Holds, dense, krylov, largest as largest_of};
 use crate::evaluate::Sequence;
 use crate::scene::State;
 
+/// The states that a part is moved to at most.
+pub(super) const SAMPLES: usize = STEPS.len();
 /// How far the part is moved (rad, or lengths of a connector): a small and a larger step.
 const STEPS: [f64; 4] = [0.05, 0.2, 0.3, 0.1];
 /// The residual at which constraints hold again.
@@ -34,16 +36,17 @@ pub(super) fn elsewhere(
     sequence: &Sequence<'_>,
     state: &State,
     here: &Outcome,
+    samples: usize,
 ) -> Elsewhere {
     let unjudged = |holds| Elsewhere { holds, dependent: here.dependent.clone() };
     if here.free.is_empty() {
         return unjudged(Holds::Rigid);
     }
     let (mut best, mut stuck): (Option<Outcome>, usize) = (None, 0);
-    for (sample, step) in STEPS.into_iter().enumerate() {
+    for (sample, step) in STEPS.into_iter().take(samples).enumerate() {
         let corrected = |by| reach(system, part, sequence, state, here, (sample, step, by));
         let mut got = Reached::Lost;
-        for by in [Correction::Least, Correction::Gauged, Correction::Basic] {
+        for by in [Correction::Least, Correction::Nearest, Correction::Gauged, Correction::Basic] {
             if matches!(got, Reached::Lost) {
                 got = corrected(by);
             }
@@ -63,7 +66,7 @@ pub(super) fn elsewhere(
     match best {
         Some(best) if best.rank > here.rank => Elsewhere { holds: Holds::Here, dependent: best.dependent },
         Some(best) => Elsewhere { holds: Holds::Throughout, dependent: best.dependent },
-        None if stuck == STEPS.len() => unjudged(Holds::Isolated),
+        None if stuck == samples.min(STEPS.len()) => unjudged(Holds::Isolated),
         None => unjudged(Holds::Unjudged),
     }
 }
@@ -80,6 +83,8 @@ enum Reached {
 enum Correction {
     /// The shortest; of small parts.
     Least,
+    /// The same of others, to some digits: what is left of the constraints then shrinks no less than by those.
+    Nearest,
     /// The one that leaves what the motion began with: the columns that were free.
     Gauged,
     /// The one that leaves the columns that are free now.
@@ -158,6 +163,9 @@ fn solution(
     here: &Outcome,
     by: Correction,
 ) -> Option<Vec<f64>> {
+    if by == Correction::Nearest {
+        return (!dense::is_small(matrix, dense::LARGEST)).then(|| krylov::least(matrix, &right)).flatten();
+    }
     if by == Correction::Least {
         return dense::is_small(matrix, dense::LARGEST).then(|| dense::least(matrix, &right)).flatten();
     }

@@ -10,7 +10,7 @@ use crate::mpc::Kind;
 use crate::scalar::elementary::norm;
 use crate::scene::{Diagnostic, Label, MotionType, NodeMotion, Operation, Rotation, Scene, State, Target};
 use crate::so3;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::convert::Infallible;
 
 /// Why an equation holds.
@@ -48,6 +48,8 @@ pub(super) struct Part {
     pub(super) mpcs: Vec<usize>,
     /// What its elimination may cost.
     pub(super) most: Most,
+    /// Whether its nodes are joined so densely that elimination fills the matrix.
+    pub(super) fills: bool,
 }
 
 /// What is enforced and held, by whether it is of a connector, and the index of that or of the MPC.
@@ -97,6 +99,11 @@ fn rounded(scene: &Scene) -> HashMap<Label, f64> {
     nodes.filter(|(_, x)| x.iter().any(|x| is_rounded(*x))).map(|(label, x)| (label, largest(x))).collect()
 }
 
+/// Every degree of freedom that nodes may have.
+fn freedoms_of(nodes: &BTreeSet<Label>) -> impl Iterator<Item = Freedom> {
+    nodes.iter().flat_map(|node| crate::evaluate::NUMBERS.map(|number| Freedom { node: *node, number }))
+}
+
 impl Prescribed {
     /// What is prescribed in a step, counted from 1; 0 is before the first.
     pub(super) fn of(scene: &Scene, step: usize) -> Result<Self, Diagnostic> {
@@ -130,6 +137,17 @@ impl Prescribed {
             }
         }
         Ok(Self { held, motions, driven, rounded: rounded(scene) })
+    }
+
+    /// The same for some nodes and elements alone, with degrees of freedom that are held besides.
+    pub(super) fn restricted(&self, nodes: &BTreeSet<Label>, elements: &[Label], held: &[Freedom]) -> Self {
+        let of_elements = elements.iter().flat_map(|label| (0..6).map(move |k| (*label, k)));
+        Self {
+            held: self.held.restricted(nodes, held),
+            motions: of_elements.filter_map(|key| Some((key, *self.motions.get(&key)?))).collect(),
+            driven: freedoms_of(nodes).filter(|freedom| self.driven.contains(freedom)).collect(),
+            rounded: nodes.iter().filter_map(|node| Some((*node, *self.rounded.get(node)?))).collect(),
+        }
     }
 }
 
@@ -291,11 +309,26 @@ impl<'a> System<'a> {
                 .into_iter()
                 .map(|clique| clique.into_iter().filter_map(|node| local.get(&node).copied()).collect())
                 .collect();
-            part.order = minimum_degree(local.len(), &cliques, NEIGHBOURS)
-                .unwrap_or_else(|_| dissection(local.len(), &cliques));
+            part.order = minimum_degree(local.len(), &cliques, NEIGHBOURS).unwrap_or_else(|_| {
+                part.fills = true;
+                dissection(local.len(), &cliques)
+            });
         }
         self.parts = parts;
         self.fixed_rows = fixed_rows;
+    }
+
+    /// Gives all parts a length, and the order of elimination in which nodes have these turns.
+    pub(super) fn put_in_order(&mut self, length: f64, turn: &dyn Fn(Label) -> usize) {
+        let freedoms = self.jacobian.freedoms();
+        for part in &mut self.parts {
+            part.length = length;
+            let mut nodes: Vec<Label> =
+                part.columns.iter().map(|column| freedoms[*column as usize].node).collect();
+            nodes.dedup();
+            part.order = (0..nodes.len() as u32).collect();
+            part.order.sort_by_key(|group| turn(nodes[*group as usize]));
+        }
     }
 
     /// A part that was not looked at, for a front of so many columns would be too large.
