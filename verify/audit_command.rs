@@ -355,6 +355,67 @@ fn a_refused_scene_has_a_report() {
     assert!(fs::read_to_string(page).unwrap().contains("rule::orientation-required"));
 }
 
+/// A rule after which every number is defined can be taken for less than an error, and the scene is then audited in full; others cannot. A level
+/// can be set for a file and a line of it.
+#[test]
+fn severities_are_set_by_code_file_and_line() {
+    let folder = folder("severities");
+    fs::create_dir_all(&folder).unwrap();
+    let deck = folder.join("two.inp");
+    // ACCELEROMETER is of Explicit analyses alone; stops of both AXIALs are violated, in lines of their own.
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=D\n1, 1, 2\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n2, 2, 3\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=F\n3, 1, 3\n\
+                *CONNECTOR SECTION, ELSET=D, BEHAVIOR=B\nAXIAL\n*CONNECTOR SECTION, ELSET=E, BEHAVIOR=C\nAXIAL\n\
+                *CONNECTOR SECTION, ELSET=F\nACCELEROMETER\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR STOP, COMPONENT=1\n2., 3.\n\
+                *CONNECTOR BEHAVIOR, NAME=C\n*CONNECTOR STOP, COMPONENT=1\n2., 3.\n\
+                *BOUNDARY\n1, 1, 6\n*STEP\n*STATIC\n*END STEP\n";
+    fs::write(&deck, text).unwrap();
+    let deck = deck.to_str().unwrap();
+    let audit = |more: &[&str], code: i32| {
+        let brief = ["audit", deck, "--wide-states", "1", "--drawn-states", "1", "--format", "json"];
+        let found = pintle(&[&brief[..], more].concat()).assert().code(code);
+        let document: Value = serde_json::from_str(&stdout(&found)).unwrap();
+        (document, stderr(&found))
+    };
+    let found = |document: &Value, code: &str| -> Vec<(String, u64)> {
+        let findings = document["models"][0]["findings"].as_array().unwrap();
+        let of = findings.iter().filter(|finding| finding["code"] == code);
+        of.map(|one| (one["severity"].as_str().unwrap().to_string(), one["line"].as_u64().unwrap())).collect()
+    };
+    const RULE: &str = "rule::not-in-procedure";
+    const STOP: &str = "model::stop-violated";
+    let (refused, said) = audit(&[], 6);
+    assert_eq!(refused["compared"], 0);
+    assert_eq!(found(&refused, RULE)[0].0, "error");
+    assert!(said.contains("refused by rules"), "{said}");
+    let stops = found(&refused, STOP);
+    assert_eq!(stops.len(), 2);
+    // Taken for a warning, the rule is told, and all three connectors are audited.
+    let (lowered, said) = audit(&["--warn", RULE], 0);
+    assert_eq!(found(&lowered, RULE)[0].0, "warning");
+    assert_eq!(lowered["subjects"].as_array().unwrap().len(), 3);
+    assert!(lowered["compared"].as_u64().unwrap() > 0 && !lowered["models"][0]["assembly"].is_null());
+    assert!(!said.contains(RULE) && !said.contains("refused"), "{said}");
+    let (allowed, _) = audit(&["--allow", "rule"], 0);
+    assert!(found(&allowed, RULE).is_empty());
+    // One stop is an error, by its line; the other what is said of the file; and a place elsewhere says nothing.
+    let line = format!("{STOP}@two.inp:{}", stops[1].1);
+    let file = format!("{STOP}@{deck}");
+    let (placed, _) =
+        audit(&["--allow", RULE, "--deny", &line, "--note", &file, "--allow", "model@other.inp"], 1);
+    let severities = found(&placed, STOP);
+    assert_eq!(severities, [("note".to_string(), stops[0].1), ("error".to_string(), stops[1].1)]);
+    for wrong in ["model::stop-violated@", "model::stop-violated@two.inp:0", "model::stop@two.inp"] {
+        pintle(&["audit", deck, "--deny", wrong]).assert().code(2);
+    }
+    // What can be done is explained.
+    let explained = |code: &str| stdout(&pintle(&["explain", code]).assert().code(0));
+    assert!(explained(RULE).contains("pintle audit goes on"), "{}", explained(RULE));
+    assert!(explained("rule::orientation-required").contains("cannot be evaluated"));
+    assert!(explained(STOP).contains("CODE@FILE:LINE"));
+}
+
 /// The models alone: findings and the assembly, no numbers.
 #[test]
 fn models_alone_can_be_audited() {

@@ -6,7 +6,9 @@ use crate::cli::pintle;
 use crate::tolerance::HANDOVER;
 use pintle::audit::oracle::Narrow;
 use pintle::audit::sample::{Draw, Region, draw_case, extent};
-use pintle::audit::{Against, Bound, Case, CounterExample, Hex, Oracle, Quantity, product};
+use pintle::audit::{
+    Against, Bound, Case, CounterExample, Hex, Invariant, Oracle, Quantity, invariant, product,
+};
 use pintle::catalog::{COMPONENT, TABLE};
 use pintle::node::{DOF, DOFS};
 use serde_json::Value;
@@ -106,6 +108,79 @@ fn a_rust_test_gives_the_same_bits() {
     let (failed, said) = run_tests("wrong", &wrong);
     assert_eq!(failed.len(), wrong.len(), "{said}");
     assert_eq!(said.matches("must be").count(), wrong.len(), "{said}");
+}
+
+/// Of a law and a state, the demand of the largest number, as a counter-example.
+fn of_law(case: &Case, law: Invariant) -> Option<CounterExample> {
+    let numbers = product(case)?;
+    let last = case.last()?.state;
+    let nearness = Narrow::of(case)?.nearness();
+    let bound = Bound::new(&numbers, &last.velocity, &last.acceleration, case.length, nearness);
+    let demands = invariant::Context::new(case, &numbers, &bound)?.demands(law);
+    let size = |demand: &&invariant::Demand| {
+        let terms =
+            demand.terms.iter().map(|(q, k, i, c)| (c * numbers.entries(*q).get(*k, *i).unwrap()).abs());
+        terms.fold(0.0, f64::max)
+    };
+    let demand = demands.iter().max_by(|x, y| size(x).total_cmp(&size(y)))?;
+    Some(CounterExample {
+        entry: demand.what.to_string(),
+        got: Hex(demand.sum(|q, k, i| numbers.entries(q).get(k, i))),
+        want: Hex(demand.want),
+        tolerance: Hex(demand.allowed),
+        ..CounterExample::record(case, Against::Law(law))
+    })
+}
+
+/// A law that is of one state is a test of it: what is added up, and what that must be, at the same state or its twin. The tests pass, and each
+/// fails where a number of it is another.
+#[test]
+fn a_law_is_a_rust_test() {
+    let (mut right, mut wrong) = (Vec::new(), Vec::new());
+    for (law, name) in [
+        (Invariant::RigidModes, "CARDAN"),
+        (Invariant::Frame, "SLIDE-PLANE"),
+        (Invariant::Frame, "BUSHING"),
+        (Invariant::Equilibrium, "CYLINDRICAL"),
+        (Invariant::Power, "BUSHING"),
+        (Invariant::Power, "UJOINT"),
+        (Invariant::Symmetry, "EULER"),
+        (Invariant::Sparsity, "CARTESIAN"),
+        (Invariant::NodeSwap, "ROTATION"),
+        (Invariant::Halves, "RETRACTOR"),
+        (Invariant::Restricted, "TRANSLATOR"),
+        (Invariant::Restricted, "HINGE"),
+    ] {
+        let example = of_law(&wound(name), law).unwrap_or_else(|| panic!("{} {name}", law.name()));
+        let module = format!("case_{}", right.len());
+        let text = example.rust().unwrap_or_else(|error| panic!("{} {name}: {error}", law.name()));
+        // What is declared zero stays it times anything.
+        if law != Invariant::Sparsity {
+            let other = text.replacen("    [\n        ", "    [\n        1.5 * ", 1);
+            assert_ne!(other, text, "{} {name}", law.name());
+            wrong.push((module.clone(), other));
+        }
+        right.push((module, text));
+    }
+    let (failed, said) = run_tests("laws", &right);
+    assert!(failed.is_empty(), "{said}");
+    let (failed, said) = run_tests("broken_laws", &wrong);
+    assert_eq!(failed.len(), wrong.len(), "{said}");
+    // A law that is not of one state says why it is none, and so does JAX, whose numbers are its own.
+    for (law, why) in [
+        (Invariant::Restored, "saved"),
+        (Invariant::Start, "law of a type"),
+        (Invariant::Turns, "law of a type"),
+        (Invariant::FreeAxis, "law of a type"),
+        (Invariant::Carried, "friction"),
+    ] {
+        let example = CounterExample::record(&wound("BEAM"), Against::Law(law));
+        let said = example.rust().unwrap_err().to_string();
+        assert!(said.contains(law.name()) && said.contains(why), "{said}");
+    }
+    let law = CounterExample::record(&wound("BEAM"), Against::Law(Invariant::Power));
+    assert!(law.rust().unwrap_err().to_string().contains("names no entry"));
+    assert!(law.jax().unwrap_err().to_string().contains("export a Rust test"));
 }
 
 /// The Python of the witnesses, where it has JAX.

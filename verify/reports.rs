@@ -238,6 +238,7 @@ fn page() -> (String, Report, Vec<(String, String)>, ModelReport) {
         scenes: vec![Audited { name: target.name, scene: &scene, model: &model }],
         illustrations,
         command: format!("pintle audit {HOSTILE}"),
+        ..Supplement::default()
     };
     let page = text(|out, report| report::html(out, report, &supplement), &report);
     let figures = report::figures(&report, &supplement);
@@ -368,6 +369,54 @@ const ink = () => getComputedStyle(document.querySelector("h2")).color;
 const before = ink(); document.getElementById("theme").click(); body.themed = before !== ink();
 </script></body>"##;
 
+/// The page of a scene alone has the singular points of the types that it uses, how near it came to one, and every step that differs.
+#[test]
+fn a_page_of_a_scene_has_its_steps_and_approaches() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n4, 1, 2\n\
+                *CONNECTOR SECTION, ELSET=C\nCARTESIAN, CARDAN\nO,\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+                *BOUNDARY\n1, 1, 6\n*STEP\n*STATIC\n*END STEP\n*STEP\n*STATIC\n*BOUNDARY\n2, 1, 3\n*END STEP\n";
+    let states = r#"{"states": [{"nodes": {"2": {"rotation": [0, 1.5, 0]}}}]}"#;
+    let folder = crate::cli::file("scene_page.inp", deck);
+    let states = crate::cli::file("scene_page.json", states);
+    let page = format!("{folder}.html");
+    let arguments = [
+        "audit",
+        &folder,
+        "--at",
+        &states,
+        "--wide-states",
+        "1",
+        "--html",
+        &page,
+        "--plots",
+        &format!("{folder}.plots"),
+    ];
+    crate::cli::pintle(&arguments).assert().code(0);
+    let page = fs::read_to_string(page).unwrap();
+    let section =
+        page.split("<section id=\"singular\">").nth(1).and_then(|rest| rest.split("</section>").next());
+    let section = section.expect("singular points");
+    assert!(
+        section.contains("<svg") && section.contains("CARDAN ur1") || section.contains("CARDAN ur2"),
+        "{section}"
+    );
+    assert!(section.contains("types that the scenes use"), "{section}");
+    let came = section.matches("of element 4 is").count();
+    assert_eq!(came, 1, "{section}");
+    for step in ["<h4>Step 1</h4>", "<h4>Step 2</h4>"] {
+        assert_eq!(page.matches(step).count(), 1, "{step}");
+    }
+    // Six degrees of freedom are held in step 1, nine in step 2.
+    let held: Vec<&str> =
+        page.split("<dt>held by boundary conditions</dt><dd>").skip(1).map(|rest| &rest[..1]).collect();
+    assert_eq!(held, ["6", "9"]);
+    let plots: Vec<String> = fs::read_dir(format!("{folder}.plots"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert!(plots.iter().any(|name| name.starts_with("singular-")), "{plots:?}");
+}
+
 /// The histograms of coverage that have samples.
 fn models_maps(model: &ModelReport) -> usize {
     let of = &model.coverage;
@@ -405,7 +454,7 @@ fn a_browser_shows_the_page() {
     has("cut", "0");
     has("empty", "0");
     has("findings", &models.findings.len().to_string());
-    has("facts", "7");
+    has("facts", "9");
     let number = |name: &str| -> usize {
         let value = body.split(&format!("data-{name}=\"")).nth(1).and_then(|rest| rest.split('"').next());
         value.unwrap().parse().unwrap()

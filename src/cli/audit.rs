@@ -34,14 +34,17 @@ points along the states, stops, frictions, duplicates; mobility, redundant
 constraints and free motions of the whole assembly; which region of
 configuration space the states exercised. Each finding has a code, which
 pintle explain CODE explains, and is a note, a warning or an error; --deny,
---warn, --note and --allow say which. What is said of a code outweighs what is
-said of its group, and that what is said of all notes or warnings. Rules that
-refuse a model stay errors: no number of such a scene is audited, the report has
+--warn, --note and --allow say which: of a code, a group of codes, all notes or
+warnings, everywhere or at a place (CODE@FILE, CODE@FILE:LINE). The line
+outweighs the file, and that what is said everywhere; the code outweighs its
+group, and that all. A rule that leaves nothing to evaluate (pintle explain CODE
+says which) stays an error: no number of such a scene is audited, the report has
 all it breaks, and the exit code is 6.
 
 Examples:
   pintle audit
   pintle audit model.inp --deny warnings --allow assembly::redundant
+  pintle audit model.inp --allow model::duplicate-connector@model.inp:120
   pintle audit model.inp --model-only
   pintle audit model.inp --at run.csv --counter-examples found
   pintle audit model.inp --html audit.html --plots figures
@@ -137,17 +140,18 @@ pub(crate) struct Audit {
     /// Plant a fault, to see the audit fail
     #[arg(long, value_enum, hide = true)]
     plant: Option<Plant>,
-    /// Findings of this code, of this group (model, assembly, coverage, rule …), all notes or all warnings, are errors: exit 1
-    #[arg(long, value_name = "CODE", value_delimiter = ',')]
+    /// Findings of this code, of this group (model, assembly, coverage, rule …), all notes or all warnings, are errors: exit 1; after @,
+    /// those of a file or line
+    #[arg(long, value_name = "CODE[@FILE[:LINE]]", value_delimiter = ',')]
     deny: Vec<String>,
     /// … are warnings
-    #[arg(long, value_name = "CODE", value_delimiter = ',')]
+    #[arg(long, value_name = "CODE[@FILE[:LINE]]", value_delimiter = ',')]
     warn: Vec<String>,
     /// … are notes
-    #[arg(long, value_name = "CODE", value_delimiter = ',')]
+    #[arg(long, value_name = "CODE[@FILE[:LINE]]", value_delimiter = ',')]
     note: Vec<String>,
     /// … are not shown
-    #[arg(long, value_name = "CODE", value_delimiter = ',')]
+    #[arg(long, value_name = "CODE[@FILE[:LINE]]", value_delimiter = ',')]
     allow: Vec<String>,
     /// Look at the models of the scenes only: findings, rank and mobility of the assembly, coverage; audit no numbers
     #[arg(long, requires = "scenes", conflicts_with_all = ["oracles", "counter_examples", "connector"])]
@@ -186,7 +190,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     };
     let loaded = sources
         .iter()
-        .map(|source| with_forces(*source, arguments))
+        .map(|source| with_forces(*source, arguments, &levels))
         .collect::<Result<Vec<Loaded>, Failure>>()?;
     let selection = match arguments.connector.as_slice() {
         [] => Selection::All,
@@ -258,11 +262,12 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
 fn say_what_stays(levels: &Levels, report: &Report) {
     let findings = report.models.iter().flat_map(|model| &model.findings);
     let codes: BTreeSet<&str> = findings
-        .filter(|finding| finding.severity() == Severity::Error && levels.is_lowered(finding.code()))
+        .filter(|finding| finding.severity() == Severity::Error && levels.is_lowered(finding))
         .map(|finding| finding.code().as_str())
         .collect();
     for code in codes {
-        complain("note", &format!("{code} stays an error: a scene that breaks it is not evaluated"));
+        let why = "what breaks it cannot be evaluated";
+        complain("note", &format!("{code} stays an error: {why} (pintle explain {code})"));
     }
 }
 
@@ -281,9 +286,11 @@ struct Loaded {
 const SHOWN: usize = 20;
 
 /// A scene with its states and their forces, which are checked. Every rule that it breaks is told.
-fn with_forces(source: Source<'_>, arguments: &Audit) -> Result<Loaded, Failure> {
+fn with_forces(source: Source<'_>, arguments: &Audit, levels: &Levels) -> Result<Loaded, Failure> {
     let (scene, mut states) = read(source, arguments.at.as_deref())?;
-    let (mut model, errors) = Model::examine(&scene);
+    let (mut model, mut errors) = Model::examine(&scene);
+    // Those that are taken for less are told by the findings.
+    errors.retain(|error| !levels.lets_pass(error));
     source.warn(&scene, &mut model);
     let is_refused = !errors.is_empty();
     let hidden = errors.len().saturating_sub(SHOWN);

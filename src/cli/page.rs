@@ -2,12 +2,16 @@
 
 use super::Failure;
 use super::audit::{Audit, AuditFormat};
-use pintle::audit::{Illustration, Report, Target, illustrate_catalogue, illustrate_scene};
+use pintle::audit::atlas::atlas;
+use pintle::audit::{Approach, Illustration, Report, Target, illustrate_catalogue, illustrate_scene};
+use pintle::catalog::ConnectionType;
 use pintle::report::audit::{self as report, Audited, Supplement};
 use pintle::scene::Scene;
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Connectors of a scene whose Jacobians are shown at most, those that did not pass first.
 const SHOWN: usize = 48;
@@ -25,14 +29,28 @@ pub(super) fn supplement<'a>(
     } else {
         illustrations.extend(targets.iter().flat_map(|target| illustrate_scene(target, found, SHOWN)));
     }
+    let approaches = if is_catalogue { Vec::new() } else { approached(targets) };
     let audited = targets.iter().zip(scenes);
     Supplement {
         scenes: audited
             .map(|(target, scene)| Audited { name: target.name, scene, model: target.model })
             .collect(),
         illustrations,
+        approaches,
         command: command_line(),
     }
+}
+
+/// The singular sets of the types of scenes, each type once.
+fn approached(targets: &[Target<'_>]) -> Vec<Approach> {
+    let mut types: BTreeMap<String, Arc<ConnectionType>> = BTreeMap::new();
+    for target in targets {
+        for index in &target.plan.connectors {
+            let connection = &target.model.connectors[*index].definition().connection;
+            types.entry(connection.name.to_string()).or_insert_with(|| Arc::clone(connection));
+        }
+    }
+    types.values().flat_map(|connection| atlas(connection)).collect()
 }
 
 /// What was typed, with the name of the program instead of its place.

@@ -58,6 +58,8 @@ struct Shared {
     /// What connectors have in common, and the last of them.
     common: HashMap<Agreeing, (Arc<Definition>, Connector<f64>)>,
     warned: HashSet<(usize, Rule, String)>,
+    /// What refuses the scene, and leaves every number of it.
+    refused: Vec<Diagnostic>,
     freedom: NodeFreedom,
 }
 
@@ -137,13 +139,15 @@ impl Model {
             behaviors: HashMap::new(),
             common: HashMap::new(),
             warned: HashSet::new(),
+            refused: Vec::new(),
             freedom: NodeFreedom::of(scene),
         };
         for (label, element) in &scene.connectors {
-            if let Err(error) = model.connector(scene, *label, element, &mut shared)
-                && !tell(error)
-            {
-                return model;
+            let broken = model.connector(scene, *label, element, &mut shared).err();
+            for error in shared.refused.drain(..).chain(broken) {
+                if !tell(error) {
+                    return model;
+                }
             }
         }
         if let Err(error) = shared::check(scene, &mut model)
@@ -173,7 +177,7 @@ impl Model {
         element: &crate::scene::ConnectorElement,
         shared: &mut Shared,
     ) -> Result<(), Diagnostic> {
-        let Shared { types, actions, drives, behaviors, common, warned, freedom } = shared;
+        let Shared { types, actions, drives, behaviors, common, warned, refused, freedom } = shared;
         let Some(section) = scene.section(element) else { return Ok(()) };
         let connection = match types.get(&element.section) {
             Some(known) => known,
@@ -212,8 +216,12 @@ impl Model {
         for breach in connection.breaches(&facts) {
             let place = rules::place(&breach, behavior, acting, (section, element));
             let diagnostic = rules::diagnose(&breach, label, place, scene);
-            if breach.refuses() {
+            if breach.refuses() && !diagnostic.code().leaves_numbers() {
                 return Err(diagnostic);
+            }
+            if breach.refuses() {
+                refused.push(diagnostic);
+                continue;
             }
             // Once for all elements of a section.
             if warned.insert((element.section, breach.rule, breach.message)) {

@@ -268,7 +268,11 @@ impl Explanation {
 /// Those of the stream.
 pub fn code(out: &mut dyn Write, code: Code, width: usize) -> io::Result<()> {
     writeln!(out, "{}", styled(BOLD, code))?;
-    write!(out, "{}", layout::labelled("", 2, 2, code.explanation(), width))
+    write!(out, "{}", layout::labelled("", 2, 2, code.explanation(), width))?;
+    match code.of_its_severity() {
+        Some(said) => write!(out, "{}", layout::labelled("", 2, 2, said, width)),
+        None => Ok(()),
+    }
 }
 
 /// Writes what the code of a diagnostic means, as JSON.
@@ -278,6 +282,7 @@ pub fn code(out: &mut dyn Write, code: Code, width: usize) -> io::Result<()> {
 pub fn code_json(out: &mut dyn Write, code: Code) -> io::Result<()> {
     let document = serde_json::json!({
         "schema": SCHEMA, "version": crate::VERSION, "code": code.as_str(), "explanation": code.explanation(),
+        "severity": code.severity(), "of_its_severity": code.of_its_severity(),
     });
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)

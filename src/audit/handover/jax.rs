@@ -3,6 +3,7 @@
 use super::{Entry, ExportError, comment, entry, list, matrix, number, vector};
 use crate::audit::case::Case;
 use crate::audit::counterexample::CounterExample;
+use crate::audit::invariant::Invariant;
 use crate::audit::quantity::{Numbers, Quantity, request};
 use crate::catalog::Loading;
 use crate::connector::{Branch, Connector};
@@ -50,6 +51,13 @@ impl CounterExample {
     /// are conjugate to no component, reactions of the ground.
     pub fn jax(&self) -> Result<String, ExportError> {
         let case = self.case()?;
+        if Invariant::ALL.iter().any(|law| law.name() == self.against) {
+            let message = format!(
+                "{}: a law relates numbers of this program to each other, and the script has its own: export a Rust test",
+                self.against
+            );
+            return Err(ExportError::Lost(message));
+        }
         let connector = case.connector();
         let (Some((evaluation, _)), Some(last)) = (case.evaluation(&request()), case.last()) else {
             return Err(ExportError::Lost("it has no state".to_string()));

@@ -2,6 +2,7 @@
 
 mod deck;
 mod jax;
+mod law;
 mod rust;
 
 use super::counterexample::{CounterExample, ReplayError};

@@ -1,5 +1,6 @@
 //! A counter-example as a test in Rust.
 
+use super::law::{Asked, Law, Sum, law};
 use super::{Entry, ExportError, comment, entry, list, matrix, number, vector};
 use crate::audit::case::Case;
 use crate::audit::counterexample::CounterExample;
@@ -82,13 +83,18 @@ fn branch(of: &Branch<f64>) -> String {
     )
 }
 
-/// How the number in question is taken from an evaluation, and the statements before it.
-fn taken(Entry { quantity, k, i }: Entry) -> Option<(&'static str, String)> {
-    const FORCES: &str = "    \
-        let want = Want { stiffness: true, ..Want::default() };\n    \
-        let rows = connector.force_rows(&state, &found.branch, [true; 6], want, &mut Tally::default());\n";
+/// The statements that lead to `rows`, the nodal forces of components.
+fn force_rows(components: &str) -> String {
+    format!(
+        "    let wanted = Want {{ stiffness: true, ..Want::default() }};\n    \
+         let rows = connector.force_rows(&state, &found.branch, {components}, wanted, &mut Tally::default());\n"
+    )
+}
+
+/// How a number is taken from an evaluation, and whether it needs nodal forces.
+fn taken(Entry { quantity, k, i }: Entry) -> Option<(bool, String)> {
     let (row, column) = (i / DOFS, i % DOFS);
-    let plain = |text: String| Some(("", text));
+    let plain = |text: String| Some((false, text));
     match quantity {
         Quantity::Value => plain(format!("found.residual[{k}].or(found.displacement[{k}])")),
         Quantity::FirstDerivatives => plain(format!("found.jacobian[{k}].map(|row| row[{i}])")),
@@ -99,96 +105,175 @@ fn taken(Entry { quantity, k, i }: Entry) -> Option<(&'static str, String)> {
         Quantity::Acceleration => {
             plain(format!("found.residual_acceleration[{k}].or(found.acceleration[{k}])"))
         }
-        Quantity::NodalForces => Some((FORCES, format!("rows.row({k}).map(|row| row.row[{i}])"))),
+        Quantity::NodalForces => Some((true, format!("rows.row({k}).map(|row| row.row[{i}])"))),
         Quantity::GeometricStiffness => {
             let change = format!(
                 "rows.row({k}).and_then(|row| row.change.as_ref()).map(|change| change[{row}][{column}])"
             );
-            Some((FORCES, change))
+            Some((true, change))
         }
         _ => None,
     }
 }
 
+/// The statements that lead to `found`, the evaluation of a connector at the end of a case.
+fn evaluated(case: &Case, asked: &str) -> String {
+    let connection = &case.definition.connection;
+    let (first, second) = match connection.halves {
+        [Some(first), Some(second)] => (first.name.to_string(), format!("Some({:?})", second.name)),
+        _ => (connection.name.to_string(), "None".into()),
+    };
+    let definition = definition(&case.definition);
+    let changed = |is: bool| if is { "mut " } else { "" };
+    let start = case.start.as_ref().map_or("connector.initial_branch()".into(), branch);
+    let mut text = format!(
+        "    let connection = ConnectionType::named({first:?}, {second}).unwrap();\n    let initial = {};\n    \
+         let {}definition = Definition::new(connection, initial);\n{definition}    \
+         let connector = Connector::<f64>::new(&definition);\n    let {}branch = {start};\n",
+        pair(&case.definition.initial),
+        changed(!definition.is_empty()),
+        changed(case.path.len() > 1)
+    );
+    for (n, step) in case.path.iter().enumerate() {
+        let State { pair: at, velocity, acceleration } = &step.state;
+        let increment = &step.increment;
+        let vectors = |both: &[Vector<f64>; 2]| format!("[{}, {}]", vector(&both[0]), vector(&both[1]));
+        let then = if n + 1 == case.path.len() {
+            format!(
+                "let asked = {asked};\n    \
+                 let found = connector.evaluate(&state, &increment, &branch, &asked, &mut Tally::default());"
+            )
+        } else {
+            "branch = connector.advance(&state, &increment, &branch);".to_string()
+        };
+        text.push_str(&format!("    let pair = {};\n    let state = State {{\n        pair,\n        velocity: {},\n        acceleration: {},\n    }};\n    \
+             let increment = Increment {{\n        rotation: {},\n        whole_turns: {},\n        flow: {},\n    }};\n    {then}\n",
+            pair(at),
+            list(velocity),
+            list(acceleration),
+            vectors(&increment.rotation),
+            vectors(&increment.whole_turns),
+            list(&increment.flow)));
+    }
+    text
+}
+
+/// What of the crate a text uses, as its imports.
+fn imports(text: &str) -> String {
+    let uses = |name: &&str| {
+        ["::", " {"].iter().any(|after| {
+            let word = format!("{name}{after}");
+            text.match_indices(&word)
+                .any(|(at, _)| !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == ':'))
+        })
+    };
+    let of_connector = [
+        "Branch",
+        "Connector",
+        "Definition",
+        "Increment",
+        "Output",
+        "Request",
+        "State",
+        "Stop",
+        "Tally",
+        "Turns",
+    ];
+    let of_connector: Vec<&str> = of_connector.into_iter().filter(uses).collect();
+    let force = if uses(&"Want") { "use pintle::force::Want;\n" } else { "" };
+    format!(
+        "use pintle::catalog::ConnectionType;\nuse pintle::connector::{{{}}};\n{force}use pintle::node::{{Node, Pair}};\n",
+        of_connector.join(", ")
+    )
+}
+
+/// The expression of what is asked for, and the components whose forces are.
+fn asked(of: Asked) -> (String, String) {
+    let whole = "[true; 6]".to_string();
+    match of {
+        Asked::Whole => ("Request::everything(2)".to_string(), whole),
+        Asked::Rows => ("Request::new(&[Output::CU, Output::RES], [true; 6], 1)".to_string(), whole),
+        Asked::Alone(k) => {
+            let only = format!("{:?}", std::array::from_fn::<bool, 6, _>(|other| other == k));
+            let outputs = "Output::CU, Output::CV, Output::CA, Output::RES, Output::RESV, Output::RESA";
+            (format!("Request::new(&[{outputs}], {only}, 2)"), only)
+        }
+    }
+}
+
 impl CounterExample {
     /// A test in Rust that needs this crate and nothing else: it evaluates the connector after the same history, bit for bit, and
-    /// compares the number in question with what it must be.
+    /// compares the number in question with what it must be; of a law, the sum that it speaks of with what that must be, at the same state
+    /// or at its twin.
     ///
     /// # Errors
-    /// What cannot be replayed; a mismatch of a law, or of a kind of number, that is not one entry of an evaluation.
+    /// What cannot be replayed; a mismatch of a kind of number that is not of an evaluation; of a law that is not of one state.
     pub fn rust(&self) -> Result<String, ExportError> {
         let case = self.case()?;
+        if let Some(law) = law(self, &case)? {
+            return self.test_of(&case, &law);
+        }
         let numbers = crate::audit::product(&case).unwrap_or_default();
         let found = entry(self, &numbers)?;
         let Some((before, taken)) = taken(found) else {
             return Err(ExportError::Lost(format!("{} is no number of a connector alone", self.entry)));
         };
-        Ok(self.test(&case, before, &taken))
+        let before = if before { force_rows("[true; 6]") } else { String::new() };
+        let text = format!(
+            "{}{before}    let got = {taken}.unwrap();\n    let want: f64 = {};\n",
+            evaluated(&case, "Request::everything(2)"),
+            literal(self.want.0)
+        );
+        Ok(self.test(&case, &text))
     }
 
-    fn test(&self, case: &Case, before: &str, taken: &str) -> String {
-        let halves: Vec<String> = self.connector.types.iter().map(|name| format!("{name:?}")).collect();
-        let (first, second) = match halves.as_slice() {
-            [first, second, ..] => (first.clone(), format!("Some({second})")),
-            [first] => (first.clone(), "None".into()),
-            [] => ("\"\"".into(), "None".into()),
+    /// A test of two sums.
+    fn test_of(&self, case: &Case, law: &Law) -> Result<String, ExportError> {
+        let block = |sum: &Sum| -> Result<String, ExportError> {
+            if sum.terms.is_empty() && sum.velocity.is_none() {
+                return Ok(literal(law.constant));
+            }
+            let (request, components) = asked(sum.asked);
+            let mut text = format!("{{\n{}", evaluated(sum.case.as_ref().unwrap_or(case), &request));
+            let (mut forces, mut terms) = (false, Vec::new());
+            for (quantity, k, i, by) in &sum.terms {
+                let Some((needs_forces, taken)) = taken(Entry { quantity: *quantity, k: *k, i: *i }) else {
+                    return Err(ExportError::Lost(format!(
+                        "{} is no number of a connector alone",
+                        self.entry
+                    )));
+                };
+                forces |= needs_forces;
+                terms.push(format!("{} * {taken}.unwrap()", number(*by)));
+            }
+            terms.extend(sum.velocity.map(|k| format!("found.velocity[{k}].unwrap()")));
+            if forces {
+                text.push_str(&force_rows(&components));
+            }
+            text.push_str(&format!(
+                "    [\n        {}\n    ].iter().sum::<f64>()\n    }}",
+                terms.join(",\n        ")
+            ));
+            Ok(text)
         };
-        let mut text = String::new();
-        let title = format!(
-            "// {} by {}: {} against {}, written by pintle {}.\n",
+        let text =
+            format!("    let got: f64 = {};\n    let want: f64 = {};\n", block(&law.got)?, block(&law.want)?);
+        Ok(self.test(case, &text))
+    }
+
+    /// A test that compares `got` and `want`, which statements give.
+    fn test(&self, case: &Case, statements: &str) -> String {
+        format!(
+            "// {} by {}: {} against {}, written by pintle {}.\n{}\n#[test]\nfn counter_example() {{\n{statements}    \
+             let tolerance: f64 = {};\n    \
+             assert!((got - want).abs() <= tolerance, \"{{got:e}}, must be {{want:e}} within {{tolerance:e}}\");\n}}\n",
             case.definition.connection.name,
             comment(&self.subject),
             comment(&self.entry),
             comment(&self.against),
-            comment(&self.version)
-        );
-        text.push_str(&title);
-        let definition = definition(&case.definition);
-        let has_stop = case.definition.stops.iter().any(Option::is_some);
-        let mut used = vec!["Connector", "Definition", "Increment", "Request", "State", "Tally"];
-        if has_stop {
-            used.push("Stop");
-        }
-        if case.start.is_some() {
-            used.extend(["Branch", "Turns"]);
-        }
-        used.sort_unstable();
-        let force = if before.is_empty() { "" } else { "use pintle::force::Want;\n" };
-        let changed = |is: bool| if is { "mut " } else { "" };
-        let start = case.start.as_ref().map_or("connector.initial_branch()".into(), branch);
-        text.push_str(&format!("use pintle::catalog::ConnectionType;\nuse pintle::connector::{{{}}};\n{force}use pintle::node::{{Node, Pair}};\n\n\
-             #[test]\nfn counter_example() {{\n    \
-             let connection = ConnectionType::named({first}, {second}).unwrap();\n    let initial = {};\n    \
-             let {}definition = Definition::new(connection, initial);\n{definition}    \
-             let connector = Connector::<f64>::new(&definition);\n    let {}branch = {start};\n",
-            used.join(", "),
-            pair(&case.definition.initial),
-            changed(!definition.is_empty()),
-            changed(case.path.len() > 1)));
-        for (n, step) in case.path.iter().enumerate() {
-            let State { pair: at, velocity, acceleration } = &step.state;
-            let increment = &step.increment;
-            let vectors = |both: &[Vector<f64>; 2]| format!("[{}, {}]", vector(&both[0]), vector(&both[1]));
-            let then = if n + 1 == case.path.len() {
-                "let asked = Request::everything(2);\n    \
-                 let found = connector.evaluate(&state, &increment, &branch, &asked, &mut Tally::default());"
-            } else {
-                "branch = connector.advance(&state, &increment, &branch);"
-            };
-            text.push_str(&format!("    let pair = {};\n    let state = State {{\n        pair,\n        velocity: {},\n        acceleration: {},\n    }};\n    \
-                 let increment = Increment {{\n        rotation: {},\n        whole_turns: {},\n        flow: {},\n    }};\n    {then}\n",
-                pair(at),
-                list(velocity),
-                list(acceleration),
-                vectors(&increment.rotation),
-                vectors(&increment.whole_turns),
-                list(&increment.flow)));
-        }
-        text.push_str(&format!("{before}    let got = {taken}.unwrap();\n    let want: f64 = {};\n    \
-             let tolerance: f64 = {};\n    \
-             assert!((got - want).abs() <= tolerance, \"{{got:e}}, must be {{want:e}} within {{tolerance:e}}\");\n}}\n",
-            literal(self.want.0),
-            literal(self.tolerance.0)));
-        text
+            comment(&self.version),
+            imports(statements),
+            literal(self.tolerance.0)
+        )
     }
 }

@@ -4,12 +4,12 @@
 //! that are there: those of which every degree of freedom by which the component changes is among its columns.
 
 use super::{Context, Demand, What};
-use crate::audit::case::{carried, turn};
+use crate::audit::case::{Case, carried, turn};
 use crate::audit::quantity::{OneOrMany, Quantity};
 use crate::catalog::{COMPONENT, FORCE, Loading};
 use crate::measure::Measure;
 use crate::node;
-use crate::vector::{Vector, apply_transposed, cross};
+use crate::vector::{Matrix, Vector, apply_transposed, cross};
 
 /// The places of both nodes' translations and rotations along an axis.
 const fn both(a: usize, b: usize, i: usize) -> [usize; 2] {
@@ -117,12 +117,17 @@ impl Context<'_> {
         self.forces().filter(|k| !is_fixed(*k)).flat_map(of).collect()
     }
 
-    pub(super) fn frame(&self) -> Vec<Demand> {
-        // A rotation that is far from every special one, about the third axis where the connector lies in a plane.
+    /// The state in turned axes, and the rotation: one that is far from every special one, about the third axis where the connector lies in a plane.
+    pub(in crate::audit) fn turned(&self) -> (Matrix<f64>, Case) {
         let rotation = turn(if self.case.definition.planar { [0.0, 0.0, 1.3] } else { [0.9, -1.3, 0.4] });
         let mut state = self.state;
         state.pair = carried(&self.state.pair, &rotation, [0.0; 3]);
-        let twin = self.evaluate(&self.connector, &state, &self.after);
+        (rotation, self.beside(self.case.definition.clone(), state, self.after))
+    }
+
+    pub(super) fn frame(&self) -> Vec<Demand> {
+        let (rotation, turned) = self.turned();
+        let twin = self.numbers_of(&turned);
         let mut found = Vec::new();
         for (k, measure) in self.components() {
             if self.is_fixed_in_space(measure) {

@@ -1,11 +1,11 @@
 //! Laws of twins: another connector, another history or a part of the request must give the same numbers.
 
 use super::{Context, Demand, What};
-use crate::audit::case::Case;
+use crate::audit::case::{Case, Step};
 use crate::audit::force::add_forces_of;
 use crate::audit::quantity::{Numbers, OneOrMany, Quantity, request_of};
 use crate::catalog::ConnectionType;
-use crate::connector::{Branch, Connector, Increment, NodalRow, Output, Request, State, Tally};
+use crate::connector::{Branch, Connector, Definition, Increment, NodalRow, Output, Request, State, Tally};
 use crate::measure::Measure;
 use crate::node::{DOFS, Pair};
 use crate::vector::scale;
@@ -20,21 +20,32 @@ pub(super) const fn exchanged(measure: Measure) -> Option<f64> {
 }
 
 impl Context<'_> {
-    /// The numbers of another connector or state, asked the same.
-    pub(super) fn evaluate(
-        &self,
-        connector: &Connector<f64>,
-        state: &State<f64>,
-        branch: &Branch<f64>,
-    ) -> Numbers<f64> {
-        asked(connector, state, &Increment::none(), branch, [true; 6])
+    /// A connector at a state, after a history, without an increment.
+    pub(super) fn beside(&self, definition: Definition, state: State<f64>, branch: Branch<f64>) -> Case {
+        let path = vec![Step { state, increment: Increment::none() }];
+        Case { name: String::new(), definition, start: Some(branch), path, length: self.case.length }
     }
 
-    pub(super) fn node_swap(&self) -> Vec<Demand> {
-        let mut found = Vec::new();
-        if !self.components().any(|(_, measure)| exchanged(measure).is_some()) {
-            return found;
-        }
+    /// The numbers at the end of a case, asked for everything.
+    pub(super) fn numbers_of(&self, case: &Case) -> Numbers<f64> {
+        let connector = Connector::new(&case.definition);
+        let before = case.branch_before(&connector);
+        let Step { state, increment } = case.last().copied().unwrap_or(self.step());
+        asked(&connector, &state, &increment, &before, [true; 6])
+    }
+
+    /// The state judged.
+    const fn step(&self) -> Step {
+        Step { state: self.state, increment: self.increment }
+    }
+
+    /// The sign that exchanged nodes give the measure of a component.
+    pub(in crate::audit) fn exchanged(&self, k: usize) -> Option<f64> {
+        self.measure(k).and_then(exchanged)
+    }
+
+    /// The same seen from b.
+    pub(in crate::audit) fn swapped(&self) -> Case {
         let swap = |pair: &Pair<f64>| Pair { reference: scale(pair.reference, -1.0), a: pair.b, b: pair.a };
         let rows = |x: &NodalRow<f64>| -> NodalRow<f64> { std::array::from_fn(|j| x[(j + DOFS / 2) % DOFS]) };
         let mut definition = self.case.definition.clone();
@@ -48,7 +59,15 @@ impl Context<'_> {
         };
         let mut branch = self.after;
         branch.rotation_vector = scale(branch.rotation_vector, -1.0);
-        let twin = self.evaluate(&Connector::new(&definition), &state, &branch);
+        self.beside(definition, state, branch)
+    }
+
+    pub(super) fn node_swap(&self) -> Vec<Demand> {
+        let mut found = Vec::new();
+        if !self.components().any(|(_, measure)| exchanged(measure).is_some()) {
+            return found;
+        }
+        let twin = self.numbers_of(&self.swapped());
         for (k, measure) in self.components() {
             let Some(sign) = exchanged(measure) else { continue };
             let Some(row) = &twin.entries(Quantity::FirstDerivatives).0[k] else { continue };
@@ -101,22 +120,23 @@ impl Context<'_> {
         found
     }
 
-    pub(super) fn halves(&self) -> Vec<Demand> {
+    /// The half of an assembled type that has a component, with the same history.
+    pub(in crate::audit) fn half(&self, k: usize) -> Option<Case> {
         let [Some(translational), Some(rotational)] = self.case.definition.connection.halves else {
-            return Vec::new();
+            return None;
         };
-        let half = |half, range: std::ops::Range<usize>| {
-            let connection = ConnectionType::basic(half);
-            let mut definition = self.case.definition.clone();
-            definition.connection = connection.into();
-            let connector = Connector::<f64>::new(&definition);
-            let start = Case { definition, ..self.case.clone() }.branch_before(&connector);
-            let twin = asked(&connector, &self.state, &self.increment, &start, [true; 6]);
-            self.same(&twin, &Quantity::ALL, range, " of its half")
+        let half = if k < 3 { translational } else { rotational };
+        let mut definition = self.case.definition.clone();
+        definition.connection = ConnectionType::basic(half).into();
+        Some(Case { definition, ..self.case.clone() })
+    }
+
+    pub(super) fn halves(&self) -> Vec<Demand> {
+        let of = |range: std::ops::Range<usize>| {
+            let half = self.half(range.start).map(|case| self.numbers_of(&case));
+            half.map_or_else(Vec::new, |twin| self.same(&twin, &Quantity::ALL, range, " of its half"))
         };
-        let mut found = half(translational, 0..3);
-        found.extend(half(rotational, 3..6));
-        found
+        [0..3, 3..6].into_iter().flat_map(of).collect()
     }
 
     pub(super) fn restored(&self) -> Vec<Demand> {

@@ -1,7 +1,7 @@
 //! How bad each code is taken to be: as it comes, or as the command line says.
 
 use super::finding::Finding;
-use crate::scene::{Code, Severity};
+use crate::scene::{Code, Diagnostic, Severity};
 use std::collections::BTreeMap;
 
 /// What becomes of the findings of a code.
@@ -28,8 +28,9 @@ impl Level {
     }
 }
 
-/// The levels that were set, by code, by group of codes (`model`, `assembly`, `rule` …), or for all `notes` or `warnings`. What is
-/// said of a code outweighs what is said of its group, and that what is said of all.
+/// The levels that were set, by code, by group of codes (`model`, `assembly`, `rule` …), or for all `notes` or `warnings`; everywhere, or
+/// at a place: `CODE@FILE` or `CODE@FILE:LINE`. What is said of a line outweighs what is said of its file, and that what is said everywhere; at one
+/// place, what is said of a code outweighs what is said of its group, and that what is said of all.
 ///
 /// ```
 /// use pintle::audit::model::{Level, Levels};
@@ -41,23 +42,64 @@ impl Level {
 /// assert_eq!(levels.of(Code::ModelStopViolated, Severity::Warning), Some(Severity::Error));
 /// assert_eq!(levels.of(Code::AssemblyMechanism, Severity::Note), None);
 /// assert!(levels.set("model::no-such", Level::Deny).is_err());
+/// levels.set("model::stop-violated@deck.inp:12", Level::Note)?;
+/// let at = |line| levels.at(Code::ModelStopViolated, Severity::Warning, "models/deck.inp", Some(line));
+/// assert_eq!((at(11), at(12)), (Some(Severity::Error), Some(Severity::Note)));
 /// # Ok::<(), String>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Levels {
-    set: BTreeMap<String, Level>,
+    set: BTreeMap<(Option<Place>, String), Level>,
+}
+
+/// A file, and a line of it, counted from 1, where one is named.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Place {
+    file: String,
+    line: Option<u32>,
+}
+
+impl Place {
+    /// `FILE` or `FILE:LINE`.
+    fn read(text: &str) -> Option<Self> {
+        let (file, line) = match text.rsplit_once(':') {
+            Some((file, line)) if line.bytes().all(|digit| digit.is_ascii_digit()) => {
+                (file, Some(line.parse().ok().filter(|line| *line > 0)?))
+            }
+            _ => (text, None),
+        };
+        (!file.is_empty()).then(|| Self { file: file.to_string(), line })
+    }
+
+    /// Whether something of a file, at a line, is at this place: the file by its path, or the end of it.
+    fn has(&self, file: &str, line: Option<u32>) -> bool {
+        let is_end =
+            file.strip_suffix(&self.file).is_some_and(|before| before.is_empty() || before.ends_with('/'));
+        is_end && (self.line.is_none() || self.line == line)
+    }
 }
 
 /// What names the findings that are notes, or warnings, by themselves.
 const ALL: [(&str, Severity); 2] = [("notes", Severity::Note), ("warnings", Severity::Warning)];
 
 impl Levels {
-    /// Sets the level of a code, of a group of codes, of `notes` or of `warnings`.
+    /// Sets the level of a code, of a group of codes, of `notes` or of `warnings`, everywhere or at a place after `@`.
     ///
     /// # Errors
-    /// In words, where there is no such code or group, or its level is set otherwise already.
+    /// In words, where there is no such code or group, the place is none, or its level is set otherwise already.
     pub fn set(&mut self, name: &str, level: Level) -> Result<(), String> {
-        let name = name.trim().to_ascii_lowercase();
+        let whole = name.trim();
+        let (name, place) = match whole.split_once('@') {
+            Some((name, place)) => {
+                let read = Place::read(place);
+                let wrong = || {
+                    format!("{place:?} is no place: after @ stands FILE or FILE:LINE, lines counted from 1")
+                };
+                (name, Some(read.ok_or_else(wrong)?))
+            }
+            None => (whole, None),
+        };
+        let name = name.to_ascii_lowercase();
         let name = name.strip_suffix("::*").unwrap_or(&name).to_string();
         let is_known = ALL.iter().any(|(all, _)| *all == name)
             || Code::ALL.iter().any(|code| [code.as_str(), code.group()].contains(&name.as_str()));
@@ -67,36 +109,60 @@ impl Levels {
             let meant = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
             return Err(format!("there is no code or group of codes {name:?}{meant}"));
         }
-        match self.set.insert(name.clone(), level) {
-            Some(other) if other != level => Err(format!("the level of {name} is set twice, differently")),
+        match self.set.insert((place, name), level) {
+            Some(other) if other != level => Err(format!("the level of {whole} is set twice, differently")),
             _ => Ok(()),
         }
     }
 
-    /// How bad a finding of this code is, which would be of `severity` by itself; `None` where it is not shown. An error that
-    /// refuses the model stays one.
+    /// How bad a finding of this code is, which would be of `severity` by itself, where nothing is said of its place; `None` where it is not shown.
     pub fn of(&self, code: Code, severity: Severity) -> Option<Severity> {
-        if severity == Severity::Error {
+        self.at(code, severity, "", None)
+    }
+
+    /// The same of one in a file, at a line. An error that leaves nothing to evaluate stays one ([`Code::leaves_numbers`]).
+    pub fn at(&self, code: Code, severity: Severity, file: &str, line: Option<u32>) -> Option<Severity> {
+        if severity == Severity::Error && !code.leaves_numbers() {
             return Some(severity);
         }
+        self.said(code, severity, file, line).map_or(Some(severity), Level::severity)
+    }
+
+    /// Whether what refuses a scene is taken for less than an error, so that the scene is not refused.
+    pub fn lets_pass(&self, diagnostic: &Diagnostic) -> bool {
+        let (code, severity) = (diagnostic.code(), diagnostic.severity());
+        self.at(code, severity, diagnostic.file(), diagnostic.line()) != Some(Severity::Error)
+    }
+
+    /// Whether a finding is of a code that was set to less than an error there; of no effect where it leaves nothing to evaluate.
+    pub fn is_lowered(&self, finding: &Finding) -> bool {
+        let said = self.said(finding.code(), Severity::Error, finding.file(), finding.line());
+        said.is_some_and(|level| level != Level::Deny)
+    }
+
+    /// What is said of a code, its group, or all of its severity, at the narrowest place.
+    fn said(&self, code: Code, severity: Severity, file: &str, line: Option<u32>) -> Option<Level> {
         let all = ALL.iter().find(|(_, of)| *of == severity).map_or("", |(name, _)| *name);
-        self.said(&[code.as_str(), code.group(), all]).map_or(Some(severity), Level::severity)
-    }
-
-    /// Whether a code or its group was set to less than an error; of no effect where the finding refuses the model.
-    pub fn is_lowered(&self, code: Code) -> bool {
-        self.said(&[code.as_str(), code.group()]).is_some_and(|level| level != Level::Deny)
-    }
-
-    /// What is said of the first of these names of which something is said.
-    fn said(&self, names: &[&str]) -> Option<Level> {
-        names.iter().find_map(|name| self.set.get(*name)).copied()
+        let names = [code.as_str(), code.group(), all];
+        let weight = |(place, name): &(Option<Place>, String)| {
+            let of_place = match place {
+                None => 0,
+                Some(place) if !place.has(file, line) => return None,
+                Some(Place { line: None, .. }) => 1,
+                Some(_) => 2,
+            };
+            let of_name = names.iter().rev().position(|of| of == name)?;
+            Some((of_place, of_name))
+        };
+        let heaviest =
+            self.set.iter().filter_map(|(key, level)| Some((weight(key)?, level))).max_by_key(|x| x.0);
+        heaviest.map(|(_, level)| *level)
     }
 
     /// The findings that are shown, as bad as they are taken to be.
     pub fn apply(&self, findings: Vec<Finding>) -> Vec<Finding> {
         let shown = findings.into_iter().filter_map(|finding| {
-            let severity = self.of(finding.code(), finding.severity())?;
+            let severity = self.at(finding.code(), finding.severity(), finding.file(), finding.line())?;
             Some(finding.of_severity(severity))
         });
         shown.collect()

@@ -110,20 +110,28 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         gap(first)
     );
     paragraph(out, &text, 2, width)?;
+    for line in besides(assembly) {
+        paragraph(out, &line, 2, width)?;
+    }
+    Ok(())
+}
+
+/// What is not as initially at the states given, and what was not looked at, in words.
+pub(super) fn besides(assembly: &Assembly) -> Vec<String> {
+    let mut lines = Vec::new();
     if !assembly.skipped.is_empty() {
-        let text = format!(
+        lines.push(format!(
             "{} of {} not looked at, for elimination would take too much memory",
             assembly.skipped.len(),
             count(assembly.parts, "part")
-        );
-        paragraph(out, &text, 2, width)?;
+        ));
     }
-    along(out, assembly, width)?;
+    lines.extend(along(assembly));
     if !assembly.off.is_empty() {
         let states = count(assembly.off.len(), "state");
-        paragraph(out, &format!("{states} not looked at, for not satisfying the constraints"), 2, width)?;
+        lines.push(format!("{states} not looked at, for not satisfying the constraints"));
     }
-    Ok(())
+    lines
 }
 
 /// A number, where it is known.
@@ -132,7 +140,7 @@ pub(super) fn number(known: Option<usize>) -> String {
 }
 
 /// Which of the states given has which rank and motions.
-fn along(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Result<()> {
+fn along(assembly: &Assembly) -> Vec<String> {
     /// What is not the same at given states is told in so many lines.
     const LINES: usize = 12;
     type Numbers = (Option<usize>, Option<usize>, Option<usize>, bool);
@@ -145,21 +153,21 @@ fn along(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Result<(
             None => sets.push((numbers, vec![state])),
         }
     }
-    for ((rank, mobility, undriven, decided), states) in sets.iter().take(LINES) {
+    let told = |((rank, mobility, undriven, decided), states): &(Numbers, Vec<u64>)| {
         let certain = if *decided { "" } else { " (undecided)" };
-        let text = format!(
+        format!(
             "at {}: rank {}{certain}, mobility {}, of which nothing drives {}",
             ranges("state", states),
             number(*rank),
             number(*mobility),
             number(*undriven)
-        );
-        paragraph(out, &text, 2, width)?;
-    }
+        )
+    };
+    let mut lines: Vec<String> = sets.iter().take(LINES).map(told).collect();
     if let Some(more) = sets.len().checked_sub(LINES).filter(|more| *more > 0) {
-        paragraph(out, &format!("and {} of ranks, in JSON", count(more, "other set")), 2, width)?;
+        lines.push(format!("and {} of ranks, in JSON", count(more, "other set")));
     }
-    Ok(())
+    lines
 }
 
 /// How certain a rank is.

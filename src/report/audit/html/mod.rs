@@ -6,7 +6,7 @@ pub(crate) mod figure;
 mod labels;
 mod page;
 
-use crate::audit::{Illustration, Report, Verdict};
+use crate::audit::{Approach, Illustration, Report, Verdict};
 use crate::evaluate::Model;
 use crate::scene::Scene;
 use drawing::Drawing;
@@ -31,6 +31,8 @@ pub struct Supplement<'a> {
     pub scenes: Vec<Audited<'a>>,
     /// One state of each connector, as far as it is to be shown.
     pub illustrations: Vec<Illustration>,
+    /// The singular sets of the types that the scenes use, where the catalogue was not audited.
+    pub approaches: Vec<Approach>,
     /// What was run, as it was typed.
     pub command: String,
 }
@@ -52,7 +54,7 @@ pub fn figures(report: &Report, supplement: &Supplement<'_>) -> Vec<(String, Str
         found.push((format!("jacobian-{name}.svg"), figure::heat(&title, &shown.comparison, Place::File)));
         found.push((format!("steps-{name}.svg"), figure::steps(shown, Place::File)));
     }
-    for approach in &report.atlas {
+    for approach in report.atlas.iter().chain(&supplement.approaches) {
         let name = file_name(&format!("{} {}", approach.connection, approach.component));
         // A component may have several singular points.
         let nth = |n: usize| if n == 1 { String::new() } else { format!("-{n}") };

@@ -5,11 +5,12 @@ use super::figure::{self, Curve, LogPlot, Place, STYLE};
 use super::{Supplement, drawing};
 use crate::audit::assembly::Assembly;
 use crate::audit::coverage::Histogram;
-use crate::audit::model::ModelReport;
+use crate::audit::model::{ModelReport, Nearest};
 use crate::audit::oracle::Shares;
 use crate::audit::{Against, Approach, Cause, Check, Quantity, Report, Subject, U, Verdict};
 use crate::bench::Environment;
 use crate::grammar::count;
+use crate::report::audit::model as of_assembly;
 use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, symbols, telling};
 use askama::Template;
 use std::collections::BTreeMap;
@@ -76,11 +77,20 @@ struct CoverageSection {
     maps: Vec<Map>,
 }
 
+/// The assembly as a whole, in one step.
+struct AssemblySection {
+    /// Which step; nothing where there is but one.
+    step: String,
+    /// Figure by figure, initially.
+    figures: Vec<(&'static str, String)>,
+    /// What is not as initially at the states given, and what was not looked at.
+    more: Vec<String>,
+}
+
 struct ModelSection {
     scene: String,
     summary: String,
-    /// The assembly as a whole, figure by figure.
-    assembly: Vec<(&'static str, String)>,
+    assemblies: Vec<AssemblySection>,
     findings: Vec<FindingRow>,
 }
 
@@ -118,6 +128,8 @@ struct ApproachCard {
     class: String,
     class_name: String,
     svg: String,
+    /// How near a scene came.
+    came: String,
 }
 
 struct ScoreRow {
@@ -242,8 +254,10 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         cards: cards(supplement),
         omitted: omitted(report, supplement),
         steps: step_cards(supplement),
-        approaches: report.atlas.iter().map(approach_card).collect(),
-        confirmed: confirmed(report),
+        approaches: approaches(report, supplement)
+            .map(|found| approach_card(found, report, supplement))
+            .collect(),
+        confirmed: confirmed(report, supplement),
         detectable: strip(report),
         scores: scores(report),
         kinds: kinds(report),
@@ -398,7 +412,12 @@ fn model(found: &ModelReport) -> ModelSection {
             0 => format!("Nothing was found {states}."),
             n => format!("{}, {states}.", count(n, "finding")),
         },
-        assembly: found.assembly.as_ref().map_or_else(Vec::new, assembly),
+        assemblies: found
+            .assembly
+            .iter()
+            .chain(&found.later_steps)
+            .map(|of_step| assembly(of_step, !found.later_steps.is_empty()))
+            .collect(),
         findings: found
             .findings
             .iter()
@@ -423,23 +442,35 @@ fn model(found: &ModelReport) -> ModelSection {
     }
 }
 
-fn assembly(found: &Assembly) -> Vec<(&'static str, String)> {
+fn assembly(found: &Assembly, is_of_many: bool) -> AssemblySection {
     let mut figures = vec![
         ("degrees of freedom", grouped(found.degrees_of_freedom as u64)),
         ("held by boundary conditions", grouped(found.held as u64)),
         ("constraints", grouped(found.constraints as u64)),
+        ("drives", grouped(found.drives as u64)),
+        ("mobility by Grübler", found.gruebler.to_string()),
     ];
     let known =
         |number: Option<usize>| number.map_or_else(|| "not known".into(), |number| grouped(number as u64));
     if let Some(initial) = found.positions.first() {
+        let certainty = if initial.decided { "" } else { ", undecided" };
         figures.extend([
-            ("rank of the constraints", known(initial.rank)),
+            ("rank of the constraints", known(initial.rank) + certainty),
             ("redundant", known(initial.redundant)),
             ("mobility", known(initial.mobility)),
             ("not driven", known(initial.undriven)),
         ]);
     }
-    figures
+    let step = match (is_of_many, found.step) {
+        (false, _) => String::new(),
+        (true, 0) => "Before the first step".to_string(),
+        (true, step) => format!("Step {step}"),
+    };
+    AssemblySection {
+        step,
+        figures,
+        more: of_assembly::besides(found).iter().map(|line| sentence(line)).collect(),
+    }
 }
 
 /// Which region of configuration space the states of a scene exercised; nothing where there were no samples.
@@ -465,10 +496,10 @@ fn coverage(found: &ModelReport) -> Option<CoverageSection> {
             of(coverage.both_turned, coverage.could_turn_both),
             of(coverage.deformed, coverage.could_deform),
             of(coverage.away, coverage.samples),
-            found.nearest.as_ref().map_or_else(String::new, |nearest| format!(
-                " The {}.",
-                super::super::model::nearest(nearest)
-            ))
+            found
+                .nearest
+                .as_ref()
+                .map_or_else(String::new, |nearest| format!(" The {}.", of_assembly::nearest(nearest)))
         ),
         maps: all.into_iter().filter(|histogram| histogram.samples() > 0).map(map).collect(),
     })
@@ -576,7 +607,12 @@ pub(super) fn approach(found: &Approach, place: Place) -> String {
     plot.svg(place)
 }
 
-fn approach_card(found: &Approach) -> ApproachCard {
+/// The singular sets of the catalogue that was audited, or of the types of the scenes.
+fn approaches<'a>(report: &'a Report, supplement: &'a Supplement<'_>) -> impl Iterator<Item = &'a Approach> {
+    report.atlas.iter().chain(&supplement.approaches)
+}
+
+fn approach_card(found: &Approach, report: &Report, supplement: &Supplement<'_>) -> ApproachCard {
     let (class, class_name) = if found.is_confirmed() {
         let (name, _) = crate::report::words::singular_class(found.declared);
         ("pass", format!("{name}, confirmed"))
@@ -589,12 +625,36 @@ fn approach_card(found: &Approach) -> ApproachCard {
         class: class.into(),
         class_name,
         svg: approach(found, Place::Page),
+        came: came(found, report, supplement),
     }
 }
 
-fn confirmed(report: &Report) -> String {
-    let confirmed = report.atlas.iter().filter(|approach| approach.is_confirmed()).count();
-    format!("{confirmed} of {} are confirmed.", report.atlas.len())
+/// How near the states of a scene came to a singular set, where it is the nearest of the scene.
+fn came(found: &Approach, report: &Report, supplement: &Supplement<'_>) -> String {
+    let is_of = |(scene, nearest): &(&super::Audited<'_>, &Nearest)| {
+        let element = scene.model.connectors.iter().find(|element| element.label == nearest.element);
+        let is_type = element.is_some_and(|element| element.definition().connection.name == found.connection);
+        is_type && nearest.component == found.component && nearest.at == found.at
+    };
+    let of_scene = |scene: &'_ super::Audited<'_>| {
+        report.models.iter().find(|model| model.scene == scene.scene.name)?.nearest.as_ref()
+    };
+    let all = supplement.scenes.iter().filter_map(|scene| Some((scene, of_scene(scene)?)));
+    let lines = all
+        .filter(is_of)
+        .map(|(scene, nearest)| format!("{}: {}", scene.name, of_assembly::nearest(nearest)));
+    lines.collect::<Vec<_>>().join("; ")
+}
+
+fn confirmed(report: &Report, supplement: &Supplement<'_>) -> String {
+    let all = approaches(report, supplement).count();
+    let confirmed = approaches(report, supplement).filter(|approach| approach.is_confirmed()).count();
+    let whose = if supplement.approaches.is_empty() {
+        ""
+    } else {
+        " They are of the types that the scenes use, approached from states drawn about their initial one, not from those of the scenes."
+    };
+    format!("{confirmed} of {all} are confirmed.{whose}")
 }
 
 /// The smallest error that is noticed, by connector: a plot against the rank.
