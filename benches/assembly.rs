@@ -2,11 +2,12 @@
 //!
 //! A chain of pendulums, a closed loop, a tree, and a grid of four-bar loops, of 1e5 connectors each unless told otherwise. Each is
 //! analysed at a quarter of the size too: memory that is linear is four times as much at the full one. Then cubic lattices of 20³ and 33³ nodes, and
-//! one of 20³ whose nodes are moved off it.
+//! those whose nodes are moved off them. `cargo bench --bench assembly decks FOLDER` writes the same models as decks instead, for `pintle audit
+//! --model-only`.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a bench")]
 
 use peak_alloc::PeakAlloc;
-use pintle::audit::assembly::{Assembly, analyse};
+use pintle::audit::assembly::{Assembly, Holds, analyse};
 use pintle::evaluate::Model;
 use pintle::scene::Scene;
 use std::fmt::Write;
@@ -47,19 +48,18 @@ impl Deck {
         writeln!(self.fixed, "{node}, 1, 6").unwrap();
     }
 
-    fn scene(self) -> Scene {
+    fn text(self) -> String {
         let Self { nodes, hinges, links, fixed, .. } = self;
-        let text = format!(
+        format!(
             "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=H\n{hinges}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{links}\
              *ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n*CONNECTOR SECTION, ELSET=H\nHINGE\nZ,\n\
              *CONNECTOR SECTION, ELSET=L\nBEAM\n*BOUNDARY\n{fixed}"
-        );
-        Scene::parse("bench.inp", &text).unwrap()
+        )
     }
 }
 
 /// Links and hinges in turn; with `closed`, both ends are on the ground and the points lie on a circle.
-fn chain(connectors: usize, closed: bool) -> (Scene, [usize; 2]) {
+fn chain(connectors: usize, closed: bool) -> (String, [usize; 2]) {
     let links = connectors / 2;
     let mut deck = Deck::default();
     let at = |i: usize| {
@@ -79,13 +79,13 @@ fn chain(connectors: usize, closed: bool) -> (Scene, [usize; 2]) {
         let last = deck.node(at(links));
         deck.hinge(end, last);
         deck.ground(last);
-        return (deck.scene(), [links - 2, 3]);
+        return (deck.text(), [links - 2, 3]);
     }
-    (deck.scene(), [links, 0])
+    (deck.text(), [links, 0])
 }
 
 /// Every link carries two others.
-fn tree(connectors: usize) -> (Scene, [usize; 2]) {
+fn tree(connectors: usize) -> (String, [usize; 2]) {
     let links = connectors / 2;
     let mut deck = Deck::default();
     let root = deck.node([0.0; 2]);
@@ -100,12 +100,12 @@ fn tree(connectors: usize) -> (Scene, [usize; 2]) {
         deck.link(low, high);
         ends.push((high, to));
     }
-    (deck.scene(), [links, 0])
+    (deck.text(), [links, 0])
 }
 
 /// Square meshes of hinged bars: at each crossing four bars meet, joined to each other by three hinges. Every row and column of meshes can be
 /// sheared: 2 n − 3 ways in all.
-fn grid(connectors: usize) -> (Scene, [usize; 2]) {
+fn grid(connectors: usize) -> (String, [usize; 2]) {
     let n = ((connectors as f64 / 5.0).sqrt() as usize).max(3);
     let mut deck = Deck::default();
     let at = |i: usize, j: usize| [i as f64 + 0.2 * j as f64, j as f64];
@@ -132,12 +132,12 @@ fn grid(connectors: usize) -> (Scene, [usize; 2]) {
     let hinges = deck.elements - links;
     // One node is on the ground: 6 degrees of freedom for each other end of a link.
     let redundant = mobility + 6 * links + 5 * hinges - 6 * (2 * links - 1);
-    (deck.scene(), [mobility, redundant])
+    (deck.text(), [mobility, redundant])
 }
 
 /// A cubic lattice of n³ nodes with a LINK between neighbours, the first node held; nodes moved at random by up to `moved`, so that rows that cross
 /// each other fill. No link is redundant.
-fn lattice(n: usize, moved: f64) -> (Scene, [usize; 2]) {
+fn lattice(n: usize, moved: f64) -> (String, [usize; 2]) {
     let at = |i: usize, j: usize, k: usize| (i * n + j) * n + k + 1;
     let (mut nodes, mut links, mut count) = (String::new(), String::new(), 0);
     let mut random = 1_u64;
@@ -158,10 +158,11 @@ fn lattice(n: usize, moved: f64) -> (Scene, [usize; 2]) {
     let text = format!(
         "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{links}*CONNECTOR SECTION, ELSET=L\nLINK\n*BOUNDARY\n1, 1, 3\n"
     );
-    (Scene::parse("lattice.inp", &text).unwrap(), [3 * (n * n * n - 1) - count, 0])
+    (text, [3 * (n * n * n - 1) - count, 0])
 }
 
-fn measure(name: &str, scene: &Scene, known: [usize; 2]) {
+fn measure(name: &str, text: &str, known: [usize; 2]) {
+    let scene = &Scene::parse("bench.inp", text).unwrap();
     let model = Model::compile(scene).unwrap();
     PEAK.reset_peak_usage();
     let before = PEAK.current_usage_as_mb();
@@ -172,11 +173,12 @@ fn measure(name: &str, scene: &Scene, known: [usize; 2]) {
     let position = &assembly.positions[0];
     let [mobility, redundant] = [position.mobility, position.redundant].map(Option::unwrap);
     println!(
-        "{name:8} {:7} connectors {:8} constraints {time:8.2} s {memory:8.1} MB  mobility {:6} redundant {:6} front {:5} gap {:.1e} {:.1e} decided {}",
+        "{name:8} {:7} connectors {:8} constraints {time:8.2} s {memory:8.1} MB  mobility {:6} redundant {:6} (throughout {:6}) front {:5} gap {:.1e} {:.1e} decided {}",
         model.connectors.len(),
         assembly.constraints,
         mobility,
         redundant,
+        assembly.redundant.iter().filter(|one| one.holds == Holds::Throughout).count(),
         assembly.largest_front,
         position.gap.zero,
         position.gap.nonzero,
@@ -187,22 +189,37 @@ fn measure(name: &str, scene: &Scene, known: [usize; 2]) {
     assert!(position.decided, "{name}: {:?}", position.gap);
 }
 
+type Made = (String, [usize; 2]);
+
+/// The models of so many connectors, with their mobility and the number of their redundant constraints.
+fn models(count: usize) -> [(&'static str, Made); 4] {
+    [
+        ("chain", chain(count, false)),
+        ("loop", chain(count, true)),
+        ("tree", tree(count)),
+        ("grid", grid(count)),
+    ]
+}
+
 fn main() {
     let count = std::env::args().filter_map(|word| word.parse().ok()).next().unwrap_or(100_000);
+    let lattices = || [("lattice", 0.0), ("moved", 0.1)];
+    if let Some(folder) = std::env::args().skip_while(|word| word != "decks").nth(1) {
+        let of_lattices = lattices().map(|(name, moved)| (name, lattice(33, moved)));
+        for (name, (text, _)) in models(count).into_iter().chain(of_lattices) {
+            std::fs::write(format!("{folder}/{name}.inp"), text).unwrap();
+        }
+        return;
+    }
     for n in [count / 4, count] {
-        let (scene, known) = chain(n, false);
-        measure("chain", &scene, known);
-        let (scene, known) = chain(n, true);
-        measure("loop", &scene, known);
-        let (scene, known) = tree(n);
-        measure("tree", &scene, known);
-        let (scene, known) = grid(n);
-        measure("grid", &scene, known);
+        for (name, (text, known)) in models(n) {
+            measure(name, &text, known);
+        }
     }
-    for n in [20, 33] {
-        let (scene, known) = lattice(n, 0.0);
-        measure("lattice", &scene, known);
+    for (name, moved) in lattices() {
+        for n in [20, 33] {
+            let (text, known) = lattice(n, moved);
+            measure(name, &text, known);
+        }
     }
-    let (scene, known) = lattice(20, 0.1);
-    measure("moved", &scene, known);
 }
