@@ -109,12 +109,19 @@ impl Deck {
 fn is(assembly: &Assembly, gruebler: i64, mobility: usize, redundant: usize, holds: &[(Holds, usize)]) {
     let position = &assembly.positions[0];
     let counted = |wanted: Holds| assembly.redundant.iter().filter(|one| one.holds == wanted).count();
-    let seen: Vec<(Holds, usize)> =
-        [Holds::Throughout, Holds::Rigid, Holds::Here, Holds::Isolated, Holds::Large, Holds::Unjudged]
-            .into_iter()
-            .map(|holds| (holds, counted(holds)))
-            .filter(|(_, count)| *count > 0)
-            .collect();
+    let seen: Vec<(Holds, usize)> = [
+        Holds::Throughout,
+        Holds::Rigid,
+        Holds::Here,
+        Holds::Isolated,
+        Holds::Loop,
+        Holds::Large,
+        Holds::Unjudged,
+    ]
+    .into_iter()
+    .map(|holds| (holds, counted(holds)))
+    .filter(|(_, count)| *count > 0)
+    .collect();
     assert_eq!(
         (assembly.gruebler, position.mobility, position.redundant, seen.as_slice()),
         (gruebler, Some(mobility), Some(redundant), holds),

@@ -57,6 +57,8 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found, sizes: &[us
         open.entry(equation.source).or_default().push(*row);
     }
     let mut holds: HashMap<u32, Holds> = HashMap::new();
+    // What a neighbourhood leaves by itself a larger one may not: it is asked once.
+    let mut leaves: HashMap<u32, usize> = HashMap::new();
     let mut work = 0;
     for size in sizes {
         let mut later = BTreeMap::new();
@@ -67,7 +69,12 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found, sizes: &[us
             for one in looked {
                 work += one.size;
                 for (row, is) in one.rows {
-                    holds.entry(row).or_insert(is);
+                    let first = *leaves.get(&row).unwrap_or(size);
+                    if is == Holds::Loop && first == *size {
+                        leaves.insert(row, first);
+                    } else {
+                        holds.entry(row).or_insert(is);
+                    }
                 }
             }
             open.retain(|_, rows| {
@@ -81,7 +88,10 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found, sizes: &[us
         }
         open.extend(later);
     }
-    let of = |row: &u32| holds.get(row).copied().unwrap_or(Holds::Large);
+    let of = |row: &u32| {
+        let left = if leaves.contains_key(row) { Holds::Loop } else { Holds::Large };
+        holds.get(row).copied().unwrap_or(left)
+    };
     found.constraints.dependent.iter().map(of).collect()
 }
 
