@@ -1,6 +1,7 @@
 //! `pintle audit` and `pintle replay` through the command line: every exit code, every format, counter-examples.
 
 use crate::cli::{pintle, stderr, stdout};
+use pintle::scene::Code;
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
@@ -362,12 +363,12 @@ fn severities_are_set_by_code_file_and_line() {
     let folder = folder("severities");
     fs::create_dir_all(&folder).unwrap();
     let deck = folder.join("two.inp");
-    // ACCELEROMETER is of Explicit analyses alone; stops of both AXIALs are violated, in lines of their own.
+    // ROTATION-ACCELEROMETER is of Explicit analyses alone; stops of both AXIALs are violated, in lines of their own.
     let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n\
                 *ELEMENT, TYPE=CONN3D2, ELSET=D\n1, 1, 2\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n2, 2, 3\n\
                 *ELEMENT, TYPE=CONN3D2, ELSET=F\n3, 1, 3\n\
                 *CONNECTOR SECTION, ELSET=D, BEHAVIOR=B\nAXIAL\n*CONNECTOR SECTION, ELSET=E, BEHAVIOR=C\nAXIAL\n\
-                *CONNECTOR SECTION, ELSET=F\nACCELEROMETER\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR STOP, COMPONENT=1\n2., 3.\n\
+                *CONNECTOR SECTION, ELSET=F\nROTATION-ACCELEROMETER\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR STOP, COMPONENT=1\n2., 3.\n\
                 *CONNECTOR BEHAVIOR, NAME=C\n*CONNECTOR STOP, COMPONENT=1\n2., 3.\n\
                 *BOUNDARY\n1, 1, 6\n*STEP\n*STATIC\n*END STEP\n";
     fs::write(&deck, text).unwrap();
@@ -408,6 +409,22 @@ fn severities_are_set_by_code_file_and_line() {
     assert_eq!(severities, [("note".to_string(), stops[0].1), ("error".to_string(), stops[1].1)]);
     for wrong in ["model::stop-violated@", "model::stop-violated@two.inp:0", "model::stop@two.inp"] {
         pintle(&["audit", deck, "--deny", wrong]).assert().code(2);
+    }
+    // The same of every rule that leaves all numbers, of decks that break it.
+    let lowered: Vec<Code> = Code::ALL.iter().copied().filter(|code| code.leaves_numbers()).collect();
+    for (code, name) in lowered.iter().zip([
+        "section-orientation-unused",
+        "section-explicit-only",
+        "section-data-too-long",
+        "mpc-twice-on-one-node",
+        "procedure-orientation-z-rectangular-in-explicit",
+        "procedure-frequency-in-explicit",
+        "procedure-unsymmetric-in-explicit",
+    ]) {
+        let deck = format!("{}/verify/faults/deck/{name}.inp", env!("CARGO_MANIFEST_DIR"));
+        let levels = ["audit", &deck, "--wide-states", "1", "--drawn-states", "1", "--note", code.as_str()];
+        let page = stdout(&pintle(&levels).assert().code(0));
+        assert!(page.contains("no mismatch") && page.contains(&format!("note[{code}]")), "{name}: {page}");
     }
     // What can be done is explained.
     let explained = |code: &str| stdout(&pintle(&["explain", code]).assert().code(0));

@@ -375,7 +375,7 @@ fn a_page_of_a_scene_has_its_steps_and_approaches() {
     let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n4, 1, 2\n\
                 *CONNECTOR SECTION, ELSET=C\nCARTESIAN, CARDAN\nO,\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
                 *BOUNDARY\n1, 1, 6\n*STEP\n*STATIC\n*END STEP\n*STEP\n*STATIC\n*BOUNDARY\n2, 1, 3\n*END STEP\n";
-    let states = r#"{"states": [{"nodes": {"2": {"rotation": [0, 1.5, 0]}}}]}"#;
+    let states = r#"{"schema": "pintle-states/1", "states": [{"time": 0, "nodes": {"2": {"rotation": [0, 1.5, 0]}}}]}"#;
     let folder = crate::cli::file("scene_page.inp", deck);
     let states = crate::cli::file("scene_page.json", states);
     let page = format!("{folder}.html");

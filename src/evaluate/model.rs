@@ -162,7 +162,7 @@ impl Model {
         {
             return model;
         }
-        if let Err(error) = model.join(scene) {
+        if let Err(error) = model.join(scene, tell) {
             tell(error);
         }
         model.collect_sets(scene);
@@ -329,7 +329,8 @@ impl Model {
         Ok(())
     }
 
-    fn join(&mut self, scene: &Scene) -> Result<(), Diagnostic> {
+    /// Makes the multi-point constraints. What leaves them all the same is told, and the rest is done where that says to go on.
+    fn join(&mut self, scene: &Scene, tell: &mut dyn FnMut(Diagnostic) -> bool) -> Result<(), Diagnostic> {
         let flows: HashSet<Label> = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
         let mut joined = Vec::new();
         for mpc in &scene.mpcs {
@@ -341,7 +342,12 @@ impl Model {
                 None => *self.other_mpcs.entry(mpc.kind.name().to_string()).or_default() += 1,
             }
         }
-        self.warnings.extend(mpc::check(scene, &joined)?);
+        match mpc::check(scene, &joined) {
+            Ok(warnings) => self.warnings.extend(warnings),
+            Err(error) if error.code().leaves_numbers() && tell(error.clone()) => {}
+            Err(error) if error.code().leaves_numbers() => return Ok(()),
+            Err(error) => return Err(error),
+        }
         self.grounded = mpc::ground(scene, &mut joined)?;
         mpc::drive(scene, &self.schedule, &mut joined)?;
         self.mpcs = joined.into_iter().map(|(element, _)| element).collect();

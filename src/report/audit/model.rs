@@ -180,6 +180,7 @@ fn gap(position: &Position) -> String {
         Some([nonzero, zero]) => {
             format!("{certainty}: between singular values of {nonzero:.1e} and {zero:.1e} of the largest.")
         }
+        None if position.gap.nonzero.is_infinite() => format!("{certainty}."),
         None => format!(
             "{certainty}: numbers that a relative change of {:.1e} makes zero count as zero, the next needs {:.1e}.",
             position.gap.zero, position.gap.nonzero
