@@ -427,7 +427,10 @@ fn severities_are_set_by_code_file_and_line() {
         assert!(page.contains("no mismatch") && page.contains(&format!("note[{code}]")), "{name}: {page}");
     }
     // What can be done is explained.
-    let explained = |code: &str| stdout(&pintle(&["explain", code]).assert().code(0));
+    let explained = |code: &str| {
+        let page = stdout(&pintle(&["explain", code]).assert().code(0));
+        page.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
     assert!(explained(RULE).contains("pintle audit goes on"), "{}", explained(RULE));
     assert!(explained("rule::orientation-required").contains("cannot be evaluated"));
     assert!(explained(STOP).contains("CODE@FILE:LINE"));
@@ -440,6 +443,13 @@ fn models_alone_can_be_audited() {
     let page = stdout(&pintle(&scene).assert().code(0));
     assert!(page.contains("degrees of freedom") && page.contains("models alone"), "{page}");
     assert!(!page.contains("subjects audited") && !page.contains("mutants"), "{page}");
+    let page = stdout(&pintle(&[&scene[..], &["--format", "html"]].concat()).assert().code(0));
+    for (section, is_there) in
+        [("model", true), ("scene", true), ("singular", true), ("verdicts", false), ("self-test", false)]
+    {
+        assert_eq!(page.contains(&format!("<section id=\"{section}\">")), is_there, "{section}");
+    }
+    assert!(page.contains("<dt>warnings</dt>") && !page.contains("<dt>mutants noticed</dt>"));
     pintle(&[&scene[..], &["--strict"]].concat()).assert().code(0);
     pintle(&["audit", "--model-only"]).assert().code(2);
 }

@@ -234,7 +234,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
         let scenes: Vec<&Scene> = sound.iter().map(|loaded| &loaded.scene).collect();
-        let supplement = page::supplement(&report, is_catalogue, &targets, &scenes);
+        let supplement = page::supplement(&report, is_catalogue, &targets, &scenes, arguments.model_only);
         page::write(arguments, &report, &supplement)?;
     }
     if !is_page {

@@ -22,11 +22,12 @@ pub(super) fn supplement<'a>(
     is_catalogue: bool,
     targets: &[Target<'a>],
     scenes: &[&'a Scene],
+    model_only: bool,
 ) -> Supplement<'a> {
     let mut illustrations: Vec<Illustration> = Vec::new();
     if is_catalogue {
         illustrations.extend(illustrate_catalogue());
-    } else {
+    } else if !model_only {
         illustrations.extend(targets.iter().flat_map(|target| illustrate_scene(target, found, SHOWN)));
     }
     let approaches = if is_catalogue { Vec::new() } else { approached(targets) };

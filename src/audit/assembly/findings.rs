@@ -114,7 +114,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
         others.sort();
         others.dedup();
         let from = match others.as_slice() {
-            [] if holds == Holds::Rigid && redundant.iter().all(|one| one.from.is_empty()) => {
+            [] if redundant.iter().all(|one| one.held) => {
                 " from boundary conditions and what is held".to_string()
             }
             [] if redundant.iter().all(|one| one.from.is_empty()) => format!(

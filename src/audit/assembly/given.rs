@@ -91,6 +91,7 @@ fn dependent(system: &System<'_>, found: &[Result<Found, usize>]) -> Vec<Redunda
             holds: Holds::Unjudged,
             decided,
             from: made_of(system, found, *row),
+            held: false,
         };
         found.constraints.dependent.iter().take(LISTED).map(one).collect()
     };

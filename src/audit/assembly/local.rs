@@ -24,8 +24,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 pub(super) const SIZES: [usize; 4] = [600, 2_400, 9_600, 20_000];
 /// The degrees of freedom of all neighbourhoods of a part together: some minutes of processor.
 const WORK: usize = 8_000_000;
-/// The states that a neighbourhood is moved to.
-const SAMPLES: usize = 2;
+/// The states that a neighbourhood is moved to: at a random one the rank is the largest there is, but for those of no measure.
+const SAMPLES: usize = 1;
 /// Neighbourhoods that are looked at at once.
 const BATCH: usize = 16;
 

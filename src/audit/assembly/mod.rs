@@ -155,6 +155,9 @@ pub struct Redundant {
     pub decided: bool,
     /// The others that it follows from, where the part is small enough to say it; empty where all its nodes are held.
     pub from: Vec<Constraint>,
+    /// Whether all its nodes are held.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub held: bool,
 }
 
 /// A motion that is left.

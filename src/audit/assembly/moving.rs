@@ -29,7 +29,7 @@ pub(super) struct Elsewhere {
     pub(super) dependent: Vec<u32>,
 }
 
-/// Follows the free motions of a part from the state to which the sequence comes next.
+/// Follows the free motions of a part from the state to which the sequence comes next, to so many states at which the rank is certain.
 pub(super) fn elsewhere(
     system: &System<'_>,
     part: &Part,
@@ -43,7 +43,11 @@ pub(super) fn elsewhere(
         return unjudged(Holds::Rigid);
     }
     let (mut best, mut stuck): (Option<Outcome>, usize) = (None, 0);
-    for (sample, step) in STEPS.into_iter().take(samples).enumerate() {
+    let mut reached = 0;
+    for (sample, step) in STEPS.into_iter().enumerate() {
+        if reached == samples {
+            break;
+        }
         let corrected = |by| reach(system, part, sequence, state, here, (sample, step, by));
         let mut got = Reached::Lost;
         for by in [Correction::Least, Correction::Nearest, Correction::Gauged, Correction::Basic] {
@@ -55,6 +59,7 @@ pub(super) fn elsewhere(
             // One whose rank is not certain tells nothing.
             Reached::There(outcome) if !outcome.is_decided() => {}
             Reached::There(outcome) => {
+                reached += 1;
                 if best.as_ref().is_none_or(|best| outcome.rank > best.rank) {
                     best = Some(outcome);
                 }
@@ -66,7 +71,7 @@ pub(super) fn elsewhere(
     match best {
         Some(best) if best.rank > here.rank => Elsewhere { holds: Holds::Here, dependent: best.dependent },
         Some(best) => Elsewhere { holds: Holds::Throughout, dependent: best.dependent },
-        None if stuck == samples.min(STEPS.len()) => unjudged(Holds::Isolated),
+        None if stuck == STEPS.len() => unjudged(Holds::Isolated),
         None => unjudged(Holds::Unjudged),
     }
 }

@@ -26,6 +26,7 @@ pub(super) fn redundant(
         holds: Holds::Rigid,
         decided: true,
         from: Vec::new(),
+        held: true,
     });
     let of_parts: Vec<Vec<Redundant>> = system
         .parts
@@ -49,6 +50,7 @@ pub(super) fn redundant(
                     holds,
                     decided,
                     from: made_of(system, found, *row),
+                    held: false,
                 })
                 .collect()
         })

@@ -12,6 +12,7 @@ use crate::bench::Environment;
 use crate::grammar::count;
 use crate::report::audit::model as of_assembly;
 use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, symbols, telling};
+use crate::scene::Severity;
 use askama::Template;
 use std::collections::BTreeMap;
 use std::io;
@@ -211,7 +212,6 @@ struct PageTemplate {
 
 /// The page.
 pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<String> {
-    let test = summary::self_test(report);
     let outcome = headline(report);
     let failed = summary::failed(report);
     let (tone, sign) = match (failed, report.undecided() > 0) {
@@ -235,13 +235,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         tone,
         sign,
         scenes: supplement.scenes.iter().map(|scene| scene.name).collect::<Vec<_>>().join(", "),
-        facts: vec![
-            ("connectors and types", grouped(report.subjects.len() as u64)),
-            ("numbers compared", grouped(report.compared())),
-            ("mismatches", report.mismatches().to_string()),
-            ("undecided", report.undecided().to_string()),
-            ("mutants noticed", format!("{} of {}", grouped(test.noticed), grouped(test.decisive))),
-        ],
+        facts: facts(report),
         sections: Vec::new(),
         problems: problems(report),
         models: report.models.iter().map(model).collect(),
@@ -269,17 +263,40 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
     page.render().map_err(io::Error::other)
 }
 
+/// The figures at the head: of the audit, or of the findings where no number was audited.
+fn facts(report: &Report) -> Vec<(&'static str, String)> {
+    if report.subjects.is_empty() && !report.models.is_empty() {
+        let count =
+            |severity| report.models.iter().map(|model| model.count(severity)).sum::<usize>().to_string();
+        return vec![
+            ("models", report.models.len().to_string()),
+            ("errors", count(Severity::Error)),
+            ("warnings", count(Severity::Warning)),
+            ("notes", count(Severity::Note)),
+            ("undecided", report.undecided_models().to_string()),
+        ];
+    }
+    let test = summary::self_test(report);
+    vec![
+        ("connectors and types", grouped(report.subjects.len() as u64)),
+        ("numbers compared", grouped(report.compared())),
+        ("mismatches", report.mismatches().to_string()),
+        ("undecided", report.undecided().to_string()),
+        ("mutants noticed", format!("{} of {}", grouped(test.noticed), grouped(test.decisive))),
+    ]
+}
+
 fn sections(page: &PageTemplate) -> Vec<(&'static str, &'static str)> {
     let all = [
         ("problems", "What needs a look", !page.problems.is_empty()),
         ("model", "Model", !page.models.is_empty()),
         ("scene", "Scene", !page.drawings.is_empty()),
-        ("verdicts", "Verdicts", true),
+        ("verdicts", "Verdicts", !page.rows.is_empty()),
         ("coverage", "Coverage", !page.coverage.is_empty()),
         ("jacobians", "Jacobians", !page.cards.is_empty()),
         ("steps", "Steps", !page.steps.is_empty()),
         ("singular", "Singular points", !page.approaches.is_empty()),
-        ("self-test", "Would it have noticed?", true),
+        ("self-test", "Would it have noticed?", !page.rows.is_empty()),
         ("environment", "Environment", true),
     ];
     all.into_iter().filter(|section| section.2).map(|(id, name, _)| (id, name)).collect()
