@@ -331,9 +331,11 @@ fn reduced(mut basis: Vec<Vec<f64>>, prefers_last: bool) -> Option<Vec<Named>> {
 
 /// What of the unit vectors along some places is in the null space of Mᵀ, where that has more dimensions than are named: of places of which much
 /// is, and which are not the same motion.
-fn some_null_vectors(both: &mut Both<'_>, count: usize) -> Option<Vec<Named>> {
+fn some_null_vectors(both: &mut Both<'_>, count: usize) -> Vec<Named> {
+    /// Amounts of less than [`MOVES`] are not told apart.
+    const EXACT: f64 = 1e-8;
     let size = both.by_rows.rows();
-    let spread = both.left_of(&drawn(size, 99), 1e-9, None)?;
+    let Some(spread) = both.left_of(&drawn(size, 99), EXACT, None) else { return Vec::new() };
     let mut places: Vec<usize> = (0..size).collect();
     places.sort_by(|x, y| spread[*y].abs().total_cmp(&spread[*x].abs()));
     let (mut found, mut basis): (Vec<Named>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
@@ -343,7 +345,7 @@ fn some_null_vectors(both: &mut Both<'_>, count: usize) -> Option<Vec<Named>> {
         }
         let mut unit = vec![0.0; size];
         unit[place] = 1.0;
-        let mut vector = both.left_of(&unit, 1e-9, None)?;
+        let Some(mut vector) = both.left_of(&unit, EXACT, None) else { break };
         let mut own = vector.clone();
         clear(&mut own, &basis);
         let (before, left) = (length(&vector), length(&own));
@@ -355,7 +357,7 @@ fn some_null_vectors(both: &mut Both<'_>, count: usize) -> Option<Vec<Named>> {
             found.push((place as u32, vector));
         }
     }
-    Some(found)
+    found
 }
 
 /// The rank of a matrix whose entries are uncertain by that besides rounding, where it is certain; `None` where it is not, or would take too long.
@@ -387,8 +389,9 @@ pub(super) fn rank(matrix: &Sparse, uncertainty: f64) -> Option<Outcome> {
         let rank = one.rows() - basis.len();
         let beside = other.rows() - rank;
         let listed = reduced(basis, of_rows)?;
-        let mut across = Both { by_rows: other, by_columns: one, top, left: &mut left };
-        let others = if beside == 0 { Vec::new() } else { some_null_vectors(&mut across, beside)? };
+        let mut for_names = WORK / 2;
+        let mut across = Both { by_rows: other, by_columns: one, top, left: &mut for_names };
+        let others = if beside == 0 { Vec::new() } else { some_null_vectors(&mut across, beside) };
         let (redundant, motions) = if of_rows { (listed, others) } else { (others, listed) };
         let mut dependent: Vec<u32> = redundant.iter().map(|(row, _)| *row).collect();
         dependent.sort_unstable();

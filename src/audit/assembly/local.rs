@@ -7,7 +7,8 @@
 //! depend on others elsewhere holds at this state only, unless the rest keeps the neighbourhood here ([`Holds::Loop`]).
 //!
 //! A neighbourhood that nothing holds is held by one node, for it is not to be moved as a rigid body. Its nodes are eliminated in the order of the whole,
-//! so that of constraints that depend on each other the same are named.
+//! so that of constraints that depend on each other the same are named. Where loops meet, as in grids, a constraint that is named may close a way about
+//! many of them; and of many neighbourhoods only some are looked at ([`WORK`]). What is then not told is [`Holds::Large`].
 
 use super::Holds;
 use super::eliminate::{Task, eliminate};
@@ -22,8 +23,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 
 /// The degrees of freedom of neighbourhoods, which are tried one after the other.
 pub(super) const SIZES: [usize; 4] = [600, 2_400, 9_600, 20_000];
-/// The degrees of freedom of all neighbourhoods of a part together: some minutes of processor.
-const WORK: usize = 8_000_000;
+/// The degrees of freedom of all neighbourhoods of a size together: with those of all sizes some tens of seconds of processor.
+const WORK: usize = 30_000;
 /// The states that a neighbourhood is moved to: at a random one the rank is the largest there is, but for those of no measure.
 const SAMPLES: usize = 1;
 /// Neighbourhoods that are looked at at once.
@@ -59,9 +60,8 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found, sizes: &[us
     let mut holds: HashMap<u32, Holds> = HashMap::new();
     // What a neighbourhood leaves by itself a larger one may not: it is asked once.
     let mut leaves: HashMap<u32, usize> = HashMap::new();
-    let mut work = 0;
     for size in sizes {
-        let mut later = BTreeMap::new();
+        let (mut later, mut work) = (BTreeMap::new(), 0);
         while !open.is_empty() && work < WORK {
             let stride = open.len().div_ceil(BATCH);
             let seeds: Vec<Source> = open.keys().step_by(stride).copied().collect();

@@ -81,7 +81,7 @@ pub enum Holds {
     /// At this state, and not at others that its neighbourhood, cut out of a part that is too large to be moved, can go to: at this one only, unless
     /// the rest of the assembly keeps it here.
     Loop,
-    /// It was not judged: the part is too large to be moved, and no neighbourhood was found that has all it follows from.
+    /// It was not judged: the part is too large to be moved, and of the neighbourhoods that were looked at none has all it follows from.
     Large,
     /// It could not be judged.
     Unjudged,
@@ -107,7 +107,8 @@ impl Holds {
             }
             Self::Large => {
                 "whether it holds at other states was not judged: the part is too large to be moved, and what it follows from was not found among the \
-                 connectors about it, of up to 20 000 degrees of freedom"
+                 connectors about it, of up to 20 000 degrees of freedom, or not looked for, for there are too many like it: audit its loop as a scene of \
+                 its own"
             }
             Self::Unjudged => "whether it holds at other states was not judged",
         }
