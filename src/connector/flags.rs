@@ -300,6 +300,10 @@ impl Connector<f64> {
 
     /// The distance of each component wanted, in what is differentiated and in its position, to the nearest singular set.
     pub fn margins(&self, state: &State<f64>, branch: &Branch<f64>, wanted: Mask) -> Components<Margin> {
+        let mut margins = [None; 6];
+        if wanted == [false; 6] {
+            return margins;
+        }
         let history = branch.history();
         let relative = LazyCell::new(|| state.pair.relative());
         let mut known = [None; KINDS];
@@ -312,7 +316,6 @@ impl Connector<f64> {
             *known = Some(margin.distance);
             Some(margin)
         };
-        let mut margins = [None; 6];
         for (k, [differentiated, position]) in self.kind.singular.0.into_iter().enumerate() {
             let (true, Some(row)) = (wanted[k], &self.kind.rows[k]) else { continue };
             margins[k] = match (of(differentiated, row.differentiated), of(position, row.position)) {

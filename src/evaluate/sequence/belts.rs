@@ -21,8 +21,8 @@ impl Sequence<'_> {
             let place = node.and_then(|label| labels.binary_search(&label).ok());
             place.and_then(|place| moved.get(place)).unwrap_or(&STILL)
         };
-        let chosen = plan.connectors.iter().filter_map(|index| Some((*index, model.rings.get(index)?)));
-        for (index, ring) in chosen {
+        let is_planned = |index: &usize| plan.connectors.binary_search(index).is_ok();
+        for (&index, ring) in model.rings.iter().filter(|(index, _)| is_planned(index)) {
             let Some(element) = model.connectors.get(index) else { continue };
             if !element.behavior.slides(planned) {
                 continue;
