@@ -2,7 +2,7 @@
 
 use super::U;
 use super::function::turned_matrix;
-use pintle::scalar::{Differentiable, Real as _, Seeded, Wide};
+use pintle::scalar::{Differentiable, Seeded, Wide};
 use pintle::so3;
 use pintle::vector::{self, Matrix};
 use std::f64::consts::PI;
