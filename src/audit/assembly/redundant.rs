@@ -25,8 +25,8 @@ pub(super) fn redundant(
         constraint: constraint(system, *row),
         holds: Holds::Rigid,
         decided: true,
-        from: Vec::new(),
         held: true,
+        from: Vec::new(),
     });
     let of_parts: Vec<Vec<Redundant>> = system
         .parts
@@ -49,8 +49,8 @@ pub(super) fn redundant(
                     constraint: constraint(system, found.rows[*row as usize]),
                     holds,
                     decided,
-                    from: made_of(system, found, *row),
                     held: false,
+                    from: made_of(system, found, *row),
                 })
                 .collect()
         })

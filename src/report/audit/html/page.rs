@@ -11,7 +11,9 @@ use crate::audit::{Against, Approach, Cause, Check, Quantity, Report, Subject, U
 use crate::bench::Environment;
 use crate::grammar::count;
 use crate::report::audit::model as of_assembly;
-use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, symbols, telling};
+use crate::report::audit::summary::{
+    self, OfKind, Outcome, Row, detectable, headline, is_sharp, symbols, telling,
+};
 use crate::scene::Severity;
 use askama::Template;
 use std::collections::BTreeMap;
@@ -213,11 +215,11 @@ struct PageTemplate {
 /// The page.
 pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<String> {
     let outcome = headline(report);
-    let failed = summary::failed(report);
-    let (tone, sign) = match (failed, report.undecided() > 0) {
-        (true, _) => ("bad", "✗"),
-        (false, true) => ("open", "?"),
-        (false, false) => ("good", "✓"),
+    let (tone, sign) = match summary::outcome(report) {
+        Outcome::Failed => ("bad", "✗"),
+        Outcome::Undecided => ("open", "?"),
+        Outcome::Warned => ("warned", "!"),
+        Outcome::Clean => ("good", "✓"),
     };
     let drawings: Vec<Figure> = supplement
         .scenes
@@ -282,6 +284,7 @@ fn facts(report: &Report) -> Vec<(&'static str, String)> {
         ("numbers compared", grouped(report.compared())),
         ("mismatches", report.mismatches().to_string()),
         ("undecided", report.undecided().to_string()),
+        ("warnings", report.warnings().to_string()),
         ("mutants noticed", format!("{} of {}", grouped(test.noticed), grouped(test.decisive))),
     ]
 }
@@ -478,6 +481,10 @@ fn assembly(found: &Assembly, is_of_many: bool) -> AssemblySection {
             ("not driven", known(initial.undriven)),
         ]);
     }
+    if !found.unread.is_empty() {
+        let kinds: Vec<&str> = found.unread.iter().map(|kind| kind.what.as_str()).collect();
+        figures.push(("constraints not read", kinds.join(", ")));
+    }
     let step = match (is_of_many, found.step) {
         (false, _) => String::new(),
         (true, 0) => "Before the first step".to_string(),
@@ -493,7 +500,7 @@ fn assembly(found: &Assembly, is_of_many: bool) -> AssemblySection {
 /// Which region of configuration space the states of a scene exercised; nothing where there were no samples.
 fn coverage(found: &ModelReport) -> Option<CoverageSection> {
     let coverage = &found.coverage;
-    if coverage.samples == 0 {
+    if coverage.exercise.samples == 0 {
         return None;
     }
     let all = [
@@ -509,10 +516,10 @@ fn coverage(found: &ModelReport) -> Option<CoverageSection> {
         summary: format!(
             "{}, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
              away from the initial state in {}.{}",
-            count(coverage.samples, "sample"),
-            of(coverage.both_turned, coverage.could_turn_both),
-            of(coverage.deformed, coverage.could_deform),
-            of(coverage.away, coverage.samples),
+            count(coverage.exercise.samples, "sample"),
+            of(coverage.exercise.both_turned, coverage.exercise.could_turn_both),
+            of(coverage.exercise.deformed, coverage.exercise.could_deform),
+            of(coverage.exercise.away, coverage.exercise.samples),
             found
                 .nearest
                 .as_ref()
