@@ -42,7 +42,7 @@ pub(super) fn elsewhere(
     if here.free.is_empty() {
         return unjudged(Holds::Rigid);
     }
-    let (mut best, mut stuck): (Option<Outcome>, usize) = (None, 0);
+    let (mut best, mut stuck): (Option<Box<Outcome>>, usize) = (None, 0);
     let mut reached = 0;
     for (sample, step) in STEPS.into_iter().enumerate() {
         if reached == samples {
@@ -77,7 +77,7 @@ pub(super) fn elsewhere(
 }
 
 enum Reached {
-    There(Outcome),
+    There(Box<Outcome>),
     /// Only where it was.
     Stuck,
     Lost,
@@ -139,7 +139,7 @@ fn reach(
                 return Reached::Stuck;
             }
             let task = Task { uncertainty: 100.0 * worst, ..Task::default() };
-            return Reached::There(eliminate(&matrix, &part.order, task));
+            return Reached::There(Box::new(eliminate(&matrix, &part.order, task)));
         }
         let place = |row: &u32| part.rows.binary_search(row).ok();
         let right: Vec<f64> =
