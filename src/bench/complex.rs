@@ -70,6 +70,11 @@ impl Scalar for Complex {
     }
 
     #[inline(always)]
+    fn with_real(self, value: f64) -> Self {
+        Self { re: value, im: self.im }
+    }
+
+    #[inline(always)]
     fn scale(self, factor: f64) -> Self {
         Self { re: self.re * factor, im: self.im * factor }
     }

@@ -92,10 +92,7 @@ pub trait Scalar:
     fn scale(self, factor: Self::Real) -> Self;
 
     /// value + e: the number with another real part.
-    #[inline(always)]
-    fn with_real(self, value: Self::Real) -> Self {
-        Self::from_real(value) + self.nilpotent()
-    }
+    fn with_real(self, value: Self::Real) -> Self;
 
     /// The product of two numbers whose real parts are zero.
     #[inline(always)]

@@ -240,6 +240,10 @@ impl Scalar for Symbol {
         Self::integer(0)
     }
 
+    fn with_real(self, value: Self) -> Self {
+        value
+    }
+
     fn scale(self, factor: Self) -> Self {
         self * factor
     }
