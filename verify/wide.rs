@@ -399,6 +399,10 @@ fn gradients_and_hessians() {
     let x = Wide::moving(Wide::integer(1), zero, Wide::integer(-4));
     let y = Wide::moving(zero, Wide::integer(2), zero);
     assert_eq!(Wide::rates(elementary::atan2(y, x)), (Wide::integer(2), zero));
+    // Of second derivatives given whole, those on and below the diagonal count, for others are not filled in.
+    let [two, five, eleven, unused] = [2, 5, 11, 99].map(Wide::integer);
+    let given = Dual2SVec::<Wide, 2>::assemble(zero, [zero; 2], [[two, unused], [five, eleven]]);
+    assert_eq!(given.hessian(), [[two, five], [five, eleven]]);
     let single = elementary::recip(Dual::new(Wide::integer(3), Wide::integer(1)));
     assert!(near(single.eps, Wide::ratio(-1, 9)));
 }
@@ -487,6 +491,7 @@ fn numbers_obey_their_traits() {
         (quarter.re(), Wide::from_inner(&quarter), <Wide as DualNum>::from_re(quarter)),
         (0.25, quarter, quarter)
     );
+    assert_eq!((Wide::from(-7.0), Wide::from(0.25)), (seven, quarter));
     assert_eq!(DualNum::scale(quarter, &seven) * 4.0, seven);
     assert_eq!(Scalar::scale(quarter, seven) * 4.0, seven);
     assert_eq!((Scalar::real(quarter), Scalar::nilpotent(quarter)), (quarter, none));

@@ -283,6 +283,11 @@ impl Real for Symbol {
         Self::build(|graph| graph.magnitude(self.0))
     }
 
+    fn with_sign_of(self, sign: Self) -> Self {
+        let magnitude = self.magnitude();
+        Self::choose(sign.less(Self::integer(0)), || -magnitude, || magnitude)
+    }
+
     fn reciprocal_or_zero(self) -> Self {
         Self::build(|graph| graph.reciprocal(self.0))
     }

@@ -170,6 +170,32 @@ fn springs_to_ground_need_their_conditions() {
     );
 }
 
+/// A coefficient over frequency is that of frequency zero, wherever the spring is.
+#[test]
+fn coefficients_to_ground_are_not_asked_for_displacements() {
+    let deck =
+        "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=SPRING1, ELSET=S\n9, 1\n*SPRING, ELSET=S\n1\n4., 0.\n8., 2.\n";
+    let scene = pintle::scene::Scene::parse("deck.inp", deck).unwrap();
+    let mut ground = Ground::default();
+    ground.add_spring(&scene.springs[0]).unwrap();
+    for x in [-0.5, 0.5, 1.0, 3.0] {
+        assert_eq!(ground.spring(x, &Conditions::default()), Ok(4.0 * x));
+        assert_eq!(ground.energy(x, &Conditions::default()), Ok(2.0 * x * x));
+    }
+}
+
+/// Terms of components that the type has not may be left open: CYLINDRICAL takes D11, D14 and D44 of the upper triangle.
+#[test]
+fn terms_of_absent_components_may_be_left_open() {
+    let law = "*CONNECTOR ELASTICITY\n100., , , , , , 5., \n, 30.";
+    let model = super::model("CYLINDRICAL", law, "");
+    let elasticity = &model.connectors[0].behavior.behavior.elasticity;
+    let motion =
+        Motion { position: [0.0; 6], constitutive: [0.5, 0.0, 0.0, 0.25, 0.0, 0.0], velocity: [0.0; 6] };
+    let forces = elasticity.forces(&motion, &Conditions::default());
+    assert_eq!((forces.value[0], forces.value[3]), (Some(51.25), Some(10.0)));
+}
+
 /// A law that depends on a field variable needs that one, by its number.
 #[test]
 fn field_variables_are_needed_by_number() {

@@ -24,6 +24,8 @@ mod derived;
 mod flags;
 mod root; // where a limit is met first; linear systems
 mod slip; // the slip equations, solved and lifted
+#[cfg(test)]
+mod tests;
 mod update;
 
 pub use belt::{Belt, BeltInput, BeltTangent, FLOW, wrap_angle};
