@@ -346,8 +346,9 @@ def build(patterns):
             break
         before = len(dropped) + len(constant)
         for file, line, message in bad:
-            names = re.findall(r"`(?:[\w:<>, ]*::)?(\w+)`", message)
-            if "non-const" in message and file not in files:
+            names = re.findall(r"`(?:[\w:<>, ]*::)?(\w+)(?:::<[\w, ]*>)?`", message)
+            is_constant = file not in files or "in constants" in message and not {"among", "on"} & set(names)
+            if "non-const" in message and is_constant:
                 constant.update(names)
                 changed = dict.fromkeys(files)
                 continue
@@ -443,7 +444,7 @@ def test(k, program, names, timeout):
     return "timeout" if time.monotonic() - start >= timeout else "crash"
 
 
-def reach(programs, jobs):
+def reach(programs, jobs, without):
     """What every test takes without a mutant, and which mutants it reaches: {program: {test: {seconds, reached}}}.
 
     Each test runs in a process of its own, so that what is computed once for all tests is reached by each.
@@ -468,7 +469,7 @@ def reach(programs, jobs):
         names = [line.removesuffix(": test") for line in listed if line.endswith(": test")]
         open_ones += [
             (program, name) for name in names
-            if name not in found.setdefault(program, {}) and not name.startswith(tuple(ELSEWHERE))
+            if name not in found.setdefault(program, {}) and not name.startswith((*ELSEWHERE, *without))
         ]
     failed = []
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
@@ -498,11 +499,11 @@ def entry_of(mutant, explained):
     return None
 
 
-def run(jobs, timeout, only, stride, longest, longest_explained):
+def run(jobs, timeout, only, stride, longest, longest_explained, without):
     """Runs the tests for every mutant that has no result yet: those of up to `longest` seconds, or `longest_explained`."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     mutants, programs = json.loads(LIST.read_text()), json.loads((HOME / "programs.json").read_text())
-    tests = reach(programs, jobs)
+    tests = reach(programs, jobs, without)
     seconds = {(program, name): test["seconds"] for program in programs for name, test in tests[program].items()}
     reaching = collections.defaultdict(list)
     for program, name in seconds:
@@ -606,6 +607,7 @@ def main():
     running.add_argument("--timeout", type=float, default=20.0, help="seconds beyond ten times the usual ones")
     running.add_argument("--longest", type=float, default=float("inf"), help="only tests of up to so many seconds; to go on later")
     running.add_argument("--explained", type=float, default=3.0, help="the same for mutants that are explained")
+    running.add_argument("--without", nargs="*", default=[], help="tests that are left out, by how their names begin")
     running.add_argument("--only", nargs="*", default=[], help="files whose mutants are run")
     running.add_argument("--stride", type=int, default=1, help="run one mutant in so many, for a sample")
     commands.add_parser("report", help="compare the survivors with the explained list")
@@ -613,7 +615,10 @@ def main():
     if arguments.command == "build":
         build(arguments.file)
     elif arguments.command == "run":
-        run(arguments.jobs, arguments.timeout, arguments.only, arguments.stride, arguments.longest, arguments.explained)
+        run(
+            arguments.jobs, arguments.timeout, arguments.only, arguments.stride, arguments.longest, arguments.explained,
+            arguments.without,
+        )
     else:
         report()
 

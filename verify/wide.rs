@@ -495,6 +495,9 @@ fn numbers_obey_their_traits() {
     assert_eq!(DualNum::scale(quarter, &seven) * 4.0, seven);
     assert_eq!(Scalar::scale(quarter, seven) * 4.0, seven);
     assert_eq!((Scalar::real(quarter), Scalar::nilpotent(quarter)), (quarter, none));
+    assert_eq!(Scalar::with_real(quarter, seven), seven);
+    let nearest = [2.5, -2.5, 0.25, -7.75].map(|x| Wide::from_f64(x).nearest_integer());
+    assert_eq!(nearest, [3, -3, 0, -8].map(Wide::integer));
     assert_eq!(DualNum::sin_cos(&quarter), quarter.sine_cosine());
     assert_eq!(DualNum::atan2(&quarter, seven), quarter.arctangent(seven));
     // Far out, where eˣ overflows, the hyperbolic tangent is 1.

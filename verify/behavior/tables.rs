@@ -184,14 +184,17 @@ fn coefficients_to_ground_are_not_asked_for_displacements() {
     }
 }
 
-/// Terms of components that the type has not may be left open: CYLINDRICAL takes D11, D14 and D44 of the upper triangle.
+/// Of the upper triangle CYLINDRICAL takes D11, D14 and D44: what stands between others does nothing, whatever they do.
 #[test]
-fn terms_of_absent_components_may_be_left_open() {
-    let law = "*CONNECTOR ELASTICITY\n100., , , , , , 5., \n, 30.";
+fn terms_of_absent_components_do_nothing() {
+    let law = "*CONNECTOR ELASTICITY\n100., 9., 9., 9., 9., 9., 5., 9.\n9., 30., 9., 9., 9., 9., 9., 9.\n9., 9., 9., 9., 9.";
     let model = super::model("CYLINDRICAL", law, "");
     let elasticity = &model.connectors[0].behavior.behavior.elasticity;
-    let motion =
-        Motion { position: [0.0; 6], constitutive: [0.5, 0.0, 0.0, 0.25, 0.0, 0.0], velocity: [0.0; 6] };
+    let motion = Motion {
+        position: [0.0; 6],
+        constitutive: [0.5, 0.75, -0.25, 0.25, 0.125, -0.5],
+        velocity: [0.0; 6],
+    };
     let forces = elasticity.forces(&motion, &Conditions::default());
     assert_eq!((forces.value[0], forces.value[3]), (Some(51.25), Some(10.0)));
 }

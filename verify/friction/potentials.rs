@@ -167,6 +167,21 @@ fn linear_potentials_are_sums() {
     assert!(point.hessian.as_flattened().iter().all(|h| h.is_finite()), "{point:?}");
 }
 
+/// A sum that is negative has no root: the potential is zero, which is told, of squares as of other powers.
+#[test]
+fn negative_sums_are_told() {
+    for beta in [1.0, 2.0, 3.0] {
+        let term = |k| Contribution { sign: -1.0, ..component(k, beta, PotentialFunction::Abs) };
+        let potential = Potential::new(PotentialOperator::Sum, beta, vec![term(0), term(1)]).unwrap();
+        let criterion =
+            criterion(Tangential::Potential(potential), Pressing::Nothing, Internal::Constant(1.0));
+        let (point, flags) =
+            criterion.derivatives(&[3.0, 4.0, 0.0, 0.0, 0.0, 0.0], 0.3, None, &Context::default());
+        assert_eq!((point.tangential.value, point.tangential.gradient), (0.0, [0.0; 6]), "{beta}");
+        assert!(flags.contains(&Flag::NegativePotential), "{beta}: {flags:?}");
+    }
+}
+
 /// √(f1² − f2²) on 237 bits, where f1 or f2 is negative: squares have no sign.
 #[test]
 fn squares_of_negative_forces_on_237_bits() {

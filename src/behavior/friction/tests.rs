@@ -3,10 +3,14 @@
 use super::criterion::FactorMistake::{self, Multiplied, NumberLeftOut};
 use super::{
     Context, Contribution, Criterion, Derived, DerivedPart, Form, Potential, Tangential, is_divisor,
+    wrap_angle,
 };
+use crate::behavior::Wrap;
 use crate::behavior::table::Table;
 use crate::catalog::ConnectionType;
+use crate::scalar::Wide;
 use crate::scene::{Basis, Extrapolation, Operator, PotentialFunction, PotentialOperator};
+use crate::vector::sub;
 
 #[test]
 fn divisors_are_positive_and_have_a_reciprocal() {
@@ -75,4 +79,25 @@ fn shifts_and_moving_factors_are_known() {
     assert!(!with(part(None)).moves());
     assert!(with(part(Some((Basis::Position, vec![0])))).moves());
     assert!(matches!(Tangential::Potential(still).components()[..], [0, 1]));
+}
+
+/// How an angle of wrap changes as the nodes of both segments move: differences on 237 bits, by node and direction.
+#[test]
+fn angles_of_wrap_change_with_every_node() {
+    let points = [[0.1, -0.2, 0.3], [0.4, 1.1, 0.2], [1.3, 0.9, -0.5]];
+    let (angle, wrap) = Wrap::measured(sub(points[1], points[0]), sub(points[2], points[1]));
+    let at = |node: usize, direction: usize, h: f64| {
+        let mut moved = points.map(|point| point.map(Wide::from_f64));
+        moved[node][direction] += h;
+        wrap_angle(moved[0], moved[1], moved[2]).0
+    };
+    assert!((angle - at(0, 0, 0.0).to_f64()).abs() < 1e-15);
+    let Wrap::Measured(gradient) = wrap else { panic!("{wrap:?}") };
+    for node in 0..3 {
+        for direction in 0..3 {
+            let exact = ((at(node, direction, 1e-25) - at(node, direction, -1e-25)) / 2e-25).to_f64();
+            assert!((gradient[node][direction] - exact).abs() < 2e-15, "{node} {direction}: {exact}");
+        }
+    }
+    assert_eq!(Wrap::measured([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]), (0.0, Wrap::Kink));
 }

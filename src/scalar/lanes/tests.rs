@@ -226,6 +226,7 @@ fn products_and_sums<const FUSED: bool>() {
     let expected = |[x, z]: [f64; 2]| if FUSED { x.mul_add(factor, z) } else { x * factor + z };
     lane_by_lane(&points, |[x, z]: [Lanes<FUSED>; 2]| x.multiply_add(Lanes::splat(factor), z), expected, 0.0);
     lane_by_lane(&points, |[x, z]: [Lanes<FUSED>; 2]| x.scale_add(Lanes::splat(factor), z), expected, 0.0);
+    lane_by_lane(&points, |[x, z]: [Lanes<FUSED>; 2]| x.with_real(z), |[_, z]| z, 0.0);
 }
 
 /// Sums, products and functions of numbers with every derivative, in integers, as num-dual's arithmetic has them.
