@@ -9,7 +9,7 @@ use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sides::Sides;
-use super::verdict::{COARSE, Finding, Judgement, SIGNIFICANT, Score, Verdict, Wanted, units};
+use super::verdict::{COARSE, Finding, HIGHER, Judgement, SIGNIFICANT, Score, Verdict, Wanted, units};
 use crate::scalar::Wide;
 
 /// One number.
@@ -119,20 +119,23 @@ impl Sheet {
         let mut worst: Option<Finding> = None;
         let largest = self.entries.iter().fold(0.0_f64, |most, entry| most.max(entry.got.abs()));
         let mut coarse = false;
-        let mut kink: Option<Finding> = None;
+        // The entry without a derivative that is told: a singular point before a kink.
+        let mut open: Option<(Verdict, Finding)> = None;
         for (i, entry) in self.entries.iter().enumerate() {
             let Entry { name, got, scale, sides, .. } = entry;
             let (tolerance, want) = (self.tolerance(i), entry.target(*got));
             let units = units(*got, want, tolerance);
             coarse |= self.quantity != Quantity::Value && largest > 0.0 && C * U * scale > COARSE * largest;
-            let one_sided = sides.map(|sides| sides.to_f64());
+            let one_sided = sides.and_then(|sides| sides.to_f64());
+            let lack = sides.and_then(|sides| sides.lack());
             let found = || {
                 let (entry, want) = (name.clone(), want.to_f64());
-                Finding { entry, at: None, got: *got, want, tolerance, units, one_sided }
+                Finding { entry, at: None, got: *got, want, tolerance, units, one_sided, lack }
             };
             let is_worse = worst.as_ref().is_none_or(|worst| units > worst.units || !got.is_finite());
-            if kink.is_none() && sides.is_some() {
-                kink = Some(found());
+            let verdict = if lack.is_some() { Verdict::Singular } else { Verdict::Kink };
+            if sides.is_some() && open.as_ref().is_none_or(|(known, _)| verdict > *known) {
+                open = Some((verdict, found()));
             }
             if is_worse {
                 worst = Some(found());
@@ -141,13 +144,16 @@ impl Sheet {
                 return Judgement { verdict: Verdict::Invalid, worst, compared: self.entries.len() };
             }
         }
-        if let (Some(kink), Some(true)) = (kink, worst.as_ref().map(|worst| worst.units <= 1.0)) {
-            return Judgement { verdict: Verdict::Kink, worst: Some(kink), compared: self.entries.len() };
+        if let (Some((verdict, open)), Some(true)) = (open, worst.as_ref().map(|worst| worst.units <= 1.0)) {
+            return Judgement { verdict, worst: Some(open), compared: self.entries.len() };
         }
-        let verdict = match &worst {
+        let verdict = match &mut worst {
             None => Verdict::Undecided,
             // Values exist on a kink, and first derivatives and rates from each side; second ones may not.
-            Some(worst) if worst.units > 1.0 && nearness == 0.0 && self.is_of_second_order() => Verdict::Kink,
+            Some(worst) if worst.units > 1.0 && nearness == 0.0 && self.is_of_second_order() => {
+                worst.lack = Some(HIGHER);
+                Verdict::Singular
+            }
             Some(worst) if worst.units > 1.0 => Verdict::Wrong,
             Some(_) if coarse => Verdict::IllConditioned,
             Some(_) => Verdict::Pass,

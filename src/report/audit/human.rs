@@ -2,7 +2,7 @@
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
 use super::summary::{
-    LEGEND, Row, detectable, failed, headline, self_test as tested, symbols, telling, undecided,
+    LEGEND, Row, detectable, failed, headline, self_test as tested, sides, symbols, telling, undecided,
 };
 use crate::audit::{Against, Approach, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
@@ -160,8 +160,10 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     for line in wrap(&text, width.saturating_sub(4)) {
         writeln!(out, "    {line}")?;
     }
-    if let Some([below, above]) = worst.one_sided {
-        writeln!(out, "    from below {below:.10e}, from above {above:.10e}")?;
+    for text in sides(check) {
+        for line in wrap(&text, width.saturating_sub(4)) {
+            writeln!(out, "    {line}")?;
+        }
     }
     for (sentence, code) in check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines()) {
         for line in wrap(&format!("{sentence} [{code}]"), width.saturating_sub(4)) {

@@ -1,7 +1,7 @@
 //! JUnit XML: a suite per connector, a case per check; a suite per model, a case per finding.
 
 use super::model::{place, word};
-use super::summary::{left_out_of, undecided};
+use super::summary::{left_out_of, sides, undecided};
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Verdict};
 use crate::grammar::count;
@@ -19,7 +19,14 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     for subject in &report.subjects {
         let mut suite = TestSuite::new(subject.title());
         for check in &subject.checks {
-            suite.add_test_case(TestCase::new(title(check), status(check)));
+            let mut test = TestCase::new(title(check), status(check));
+            let told: Vec<String> = sides(check).collect();
+            if let (false, Some(worst)) = (told.is_empty(), &check.worst) {
+                let state = check.worst_state.as_deref().unwrap_or("");
+                let verdict = check.verdict.name();
+                test.set_system_out(format!("{verdict}: {} at {state}: {}", worst.entry, told.join("; ")));
+            }
+            suite.add_test_case(test);
         }
         let claims = [
             ("derivative", subject.derivative),
@@ -127,7 +134,9 @@ fn status(check: &Check) -> TestCaseStatus {
 
 fn plain(verdict: Verdict) -> TestCaseStatus {
     match verdict {
-        Verdict::Pass | Verdict::IllConditioned | Verdict::Kink => TestCaseStatus::success(),
+        Verdict::Pass | Verdict::IllConditioned | Verdict::Kink | Verdict::Singular => {
+            TestCaseStatus::success()
+        }
         Verdict::Undecided => TestCaseStatus::skipped(),
         Verdict::UnstableFormula | Verdict::Wrong | Verdict::Invalid => {
             let mut failure = TestCaseStatus::non_success(NonSuccessKind::Failure);

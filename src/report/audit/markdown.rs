@@ -1,7 +1,7 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
 use super::summary::{
-    LEGEND, Row, detectable, failed, headline, left_out, self_test, symbols, telling, undecided,
+    LEGEND, Row, detectable, failed, headline, left_out, self_test, sides, symbols, telling, undecided,
 };
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Subject};
@@ -156,6 +156,10 @@ fn item(subject: &Subject, check: &Check) -> String {
             worst.units,
             escaped(state)
         );
+    }
+    let told: Vec<String> = sides(check).collect();
+    if let (false, Some(worst)) = (told.is_empty(), &check.worst) {
+        line += &format!("; {}: {}", escaped(&worst.entry), escaped(&told.join("; ")));
     }
     for why in undecided(check) {
         line += &format!("; {}", escaped(&why));

@@ -70,7 +70,7 @@ pub(super) fn telling(subject: &Subject) -> impl Iterator<Item = &Check> {
     subject.checks.iter().filter(|check| check.verdict > Verdict::IllConditioned || check.score.survived > 0)
 }
 
-/// What was left out of the audit of which subjects: numbers that no state exercises, laws that were not asked.
+/// What was left out of the audit of which subjects: numbers without a witness, or that no state exercises, laws that were not asked.
 pub(super) fn left_out(report: &Report) -> BTreeMap<String, Vec<&str>> {
     let mut found: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for subject in &report.subjects {
@@ -83,16 +83,38 @@ pub(super) fn left_out(report: &Report) -> BTreeMap<String, Vec<&str>> {
 
 /// The same of one subject.
 pub(super) fn left_out_of(subject: &Subject) -> impl Iterator<Item = String> {
-    let quantities: Vec<&str> = subject.not_exercised.iter().map(|quantity| quantity.name()).collect();
+    let named = |of: &mut dyn Iterator<Item = &Quantity>| -> Vec<&'static str> {
+        of.map(|quantity| quantity.name()).collect()
+    };
+    let is_compared = |quantity: &&Quantity| {
+        subject.checks.iter().any(|check| check.quantity == Some(**quantity) && check.compared > 0)
+    };
+    let nobody = named(&mut subject.not_exercised.iter().filter(|quantity| !is_compared(quantity)));
+    let zero = named(&mut subject.not_exercised.iter().filter(is_compared));
+    let open = named(&mut subject.without_witness.iter());
     let laws: Vec<&str> = subject.laws_not_asked.iter().map(|law| law.name()).collect();
     let lists = [
-        (quantities, "not exercised, for they are zero at every state whatever the formula"),
+        (open, "undecided, for no independent oracle of those asked judged them"),
+        (nobody, "not exercised, for none of the oracles asked compares them"),
+        (
+            zero,
+            "not exercised, for no mistake counts at these states, as of what is zero whatever the formula",
+        ),
         (laws, "laws not asked, for want of degrees of freedom or of states where they hold"),
     ];
     lists
         .into_iter()
         .filter(|(list, _)| !list.is_empty())
         .map(|(list, why)| format!("{why}: {}", list.join(", ")))
+}
+
+/// What there is in place of a derivative where there is none: those from both sides, and why one of them is missing.
+pub(super) fn sides(check: &Check) -> impl Iterator<Item = String> {
+    let side = |x: f64| if x.is_nan() { "none".to_string() } else { format!("{x:.10e}") };
+    let worst = check.worst.as_ref();
+    let both = worst.and_then(|worst| worst.one_sided);
+    let both = both.map(|[below, above]| format!("from below {}, from above {}", side(below), side(above)));
+    both.into_iter().chain(worst.and_then(|worst| worst.lack).map(String::from))
 }
 
 /// Why states of a check are undecided, a sentence for each reason; and from which stage on one is invalid.
