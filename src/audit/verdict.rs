@@ -252,7 +252,10 @@ pub(super) const HIGHER: &str = "on a singular set values and one-sided first de
 
 /// Why an angle has nothing to be compared with.
 const KEPT: &str =
-    "at a lock, to rounding, one angle keeps the value that it had before: it has no gradient there";
+    "at a lock, to rounding: one angle keeps the value that it had before, and there are no gradients";
+
+/// What angles at a lock may be off besides, for their rows do not tell from what they are formed: two angles of up to π.
+const LOCKED_SCALE: f64 = std::f64::consts::TAU;
 
 /// The verdict on one entry, by itself, and at a singular point what is lacking: `units` is how far it is from what it must be, on a
 /// kink from what may stand there, in units of what is `allowed`.
