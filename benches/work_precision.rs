@@ -1,6 +1,7 @@
-//! Time against error of values, Jacobians and Hessians, far from singular points and near them: what `pintle bench` measures, and
+//! Time against error of values, Jacobians and Hessians, far from singular points, near them and at rest: what `pintle bench` measures, and
 //! besides it batches, rows and second derivatives by hand, and num-dual with twelve seeds as it comes: `taskset -c 3 cargo bench
-//! --bench work_precision`. All go through the same states in batches of the same size.
+//! --bench work_precision`. All go through the same states; what takes one state at a time writes its rows into the same memory again, batches
+//! into as much as they have rows.
 //!
 //! By itself it prints the tables. For `scripts/measure.py`: `--export FILE` writes states and truth for JAX; `--serve` writes the
 //! points with their errors, then runs a round for each line read, and answers with the times of the points in the same order;
@@ -26,16 +27,18 @@ mod hand {
 use hand::{naive, scalar};
 use num_dual::{Dual2SVec, DualSVec};
 use pintle::batch::{Batch, HessianRow, History, Row, Section, Tile};
-use pintle::bench::{Method, Order, Point, Prepared, Report, Session, Settings, Subject, Way};
+use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Settings, Subject, Way};
 use pintle::catalog::ConnectionType;
+use pintle::measure::Measure;
 use pintle::node::{DOFS, Pair};
 use pintle::report::bench as report;
 use pintle::scalar::Seeded;
 use serde_json::{Map, Value, json};
+use std::hint::black_box;
 use std::io::{BufRead, Write};
 
 const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
-/// States that differ, and how many elements each way goes through.
+/// States that differ, and how many elements a batch has.
 const STATES: usize = 64;
 const BATCH: usize = 1024;
 /// The columns x_a, θ_a, x_b, θ_b in a row of all nodal degrees of freedom.
@@ -49,8 +52,33 @@ fn numbers(pair: &Pair<f64>) -> [f64; 27] {
     std::array::from_fn(|_| *all.next().unwrap())
 }
 
+/// The states as the others read them.
 fn flat(subject: &Subject) -> Vec<[f64; 27]> {
     subject.elements.iter().map(|element| numbers(&element.state.pair)).collect()
+}
+
+/// The rows that are written in `hand`, of each type; what is written there measures misalignment from Q₀ = I.
+fn is_written(subject: &Subject) -> Result<(), &'static str> {
+    use Measure::{Cardan, Cosine, Misalignment, Position, RotationVector};
+    let position = [1, 2, 3].map(Position);
+    let rows: Vec<Measure> = match subject.connection.name.as_ref() {
+        "SLIDE-PLANE" => position.to_vec(),
+        "REVOLUTE" => vec![Cardan(1), Cosine(1, 3), Cosine(1, 2)],
+        "TRANSLATOR" => [position, [1, 2, 3].map(Misalignment)].concat(),
+        "ROTATION" => [1, 2, 3].map(RotationVector).to_vec(),
+        "CARDAN" => [1, 2, 3].map(Cardan).to_vec(),
+        _ => return Err("its rows are not written"),
+    };
+    let is_misaligned = |element: &pintle::bench::Element| {
+        element.connector.section().initial_orientation != pintle::vector::identity::<f64>()
+    };
+    if subject.measures != rows {
+        Err("its rows here are not those that are written")
+    } else if subject.connection.name == "TRANSLATOR" && subject.elements.iter().any(is_misaligned) {
+        Err("it is misaligned initially")
+    } else {
+        Ok(())
+    }
 }
 
 /// A row of twelve columns among all degrees of freedom.
@@ -80,13 +108,19 @@ impl Method for NumDual {
         self.0
     }
 
-    fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        Some(Box::new(ByNumDual {
+    fn cause(&self) -> Cause {
+        Cause::NoBranches
+    }
+
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        is_written(subject)?;
+        Ok(Box::new(ByNumDual {
             order: self.0,
             name: &subject.connection.name,
             flat: flat(subject),
-            rows: Vec::new(),
-            hessians: Vec::new(),
+            count: subject.rows(),
+            rows: [[0.0; 12]; 6],
+            hessians: [[[0.0; 12]; 12]; 6],
         }))
     }
 }
@@ -95,32 +129,48 @@ struct ByNumDual<'s> {
     order: Order,
     name: &'s str,
     flat: Vec<[f64; 27]>,
-    rows: Vec<[f64; 12]>,
-    hessians: Vec<[[f64; 12]; 12]>,
+    count: usize,
+    rows: [[f64; 12]; 6],
+    hessians: [[[f64; 12]; 12]; 6],
+}
+
+impl ByNumDual<'_> {
+    #[inline(always)]
+    fn one(&mut self, i: usize) {
+        let (state, first, second) = (&self.flat[i], &mut self.rows, &mut self.hessians);
+        match self.order {
+            Order::Jacobian => naive::rows(self.name, state, &mut |r, x: DualSVec<f64, 12>| {
+                first[r] = Seeded::gradient(x);
+            }),
+            _ => naive::rows(self.name, state, &mut |r, x: Dual2SVec<f64, 12>| {
+                second[r] = Seeded::hessian(x);
+            }),
+        }
+    }
 }
 
 impl Prepared for ByNumDual<'_> {
     fn run(&mut self) {
-        let (first, second) = (&mut self.rows, &mut self.hessians);
-        first.clear();
-        second.clear();
-        for state in &self.flat {
-            match self.order {
-                Order::Jacobian => naive::rows(self.name, state, &mut |_, x: DualSVec<f64, 12>| {
-                    first.push(Seeded::gradient(x));
-                }),
-                _ => naive::rows(self.name, state, &mut |_, x: Dual2SVec<f64, 12>| {
-                    second.push(Seeded::hessian(x));
-                }),
-            }
+        for i in 0..self.flat.len() {
+            self.one(i);
+            black_box((&mut self.rows, &mut self.hessians));
         }
     }
 
-    fn numbers(&self) -> Vec<f64> {
-        match self.order {
-            Order::Jacobian => self.rows.iter().flat_map(spread).collect(),
-            _ => self.hessians.iter().flat_map(spread_matrix).collect(),
+    fn states(&self) -> usize {
+        self.flat.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        let mut all = Vec::new();
+        for i in 0..self.flat.len() {
+            self.one(i);
+            match self.order {
+                Order::Jacobian => all.extend(self.rows[..self.count].iter().flat_map(spread)),
+                _ => all.extend(self.hessians[..self.count].iter().flat_map(spread_matrix)),
+            }
         }
+        all
     }
 }
 
@@ -136,38 +186,61 @@ impl Method for Hand {
         Order::Jacobian
     }
 
-    fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        Some(Box::new(ByHand { subject, rows: vec![[scalar::Row::default(); 6]; subject.elements.len()] }))
+    fn cause(&self) -> Cause {
+        Cause::Rounding
+    }
+
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        is_written(subject)?;
+        Ok(Box::new(ByHand { subject, rows: [scalar::Row::default(); 6] }))
     }
 }
 
 struct ByHand<'s> {
     subject: &'s Subject,
-    rows: Vec<[scalar::Row; 6]>,
+    rows: [scalar::Row; 6],
+}
+
+impl ByHand<'_> {
+    #[inline(always)]
+    fn one(&mut self, i: usize) {
+        let (element, rows) = (&self.subject.elements[i], &mut self.rows);
+        let pair = &element.state.pair;
+        let three = rows.first_chunk_mut::<3>().unwrap();
+        match self.subject.connection.name.as_ref() {
+            "SLIDE-PLANE" => scalar::slide_plane(pair, three),
+            "REVOLUTE" => scalar::revolute(pair, three),
+            "ROTATION" => scalar::rotation(pair, three),
+            "CARDAN" => scalar::cardan(pair, three),
+            "TRANSLATOR" => {
+                scalar::translator(pair, &element.connector.section().initial_orientation, rows);
+            }
+            other => panic!("{other} is not written by hand"),
+        }
+    }
 }
 
 impl Prepared for ByHand<'_> {
     fn run(&mut self) {
-        for (element, rows) in self.subject.elements.iter().zip(&mut self.rows) {
-            let pair = &element.state.pair;
-            let three = rows.first_chunk_mut::<3>().unwrap();
-            match self.subject.connection.name.as_ref() {
-                "SLIDE-PLANE" => scalar::slide_plane(pair, three),
-                "REVOLUTE" => scalar::revolute(pair, three),
-                "ROTATION" => scalar::rotation(pair, three),
-                "CARDAN" => scalar::cardan(pair, three),
-                "TRANSLATOR" => {
-                    scalar::translator(pair, &element.connector.section().initial_orientation, rows);
-                }
-                other => panic!("{other} is not written by hand"),
-            }
+        for i in 0..self.subject.elements.len() {
+            self.one(i);
+            black_box(&mut self.rows);
         }
     }
 
-    fn numbers(&self) -> Vec<f64> {
-        let count = self.subject.rows();
-        assert!(self.rows.iter().flatten().all(|row| row.value.is_finite()));
-        self.rows.iter().flat_map(|rows| rows[..count].iter().flat_map(|row| spread(&row.columns))).collect()
+    fn states(&self) -> usize {
+        self.subject.elements.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        let mut all = Vec::new();
+        for i in 0..self.subject.elements.len() {
+            self.one(i);
+            let rows = &self.rows[..self.subject.rows()];
+            assert!(rows.iter().all(|row| row.value.is_finite()));
+            all.extend(rows.iter().flat_map(|row| spread(&row.columns)));
+        }
+        all
     }
 }
 
@@ -183,12 +256,12 @@ impl Method for Lanes {
         self.0
     }
 
-    fn is_ours(&self) -> bool {
-        true
+    fn cause(&self) -> Cause {
+        Cause::Ours
     }
 
-    fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        Some(Box::new(ByLanes(Tiles::new(self.0, subject))))
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        Ok(Box::new(ByLanes(Tiles::new(self.0, subject))))
     }
 }
 
@@ -206,7 +279,8 @@ struct Tiles<'s> {
 
 impl<'s> Tiles<'s> {
     fn new(order: Order, subject: &'s Subject) -> Self {
-        let fours: Vec<&[pintle::bench::Element]> = subject.elements.chunks_exact(4).collect();
+        let all: Vec<&pintle::bench::Element> = subject.in_batch().collect();
+        let fours: Vec<&[&pintle::bench::Element]> = all.chunks_exact(4).collect();
         let batch = Batch::new(&subject.elements[0].connector, [true; 6]).unwrap();
         let count = fours.len() * batch.rows();
         let is_second = order == Order::Hessian;
@@ -258,7 +332,11 @@ impl Prepared for ByLanes<'_> {
         }
     }
 
-    fn numbers(&self) -> Vec<f64> {
+    fn states(&self) -> usize {
+        4 * self.0.tiles.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
         self.0.numbers()
     }
 }
@@ -281,9 +359,14 @@ mod by_hand {
             self.0
         }
 
-        /// `None` where the processor has no AVX2 and FMA.
-        fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-            Some(Box::new(ByHandLanes { v: V3::try_new()?, tiles: Tiles::new(self.0, subject) }))
+        fn cause(&self) -> Cause {
+            Cause::Rounding
+        }
+
+        fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+            is_written(subject)?;
+            let v = V3::try_new().ok_or("the processor has no AVX2 and FMA")?;
+            Ok(Box::new(ByHandLanes { v, tiles: Tiles::new(self.0, subject) }))
         }
     }
 
@@ -304,22 +387,35 @@ mod by_hand {
             }
         }
 
-        fn numbers(&self) -> Vec<f64> {
+        fn states(&self) -> usize {
+            4 * self.tiles.tiles.len()
+        }
+
+        fn numbers(&mut self) -> Vec<f64> {
             self.tiles.numbers()
         }
     }
 }
 
-fn export(subjects: &[Subject]) -> Value {
-    let all = subjects.iter().map(|subject| {
+/// The subjects for those that run beside this program: their rows are those of `hand`, with bounds for formulas without branches.
+fn export(subjects: &[Subject], settings: &Settings) -> Value {
+    let all = subjects.iter().filter(|subject| is_written(subject).is_ok()).map(|subject| {
+        let bounds: Map<String, Value> = Order::ALL
+            .iter()
+            .map(|order| {
+                let distance = subject.place.distance(settings.distance);
+                (order.name().to_owned(), json!(Cause::NoBranches.bound(*order, subject.place, distance)))
+            })
+            .collect();
         let truth: Map<String, Value> =
             Order::ALL.iter().map(|order| (order.name().to_owned(), json!(subject.truth(*order)))).collect();
         json!({
             "connection": subject.connection.name,
             "place": subject.place,
             "rows": subject.rows(),
-            "states": flat(subject)[..subject.states()],
-            "batch": subject.elements.len(),
+            "states": flat(subject),
+            "batch": subject.batch,
+            "bounds": bounds,
             "size_of_values": subject.size_of_values(),
             "truth": truth,
         })
@@ -345,7 +441,7 @@ fn main() {
     let subjects: Vec<Subject> =
         types.iter().flat_map(|connection| found.subjects(&settings, connection)).collect();
     if let Some(at) = at("--export") {
-        std::fs::write(&words[at + 1], export(&subjects).to_string()).unwrap();
+        std::fs::write(&words[at + 1], export(&subjects, &settings).to_string()).unwrap();
         return;
     }
     let ways = Way::all();
@@ -367,7 +463,7 @@ fn main() {
     let mut session = Session::new(&settings, &subjects, &methods).unwrap_or_else(|wrong| panic!("{wrong}"));
     if at("--serve").is_some() {
         let mut out = std::io::stdout().lock();
-        found.points = session.points();
+        found.take(&session);
         let mut greeting = serde_json::to_value(&found).unwrap();
         for point in greeting["points"].as_array_mut().unwrap() {
             point["nanoseconds"] = json!(0.0);
@@ -382,7 +478,6 @@ fn main() {
         return;
     }
     (0..settings.rounds).for_each(|_| drop(session.round()));
-    found.points = session.points();
-    found.points.retain(|point: &Point| point.nanoseconds.is_finite());
+    found.take(&session);
     report::human(&mut anstream::stdout().lock(), &found, 110).unwrap();
 }
