@@ -162,7 +162,9 @@ fn rounded(x: f64) -> f64 {
 impl LogPlot<'_> {
     /// The plot as SVG.
     pub(crate) fn svg(&self, place: Place) -> String {
-        let (width, mut height, left, right, top, bottom) = (420.0, 250.0, 48.0, 408.0, 26.0, 206.0);
+        let (width, left, right, top) = (420.0, 48.0, 408.0, 26.0);
+        let mut height = if self.has_legend { 330.0 } else { 250.0 };
+        let bottom = height - 44.0;
         let names: Vec<Name<'_>> = if self.has_legend {
             let each = self.curves.iter().enumerate();
             each.map(|(i, curve)| Name {
