@@ -1,38 +1,35 @@
-//! Batches beside naive differentiation with num-dual, on the states that `scripts/measure.py` hands to JAX and CasADi too.
+//! Batches, on the states that `scripts/measure.py` hands to num-dual (`num_dual.rs`), JAX and CasADi too.
 //!
 //! Every variant is compared with the 237-bit scalar before it is timed. By itself it prints one round:
-//! `taskset -c 3 cargo rustc --profile bench --all-features --bench peers -- -C codegen-units=1`, and the program that it names: in one unit
-//! of compilation num-dual's functions are inlined, as in a user's best build. With `--export FILE` it writes the states and the truth; with `--serve` it runs a round
+//! `taskset -c 3 cargo bench --bench peers`. With `--export FILE` it writes the states and the truth; with `--serve` it runs a round
 //! for each line that it reads, for the script, which takes the rounds of all in turn.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
-#[path = "hand/naive.rs"]
-mod naive;
+#[path = "hand/types.rs"]
+mod types;
 
-use num_dual::DualSVec;
 use pintle::audit::case::exact_state;
 use pintle::audit::sample::Draw;
 use pintle::batch::{Batch, History, Row, Section, Tile};
 use pintle::catalog::ConnectionType;
 use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::{Seeded, Wide};
+use pintle::scalar::Wide;
 use pintle::vector;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
 use std::io::{BufRead, Write};
 use std::time::{Duration, Instant};
+use types::TYPES;
 
-const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
 /// States that differ; larger batches repeat them.
 const STATES: usize = 1000;
 /// States per call. The first stay in the first cache with their rows.
 const BATCHES: [usize; 4] = [32, 1000, 4096, 100_000];
 /// The time of one measurement, of which the least call counts.
 const BUDGET: Duration = Duration::from_millis(25);
-/// The largest error over the largest entry of the row: ours, and of num-dual by formulas without branches, as close to half a turn as the
-/// states come.
-const BOUNDS: [f64; 2] = [1e-14, 1e-6];
+/// The largest error over the largest entry of the row.
+const BOUND: f64 = 1e-14;
 
 fn states() -> Vec<Pair<f64>> {
     let draw = &mut Draw::new("peers");
@@ -244,10 +241,7 @@ fn spread(rows: &[Row], dense: &mut [[f64; 13]]) {
 }
 
 /// The variants, in the order in which they are measured.
-const VARIANTS: [&str; 4] = ["pintle", "pintle, from rows", "pintle, rows to rows", "num-dual"];
-
-/// num-dual with a seed for each nodal degree of freedom.
-type D = DualSVec<f64, 12>;
+const VARIANTS: [&str; 3] = ["pintle", "pintle, from rows", "pintle, rows to rows"];
 
 /// The least time of one call within the budget, in ns.
 fn time(count: usize, mut call: impl FnMut()) -> f64 {
@@ -308,19 +302,9 @@ impl Bench {
                 from_rows.run(case, &states);
                 case.error(|i, r| from_rows.entry(n, i, r))
             });
-            let by_dual: Vec<Vec<Entry>> = self
-                .flat
-                .iter()
-                .map(|state| {
-                    let mut rows = Vec::new();
-                    naive::rows(case.name, state, &mut |_, x: D| rows.push((x.re, Seeded::gradient(x))));
-                    rows
-                })
-                .collect();
-            let found = [ours, from_rows[0], from_rows[1], case.error(|i, r| by_dual[i][r])];
+            let found = [ours, from_rows[0], from_rows[1]];
             for (at, error) in found.into_iter().enumerate() {
-                let bound = BOUNDS[usize::from(at == 3)];
-                assert!(error < bound, "{}: {error:e} where {bound:e} is allowed", case.name);
+                assert!(error < BOUND, "{}: {error:e} where {BOUND:e} is allowed", case.name);
                 errors[at].insert(case.name.to_owned(), json!(error));
             }
         }
@@ -341,15 +325,7 @@ impl Bench {
                     let mut from_rows = FromRows::new(case, count, is_dense);
                     time(count, || from_rows.run(case, &states)) / count as f64
                 });
-                let n = case.batch.rows();
-                let mut rows = vec![(0.0, [0.0; 12]); n * count];
-                let by_dual = time(count, || {
-                    for (state, rows) in black_box(&states).chunks_exact(27).zip(rows.chunks_exact_mut(n)) {
-                        naive::rows(case.name, state, &mut |r, x: D| rows[r] = (x.re, Seeded::gradient(x)));
-                    }
-                    black_box(&mut rows);
-                }) / count as f64;
-                for (of, ns) in of.iter_mut().zip([ours, from_rows[0], from_rows[1], by_dual]) {
+                for (of, ns) in of.iter_mut().zip([ours, from_rows[0], from_rows[1]]) {
                     of.insert(case.name.to_owned(), json!(ns));
                 }
             }
@@ -361,7 +337,7 @@ impl Bench {
     }
 }
 
-fn by_variant(of: [Map<String, Value>; 4]) -> Value {
+fn by_variant(of: [Map<String, Value>; 3]) -> Value {
     let named = VARIANTS.iter().zip(of).map(|(name, of)| ((*name).to_owned(), Value::Object(of)));
     Value::Object(named.collect())
 }

@@ -1,7 +1,6 @@
 //! Time against error of values, Jacobians and Hessians, far from singular points, near them and at rest: what `pintle bench` measures, and
-//! besides it batches, rows and second derivatives by hand, and num-dual with twelve seeds as it comes: `taskset -c 3 cargo bench
-//! --bench work_precision`. All go through the same states; what takes one state at a time writes its rows into the same memory again, batches
-//! into as much as they have rows.
+//! besides it batches, and rows and second derivatives by hand: `taskset -c 3 cargo bench --bench work_precision`. All go through the same
+//! states; what takes one state at a time writes its rows into the same memory again, batches into as much as they have rows.
 //!
 //! By itself it prints the tables. For `scripts/measure.py`: `--export FILE` writes states and truth for JAX; `--serve` writes the
 //! points with their errors, then runs a round for each line read, and answers with the times of the points in the same order;
@@ -12,167 +11,29 @@ mod hand {
     #[path = "../../src/scalar/coefficients.rs"]
     #[expect(dead_code, reason = "the rows need some of them")]
     mod coefficients;
+    pub(crate) mod common;
     #[cfg(target_arch = "x86_64")]
     mod hessian;
-    pub(crate) mod naive;
     pub(crate) mod scalar;
     #[cfg(target_arch = "x86_64")]
     mod simd;
     #[cfg(target_arch = "x86_64")]
     pub(crate) mod sweep;
+    pub(crate) mod types;
     #[cfg(target_arch = "x86_64")]
     mod vector;
 }
 
-use hand::{naive, scalar};
-use num_dual::{Dual2SVec, DualSVec};
+use hand::common::{flat, is_written, settings, spread, spread_matrix};
+use hand::scalar;
+use hand::types::TYPES;
 use pintle::batch::{Batch, HessianRow, History, Row, Section, Tile};
 use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Settings, Subject, Way};
 use pintle::catalog::ConnectionType;
-use pintle::measure::Measure;
-use pintle::node::{DOFS, Pair};
 use pintle::report::bench as report;
-use pintle::scalar::Seeded;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
 use std::io::{BufRead, Write};
-
-const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
-/// States that differ, and how many elements a batch has.
-const STATES: usize = 64;
-const BATCH: usize = 1024;
-/// The columns x_a, θ_a, x_b, θ_b in a row of all nodal degrees of freedom.
-const PLACE: [usize; 12] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12];
-
-/// X_b − X_a, U_a, U_b, A and B by rows.
-fn numbers(pair: &Pair<f64>) -> [f64; 27] {
-    let vectors = [pair.reference, pair.a.displacement, pair.b.displacement];
-    let triads = [pair.a.triad, pair.b.triad];
-    let mut all = vectors.iter().flatten().chain(triads.as_flattened().as_flattened());
-    std::array::from_fn(|_| *all.next().unwrap())
-}
-
-/// The states as the others read them.
-fn flat(subject: &Subject) -> Vec<[f64; 27]> {
-    subject.elements.iter().map(|element| numbers(&element.state.pair)).collect()
-}
-
-/// The rows that are written in `hand`, of each type; what is written there measures misalignment from Q₀ = I.
-fn is_written(subject: &Subject) -> Result<(), &'static str> {
-    use Measure::{Cardan, Cosine, Misalignment, Position, RotationVector};
-    let position = [1, 2, 3].map(Position);
-    let rows: Vec<Measure> = match subject.connection.name.as_ref() {
-        "SLIDE-PLANE" => position.to_vec(),
-        "REVOLUTE" => vec![Cardan(1), Cosine(1, 3), Cosine(1, 2)],
-        "TRANSLATOR" => [position, [1, 2, 3].map(Misalignment)].concat(),
-        "ROTATION" => [1, 2, 3].map(RotationVector).to_vec(),
-        "CARDAN" => [1, 2, 3].map(Cardan).to_vec(),
-        _ => return Err("its rows are not written"),
-    };
-    let is_misaligned = |element: &pintle::bench::Element| {
-        element.connector.section().initial_orientation != pintle::vector::identity::<f64>()
-    };
-    if subject.measures != rows {
-        Err("its rows here are not those that are written")
-    } else if subject.connection.name == "TRANSLATOR" && subject.elements.iter().any(is_misaligned) {
-        Err("it is misaligned initially")
-    } else {
-        Ok(())
-    }
-}
-
-/// A row of twelve columns among all degrees of freedom.
-fn spread(columns: &[f64; 12]) -> [f64; DOFS] {
-    let mut row = [0.0; DOFS];
-    PLACE.iter().zip(columns).for_each(|(j, x)| row[*j] = *x);
-    row
-}
-
-fn spread_matrix(matrix: &[[f64; 12]; 12]) -> [f64; DOFS * DOFS] {
-    let mut all = [0.0; DOFS * DOFS];
-    for (i, line) in PLACE.iter().zip(matrix) {
-        PLACE.iter().zip(line).for_each(|(j, x)| all[i * DOFS + j] = *x);
-    }
-    all
-}
-
-/// num-dual as it comes, a seed for each degree of freedom.
-struct NumDual(Order);
-
-impl Method for NumDual {
-    fn name(&self) -> &'static str {
-        "num-dual, 12 seeds"
-    }
-
-    fn order(&self) -> Order {
-        self.0
-    }
-
-    fn cause(&self) -> Cause {
-        Cause::NoBranches
-    }
-
-    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
-        is_written(subject)?;
-        Ok(Box::new(ByNumDual {
-            order: self.0,
-            name: &subject.connection.name,
-            flat: flat(subject),
-            count: subject.rows(),
-            rows: [[0.0; 12]; 6],
-            hessians: [[[0.0; 12]; 12]; 6],
-        }))
-    }
-}
-
-struct ByNumDual<'s> {
-    order: Order,
-    name: &'s str,
-    flat: Vec<[f64; 27]>,
-    count: usize,
-    rows: [[f64; 12]; 6],
-    hessians: [[[f64; 12]; 12]; 6],
-}
-
-impl ByNumDual<'_> {
-    #[inline(always)]
-    fn one(&mut self, i: usize) {
-        let (state, first, second) = (&self.flat[i], &mut self.rows, &mut self.hessians);
-        match self.order {
-            Order::Jacobian => naive::rows(self.name, state, &mut |r, x: DualSVec<f64, 12>| {
-                first[r] = Seeded::gradient(x);
-            }),
-            _ => naive::rows(self.name, state, &mut |r, x: Dual2SVec<f64, 12>| {
-                second[r] = Seeded::hessian(x);
-            }),
-        }
-    }
-}
-
-impl Prepared for ByNumDual<'_> {
-    fn run(&mut self) {
-        for i in 0..self.flat.len() {
-            self.one(i);
-            black_box((&mut self.rows, &mut self.hessians));
-        }
-    }
-
-    fn states(&self) -> usize {
-        self.flat.len()
-    }
-
-    fn numbers(&mut self) -> Vec<f64> {
-        let mut all = Vec::new();
-        for i in 0..self.flat.len() {
-            self.one(i);
-            match self.order {
-                Order::Jacobian => all.extend(self.rows[..self.count].iter().flat_map(spread)),
-                _ => all.extend(self.hessians[..self.count].iter().flat_map(spread_matrix)),
-            }
-        }
-        all
-    }
-}
 
 /// Values and rows by hand, plain doubles.
 struct Hand;
@@ -435,7 +296,7 @@ fn main() {
         report::markdown(&mut std::io::stdout().lock(), &found).unwrap();
         return;
     }
-    let settings = Settings { states: STATES, batch: BATCH, ..Settings::default() };
+    let settings = settings();
     let mut found = Report::new(&settings);
     let types = TYPES.map(|name| ConnectionType::named(name, None).unwrap());
     let subjects: Vec<Subject> =
@@ -445,13 +306,8 @@ fn main() {
         return;
     }
     let ways = Way::all();
-    let mut more: Vec<Box<dyn Method>> = vec![
-        Box::new(NumDual(Order::Jacobian)),
-        Box::new(NumDual(Order::Hessian)),
-        Box::new(Hand),
-        Box::new(Lanes(Order::Jacobian)),
-        Box::new(Lanes(Order::Hessian)),
-    ];
+    let mut more: Vec<Box<dyn Method>> =
+        vec![Box::new(Hand), Box::new(Lanes(Order::Jacobian)), Box::new(Lanes(Order::Hessian))];
     #[cfg(target_arch = "x86_64")]
     more.extend(
         [Order::Jacobian, Order::Hessian]

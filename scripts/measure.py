@@ -34,7 +34,7 @@ WHAT = {
     OURS: "batch: four elements at a time, three relative derivatives; states and rows in tiles of four",
     FROM_ROWS: "the same, tiles made in the call from the rows of 27 numbers that all others read, 32 states at a time",
     ROWS_TO_ROWS: "the same, and dense rows of 12 written as all others write them",
-    "num-dual": "`DualSVec<f64, 12>`, a seed for each nodal degree of freedom",
+    "num-dual": "`DualSVec<f64, 12>`, a seed for each nodal degree of freedom; one unit of compilation, `target-cpu=native`",
     "CasADi C": "generated C, twelve derivatives, `gcc -O3 -march=native`",
     "JAX": "`jit(vmap(jacfwd))` by twelve degrees of freedom",
     "JAX, relative": "`jacfwd` by three relative ones, maps to twelve by hand",
@@ -86,15 +86,14 @@ def stamp():
 # Programs
 
 # num-dual's functions are compiled with the program that calls them. In one unit they are inlined, as in the best build of a user; in the
-# sixteen of the profile they are called, and take five times as long.
-ONE_UNIT = ("-C", "codegen-units=1")
-IN_ONE_UNIT = {"peers", "work_precision"}
+# sixteen of the profile they are called, and take five times as long. That program is nothing else, and compiled for this processor.
+BEST = {"num_dual": ("-C", "codegen-units=1", "-C", "target-cpu=native")}
 
 
 def executable(bench):
     """Builds a bench; its program."""
     say(f"{bench}: cargo builds it, where that is still to be done")
-    flags = ("--", *ONE_UNIT) if bench in IN_ONE_UNIT else ()
+    flags = ("--", *BEST[bench]) if bench in BEST else ()
     target = ("--profile", "bench", "--all-features", "--bench", bench)
     messages = run("cargo", "rustc", *target, "--message-format=json", *flags)
     for message in map(json.loads, messages.splitlines()):
@@ -163,13 +162,14 @@ def peers(arguments):
     """pintle beside what a user would take instead."""
     WORK.mkdir(parents=True, exist_ok=True)
     python = arguments.python or python_of_peers()
-    program, states = executable("peers"), WORK / "states.json"
+    program, num_dual, states = executable("peers"), executable("num_dual"), WORK / "states.json"
     run(program, "--export", states)
     folder = ROOT / "scripts" / "peers"
     participants = [
         Peer(command, arguments.core)
         for command in (
             [program, "--serve"],
+            [num_dual, "--peers", states],
             [python, folder / "with_casadi.py", states],
             [python, folder / "with_jax.py", states],
         )
@@ -283,7 +283,8 @@ def work_precision(arguments):
     """Time against error: the ways of the bench and JAX on the same states, in rounds that take turns."""
     WORK.mkdir(parents=True, exist_ok=True)
     python = arguments.python or python_of_peers()
-    program, states, merged = executable("work_precision"), WORK / "precision.json", WORK / "points.json"
+    program, num_dual = executable("work_precision"), executable("num_dual")
+    states, merged = WORK / "precision.json", WORK / "points.json"
     say("work-precision: states and their truth on 237 bits")
     run(program, "--export", states)
     folder = ROOT / "scripts" / "peers"
@@ -291,6 +292,7 @@ def work_precision(arguments):
         Peer(command, arguments.core)
         for command in (
             [program, "--serve"],
+            [num_dual, "--precision"],
             [python, folder / "with_casadi_precision.py", states],
             [python, folder / "with_jax_precision.py", states],
         )

@@ -283,8 +283,11 @@ fn colour(name: &str, order: Order, report: &Report) -> u8 {
     (at % 12) as u8 + 1
 }
 
+/// A way, its error and its time.
+type Named<'a> = (&'a str, [f64; 2]);
+
 /// Curves of points with a way, an error and a time: one for each way.
-fn curves<'a>(points: &[(&'a str, [f64; 2])], order: Order, report: &Report) -> Vec<Curve<'a>> {
+fn curves<'a>(points: &[Named<'a>], order: Order, report: &Report) -> Vec<Curve<'a>> {
     let mut curves: Vec<Curve<'_>> = Vec::new();
     for (name, at) in points.iter().copied().filter(|(_, [error, _])| error.is_finite()) {
         match curves.iter_mut().find(|curve| curve.name == name) {
@@ -315,7 +318,7 @@ pub fn figures(report: &Report) -> Vec<(String, String)> {
         if *order == Order::Value && diagram.points.len() < 2 {
             return None;
         }
-        let points: Vec<(&str, [f64; 2])> = diagram
+        let points: Vec<Named<'_>> = diagram
             .points
             .iter()
             .map(|point| (point.method.as_ref(), [point.largest_error, point.nanoseconds]))
@@ -358,7 +361,7 @@ pub fn figures(report: &Report) -> Vec<(String, String)> {
 
 /// The geometric means of errors and times, over all types with Jacobians at a place, of the ways that all of them have; `None` for
 /// less than two.
-fn means(report: &Report, place: Place) -> Option<(Vec<(&str, [f64; 2])>, Vec<&str>)> {
+fn means(report: &Report, place: Place) -> Option<(Vec<Named<'_>>, Vec<&str>)> {
     let own = || report.points.iter().filter(move |p| p.place == place && p.order == Order::Jacobian);
     let mut types: Vec<&str> = Vec::new();
     for point in own() {
