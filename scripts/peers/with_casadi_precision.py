@@ -11,19 +11,20 @@ import tempfile
 import numpy as np
 
 from precision import Participant, read
-from shared import TYPES
 from with_casadi import compiled, versions
 
 
 def main():
+    subjects = read(sys.argv[1])
+    types = list(dict.fromkeys(subject["connection"] for subject in subjects))
     with tempfile.TemporaryDirectory() as folder:
-        library, rows = compiled(pathlib.Path(folder))
+        library, rows = compiled(pathlib.Path(folder), types)
     participant, kept = Participant(), []
-    for subject in read(sys.argv[1]):
+    for subject in subjects:
         name, states = subject["connection"], np.ascontiguousarray(subject["states"])
         count = len(states)
         values, jacobian = np.empty((count, rows[name])), np.empty((count, rows[name], 12))
-        run = getattr(library, f"batch_{TYPES.index(name)}")
+        run = getattr(library, f"batch_{types.index(name)}")
         pointer = ctypes.c_void_p
         run.argtypes = [ctypes.c_long, pointer, pointer, pointer]
         arguments = (count, states.ctypes.data, values.ctypes.data, jacobian.ctypes.data)
