@@ -20,7 +20,7 @@ use super::noise::{self, NONE, Probes, Roundings, mix, random};
 pub(super) use super::sparse::Sparse;
 use rayon::prelude::*;
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 
 /// Rounding unit.
@@ -62,6 +62,9 @@ pub(super) struct Outcome {
     pub(super) rank: usize,
     /// Rows that depend on others.
     pub(super) dependent: Vec<u32>,
+    /// Whether one of them had been taken from others that do not: these then stand for it, too, and the rows that are not named need not
+    /// be independent ([`super::naming`]).
+    pub(super) misnames: bool,
     /// Columns without pivot.
     pub(super) free: Vec<u32>,
     /// Rows whose independence is not certain.
@@ -167,6 +170,8 @@ struct Elimination<'a> {
     work: usize,
     roundings: Roundings,
     spare: Vec<Entry>,
+    /// Rows that were taken from others before they were pivots.
+    taken: HashSet<u32>,
 }
 
 /// The number of entries of rows.
@@ -204,6 +209,7 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
         work: 0,
         roundings: Roundings::new(),
         spare: Vec::new(),
+        taken: HashSet::new(),
         columns,
     };
     // Rows of the matrix, and rows on their way, by the first group that they hold.
@@ -316,6 +322,12 @@ impl Elimination<'_> {
         Some((row, at))
     }
 
+    /// Notes a row of which nothing is left.
+    fn depends(&mut self, name: u32) {
+        self.outcome.misnames |= self.taken.contains(&name);
+        self.outcome.dependent.push(name);
+    }
+
     /// Notes how certain a pivot is.
     fn judge(&mut self, row: &Row, at: u32) {
         let Some(ratio) = row.entry(at).and_then(|entry| self.certain(entry)) else { return };
@@ -365,7 +377,7 @@ impl Elimination<'_> {
             self.leave(row.name, &of_group);
             if row.entries.iter().all(|entry| self.certain(entry).is_none()) {
                 self.leave(row.name, &row.entries);
-                self.outcome.dependent.push(row.name);
+                self.depends(row.name);
                 continue;
             }
             if row.entries.capacity() > 2 * row.entries.len() {
@@ -411,6 +423,9 @@ impl Elimination<'_> {
         while let Some((at, mut rows)) = waiting.pop_first().filter(|_| !self.outcome.exhausted) {
             if let Some((pivot, _)) = self.choose(&rows, 0, &[at]) {
                 let pivot = rows.swap_remove(pivot);
+                if !rows.is_empty() {
+                    self.taken.insert(pivot.name);
+                }
                 self.reduce_all(&mut rows, &pivot, at);
                 independent.push(pivot);
             }
@@ -420,7 +435,7 @@ impl Elimination<'_> {
                     Some(next) => waiting.entry(next.at).or_default().push(row),
                     None => {
                         self.leave(row.name, &row.entries);
-                        self.outcome.dependent.push(row.name);
+                        self.depends(row.name);
                     }
                 }
             }

@@ -430,7 +430,7 @@ fn neighbourhoods_tell_what_the_whole_tells() {
         let system = System::new(&model, &plan, &prescribed);
         let mut values = Vec::new();
         Sequence::new(&model, &plan).assemble(&State::default(), &system.jacobian, &mut values).unwrap();
-        let found = look(&system, &values, &[], true);
+        let found = look(&system, &values, (&[], &[]), true);
         let (part, found) = (&system.parts[0], found[0].as_ref().unwrap_or_else(|_| panic!()));
         let count = |all: &[Holds], of: Holds| all.iter().filter(|holds| **holds == of).count();
         let whole = judge_whole(&system, part, found);
