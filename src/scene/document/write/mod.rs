@@ -10,8 +10,8 @@ use crate::scene::deck;
 use crate::scene::diagnostic::Result;
 use crate::scene::label::Label;
 use crate::scene::model::{
-    Amplitude, Application, Boundary, ConnectorMotion, Dimension, Discrete, MotionType, MpcKind, Operation,
-    Procedure, Scene, Set, SkippedItem, Step, Target, TransformKind,
+    Amplitude, Application, Boundary, ConditionKind, ConnectorMotion, Dimension, Discrete, MotionType,
+    MpcKind, Operation, Procedure, Scene, Set, SkippedItem, Step, Target, TransformKind,
 };
 use crate::scene::orientation::{Definition, Orientation, System};
 use crate::scene::span::Spanned;
@@ -428,6 +428,7 @@ fn step(step: &Step, scene: &Scene, dropped: &mut Vec<String>) -> form::Step {
         increments,
         default_amplitude,
         procedure,
+        removed,
         boundaries,
         concentrated_loads,
         distributed_loads,
@@ -461,6 +462,14 @@ fn step(step: &Step, scene: &Scene, dropped: &mut Vec<String>) -> form::Step {
     if lost > 0 {
         dropped.push(format!("{lost} *DLOAD line{} on elements of skipped types", plural(lost as u64)));
     }
+    let is_new = |applied: &Application| applied.operation == Operation::New;
+    let is_told = |kind: &&ConditionKind| match kind {
+        ConditionKind::Boundary => boundaries.iter().any(|given| is_new(&given.applied)),
+        ConditionKind::ConnectorMotion => connector_motions.iter().any(|given| is_new(&given.applied)),
+        ConditionKind::ConnectorLoad => connector_loads.iter().any(|given| is_new(&given.applied)),
+        ConditionKind::ConcentratedLoad => concentrated_loads.iter().any(|given| is_new(&given.applied)),
+        ConditionKind::DistributedLoad => loads.iter().any(|given| is_new(&given.applied)),
+    };
     form::Step {
         name: called.clone().map(placeless),
         nlgeom: *nlgeom,
@@ -469,6 +478,7 @@ fn step(step: &Step, scene: &Scene, dropped: &mut Vec<String>) -> form::Step {
         default_amplitude: *default_amplitude,
         procedure: procedure.map(|name| placeless(name.to_owned())),
         times: times.filter(|times| *times != form::Times::default()).map(placeless),
+        removed: removed.iter().filter(|kind| !is_told(kind)).copied().map(placeless).collect(),
         boundaries: list(boundaries, boundary),
         concentrated_loads: list(concentrated_loads, |load| {
             let (amplitude, operation, load_case) = applied(&load.applied);
