@@ -125,7 +125,7 @@ pub(super) fn look(
         let worst = super::largest(worst);
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, values, |role| role != Role::Driven);
-        let task = Task { uncertainty: TIMES * worst, keep, right: None, most: part.most };
+        let task = Task { uncertainty: TIMES * worst, keep, most: part.most, ..Task::default() };
         let constraints = outcome(part, &matrix, task);
         if constraints.exhausted {
             return Err(constraints.front);
