@@ -24,6 +24,11 @@ fn dense(matrix: &Sparse, rows: &[usize]) -> DMatrix<f64> {
     full
 }
 
+/// The root of the sum of squares, of numbers that are no duals.
+pub(super) fn size<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> f64 {
+    numbers.into_iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
 /// A = U Σ Vᵀ, in no order; columns of U whose singular value is zero may be zero.
 struct Decomposed {
     u: DMatrix<f64>,
@@ -51,7 +56,7 @@ fn decomposed(full: &DMatrix<f64>) -> Option<Decomposed> {
     };
     let product = |svd: &Decomposed| &svd.u * DMatrix::from_diagonal(&svd.values) * svd.v.transpose();
     let is_right = |svd: &Decomposed| {
-        is_same(svd.values.norm(), full.norm()) && (product(svd) - full).norm() <= ROUNDING * full.norm()
+        is_same(size(&svd.values), size(full)) && size(&(product(svd) - full)) <= ROUNDING * size(full)
     };
     by_library().filter(is_right).or_else(|| by_rotations(full).filter(is_right))
 }
@@ -94,7 +99,7 @@ fn by_rotations(full: &DMatrix<f64>) -> Option<Decomposed> {
             break;
         }
     }
-    let values = DVector::from_iterator(count, columns.column_iter().map(|column| column.norm()));
+    let values = DVector::from_iterator(count, columns.column_iter().map(|column| size(&column)));
     for (mut column, value) in columns.column_iter_mut().zip(values.iter()) {
         if *value > 0.0 {
             column /= *value;
@@ -128,7 +133,7 @@ pub(super) fn singular_values(matrix: &Sparse) -> Vec<f64> {
         return Vec::new();
     }
     let mut values: Vec<f64> = match full.clone().try_svd(false, false, f64::EPSILON, 10_000) {
-        Some(svd) if is_same(svd.singular_values.norm(), full.norm()) => {
+        Some(svd) if is_same(size(&svd.singular_values), size(&full)) => {
             svd.singular_values.iter().copied().collect()
         }
         _ => match decomposed(&full) {
@@ -188,13 +193,14 @@ pub(super) fn dependent(matrix: &Sparse) -> Vec<u32> {
     let (mut basis, mut dependent): (Vec<DVector<f64>>, Vec<u32>) = (Vec::new(), Vec::new());
     for (name, row) in (0..).zip(full.row_iter()) {
         let mut rest: DVector<f64> = row.transpose();
-        let size = rest.norm();
+        let whole = size(&rest);
         for _ in 0..2 {
             for other in &basis {
                 rest.axpy(-other.dot(&rest), other, 1.0);
             }
         }
-        if rest.norm() > ZERO * size { basis.push(rest.normalize()) } else { dependent.push(name) }
+        let left = size(&rest);
+        if left > ZERO * whole { basis.push(rest / left) } else { dependent.push(name) }
     }
     dependent
 }
@@ -251,7 +257,7 @@ mod tests {
             for svd in [decomposed(&full).unwrap(), by_rotations(&full).unwrap()] {
                 assert!(is_same(svd.values.amax(), ((rows * columns) as f64).sqrt()), "{rows} {columns}");
                 let product = &svd.u * DMatrix::from_diagonal(&svd.values) * svd.v.transpose();
-                assert!((product - &full).norm() < 1e-13 * full.norm(), "{rows} {columns}");
+                assert!(size(&(product - &full)) < 1e-13 * size(&full), "{rows} {columns}");
             }
             let solution = solution(&full, &DMatrix::from_element(rows, 1, 1.0), ROUNDING).unwrap();
             assert!(solution.iter().all(|x| is_same(*x, 1.0 / columns as f64)), "{solution}");

@@ -39,7 +39,8 @@ const BEGINS: f64 = 0.25;
 /// A singular value is well beyond √ε, and beyond what a correction moves, by this factor.
 const BEYOND: f64 = 100.0;
 
-/// Where the dependences of a part hold, by dependent row: follows its free motions from the state to which the sequence comes next.
+/// Where the dependences of a part hold, by dependent row: follows its free motions from the state to which the sequence comes next, to so many
+/// states at which the rank is certain, besides those to which second order leads.
 pub(super) fn elsewhere(
     system: &System<'_>,
     part: &Part,
@@ -57,7 +58,8 @@ pub(super) fn elsewhere(
     if restrained.is_some_and(|second| second.excludes && second.open.is_empty()) {
         return all(Holds::Isolated);
     }
-    let seen = seen(system, part, sequence, state, here, &motions(part, here, restrained, samples));
+    let [narrowed, open] = motions(part, here, restrained);
+    let seen = seen(system, part, sequence, state, here, (&narrowed, &open, samples));
     let is_whole = second.is_some() || seen.is_whole;
     let others = if seen.best.is_some() && is_whole && !seen.is_doubtful {
         Holds::Throughout
@@ -80,17 +82,17 @@ pub(super) fn elsewhere(
     here.dependent.iter().map(one).collect()
 }
 
-/// The motions that are tried.
-fn motions(part: &Part, here: &Outcome, restrained: Option<&Second>, samples: usize) -> Vec<Vec<f64>> {
-    let steps = || STEPS.into_iter().take(samples).enumerate();
+/// The motions that are tried: those to which second order narrows them down, and mixtures of the others.
+fn motions(part: &Part, here: &Outcome, restrained: Option<&Second>) -> [Vec<Vec<f64>>; 2] {
+    let steps = || STEPS.into_iter().enumerate();
     let Some(second) = restrained else {
-        return steps().filter_map(|(sample, step)| spread(part, here, sample, step)).collect();
+        return [Vec::new(), steps().filter_map(|(sample, step)| spread(part, here, sample, step)).collect()];
     };
-    let along = |zero: &Vec<f64>| {
-        BRANCH.into_iter().filter_map(|step| mixed(std::slice::from_ref(zero), 0, step)).collect::<Vec<_>>()
+    let along = |zero: &Vec<f64>| -> Vec<Vec<f64>> {
+        BRANCH.into_iter().filter_map(|step| mixed(std::slice::from_ref(zero), 0, step)).collect()
     };
-    let open = steps().filter_map(|(sample, step)| mixed(&second.open, sample, step));
-    second.zeros.iter().flat_map(along).chain(open).collect()
+    let open = steps().filter_map(|(sample, step)| mixed(&second.open, sample, step)).collect();
+    [second.zeros.iter().flat_map(along).collect(), open]
 }
 
 /// All free motions at once, by well spread numbers: multiples of the golden ratio.
@@ -124,10 +126,14 @@ fn seen(
     sequence: &Sequence<'_>,
     state: &State,
     here: &Outcome,
-    motions: &[Vec<f64>],
+    (narrowed, open, samples): (&[Vec<f64>], &[Vec<f64>], usize),
 ) -> Seen {
     let mut seen = Seen { best: None, is_doubtful: false, is_whole: false };
-    for motion in motions {
+    let mut reached = 0;
+    for (at, motion) in narrowed.iter().chain(open).enumerate() {
+        if reached == samples {
+            break;
+        }
         let mut got = Reached::Lost;
         for by in [Correction::Least, Correction::Nearest, Correction::Gauged, Correction::Basic] {
             if matches!(got, Reached::Lost) {
@@ -139,6 +145,7 @@ fn seen(
             Reached::There(outcome, _) if !outcome.is_decided() => {}
             Reached::There(outcome, is_whole) => {
                 seen.is_whole |= is_whole;
+                reached += usize::from(at >= narrowed.len());
                 if seen.best.as_ref().is_none_or(|best| outcome.rank > best.rank) {
                     seen.best = Some(outcome);
                 }

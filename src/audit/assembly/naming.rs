@@ -107,7 +107,7 @@ fn taken_back(matrix: &Sparse, known: &Outcome, rows: &[u32], missing: usize) ->
             .max_by(|i, j| products.column(*i).norm_squared().total_cmp(&products.column(*j).norm_squared()));
         let Some(best) = best else { break };
         let direction: DVector<f64> = products.column(best).into_owned();
-        let size = direction.norm();
+        let size = dense::size(&direction);
         first = if first == 0.0 { size } else { first };
         if size <= ZERO * first || size == 0.0 {
             break;

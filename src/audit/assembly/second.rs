@@ -10,7 +10,7 @@
 //!
 //! Forms are found of the Jacobian, which is exact, by central differences along each motion.
 
-use super::dense;
+use super::dense::{self, size};
 use super::eliminate::{Outcome, Sparse};
 use super::largest as largest_of;
 use super::system::{Part, Role, System};
@@ -148,7 +148,8 @@ fn orthonormal(forms: &[DMatrix<f64>]) -> Vec<(usize, DVector<f64>)> {
             }
         }
         if rest.amax() > ZERO * scale {
-            basis.push((at, rest.normalize()));
+            let size = size(&rest);
+            basis.push((at, rest / size));
         }
     }
     basis
@@ -203,9 +204,9 @@ fn is_definite(forms: &[DMatrix<f64>]) -> bool {
         |v: &DVector<f64>| DVector::from_iterator(forms.len(), forms.iter().map(|form| v.dot(&(form * v))));
     let mut weights = DVector::from_iterator(forms.len(), forms.iter().map(|form| form.trace()));
     for _ in 0..TIMES {
-        let size = weights.norm();
-        if size > 0.0 {
-            weights /= size;
+        let length = size(&weights);
+        if length > 0.0 {
+            weights /= length;
         }
         let Some(eigen) = SymmetricEigen::try_new(combined(forms, &weights), f64::EPSILON, 10_000) else {
             return false;
@@ -215,7 +216,7 @@ fn is_definite(forms: &[DMatrix<f64>]) -> bool {
             return true;
         }
         let more = values(&eigen.eigenvectors.column(at).into_owned());
-        if more.norm() < DEFINITE {
+        if size(&more) < DEFINITE {
             // A motion along which all forms are zero.
             return false;
         }
@@ -225,15 +226,15 @@ fn is_definite(forms: &[DMatrix<f64>]) -> bool {
 }
 
 /// Motions of length one along which all forms are zero, by Gauss and Newton from random ones.
-fn zeros(forms: &[DMatrix<f64>], size: usize) -> DMatrix<f64> {
+fn zeros(forms: &[DMatrix<f64>], width: usize) -> DMatrix<f64> {
     const STARTS: usize = 40;
     const TIMES: usize = 60;
     let mut draw = Draw::new("zeros of forms");
     let mut found: Vec<DVector<f64>> = Vec::new();
     for _ in 0..STARTS {
-        let mut v = DVector::from_fn(size, |_, _| draw.between(-1.0, 1.0));
+        let mut v = DVector::from_fn(width, |_, _| draw.between(-1.0, 1.0));
         for _ in 0..TIMES {
-            v /= v.norm().max(f64::MIN_POSITIVE);
+            v /= size(&v).max(f64::MIN_POSITIVE);
             let values = DVector::from_iterator(forms.len(), forms.iter().map(|form| v.dot(&(form * &v))));
             if values.amax() < ZERO * ZERO {
                 break;
@@ -246,14 +247,14 @@ fn zeros(forms: &[DMatrix<f64>], size: usize) -> DMatrix<f64> {
             let Some(step) = dense::solution(&slopes, &right, f64::EPSILON) else { break };
             v -= step.column(0);
         }
-        v /= v.norm().max(f64::MIN_POSITIVE);
+        v /= size(&v).max(f64::MIN_POSITIVE);
         let worst = forms.iter().map(|form| v.dot(&(form * &v)).abs()).fold(0.0, f64::max);
         let is_new = found.iter().all(|other| other.dot(&v).abs() < 0.999);
         if worst < ZERO && is_new && found.len() < TRIED {
             found.push(v);
         }
     }
-    if found.is_empty() { DMatrix::zeros(size, 0) } else { DMatrix::from_columns(&found) }
+    if found.is_empty() { DMatrix::zeros(width, 0) } else { DMatrix::from_columns(&found) }
 }
 
 /// A mixture of motions, whose largest amount is `step`; others for other samples.

@@ -467,29 +467,27 @@ fn four_bars(count: usize, flat: &[usize]) -> String {
 /// not know of the rest.
 #[test]
 fn neighbourhoods_tell_what_the_whole_tells() {
-    for (text, here) in [(four_bars(4, &[1]), 1)] {
-        let scene = Scene::parse("scene.inp", &text).unwrap();
-        let model = Model::compile(&scene).unwrap();
-        let prescribed = Prescribed::of(&scene, 1).unwrap();
-        let plan = Plan::everything(&model, request());
-        let system = System::new(&model, &plan, &prescribed);
-        let mut values = Vec::new();
-        Sequence::new(&model, &plan).assemble(&State::default(), &system.jacobian, &mut values).unwrap();
-        let found = look(&system, &values, (&[], &[]), true);
-        let (part, found) = (&system.parts[0], found[0].as_ref().unwrap_or_else(|_| panic!()));
-        let count = |all: &[Holds], of: Holds| all.iter().filter(|holds| **holds == of).count();
-        let whole = judge_whole(&system, part, found);
-        assert_eq!(count(&whole, Holds::Here), here);
-        assert_eq!(count(&whole, Holds::Throughout), whole.len() - here);
-        for sizes in [[30, 240]] {
-            let local = judge(&system, part, found, &sizes);
-            let as_local = |holds: &Holds| if *holds == Holds::Here { Holds::Loop } else { *holds };
-            assert_eq!(local, whole.iter().map(as_local).collect::<Vec<_>>(), "{sizes:?}");
-        }
-        // Neighbourhoods without the loop do not tell.
-        let none = judge(&system, part, found, &[20]);
-        assert_eq!(count(&none, Holds::Large), none.len());
-    }
+    let (text, here) = (four_bars(4, &[1]), 1);
+    let scene = Scene::parse("scene.inp", &text).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let prescribed = Prescribed::of(&scene, 1).unwrap();
+    let plan = Plan::everything(&model, request());
+    let system = System::new(&model, &plan, &prescribed);
+    let mut values = Vec::new();
+    Sequence::new(&model, &plan).assemble(&State::default(), &system.jacobian, &mut values).unwrap();
+    let found = look(&system, &values, (&[], &[]), true);
+    let (part, found) = (&system.parts[0], found[0].as_ref().unwrap_or_else(|_| panic!()));
+    let count = |all: &[Holds], of: Holds| all.iter().filter(|holds| **holds == of).count();
+    let whole = judge_whole(&system, part, found);
+    assert_eq!(count(&whole, Holds::Here), here);
+    assert_eq!(count(&whole, Holds::Throughout), whole.len() - here);
+    let sizes = [30, 240];
+    let local = judge(&system, part, found, &sizes);
+    let as_local = |holds: &Holds| if *holds == Holds::Here { Holds::Loop } else { *holds };
+    assert_eq!(local, whole.iter().map(as_local).collect::<Vec<_>>(), "{sizes:?}");
+    // Neighbourhoods without the loop do not tell.
+    let none = judge(&system, part, found, &[20]);
+    assert_eq!(count(&none, Holds::Large), none.len());
 }
 
 /// A cubic lattice of n³ nodes moved off it, with LINKs between neighbours and, `besides`, some between next neighbours; the first node is held.
