@@ -1,7 +1,7 @@
 //! Singular positions, whose second order is known: what is proven of them, and what is not.
 
 use super::{Deck, Point, Z, bennett, is};
-use pintle::audit::assembly::{Assembly, Holds, analyse};
+use pintle::audit::assembly::{Assembly, Holds, Position, analyse};
 use pintle::evaluate::Model;
 use pintle::scene::{NodeMotion, Rotation, Scene, State};
 use pintle::so3;
@@ -217,8 +217,10 @@ fn digits_that_are_not_given_decide_nothing() {
     let all = exact(None);
     assert_eq!((all.positions[0].mobility, all.positions[0].decided), (Some(1), true));
     assert!(all.redundant.iter().all(|one| one.holds == Holds::Throughout));
+    // What twelve decimals leave out is no more than rounding is taken for.
     for decimals in 3..13 {
         let some = exact(Some(decimals));
-        assert!(!some.positions[0].decided, "{decimals}: {:?}", some.positions[0]);
+        let Position { mobility, decided, .. } = some.positions[0];
+        assert!(!decided || (decimals >= 12 && mobility == Some(1)), "{decimals}: {:?}", some.positions[0]);
     }
 }
