@@ -99,7 +99,7 @@ fn by_rotations(full: &DMatrix<f64>) -> Option<Decomposed> {
             break;
         }
     }
-    let values = DVector::from_iterator(count, columns.column_iter().map(|column| size(&column)));
+    let values = DVector::from_iterator(count, columns.column_iter().map(|column| size(column.iter())));
     for (mut column, value) in columns.column_iter_mut().zip(values.iter()) {
         if *value > 0.0 {
             column /= *value;

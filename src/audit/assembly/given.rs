@@ -113,6 +113,7 @@ fn dependent(system: &System<'_>, found: &[Result<Found, usize>]) -> Vec<Redunda
             constraint: constraint(system, found.rows[*row as usize]),
             holds: Holds::Unjudged,
             decided,
+            held: false,
             from: made_of(system, found, *row),
         };
         let rows = found.constraints.dependent.iter().filter(|row| found.may_depend(row));

@@ -39,6 +39,7 @@
 //! | `moving` | does a redundancy hold elsewhere? |
 //! | `second` | … which of the free motions does second order exclude? |
 //! | `local` | … where the part is too large to be moved as a whole? |
+//! | `unread` | which constraints of the deck were not read? |
 //! | `findings` | what is said of it? |
 
 mod dense;
@@ -61,8 +62,10 @@ mod steps;
 mod system;
 #[cfg(test)]
 mod tests;
+mod unread;
 
 pub use system::Role;
+pub use unread::{Place, Unread};
 
 use crate::audit::bound::U;
 use crate::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Sequence};
@@ -134,6 +137,9 @@ pub struct Constraint {
     /// The multi-point constraint, by kind and nodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mpc: Option<String>,
+    /// Its place among the constraints of the model that are evaluated.
+    #[serde(skip)]
+    pub index: Option<usize>,
     /// The node of a boundary condition.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub node: Option<Label>,
@@ -164,6 +170,8 @@ pub struct Redundant {
     pub holds: Holds,
     /// Whether the rank of its part is certain. Where it is not, the constraint is redundant if what was taken for zero is zero.
     pub decided: bool,
+    /// Whether boundary conditions hold all that it would: then it follows from them alone.
+    pub held: bool,
     /// The others that it follows from, where the part is small enough to say it; empty where all its nodes are held.
     pub from: Vec<Constraint>,
 }
@@ -276,6 +284,9 @@ pub struct Assembly {
     /// Constraints that are redundant at a given state and not at the state where the rank is largest, which may be the initial one, with the number
     /// of the state, and whether that is proven ([`Holds::Here`]) or so to the digits of the states ([`Holds::Differs`]).
     pub redundant_at: Vec<(u64, Constraint, Holds)>,
+    /// Constraints of the deck that are not read: where there are any, what is certain is so of what was read.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unread: Vec<Unread>,
     /// The state from which on nothing was looked at, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_assembled: Option<NotAssembled>,
@@ -315,7 +326,8 @@ const LISTED: usize = 1000;
 /// # Errors
 /// The points of a `*TRANSFORM` that define no directions.
 pub fn analyse(scene: &Scene, model: &Model, states: &[State], step: usize) -> Result<Assembly, Diagnostic> {
-    Ok(in_step(model, states, step, &Prescribed::of(scene, step)?, &|_| true))
+    let found = in_step(model, states, step, &Prescribed::of(scene, step)?, &|_| true);
+    Ok(Assembly { unread: unread::unread(scene), ..found })
 }
 
 /// Looks at an assembly in its first step, and in all whose boundary conditions or connector motions are not those of the step before: at
@@ -328,9 +340,10 @@ pub fn analyse_steps(scene: &Scene, model: &Model, states: &[State]) -> Result<V
     let steps = steps::differing(scene)?;
     let ends = steps::ends(scene);
     let next = steps.iter().skip(1).map(|(step, _)| *step).chain([usize::MAX]);
+    let unread = unread::unread(scene);
     let found = steps.iter().zip(next).map(|((step, prescribed), next)| {
         let is_of = |state: &State| (*step..next).contains(&steps::of_state(ends.as_deref(), state));
-        in_step(model, states, *step, prescribed, &is_of)
+        Assembly { unread: unread.clone(), ..in_step(model, states, *step, prescribed, &is_of) }
     });
     Ok(found.collect())
 }
@@ -412,6 +425,7 @@ impl Assembly {
             off: Vec::new(),
             off_boundary: Vec::new(),
             redundant_at: Vec::new(),
+            unread: Vec::new(),
             not_assembled: None,
         }
     }

@@ -147,7 +147,7 @@ fn seen(
                 seen.is_whole |= is_whole;
                 reached += usize::from(at >= narrowed.len());
                 if seen.best.as_ref().is_none_or(|best| outcome.rank > best.rank) {
-                    seen.best = Some(outcome);
+                    seen.best = Some(*outcome);
                 }
             }
             Reached::Doubtful => seen.is_doubtful = true,
@@ -159,7 +159,7 @@ fn seen(
 
 enum Reached {
     /// At an admissible state; whether all free motions led there.
-    There(Outcome, bool),
+    There(Box<Outcome>, bool),
     /// Where the rank may be larger, which is no more than what the constraints leave open.
     Doubtful,
     /// Only where it was.
@@ -214,7 +214,7 @@ fn reach(
             }
             let outcome = rank(BEYOND * worst);
             if outcome.rank <= here.rank {
-                return Reached::There(outcome, is_whole(here, motion, &total));
+                return Reached::There(Box::new(outcome), is_whole(here, motion, &total));
             }
         }
         let place = |row: &u32| part.rows.binary_search(row).ok();
@@ -229,7 +229,7 @@ fn reach(
             let outcome = rank(BEYOND * worst.max(U).sqrt().max(largest));
             let is_certain = outcome.is_decided();
             return if is_certain {
-                Reached::There(outcome, is_whole(here, motion, &total))
+                Reached::There(Box::new(outcome), is_whole(here, motion, &total))
             } else {
                 Reached::Doubtful
             };

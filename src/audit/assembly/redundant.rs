@@ -26,6 +26,7 @@ pub(super) fn redundant(
         constraint: constraint(system, *row),
         holds: Holds::Rigid,
         decided: true,
+        held: true,
         from: Vec::new(),
     });
     let of_parts: Vec<Vec<Redundant>> = system
@@ -50,6 +51,7 @@ pub(super) fn redundant(
                     constraint: constraint(system, found.rows[*row as usize]),
                     holds,
                     decided,
+                    held: false,
                     from: made_of(system, found, *row),
                 })
                 .collect()
