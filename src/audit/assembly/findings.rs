@@ -7,7 +7,7 @@ use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant
 use crate::audit::model::{About, Finding};
 use crate::evaluate::Freedom;
 use crate::grammar::{agree, count, ranges};
-use crate::scene::{Code, Label, Scene, Span};
+use crate::scene::{Code, Label, Mpc, Scene, Span};
 use std::collections::{BTreeMap, HashSet};
 
 /// The names that a message lists.
@@ -17,11 +17,14 @@ const SETS: usize = 20;
 
 /// What is found of an assembly.
 pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
-    let mut found = redundancies(scene, assembly);
+    let mut found = super::unread::findings(scene);
+    found.extend(redundancies(scene, assembly));
     found.extend(at_states(scene, assembly));
     found.extend(overdriven(scene, assembly));
     found.extend(skipped(scene, assembly));
+    found.extend(without_derivative(scene, assembly));
     found.extend(undecided(scene, assembly));
+    found.extend(off(scene, assembly));
     found.extend(not_assembled(scene, assembly));
     found.extend(mechanism(scene, assembly));
     found.extend(mechanism_at(scene, assembly));
@@ -47,11 +50,26 @@ fn place(scene: &Scene, constraint: &Constraint) -> Span {
     if let Some(element) = constraint.element {
         return scene.connectors.get(&element).map(|element| element.span).unwrap_or_default();
     }
-    let title = constraint.mpc.as_deref().unwrap_or_default();
-    let nodes =
-        |mpc: &crate::scene::Mpc| mpc.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join("-");
-    let is_it = |mpc: &&crate::scene::Mpc| title == format!("MPC {} {}", mpc.kind.name(), nodes(mpc));
-    scene.mpcs.iter().find(is_it).map(|mpc| mpc.span).unwrap_or_default()
+    constraint.index.and_then(|index| mpc_of(scene, index)).map(|mpc| mpc.span).unwrap_or_default()
+}
+
+/// The constraint at a place among those that are evaluated.
+fn mpc_of(scene: &Scene, index: usize) -> Option<&Mpc> {
+    scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some()).nth(index)
+}
+
+/// The nodes that the connector or constraint of an equation joins, in ascending order.
+fn nodes_of(scene: &Scene, constraint: &Constraint) -> Vec<Label> {
+    let mut nodes: Vec<Label> = match (constraint.element, constraint.index) {
+        (Some(element), _) => {
+            let element = scene.connectors.get(&element);
+            element.into_iter().flat_map(|element| [element.a, element.b]).flatten().collect()
+        }
+        (_, Some(index)) => mpc_of(scene, index).map(|mpc| mpc.nodes.clone()).unwrap_or_default(),
+        _ => Vec::new(),
+    };
+    nodes.sort();
+    nodes
 }
 
 fn listed(names: &[String]) -> String {
@@ -79,7 +97,7 @@ fn about(constraints: &[&Constraint]) -> About {
 }
 
 /// Where a redundancy holds, whether it is certain, and the connector or MPC that it is of.
-type Owner = (Holds, bool, Option<Label>, Option<String>);
+type Owner = (Holds, bool, Option<Label>, Option<usize>);
 
 /// Redundant constraints at the initial state: one finding for each connector or MPC and where it holds, up to a number.
 fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
@@ -87,34 +105,29 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     let mut of: BTreeMap<Owner, Vec<&Redundant>> = BTreeMap::new();
     for redundant in &assembly.redundant {
         let Redundant { holds, decided, constraint, .. } = redundant;
-        let key = (*holds, *decided, constraint.element, constraint.mpc.clone());
+        let key = (*holds, *decided, constraint.element, constraint.index);
         of.entry(key).or_default().push(redundant);
     }
     let mut found = Vec::new();
     let owners = of.len();
-    for ((holds, decided, element, mpc), redundant) in of.into_iter().take(MOST) {
+    for ((holds, decided, element, index), redundant) in of.into_iter().take(MOST) {
         let Some(first) = redundant.first() else { continue };
         let components: Vec<String> = redundant.iter().map(|one| one.constraint.component.clone()).collect();
-        let title = match (&element, &mpc) {
+        let title = match (&element, &first.constraint.mpc) {
             (Some(element), _) => format!("element {element}"),
             (_, Some(mpc)) => mpc.clone(),
             _ => "a boundary condition".to_string(),
         };
-        let mut others: Vec<String> = redundant
+        let mut makers: Vec<&Constraint> = redundant
             .iter()
             .flat_map(|one| &one.from)
-            .filter(|one| one.element != element || one.mpc != mpc)
-            .map(|one| match (&one.element, &one.mpc, &one.node) {
-                (Some(element), ..) => element.to_string(),
-                (_, Some(mpc), _) => mpc.clone(),
-                (_, _, Some(node)) => format!("node {node}"),
-                _ => String::new(),
-            })
+            .filter(|one| one.element != element || one.index != index)
             .collect();
-        others.sort();
-        others.dedup();
+        makers.sort_by_key(|one| (one.element, one.index, one.node));
+        makers.dedup_by_key(|one| (one.element, one.index, one.node));
+        let others: Vec<String> = makers.iter().map(|one| name(scene, one, first)).collect();
         let from = match others.as_slice() {
-            [] if holds == Holds::Rigid && redundant.iter().all(|one| one.from.is_empty()) => {
+            [] if redundant.iter().all(|one| one.held) => {
                 " from boundary conditions and what is held".to_string()
             }
             [] if redundant.iter().all(|one| one.from.is_empty()) => format!(
@@ -126,7 +139,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
         };
         let code = match holds {
             Holds::Throughout | Holds::Rigid => Code::AssemblyRedundant,
-            Holds::Here | Holds::Isolated => Code::AssemblyRedundantHere,
+            Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => Code::AssemblyRedundantHere,
             Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
         };
         let verb = if components.len() == 1 { "follows" } else { "follow" };
@@ -142,12 +155,10 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
         );
         let reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice";
         let remedy = match holds {
-            Holds::Here | Holds::Isolated => {
+            Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"
             }
-            _ => {
-                "free the component: choose a connection type that leaves it available (of a planar loop of hinges, make one a JOIN with CARDAN, say), or accept that its force is not determined"
-            }
+            _ => remedy(scene, &first.constraint, &makers, &redundant),
         };
         let constraints: Vec<&Constraint> = redundant.iter().map(|one| &one.constraint).collect();
         let finding = Finding::new(scene, code, place(scene, &first.constraint), message, reason, remedy);
@@ -161,20 +172,80 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             owners - MOST
         )));
     }
+    found.extend(unnamed(scene, assembly));
     found
+}
+
+/// Redundant constraints of which no name is known.
+fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let all = assembly.positions.first()?.redundant?;
+    let more = all.checked_sub(assembly.redundant.len()).filter(|more| *more > 0)?;
+    let message = format!(
+        "{} more {} redundant, which are not named: their part fills when it is eliminated, and its rank was found without",
+        count(more, "constraint"),
+        agree(more, ["is", "are"])
+    );
+    let reason = "the rank of the constraint Jacobian";
+    let remedy = "audit smaller pieces of the part as scenes of their own to have them named";
+    Some(Finding::new(scene, Code::AssemblyRedundantUnjudged, Span::default(), message, reason, remedy))
+}
+
+/// Constraints, where they hold, and the states.
+type AtStates<'a> = (Vec<&'a Constraint>, Holds, Vec<u64>);
+
+/// A constraint that another follows from, by number; with the line where the two have the same title.
+fn name(scene: &Scene, one: &Constraint, follows: &Redundant) -> String {
+    match (&one.element, &one.mpc, &one.node) {
+        (Some(element), ..) => element.to_string(),
+        (_, Some(mpc), _) if follows.constraint.mpc.as_ref() == Some(mpc) => {
+            format!("{mpc} of line {}", place(scene, one).line())
+        }
+        (_, Some(mpc), _) => mpc.clone(),
+        (_, _, Some(node)) => format!("node {node}"),
+        _ => String::new(),
+    }
+}
+
+/// What to do about a redundancy that does not depend on the position, by what it follows from.
+fn remedy(scene: &Scene, of: &Constraint, makers: &[&Constraint], redundant: &[&Redundant]) -> &'static str {
+    let is_mpc = of.index.is_some();
+    let is_held = redundant.iter().all(|one| one.held);
+    match makers {
+        [] if is_held && is_mpc => {
+            "its nodes are held as it would hold them: leave out the multi-point constraint, or free one of the nodes"
+        }
+        [] if is_held => {
+            "its nodes are held as it would hold them: free one of the nodes in *BOUNDARY, or choose a connection type that leaves the component \
+             available"
+        }
+        [one] if nodes_of(scene, one) == nodes_of(scene, of) && is_mpc => {
+            "it and the other one join the same nodes: remove one of the two"
+        }
+        [one] if nodes_of(scene, one) == nodes_of(scene, of) => {
+            "it and the other one join the same nodes: remove one of the two, or choose for one a connection type that leaves the component available"
+        }
+        _ if is_mpc => {
+            "replace it by one that constrains less (a PIN or LINK for a BEAM, say), or by a connector that leaves the component available; or accept \
+             that its force is not determined"
+        }
+        _ => {
+            "free the component: choose a connection type that leaves it available (of a planar loop of hinges, make one a JOIN with CARDAN, say), or \
+             accept that its force is not determined"
+        }
+    }
 }
 
 /// Constraints that are redundant at a given state and not at others: a finding for each set of them, with its states.
 fn at_states(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
-    let mut by_state: BTreeMap<u64, Vec<&Constraint>> = BTreeMap::new();
-    for (state, constraint) in &assembly.redundant_at {
-        by_state.entry(*state).or_default().push(constraint);
+    let mut by_state: BTreeMap<(u64, Holds), Vec<&Constraint>> = BTreeMap::new();
+    for (state, constraint, holds) in &assembly.redundant_at {
+        by_state.entry((*state, *holds)).or_default().push(constraint);
     }
-    let mut sets: Vec<(Vec<&Constraint>, Vec<u64>)> = Vec::new();
-    for (state, set) in by_state {
-        match sets.iter_mut().find(|(other, _)| *other == set) {
-            Some((_, states)) => states.push(state),
-            None => sets.push((set, vec![state])),
+    let mut sets: Vec<AtStates<'_>> = Vec::new();
+    for ((state, holds), set) in by_state {
+        match sets.iter_mut().find(|(other, of, _)| *other == set && *of == holds) {
+            Some((.., states)) => states.push(state),
+            None => sets.push((set, holds, vec![state])),
         }
     }
     let more = sets.len().saturating_sub(SETS);
@@ -188,7 +259,7 @@ fn at_states(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     found
 }
 
-fn redundant_at(scene: &Scene, assembly: &Assembly, (at, states): &(Vec<&Constraint>, Vec<u64>)) -> Finding {
+fn redundant_at(scene: &Scene, assembly: &Assembly, (at, holds, states): &AtStates<'_>) -> Finding {
     let names: Vec<String> = at.iter().map(ToString::to_string).collect();
     /// What a change of the matrix by more than this makes zero is not zero to rounding, but to the digits of the state.
     const ROUNDING: f64 = 1e-12;
@@ -201,7 +272,7 @@ fn redundant_at(scene: &Scene, assembly: &Assembly, (at, states): &(Vec<&Constra
              state given it does not"
         )
     } else {
-        Holds::Here.meaning().to_string()
+        holds.meaning().to_string()
     };
     let message = format!(
         "at {}, {} {} on other constraints; {holds}",
@@ -263,7 +334,9 @@ fn skipped(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
 fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     // Parts that were not looked at are told by themselves.
     let is_open = |position: &&Position| {
-        !position.decided && (position.rank.is_some() || !position.doubtful.is_empty() || !position.finite)
+        !position.decided
+            && position.without_derivative.is_empty()
+            && (position.rank.is_some() || !position.doubtful.is_empty() || !position.finite)
     };
     let position = assembly.positions.iter().find(is_open)?;
     // Where all is certain elsewhere, and the rank no smaller, it is the position that is near one of smaller rank.
@@ -293,6 +366,57 @@ fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     let place = first.map(|one| place(scene, one)).unwrap_or_default();
     let about = About { state: position.state, ..about(&position.doubtful.iter().collect::<Vec<_>>()) };
     Some(Finding::new(scene, Code::AssemblyUndecided, place, message, reason, remedy).about(about))
+}
+
+/// Constraints that do not show in the Jacobian, for they have no derivative: at the first such state.
+fn without_derivative(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let is_one = |position: &&Position| !position.without_derivative.is_empty();
+    let mut all = assembly.positions.iter().filter(is_one);
+    let position = all.next()?;
+    let names: Vec<String> = position.without_derivative.iter().map(ToString::to_string).collect();
+    let also = match all.count() {
+        0 => String::new(),
+        more => format!(" (and the like at {})", count(more, "more state")),
+    };
+    let message = format!(
+        "the rank of the constraints is not certain {}: {} {} at a singular point, where derivatives do not exist or lose their digits: what is constrained \
+         there does not show in the Jacobian{also}",
+        when(position.state),
+        listed(&names),
+        agree(names.len(), ["is", "are"]),
+    );
+    let reason = "a constraint whose row is reported as zero, or along one direction, still holds: it is neither redundant nor does it leave a motion";
+    let remedy = "correct the orientations or the position, so that the component is off its singular point";
+    let place = position.without_derivative.first().map(|one| place(scene, one)).unwrap_or_default();
+    let about =
+        About { state: position.state, ..about(&position.without_derivative.iter().collect::<Vec<_>>()) };
+    Some(Finding::new(scene, Code::AssemblyUndecided, place, message, reason, remedy).about(about))
+}
+
+/// States given that were not looked at.
+fn off(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+    let of = |states: &[u64], why: &str, remedy: &str| {
+        let first = *states.first()?;
+        let message = format!(
+            "{} {} not looked at, for {why}",
+            ranges("state", states),
+            agree(states.len(), ["was", "were"])
+        );
+        let reason = "a state that the assembly cannot come to says nothing of its rank";
+        let finding = Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy);
+        Some(finding.about(About { state: Some(first), ..About::default() }))
+    };
+    let constraints = of(
+        &assembly.off,
+        "not satisfying the constraints (beyond 1e-4 rad, or 1e-4 of the length of a connector)",
+        "give states with more digits, or correct them",
+    );
+    let boundary = of(
+        &assembly.off_boundary,
+        "moving what boundary conditions hold (by more than 1e-4 rad, or 1e-4 of the length of a connector)",
+        "correct the states, or the boundary conditions of the step that they belong to",
+    );
+    constraints.into_iter().chain(boundary).collect()
 }
 
 /// Under the condition that what was taken for zero is zero.
@@ -456,7 +580,12 @@ fn mechanism_at(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
 }
 
 fn moves(scene: &Scene, message: String, modes: &[&Mode], undriven: usize, state: Option<u64>) -> Finding {
-    let reason = "degrees of freedom less the rank of constraints and drives; springs, friction, stops and other elements are not looked at";
+    let reason = if super::unread::is_any(scene) {
+        "degrees of freedom less the rank of the constraints and drives that are read; other constraints, springs, friction, stops and other \
+         elements are not looked at"
+    } else {
+        "degrees of freedom less the rank of constraints and drives; springs, friction, stops and other elements are not looked at"
+    };
     let remedy = "as it should be for a mechanism under forces; in statics, hold or drive the motion";
     let mut nodes: Vec<Label> = modes.iter().flat_map(|mode| mode.nodes.iter().copied()).collect();
     nodes.sort();

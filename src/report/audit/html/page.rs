@@ -10,7 +10,9 @@ use crate::audit::oracle::Shares;
 use crate::audit::{Against, Approach, Cause, Check, Quantity, Report, Subject, U, Verdict};
 use crate::bench::Environment;
 use crate::grammar::count;
-use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, symbols, telling};
+use crate::report::audit::summary::{
+    self, OfKind, Outcome, Row, detectable, headline, is_sharp, symbols, telling,
+};
 use askama::Template;
 use std::collections::BTreeMap;
 use std::io;
@@ -184,6 +186,7 @@ struct PageTemplate {
     symbols: Vec<&'static str>,
     rows: Vec<VerdictRow>,
     undecided: Vec<String>,
+    left_out: Vec<String>,
     cards: Vec<Card>,
     omitted: String,
     steps: Vec<StepCard>,
@@ -201,11 +204,11 @@ struct PageTemplate {
 pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<String> {
     let test = summary::self_test(report);
     let outcome = headline(report);
-    let failed = summary::failed(report);
-    let (tone, sign) = match (failed, report.undecided() > 0) {
-        (true, _) => ("bad", "✗"),
-        (false, true) => ("open", "?"),
-        (false, false) => ("good", "✓"),
+    let (tone, sign) = match summary::outcome(report) {
+        Outcome::Failed => ("bad", "✗"),
+        Outcome::Undecided => ("open", "?"),
+        Outcome::Warned => ("warned", "!"),
+        Outcome::Clean => ("good", "✓"),
     };
     let drawings: Vec<Figure> = supplement
         .scenes
@@ -228,6 +231,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
             ("numbers compared", grouped(report.compared())),
             ("mismatches", report.mismatches().to_string()),
             ("undecided", report.undecided().to_string()),
+            ("warnings", report.warnings().to_string()),
             ("mutants noticed", format!("{} of {}", grouped(test.noticed), grouped(test.decisive))),
         ],
         sections: Vec::new(),
@@ -239,6 +243,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         symbols: symbols().into(),
         rows: report.subjects.iter().map(verdict_row).collect(),
         undecided: undecided(report),
+        left_out: left_out(report),
         cards: cards(supplement),
         omitted: omitted(report, supplement),
         steps: step_cards(supplement),
@@ -361,11 +366,7 @@ fn problem(subject: &Subject, check: &Check) -> Problem {
             numbers += &format!(", at {state}");
         }
     }
-    let one_sided = check.worst.as_ref().and_then(|worst| worst.one_sided);
-    let mut more: Vec<String> = one_sided
-        .iter()
-        .map(|[below, above]| format!("From below {below:e}, from above {above:e}."))
-        .collect();
+    let mut more: Vec<String> = summary::sides(check).map(|text| sentence(&text)).collect();
     more.extend(summary::undecided(check));
     more.extend(
         check.score.survivors.iter().map(|(mistake, entry)| format!("Survived: {mistake} ({entry}).")),
@@ -439,13 +440,17 @@ fn assembly(found: &Assembly) -> Vec<(&'static str, String)> {
             ("not driven", known(initial.undriven)),
         ]);
     }
+    if !found.unread.is_empty() {
+        let kinds: Vec<&str> = found.unread.iter().map(|kind| kind.what.as_str()).collect();
+        figures.push(("constraints not read", kinds.join(", ")));
+    }
     figures
 }
 
 /// Which region of configuration space the states of a scene exercised; nothing where there were no samples.
 fn coverage(found: &ModelReport) -> Option<CoverageSection> {
     let coverage = &found.coverage;
-    if coverage.samples == 0 {
+    if coverage.exercise.samples == 0 {
         return None;
     }
     let all = [
@@ -461,10 +466,10 @@ fn coverage(found: &ModelReport) -> Option<CoverageSection> {
         summary: format!(
             "{}, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
              away from the initial state in {}.{}",
-            count(coverage.samples, "sample"),
-            of(coverage.both_turned, coverage.could_turn_both),
-            of(coverage.deformed, coverage.could_deform),
-            of(coverage.away, coverage.samples),
+            count(coverage.exercise.samples, "sample"),
+            of(coverage.exercise.both_turned, coverage.exercise.could_turn_both),
+            of(coverage.exercise.deformed, coverage.exercise.could_deform),
+            of(coverage.exercise.away, coverage.exercise.samples),
             found.nearest.as_ref().map_or_else(String::new, |nearest| format!(
                 " The {}.",
                 super::super::model::nearest(nearest)
@@ -558,11 +563,13 @@ fn step_cards(supplement: &Supplement<'_>) -> Vec<StepCard> {
 pub(super) fn approach(found: &Approach, place: Place) -> String {
     let curve = |name, colour, of: fn(&crate::audit::atlas::Rung) -> f64| Curve {
         name,
+        is_main: false,
         colour,
         points: found.rungs.iter().map(|rung| [rung.distance, of(rung)]).collect(),
     };
     let plot = LogPlot {
         title: &format!("{} {}: {}", found.connection, found.component, found.at),
+        heading: Vec::new(),
         x_name: "distance to the singular set",
         y_name: "roundings; size",
         curves: vec![
@@ -673,6 +680,12 @@ fn kinds(report: &Report) -> Vec<KindRow> {
         }
     };
     summary::by_mistake(report).into_iter().map(row).collect()
+}
+
+/// Numbers without a witness, those that no state exercises, and laws that were not asked, with the connectors: once for each list.
+fn left_out(report: &Report) -> Vec<String> {
+    let of = |(text, subjects): (String, Vec<&str>)| format!("{}: {text}.", subjects.join(", "));
+    summary::left_out(report).into_iter().map(of).collect()
 }
 
 fn survivors(report: &Report) -> Vec<String> {
