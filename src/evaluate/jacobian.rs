@@ -17,10 +17,10 @@ use crate::mpc::{self, Kind};
 use crate::node::{DOF_NUMBER, DOFS};
 use crate::scene::{Boundary, ConditionKind, Diagnostic, Label, MotionType, Scene, Target};
 use crate::vector::{Matrix, Vector, dot};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// The numbers of the degrees of freedom of a node, in the order of its columns.
-const NUMBERS: [u8; 7] = [1, 2, 3, 4, 5, 6, 10];
+pub(crate) const NUMBERS: [u8; 7] = [1, 2, 3, 4, 5, 6, 10];
 
 /// A column: a degree of freedom of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
@@ -32,7 +32,7 @@ pub struct Freedom {
 }
 
 /// What an equation belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Source {
     /// A connector, by its index in the model.
     Connector(usize),
@@ -175,6 +175,15 @@ impl Fixed {
             }
         }
         Ok(fixed)
+    }
+
+    /// The same of some nodes alone, and these besides.
+    pub(crate) fn restricted(&self, nodes: &BTreeSet<Label>, besides: &[Freedom]) -> Self {
+        let all = nodes.iter().flat_map(|node| NUMBERS.map(|number| Freedom { node: *node, number }));
+        Self {
+            freedoms: all.filter(|freedom| self.contains(*freedom)).chain(besides.iter().copied()).collect(),
+            axes: nodes.iter().filter_map(|node| Some((*node, *self.axes.get(node)?))).collect(),
+        }
     }
 
     /// The degrees of freedom.
