@@ -20,7 +20,7 @@ use super::noise::{self, NONE, Probes, Roundings, mix, random};
 pub(super) use super::sparse::Sparse;
 use rayon::prelude::*;
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 
 /// Rounding unit.
@@ -39,6 +39,10 @@ const CANCELS: f64 = 1e3;
 /// A row of lower number is taken for a pivot where its entry is not smaller than the largest by more than this factor. Multipliers of more
 /// than one grow with the number of nodes that are eliminated one after the other, and with them the condition of the pivots.
 const PREFERRED: f64 = 0.99;
+
+/// What is zero where entries do not know how uncertain they are, of rows whose largest entries are about one; and what rounding leaves.
+const PLAIN: f64 = 1e-10;
+const LEFT: f64 = 1e-14;
 
 /// Where a pivot row is taken from rows of so many entries in all, threads share them.
 const SHARED: usize = 30_000;
@@ -62,6 +66,9 @@ pub(super) struct Outcome {
     pub(super) rank: usize,
     /// Rows that depend on others.
     pub(super) dependent: Vec<u32>,
+    /// Whether one of them had been taken from others that do not: these then stand for it, too, and the rows that are not named need not
+    /// be independent ([`super::naming`]).
+    pub(super) misnames: bool,
     /// Columns without pivot.
     pub(super) free: Vec<u32>,
     /// Rows whose independence is not certain.
@@ -118,6 +125,9 @@ pub(super) struct Task<'a> {
     pub(super) right: Option<&'a [f64]>,
     /// Whether pivot rows are kept, for solutions and null vectors.
     pub(super) keep: bool,
+    /// Whether only the rank of rows is asked that are known to be well apart from what is zero: no entry then knows how uncertain it is, which is
+    /// most of the work, and one below [`PLAIN`] is zero.
+    pub(super) plain: bool,
     /// What it may cost.
     pub(super) most: Most,
 }
@@ -167,6 +177,8 @@ struct Elimination<'a> {
     work: usize,
     roundings: Roundings,
     spare: Vec<Entry>,
+    /// Rows that were taken from others before they were pivots.
+    taken: HashSet<u32>,
 }
 
 /// The number of entries of rows.
@@ -204,6 +216,7 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
         work: 0,
         roundings: Roundings::new(),
         spare: Vec::new(),
+        taken: HashSet::new(),
         columns,
     };
     // Rows of the matrix, and rows on their way, by the first group that they hold.
@@ -260,8 +273,12 @@ impl Elimination<'_> {
         let entry = |place: usize| Entry {
             at: self.place[self.matrix.columns[place] as usize],
             value: self.matrix.values[place],
-            probes: random(place as u64)
-                .map(|number| number * if self.matrix.values[place] == 0.0 { zero } else { other }),
+            probes: if self.task.plain {
+                NONE
+            } else {
+                let uncertain = if self.matrix.values[place] == 0.0 { zero } else { other };
+                random(place as u64).map(|number| number * uncertain)
+            },
         };
         let mut entries: Vec<Entry> = self.matrix.range(row).map(entry).collect();
         entries.sort_unstable_by_key(|entry| entry.at);
@@ -278,6 +295,9 @@ impl Elimination<'_> {
         if !(entry.value.is_finite() && noise.is_finite()) {
             self.outcome.overflows = true;
             return None;
+        }
+        if self.task.plain {
+            return Some(entry.value.abs()).filter(|size| *size > PLAIN);
         }
         let ratio = entry.value.abs() / noise;
         (ratio > self.zero).then_some(ratio)
@@ -316,6 +336,12 @@ impl Elimination<'_> {
         Some((row, at))
     }
 
+    /// Notes a row of which nothing is left.
+    fn depends(&mut self, name: u32) {
+        self.outcome.misnames |= self.taken.contains(&name);
+        self.outcome.dependent.push(name);
+    }
+
     /// Notes how certain a pivot is.
     fn judge(&mut self, row: &Row, at: u32) {
         let Some(ratio) = row.entry(at).and_then(|entry| self.certain(entry)) else { return };
@@ -330,7 +356,7 @@ impl Elimination<'_> {
 
     /// Takes multiples of a pivot row from rows of which nothing is left then at a place.
     fn reduce_all(&mut self, rows: &mut [Row], pivot: &Row, at: u32) {
-        let roundings = &self.roundings;
+        let roundings = (!self.task.plain).then_some(&self.roundings);
         self.work += rows.len() * pivot.entries.len();
         self.outcome.exhausted |= self.work > self.task.most.work;
         let largest = if rows.len() * pivot.entries.len() < SHARED {
@@ -365,7 +391,7 @@ impl Elimination<'_> {
             self.leave(row.name, &of_group);
             if row.entries.iter().all(|entry| self.certain(entry).is_none()) {
                 self.leave(row.name, &row.entries);
-                self.outcome.dependent.push(row.name);
+                self.depends(row.name);
                 continue;
             }
             if row.entries.capacity() > 2 * row.entries.len() {
@@ -411,6 +437,9 @@ impl Elimination<'_> {
         while let Some((at, mut rows)) = waiting.pop_first().filter(|_| !self.outcome.exhausted) {
             if let Some((pivot, _)) = self.choose(&rows, 0, &[at]) {
                 let pivot = rows.swap_remove(pivot);
+                if !rows.is_empty() {
+                    self.taken.insert(pivot.name);
+                }
                 self.reduce_all(&mut rows, &pivot, at);
                 independent.push(pivot);
             }
@@ -420,7 +449,7 @@ impl Elimination<'_> {
                     Some(next) => waiting.entry(next.at).or_default().push(row),
                     None => {
                         self.leave(row.name, &row.entries);
-                        self.outcome.dependent.push(row.name);
+                        self.depends(row.name);
                     }
                 }
             }
@@ -430,7 +459,7 @@ impl Elimination<'_> {
 }
 
 /// Takes the multiple of a pivot row from a row of which nothing is left then at a place, and gives the largest |s|/n of what was put to zero.
-fn reduce(row: &mut Row, pivot: &Row, at: u32, roundings: &Roundings, spare: &mut Vec<Entry>) -> f64 {
+fn reduce(row: &mut Row, pivot: &Row, at: u32, roundings: Option<&Roundings>, spare: &mut Vec<Entry>) -> f64 {
     let (Some(of_row), Some(of_pivot)) = (row.entry(at).copied(), pivot.entry(at).copied()) else {
         return 0.0;
     };
@@ -486,7 +515,7 @@ struct Taking<'a> {
     slope: Probes,
     common: Probes,
     step: u64,
-    roundings: &'a Roundings,
+    roundings: Option<&'a Roundings>,
 }
 
 impl Taking<'_> {
@@ -494,6 +523,12 @@ impl Taking<'_> {
     fn take(&self, entry: &mut Entry, by: &Entry, largest: &mut f64) {
         let product = self.factor * by.value;
         entry.value -= product;
+        let Some(roundings) = self.roundings else {
+            if entry.value.abs() <= LEFT {
+                entry.value = 0.0;
+            }
+            return;
+        };
         let (value, size) = (by.value as f32, (product as f32).abs());
         noise::add(&mut entry.probes, -value, &self.slope);
         noise::add(&mut entry.probes, -self.narrow, &by.probes);
@@ -506,11 +541,11 @@ impl Taking<'_> {
         noise::add(
             &mut entry.probes,
             size + left as f32,
-            self.roundings.of((self.step >> 16).wrapping_add(place)),
+            roundings.of((self.step >> 16).wrapping_add(place)),
         );
         if left > 0.0 && left * CANCELS < product.abs() && left <= REMAINS * U * noise::size(&entry.probes) {
             *largest = largest.max(left / noise::size(&entry.probes));
-            let dropped = self.roundings.of((self.step >> 40).wrapping_add(place));
+            let dropped = roundings.of((self.step >> 40).wrapping_add(place));
             noise::add(&mut entry.probes, (left / U) as f32, dropped);
             entry.value = 0.0;
         }

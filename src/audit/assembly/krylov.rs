@@ -14,7 +14,7 @@
 
 use super::dense::CONTRIBUTES;
 use super::eliminate::{Outcome, Sparse};
-use super::found::{DIGITS, allowed};
+use super::found::{SECOND_ORDER, allowed};
 use super::noise::random;
 use super::redundant::EXPLAINED;
 use rayon::prelude::*;
@@ -383,7 +383,7 @@ pub(super) fn rank(matrix: &Sparse, uncertainty: f64) -> Option<Outcome> {
             zero = zero.hypot(length(&image));
         }
         let nonzero = least.sqrt();
-        if zero > allowed || nonzero <= allowed || nonzero <= DIGITS * top.sqrt() {
+        if zero > allowed || nonzero <= allowed || nonzero <= SECOND_ORDER * top.sqrt() {
             continue;
         }
         let rank = one.rows() - basis.len();

@@ -11,15 +11,15 @@
 //! many of them; and of many neighbourhoods only some are looked at ([`WORK`]). What is then not told is [`Holds::Large`].
 
 use super::Holds;
-use super::eliminate::{Task, eliminate};
+use super::eliminate::Task;
 use super::found::Found;
 use super::moving::elsewhere;
-use super::redundant::only_here;
+use super::naming::named;
 use super::system::{Origin, Part, Role, System, request};
 use crate::evaluate::{Equation, Freedom, NUMBERS, Plan, Sequence, Source};
 use crate::scene::{Label, State};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 
 /// The degrees of freedom of neighbourhoods, which are tried one after the other.
 pub(super) const SIZES: [usize; 4] = [600, 2_400, 9_600, 20_000];
@@ -199,7 +199,7 @@ impl<'a> Surroundings<'a> {
         }
         for part in &own.parts {
             let (rows, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
-            let here = eliminate(&matrix, &part.order, Task { keep: true, ..Task::default() });
+            let here = named(&matrix, &part.order, Task { keep: true, ..Task::default() });
             let known: Vec<(u32, u32)> = here
                 .dependent
                 .iter()
@@ -212,15 +212,11 @@ impl<'a> Surroundings<'a> {
                 continue;
             }
             let there = elsewhere(&own, part, &sequence, &start, &here, SAMPLES);
-            let here_only: HashSet<u32> = only_here(&here.dependent, &there.dependent).into_iter().collect();
-            looked.rows.extend(known.iter().filter_map(|(row, of_whole)| {
-                let holds = match there.holds {
-                    Holds::Here if here_only.contains(row) => Holds::Loop,
-                    Holds::Here => Holds::Throughout,
-                    Holds::Unjudged => return None,
-                    holds => holds,
-                };
-                Some((*of_whole, holds))
+            let there: HashMap<u32, Holds> = here.dependent.iter().copied().zip(there).collect();
+            looked.rows.extend(known.iter().filter_map(|(row, of_whole)| match *there.get(row)? {
+                Holds::Here => Some((*of_whole, Holds::Loop)),
+                Holds::Unjudged => None,
+                holds => Some((*of_whole, holds)),
             }));
         }
         looked

@@ -1,8 +1,9 @@
 //! Which constraints are redundant, and where?
 
-use super::eliminate::{self, Task, eliminate};
+use super::eliminate::{self, Task};
 use super::found::{Found, constraint};
 use super::moving::{SAMPLES, elsewhere};
+use super::naming::named;
 use super::system::{Part, Role, System, request};
 use super::{Constraint, Holds, Redundant, dense, local};
 use crate::evaluate::{Plan, Sequence};
@@ -45,6 +46,7 @@ pub(super) fn redundant(
             dependent
                 .iter()
                 .zip(holds)
+                .filter(|(row, _)| found.may_depend(row))
                 .map(|(row, holds)| Redundant {
                     constraint: constraint(system, found.rows[*row as usize]),
                     holds,
@@ -117,12 +119,9 @@ pub(super) fn judge_whole(system: &System<'_>, part: &Part, found: &Found) -> Ve
         return all(Holds::Unjudged);
     }
     let (_, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
-    let here = eliminate(&matrix, &part.order, Task { keep: true, ..Task::default() });
-    let elsewhere = elsewhere(&own, part, &sequence, &start, &here, SAMPLES);
-    let here = only_here(dependent, &elsewhere.dependent);
-    let one = |row: &u32| match elsewhere.holds {
-        Holds::Here if !here.contains(row) => Holds::Throughout,
-        holds => holds,
-    };
-    dependent.iter().map(one).collect()
+    let here = named(&matrix, &part.order, Task { keep: true, ..Task::default() });
+    if here.dependent != *dependent {
+        return all(Holds::Unjudged);
+    }
+    elsewhere(&own, part, &sequence, &start, &here, SAMPLES)
 }

@@ -1,11 +1,12 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
-use super::dense::{least, made_of, singular_values};
+use super::dense::{dependent, least, made_of, singular_values};
 use super::eliminate::{Most, Sparse, Task, eliminate};
 use super::findings::findings;
 use super::found::look;
 use super::given::along;
 use super::local::judge;
+use super::naming::{exchange, named};
 use super::order::{dissection, minimum_degree};
 use super::redundant::{judge_whole, only_here};
 use super::system::{Prescribed, System, request};
@@ -104,6 +105,47 @@ fn rank_is_that_of_singular_values() {
             assert!(!made.is_empty() && !made.contains(row), "case {case}");
         }
     }
+}
+
+/// Without the rows that are named the rank is the same: always where elimination says so, and where it does not after an exchange, as here of
+/// a tenth of the cases.
+#[test]
+fn what_is_named_can_be_left_out() {
+    let mut draw = Draw::new("names");
+    let (mut misnamed, mut unnamed) = (0, 0);
+    for case in 0..200 {
+        let groups = 3 + draw.below(8);
+        let matrix = random(groups, 2 * groups + draw.below(2 * groups), 1 + draw.below(9), &mut draw);
+        let order = order(&matrix);
+        let rank_without = |dependent: &[u32]| {
+            let rest = (0..matrix.rows()).filter(|row| !dependent.contains(&(*row as u32)));
+            let mut some = Sparse { groups: matrix.groups.clone(), offsets: vec![0], ..Sparse::default() };
+            for row in rest {
+                some.columns.extend_from_slice(&matrix.columns[matrix.range(row)]);
+                some.values.extend_from_slice(&matrix.values[matrix.range(row)]);
+                some.offsets.push(some.columns.len());
+            }
+            let values = singular_values(&some);
+            values.iter().filter(|value| **value > 1e-11 * values[0]).count()
+        };
+        let mut outcome = eliminate(&matrix, &order, Task::default());
+        let is_right = rank_without(&outcome.dependent) == outcome.rank;
+        assert!(is_right || outcome.misnames, "case {case}");
+        misnamed += usize::from(!is_right);
+        exchange(&matrix, &order, Task::default(), &mut outcome);
+        unnamed += usize::from(outcome.dependent.is_empty());
+        assert!(
+            outcome.dependent.is_empty() || rank_without(&outcome.dependent) == outcome.rank,
+            "case {case}"
+        );
+        let last = dependent(&matrix);
+        assert_eq!(
+            (last.len(), rank_without(&last)),
+            (matrix.rows() - outcome.rank, outcome.rank),
+            "case {case}"
+        );
+    }
+    assert!(misnamed > 0 && unnamed == 0, "{misnamed} {unnamed}");
 }
 
 /// The order does not matter to what is found, but for which rows and columns are named.
@@ -316,6 +358,9 @@ fn sheared_grids_are_decided() {
         assert_eq!(outcome.free.len(), 2 * n - 3);
         assert_eq!(outcome.dependent.len(), matrix.rows() + 2 * n - 3 - matrix.width());
         assert!(outcome.is_decided());
+        // What it names is so, or is exchanged.
+        let all = named(&matrix, &order(&matrix), Task::default());
+        assert_eq!((all.rank, all.dependent.len()), (outcome.rank, outcome.dependent.len()));
         assert!(outcome.gap[0] < 1e-13 && outcome.gap[1] > 1e-4, "{n}: {:?}", outcome.gap);
         // Rows stay as sparse as they are.
         assert!(outcome.fill < 3 * matrix.rows(), "{n}: {} of {}", outcome.fill, matrix.rows());
@@ -422,27 +467,27 @@ fn four_bars(count: usize, flat: &[usize]) -> String {
 /// not know of the rest.
 #[test]
 fn neighbourhoods_tell_what_the_whole_tells() {
-    for (text, here) in [(four_bars(3, &[]), 0), (four_bars(4, &[1]), 1)] {
-        let scene = Scene::parse("scene.inp", &text).unwrap();
-        let model = Model::compile(&scene).unwrap();
-        let prescribed = Prescribed::of(&scene, 1).unwrap();
-        let plan = Plan::everything(&model, request());
-        let system = System::new(&model, &plan, &prescribed);
-        let mut values = Vec::new();
-        Sequence::new(&model, &plan).assemble(&State::default(), &system.jacobian, &mut values).unwrap();
-        let found = look(&system, &values, &[], true);
-        let (part, found) = (&system.parts[0], found[0].as_ref().unwrap_or_else(|_| panic!()));
-        let count = |all: &[Holds], of: Holds| all.iter().filter(|holds| **holds == of).count();
-        let whole = judge_whole(&system, part, found);
-        assert_eq!(count(&whole, Holds::Here), here);
-        assert_eq!(count(&whole, Holds::Throughout), whole.len() - here);
-        let local = judge(&system, part, found, &[30, 240]);
-        let as_local = |holds: &Holds| if *holds == Holds::Here { Holds::Loop } else { *holds };
-        assert_eq!(local, whole.iter().map(as_local).collect::<Vec<_>>());
-        // Neighbourhoods without the loop do not tell.
-        let none = judge(&system, part, found, &[20]);
-        assert_eq!(count(&none, Holds::Large), none.len());
-    }
+    let (text, here) = (four_bars(4, &[1]), 1);
+    let scene = Scene::parse("scene.inp", &text).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let prescribed = Prescribed::of(&scene, 1).unwrap();
+    let plan = Plan::everything(&model, request());
+    let system = System::new(&model, &plan, &prescribed);
+    let mut values = Vec::new();
+    Sequence::new(&model, &plan).assemble(&State::default(), &system.jacobian, &mut values).unwrap();
+    let found = look(&system, &values, (&[], &[]), true);
+    let (part, found) = (&system.parts[0], found[0].as_ref().unwrap_or_else(|_| panic!()));
+    let count = |all: &[Holds], of: Holds| all.iter().filter(|holds| **holds == of).count();
+    let whole = judge_whole(&system, part, found);
+    assert_eq!(count(&whole, Holds::Here), here);
+    assert_eq!(count(&whole, Holds::Throughout), whole.len() - here);
+    let sizes = [30, 240];
+    let local = judge(&system, part, found, &sizes);
+    let as_local = |holds: &Holds| if *holds == Holds::Here { Holds::Loop } else { *holds };
+    assert_eq!(local, whole.iter().map(as_local).collect::<Vec<_>>(), "{sizes:?}");
+    // Neighbourhoods without the loop do not tell.
+    let none = judge(&system, part, found, &[20]);
+    assert_eq!(count(&none, Holds::Large), none.len());
 }
 
 /// A cubic lattice of n³ nodes moved off it, with LINKs between neighbours and, `besides`, some between next neighbours; the first node is held.

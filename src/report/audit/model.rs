@@ -135,6 +135,10 @@ pub(super) fn besides(assembly: &Assembly) -> Vec<String> {
         let states = count(assembly.off.len(), "state");
         lines.push(format!("{states} not looked at, for not satisfying the constraints"));
     }
+    if !assembly.off_boundary.is_empty() {
+        let states = count(assembly.off_boundary.len(), "state");
+        lines.push(format!("{states} not looked at, for moving what boundary conditions hold"));
+    }
     lines
 }
 
