@@ -593,6 +593,8 @@ impl Measure {
                 }
                 length.min(material)
             }
+            // Where rounding decides the angles a state counts as locked.
+            Self::Cardan(_) | Self::Euler(_) if self.is_locked(q) => 0.0,
             Self::Cardan(_) => norm([q[1][2], q[2][2]]).atan2(q[0][2].abs()),
             Self::Euler(_) | Self::Flexion | Self::Sweep => norm([q[0][2], q[1][2]]).atan2(q[2][2].abs()),
             Self::RotationVector(_) | Self::RotationVectorAtB(_) => {
@@ -675,9 +677,9 @@ impl Measure {
     /// Cardan, β = ±π/2: γ ± α = atan2(Q₂₁, Q₂₂); Euler, β = 0 and π: α ± γ = atan2(Q₂₁, Q₁₁).
     pub(crate) fn unlocked<R: Real>(self, q: &Matrix<R>, evaluated: R, first: R) -> R {
         let zero = R::integer(0);
-        let (across, beyond, sum, which) = match self {
-            Self::Cardan(i @ (1 | 3)) => (norm([q[1][2], q[2][2]]), q[0][2], [q[1][0], q[1][1]], i),
-            Self::Euler(i @ (1 | 3)) => (norm([q[0][2], q[1][2]]), q[2][2], [q[1][0], q[0][0]], i),
+        let (beyond, sum, which) = match self {
+            Self::Cardan(i @ (1 | 3)) => (q[0][2], [q[1][0], q[1][1]], i),
+            Self::Euler(i @ (1 | 3)) => (q[2][2], [q[1][0], q[0][0]], i),
             _ => return evaluated,
         };
         let third = || {
@@ -691,7 +693,21 @@ impl Measure {
             let (sine, cosine) = angle.sine_cosine();
             sine.arctangent(cosine)
         };
-        R::choose(across.less(R::from_f64(LOCK)), || if which == 1 { first } else { third() }, || evaluated)
+        R::choose(self.locks_at(q), || if which == 1 { first } else { third() }, || evaluated)
+    }
+
+    /// Whether successive angles are so close to a lock that rounding decides them.
+    fn locks_at<R: Real>(self, q: &Matrix<R>) -> R::Mask {
+        let across = match self {
+            Self::Euler(_) => [q[0][2], q[1][2]],
+            _ => [q[1][2], q[2][2]],
+        };
+        norm(across).less(R::from_f64(LOCK))
+    }
+
+    /// The same of successive angles on one real number; false of any other measure.
+    pub(crate) fn is_locked<R: Real<Mask = bool>>(self, q: &Matrix<R>) -> bool {
+        matches!(self, Self::Cardan(_) | Self::Euler(_)) && self.locks_at(q)
     }
 
     /// The gradient of this angle with respect to the relative rotation of the nodes, global components: its product with

@@ -36,7 +36,7 @@ fn a_kink_hides_nothing_beside_it() {
         stdout(&pintle(&[&["audit", &deck, "--at", &states], more].concat()).assert().code(code))
     };
     let right = run(&[], 0);
-    assert!(right.contains("kink"), "{right}");
+    assert!(right.contains("singular point") && right.contains("do not settle"), "{right}");
     for plant in ["wrong-sign", "wrong-entry"] {
         let page = run(&["--plant", plant], 1);
         assert!(page.contains("∂u1/∂xb1") && page.contains("wrong"), "{plant}: {page}");
@@ -101,6 +101,10 @@ fn nothing_passes_without_evidence() {
     assert!(junit.contains("not exercised"), "{junit}");
     let markdown = stdout(&pintle(&[&audit[..], &["--format", "markdown"]].concat()).assert().code(0));
     assert!(markdown.contains("not exercised"), "{markdown}");
+    let page = deck.replace(".inp", ".html");
+    pintle(&[&audit[..], &["--html", &page]].concat()).assert().code(0);
+    let page = fs::read_to_string(page).unwrap();
+    assert!(page.contains("not exercised") && page.contains("rates, accelerations"), "{page}");
 }
 
 /// A law that has nothing to ask of a connector at the ground is listed.
@@ -119,6 +123,10 @@ fn laws_that_are_not_asked_are_listed() {
     pintle::report::audit::human(&mut text, &report, 200, false).unwrap();
     let text = String::from_utf8(text).unwrap();
     assert!(text.contains("laws not asked") && text.contains("rigid modes in the kernel"), "{text}");
+    let mut page = Vec::new();
+    let supplement = pintle::report::audit::Supplement::default();
+    pintle::report::audit::html(&mut page, &report, &supplement).unwrap();
+    assert!(String::from_utf8(page).unwrap().contains("laws not asked"));
 }
 
 /// Displacements whose squares overflow are judged, or undecided: no tolerance, no verdict.

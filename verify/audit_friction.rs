@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 
 /// A guide with the predefined friction of its type, a plate that slips in two directions along a potential, and a rod with two
 /// frictions, pressed by springs and by itself.
-const DECK: &str = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 1., 0., 0.\n4, 2., 0., 0.\n5, 0., 1., 0.\n6, 0., 1., 0.\n\
+pub(crate) const DECK: &str = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 1., 0., 0.\n4, 2., 0., 0.\n5, 0., 1., 0.\n6, 0., 1., 0.\n\
     *ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
     *ELEMENT, TYPE=CONN3D2, ELSET=GUIDE\n101, 1, 2\n*ELEMENT, TYPE=CONN3D2, ELSET=ROD\n102, 3, 4\n\
     *ELEMENT, TYPE=CONN3D2, ELSET=PLATE\n103, 5, 6\n\
@@ -41,7 +41,7 @@ fn model(deck: &str) -> Model {
 }
 
 /// A walk to and fro: long steps that slip, short ones that stick, under forces that change.
-fn path() -> Vec<State> {
+pub(crate) fn path() -> Vec<State> {
     let draw = &mut Draw::new("frictions");
     let mut at = [[0.0; 3]; 3];
     let mut turned = 0.0;
@@ -250,6 +250,17 @@ fn a_friction_that_lost_a_component_is_judged() {
     let report = audited(&model, &states, &Settings { wide_states: 6, ..brief() });
     let page = human(&report);
     assert_eq!((report.mismatches(), report.survivors(), undecided(&report)), (0, 0, vec!["102"]), "{page}");
+}
+
+/// A potential whose shift is far larger than the forces: what it is formed from is rounded, and no more is asked.
+#[test]
+fn a_shift_larger_than_the_forces_is_no_mismatch() {
+    for shift in ["1000.", "-1000."] {
+        let shifted = format!("EXPONENT=3.\n2, 1., , ABS, {shift}\n3, 0.5\n");
+        let model = model(&DECK.replace("EXPONENT=3.\n2, 1.\n3, 0.5\n", &shifted));
+        let report = audited(&model, &path(), &Settings { wide_states: 12, ..brief() });
+        assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{shift}: {}", human(&report));
+    }
 }
 
 /// At rest, where nothing slides and a traction has no direction, both derivatives are told, and none is called wrong.

@@ -2,15 +2,17 @@
 
 use crate::audit::{judged, named};
 use crate::laws::mpc;
-use pintle::audit::oracle::WideAnswers;
+use pintle::audit::oracle::{Narrow, WideAnswers, remainder_of, remainders};
 use pintle::audit::sample::{Draw, Extent, Region, cases, draw_case};
-use pintle::audit::truth::Truth;
+use pintle::audit::truth::{Locked, Truth};
 use pintle::audit::verdict::{Exact, Surroundings, judge};
 use pintle::audit::{
-    Against, Bound, Case, MpcCase, Numbers, Oracle, Planted, Quantity, Settings, Verdict, atlas, audit_case,
+    Against, Bound, Case, Check, MpcCase, Numbers, Oracle, Planted, Quantity, Settings, Verdict, atlas,
+    audit_case,
 };
 use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Definition, Turns};
+use pintle::measure::Measure;
 use pintle::mpc::{Body, Kind, State, Turning};
 use pintle::node::{Node, Pair};
 use pintle::scalar::Wide;
@@ -31,11 +33,14 @@ fn a_formula_is_right_only_where_its_exact_value_is() {
     let mut got = numbers.entries(quantity).clone();
     got.0[3].as_mut().unwrap()[10] += 100.0 * tolerance;
     let truth = answers.differences.entries(quantity);
+    let around = |sides| {
+        let nearness = [nearness; 6];
+        Surroundings { bound: &bound, exact: None, nearness, sides, locked: Locked::default() }
+    };
     let verdict = |off: f64| {
         let product = truth.map(|_, _, x| x + Wide::from_f64(off * tolerance));
         let exact = |_: Quantity| Some(Exact { product: &product, truth });
-        let around =
-            Surroundings { bound: &bound, exact: Some(&exact), nearness: [nearness; 6], sides: None };
+        let around = Surroundings { exact: Some(&exact), ..around(None) };
         let oracles = [Oracle::WideDifferences, Oracle::WideDual, Oracle::WideSymbolic];
         oracles
             .map(|oracle| judge(quantity, &got, &answers.answer(oracle, quantity).unwrap(), &around).verdict)
@@ -45,9 +50,8 @@ fn a_formula_is_right_only_where_its_exact_value_is() {
         assert_eq!(verdict(off), [Verdict::Wrong; 3], "{off}");
     }
     // Without a witness nothing is proven.
-    let around = Surroundings { bound: &bound, exact: None, nearness: [nearness; 6], sides: None };
     let answer = answers.answer(Oracle::WideDifferences, quantity).unwrap();
-    assert_eq!(judge(quantity, &got, &answer, &around).verdict, Verdict::Wrong);
+    assert_eq!(judge(quantity, &got, &answer, &around(None)).verdict, Verdict::Wrong);
 }
 
 /// Dual numbers and differences on 237 bits agree to a billionth of a tolerance and less, in every quantity of every type, and near
@@ -118,7 +122,8 @@ fn an_error_beside_a_kink_is_wrong() {
             .find(|check| check.quantity == Some(Quantity::FirstDerivatives) && check.against == sharp);
         check.unwrap()
     };
-    assert_eq!(of(None).verdict, Verdict::Kink);
+    // Flexion has a kink, and sweep is a true singularity.
+    assert_eq!(of(None).verdict, Verdict::Singular);
     // The formula is right, the number is not.
     let wrong = of(Some(Planted::WrongEntry));
     assert_eq!(wrong.verdict, Verdict::UnstableFormula, "{wrong:?}");
@@ -198,7 +203,10 @@ fn a_constraint_at_half_a_turn_is_judged_from_its_side() {
             checks.into_iter().find(|check| check.quantity == Some(Quantity::FirstDerivatives)).unwrap()
         };
         let right = of(None);
-        assert_eq!(right.verdict, Verdict::Kink, "{right:?}");
+        assert_eq!(right.verdict, Verdict::Singular, "{right:?}");
+        let worst = right.worst.unwrap();
+        let [below, above] = worst.one_sided.unwrap();
+        assert!(below.is_finite() != above.is_finite() && worst.lack.unwrap().contains(" only: "));
         let wrong = of(Some(Planted::WrongEntry));
         assert_eq!(wrong.verdict, Verdict::Wrong, "{wrong:?}");
     }
@@ -231,4 +239,96 @@ fn constraints_on_singular_sets_are_no_mismatch() {
         }
     }
     assert!(singular > 10, "{singular}");
+}
+
+/// The check of first derivatives against differences on 237 bits, a right angle of torsion on from a singular set.
+fn at_singular(name: &str, measure: Measure) -> Check {
+    let mut case = atlas::near(named(name), measure, 0.5, 0.0, &mut Draw::new("at")).unwrap();
+    let pair = &mut case.path.last_mut().unwrap().state.pair;
+    // e3b = e3a exactly, about which b has turned by a right angle.
+    let [e1, e2, e3] = [0, 1, 2].map(|j| pair.a.triad.map(|row| row[j]));
+    pair.b.triad = [0, 1, 2].map(|i| [e2[i], -e1[i], e3[i]]);
+    let checks = audit_case(&case, &Settings::default(), true, 0);
+    let sharp = Against::Oracle(Oracle::WideDifferences);
+    let is_it = |check: &Check| check.quantity == Some(Quantity::FirstDerivatives) && check.against == sharp;
+    checks.into_iter().find(is_it).unwrap()
+}
+
+/// Where no side has a derivative the point is singular, with the reason, and no kink; a kink has both.
+#[test]
+fn a_true_singularity_is_no_kink() {
+    let sweep = at_singular("FLEXION-TORSION", Measure::Flexion);
+    let worst = sweep.worst.unwrap();
+    assert_eq!(sweep.verdict, Verdict::Singular, "{worst:?}");
+    assert!(worst.entry.starts_with("∂ur3/"), "{worst:?}");
+    let lack = worst.lack.unwrap();
+    assert!(lack.contains("do not settle") || lack.contains("only"), "{lack}");
+    // Both sides are told of a kink alone, and of a jump the one that has a derivative.
+    let both = worst.one_sided.is_some_and(|sides| sides.iter().all(|side| side.is_finite()));
+    assert!(!both, "{worst:?}");
+    // Of a length there are both.
+    let draw = &mut Draw::new("coincident");
+    let mut case = atlas::near(named("AXIAL"), Measure::Distance, 0.5, 0.0, draw).unwrap();
+    let pair = &mut case.path.last_mut().unwrap().state.pair;
+    pair.b.displacement = [0, 1, 2].map(|i| pair.a.displacement[i] - pair.reference[i]);
+    for check in audit_case(&case, &Settings::default(), true, 0) {
+        let Some(worst) = &check.worst else { continue };
+        match check.verdict {
+            Verdict::Kink => {
+                assert!(worst.one_sided.is_some_and(|sides| sides.iter().all(|side| side.is_finite())));
+                assert_eq!((check.quantity, worst.lack), (Some(Quantity::FirstDerivatives), None));
+            }
+            Verdict::Singular => assert!(worst.lack.is_some(), "{check:?}"),
+            verdict => assert!(!verdict.is_mismatch(), "{check:?}"),
+        }
+    }
+}
+
+/// The order of Taylor's remainder is judged: what falls more slowly than h², or jumps on the way, is none of a derivative, and what does
+/// fall so is no false alarm, at any state that is drawn, however near to a singular set.
+#[test]
+fn the_order_of_a_remainder_is_judged() {
+    const LADDER: [f64; 5] = [1e-4, 1e-8, 1e-12, 1e-16, 1e-20];
+    let allowed = 4.0 * pintle::audit::U;
+    let of = |over_h: &dyn Fn(f64) -> f64| remainder_of(0, &LADDER.map(|h| (h, over_h(h))), allowed);
+    // With a second derivative of 1 or less: right, linear, of higher order.
+    for right in [of(&|h| 0.5 * h), of(&|_| 0.0), of(&|h| h * h), of(&|h| 0.5 * h - 5000.0 * h * h)] {
+        assert!(right.units() <= 1.0, "{right:?}");
+    }
+    assert_eq!(
+        (of(&|_| 0.0).order, of(&|h| 0.5 * h).order.map(|p| (p * 100.0).round())),
+        (None, Some(200.0))
+    );
+    // A root, a wrong row, a kink between two steps, what is no number.
+    for (wrong, order) in [
+        (of(&|h| h.sqrt()), Some(1.5)),
+        (of(&|h| 0.5 * h + 1e-9), Some(1.0)),
+        (of(&|h| if h > 1e-6 { 1.0 } else { 0.5 * h }), None),
+    ] {
+        assert!(wrong.units() > 1.0, "{wrong:?}");
+        let found = wrong.order.unwrap();
+        assert!(order.is_none_or(|order| (found - order).abs() < 0.05), "{wrong:?}");
+    }
+    assert!(of(&|_| f64::NAN).units() > 1.0);
+    let mut clear = 0;
+    let mut most = 0.0_f64;
+    for connection in TABLE {
+        let draw = &mut Draw::new(&connection.name);
+        let near = (0..25).filter_map(|_| atlas::random_near(connection, draw)).collect::<Vec<_>>();
+        for case in cases(connection, Extent::Brief).into_iter().chain(near) {
+            let (numbers, bound, nearness) = judged(&case);
+            let truth = Truth::of(&case).unwrap();
+            let active = *Narrow::of(&case).unwrap().active();
+            let v = std::array::from_fn(|j| if active[j] { draw.between(-1.0, 1.0) } else { 0.0 });
+            let rows = numbers.entries(Quantity::FirstDerivatives);
+            for found in remainders(&truth, rows, &bound, &v, &[nearness; 6]) {
+                assert!(found.units() <= 1.0, "{}: {found:?}", case.name);
+                most = most.max(found.units());
+                clear += usize::from(found.order.is_some_and(|order| order > 1.9));
+                assert!(found.order.is_none_or(|order| order > 1.9), "{}: {found:?}", case.name);
+            }
+        }
+    }
+    println!("{clear} orders, largest {most}");
+    assert!(clear > 300, "{clear}");
 }

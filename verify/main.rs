@@ -5,8 +5,10 @@ mod assembly; // what assemblies of known mobility can do
 mod audit; // whether the audit notices what is wrong, and nothing else
 mod audit_command; // the audit and replay through the command line: exit codes, formats, counter-examples
 mod audit_counterexample; // counter-examples of constraints, frictions and slopes
+mod audit_edges; // states within rounding of a singular set, routines near one, files made by hand
 mod audit_evidence; // whether nothing passes without evidence, and nothing hides behind a kink
 mod audit_friction; // whether friction of scenes is audited, along its history
+mod audit_jax; // JAX as an oracle of the audit
 mod audit_laws; // whether the laws are asked of every connector, and speak
 mod audit_verdict; // verdicts that differ by little: nearly right formulas, singular sets
 mod batch; // whether four lanes give what one element at a time gives

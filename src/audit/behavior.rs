@@ -202,6 +202,7 @@ impl SlopesCase {
                     class: (i / 3, column / 3, 0),
                     error: 0.0,
                     sides: None,
+                    is_open: false,
                 });
             }
         }

@@ -22,6 +22,16 @@ pub struct Site {
 }
 
 impl Site {
+    /// Whether it lies at an angle of zero.
+    pub(super) fn is_at_rest(&self) -> bool {
+        self.angle == 0.0
+    }
+
+    /// The angle at which it lies (rad).
+    pub(super) const fn angle(&self) -> f64 {
+        self.angle
+    }
+
     /// The point of the declared singular set, a removable one where there is only such.
     fn first(measure: Measure) -> Option<Self> {
         Self::all(measure).next()

@@ -15,7 +15,9 @@
 //! | an acceleration | Σ_j tol_j abs(q̈_j) + C u F₂ max(1, 1/δ) max_j (q̇_j/s_j)² |
 //!
 //! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set,
-//! in radians or lengths, they are at most those of the second divided by δ. Lengths enter only relative to s, so the verdict
+//! in radians or lengths, they are at most those of the second divided by δ. Where C u is no small part of δ what is rounded may bring the
+//! state that much closer, and a derivative that grows like 1/δ grows by 1/(1 − C u/δ) more than its slope says: so do the tolerances of
+//! all derivatives, by 2 at most. Lengths enter only relative to s, so the verdict
 //! is the same in millimetres and metres and far from the origin.
 
 use super::case::dof_size;
@@ -46,7 +48,9 @@ pub fn scales(
     let bent: Vec<f64> = second.chunks(n.max(1)).map(|row| times(row, input)).collect();
     let f2 = f + times(&bent, input);
     let near = if nearness > 0.0 { (1.0 / nearness).max(1.0) } else { 1.0 };
-    let row: Vec<f64> = size.iter().zip(&bent).map(|(s, bent)| f / s + bent).collect();
+    let closer = if nearness > 0.0 { 1.0 / (1.0 - (C * U / nearness).min(0.5)) } else { 1.0 };
+    let row: Vec<f64> = size.iter().zip(&bent).map(|(s, bent)| closer * (f / s + bent)).collect();
+    let near = closer * near;
     let matrix: Vec<f64> = size.iter().flat_map(|s| size.iter().map(move |t| near * f2 / s / t)).collect();
     let fastest = velocity.iter().zip(size).fold(0.0_f64, |most, (v, s)| most.max(v.abs() / s));
     let rate = times(&row, velocity);

@@ -34,6 +34,7 @@ use super::diagnosis::Symptoms;
 use super::engine::{Settings, checks_of, spread};
 use super::model::{Finding, ModelReport};
 use super::mutant::{self, mutants};
+use super::near::{has_sites, near_initial};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
 use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::quantity::{Entries, Numbers, Quantity};
@@ -60,7 +61,8 @@ pub struct Candidate<'a> {
 }
 
 impl<'a> Candidate<'a> {
-    /// A routine of that name, for this connector; 200 states, 30 of them on 237 bits.
+    /// A routine of that name, for this connector; 200 states, 30 of them on 237 bits. States near singular sets are for routines that
+    /// follow into them: [`Settings::near_singular_states`] asks for them.
     pub fn new(name: &'a str, definition: &'a Definition) -> Self {
         let settings = Settings { states: 200, near_singular_states: 0, atlas: false, ..Settings::default() };
         Self { name, definition, settings, reference_length: 0.0 }
@@ -91,18 +93,31 @@ impl<'a> Candidate<'a> {
         coverage
     }
 
-    /// The states, with their places.
+    /// How many states lie near singular sets.
+    fn near_singular_states(&self) -> usize {
+        if has_sites(self.definition) { self.settings.near_singular_states } else { 0 }
+    }
+
+    /// The states, with their places: those about the initial one, then those near singular sets.
     fn cases(&self) -> impl Iterator<Item = (usize, Case)> {
         let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.name));
+        let mut near = Draw::new(&format!("{} {} near", self.settings.seed, self.name));
         let length = norm(self.definition.initial.reference).max(self.reference_length);
         let length = if length > 0.0 { length } else { 1.0 };
-        (0..self.settings.states).filter_map(move |i| {
+        let regular = self.settings.states;
+        (0..regular + self.near_singular_states()).filter_map(move |i| {
             let name = format!("{} state {i}", self.name);
-            Some((i, about_initial(self.definition, i, length, name, &mut draw)?))
+            let case = if i < regular {
+                about_initial(self.definition, i, length, name, &mut draw)
+            } else {
+                near_initial(self.definition, length, &name, &mut near)
+            };
+            Some((i, case?))
         })
     }
 
-    /// Draws states about the initial one and checks what the routine gives there: its values against the connector's formulas on 237
+    /// Draws states about the initial one, and near the singular sets of this connector (1e-1 to 1e-12 away, as many as
+    /// [`Settings::near_singular_states`] says, where its nodes can be brought there and history does not matter), and checks what the routine gives there: its values against the connector's formulas on 237
     /// bits, its Jacobian against differences on 237 bits *and* against differences of its own values, so that a wrong derivative is
     /// told from another formula; at the states that are not chosen for differences, against the connector's dual numbers, which prove
     /// nothing by themselves. Without an oracle on 237 bits among those asked, formula and derivative are undecided. Where the states
@@ -111,7 +126,10 @@ impl<'a> Candidate<'a> {
         let mut found: Vec<Check> = Vec::new();
         let mut coverage = Coverage::default();
         let mut cases = 0;
-        let wide = spread(self.settings.states, self.settings.wide_states);
+        let near = self.near_singular_states();
+        let near_wide = if near > 0 { self.settings.wide_states / 4 } else { 0 };
+        let mut wide = spread(self.settings.states, self.settings.wide_states - near_wide);
+        wide.extend(spread(near, near_wide).into_iter().map(|i| self.settings.states + i));
         for (i, case) in self.cases() {
             cases += 1;
             if let Some(step) = case.last() {
@@ -169,16 +187,16 @@ impl<'a> Candidate<'a> {
         given.set(Quantity::FirstDerivatives, Entries(rows.map(|row| row.map(|row| row.to_vec()))));
         let Some(product) = super::force::product_with_forces(case) else { return checks };
         let asked = |oracle: Oracle| self.settings.oracles.contains(&oracle);
-        let nearness = narrow.nearness();
         let Some(truth) = Truth::of(case) else { return checks };
+        let nearness = truth.nearness();
         // On a singular set only the wide differences tell its two sides.
         let answers = (wide || nearness == 0.0).then(|| WideAnswers::of_kinematics(&truth));
-        let of_components = narrow.nearness_of_components();
+        let of_components = truth.nearness_of_components();
         let is_smooth = of_components.map(|near| near > 0.0);
         let trusted = answers.as_ref().map_or(product, |answers| answers.trusted(&is_smooth));
         let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
         let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, &of_components);
-        let sides = (nearness == 0.0).then(|| truth.sides(&bound));
+        let sides = (nearness == 0.0).then(|| truth.sides());
         let connector = case.connector();
         let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
         // A routine's numbers are not all there: what must be noticed of its derivatives is told of the product's.
@@ -201,7 +219,8 @@ impl<'a> Candidate<'a> {
         let mut compare = |quantity: Quantity, answer: &Answer| {
             let got = given.entries(quantity);
             let sides = sides.as_ref();
-            let around = Surroundings { bound: &bound, exact: None, nearness: of_components, sides };
+            let locked = truth.locked();
+            let around = Surroundings { bound: &bound, exact: None, nearness: of_components, sides, locked };
             let judgement = judge(quantity, got, answer, &around);
             let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
@@ -244,7 +263,9 @@ impl<'a> Candidate<'a> {
             return checks;
         }
         let mut check = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
-        let around = Surroundings { bound: &bound, exact: None, nearness: of_components, sides: None };
+        let locked = truth.locked();
+        let around =
+            Surroundings { bound: &bound, exact: None, nearness: of_components, sides: None, locked };
         let judgement =
             judge(Quantity::FirstDerivatives, given.entries(Quantity::FirstDerivatives), &own, &around);
         check.add(judgement, prove(Quantity::FirstDerivatives, &own), case);

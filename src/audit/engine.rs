@@ -7,16 +7,17 @@ use super::certificate::{certificate, certifies_predefined};
 use super::conditioned::Conditioned;
 use super::diagnosis::Symptoms;
 use super::force::product_with_forces as product;
-use super::friction::friction_cases;
+use super::friction::{self, friction_cases};
+use super::golden::{audit_golden, states_of};
 use super::invariant::{self, Context, Invariant};
 use super::mutant::{self, Mistake, Mutant, mutants};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, remainders};
 use super::outcome::{Against, Check, Expected, Report, Subject};
+use super::planted::Planted;
 use super::quantity::{Numbers, Quantity};
 use super::sample::{Draw, Extent, cases, random_case};
-use super::sheet::Sheet;
 use super::stage::invalid_stage;
-use super::truth::Truth;
+use super::truth::{Locked, Truth};
 use super::verdict::{
     Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, judge, try_along, try_mutants,
 };
@@ -53,93 +54,6 @@ pub struct Settings {
     /// A fault planted on purpose, which the audit must tell of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planted: Option<Planted>,
-}
-
-/// A fault planted on purpose: whoever doubts that the audit can fail sees it fail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Planted {
-    /// The largest first derivative of the first component of a connector, of a constraint, of a friction's forces, or the largest slope
-    /// of a behaviour is multiplied by 1 + 1e-6.
-    WrongEntry,
-    /// The same derivative has the wrong sign: a mutant that changes it once more is right.
-    WrongSign,
-    /// The largest slope of a friction force is multiplied by 1 + 1e-6.
-    WrongFriction,
-    /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
-    LostAnswer,
-}
-
-impl Planted {
-    /// Where it is planted, in words.
-    pub const fn place(self) -> &'static str {
-        match self {
-            Self::WrongEntry | Self::WrongSign => "a derivative or a slope of a behaviour",
-            Self::WrongFriction => "a slope of a friction force",
-            Self::LostAnswer => "an answer of an oracle on 237 bits",
-        }
-    }
-
-    /// Whether a check is of numbers in which it is planted.
-    pub(super) fn is_in(self, check: &Check) -> bool {
-        let of = |places: &[Quantity]| check.quantity.is_some_and(|quantity| places.contains(&quantity));
-        check.compared > 0
-            && match self {
-                Self::WrongEntry | Self::WrongSign => of(&Self::FIRST),
-                Self::WrongFriction => of(&[Quantity::FrictionTangent]),
-                Self::LostAnswer => matches!(check.against, Against::Oracle(oracle) if oracle.is_wide()),
-            }
-    }
-
-    /// First derivatives and slopes.
-    const FIRST: [Quantity; 3] =
-        [Quantity::FirstDerivatives, Quantity::FrictionGradient, Quantity::BehaviorTangent];
-
-    /// By what a derivative is multiplied.
-    const fn factor(self) -> Option<f64> {
-        match self {
-            Self::WrongEntry => Some(1.0 + 1e-6),
-            Self::WrongSign => Some(-1.0),
-            Self::WrongFriction | Self::LostAnswer => None,
-        }
-    }
-
-    /// The numbers with the fault in them.
-    fn spoil(self, numbers: &mut Numbers<f64>) {
-        let Some(factor) = self.factor() else { return };
-        let mut rows = numbers.entries(Quantity::FirstDerivatives).clone();
-        let row = rows.0.iter_mut().flatten().next();
-        if let Some(entry) = row.and_then(|row| row.iter_mut().max_by(|x, y| x.abs().total_cmp(&y.abs()))) {
-            *entry *= factor;
-        }
-        numbers.set(Quantity::FirstDerivatives, rows);
-    }
-
-    /// The slopes of friction with the fault in them.
-    pub(super) fn spoil_friction(self, slopes: &mut [Vec<f64>]) {
-        let all = slopes.iter_mut().take(6).flatten();
-        let largest = all.max_by(|x, y| x.abs().total_cmp(&y.abs()));
-        if let Some(entry) = largest.filter(|_| self == Self::WrongFriction) {
-            *entry *= 1.0 + 1e-6;
-        }
-    }
-
-    /// The same of a sheet.
-    pub(super) fn spoil_sheet(self, sheet: &mut Sheet) {
-        if let Some(factor) = self.factor()
-            && Self::FIRST.contains(&sheet.quantity)
-            && let Some(entry) = sheet.entries.iter_mut().max_by(|x, y| x.got.abs().total_cmp(&y.got.abs()))
-        {
-            entry.got *= factor;
-        }
-    }
-
-    /// The answer with the fault in it.
-    fn blind(self, answer: &mut Answer) {
-        if self == Self::LostAnswer {
-            answer.numbers.0.iter_mut().flatten().filter(|row| row.len() > 1).for_each(|row| _ = row.pop());
-        }
-    }
 }
 
 impl Default for Settings {
@@ -237,8 +151,12 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let regular = settings.states.max(regions.len());
     let mut wide = spread(regions.len(), settings.wide_states - near_wide);
     wide.extend(spread(near, near_wide).into_iter().map(|i| regular + i));
-    let count = regular + near;
+    let golden = if settings.oracles.contains(&Oracle::Jax) { states_of(connection) } else { 0 };
+    let count = regular + near + golden;
     let mut checks = gather((0..count).into_par_iter().map(|i| {
+        if let Some(place) = i.checked_sub(regular + near) {
+            return audit_golden(connection, place, settings);
+        }
         let draw = &mut Draw::new(&format!("{} {} {i}", settings.seed, connection.name));
         let drawn = match regions.get(i) {
             Some(case) => Some(case.clone()),
@@ -250,6 +168,7 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let frictions = friction_cases(connection, settings, settings.wide_states);
     let found: Vec<Vec<Check>> = frictions.par_iter().map(|case| case.audit(settings)).collect();
     found.into_iter().for_each(|found| checks_of(&mut checks, found));
+    checks_of(&mut checks, friction::audit_golden(connection, settings));
     for law in [Invariant::Start, Invariant::Turns, Invariant::FreeAxis] {
         let demands = invariant::of_type(connection, law);
         if !demands.is_empty() {
@@ -298,6 +217,7 @@ fn finding(demand: &invariant::Demand, units: f64, got: f64) -> Finding {
         tolerance: demand.allowed,
         units,
         one_sided: None,
+        lack: None,
     }
 }
 
@@ -327,6 +247,26 @@ pub(super) fn checks_of(found: &mut Vec<Check>, checks: Vec<Check>) {
 /// How often, among the states on doubles only, mutants and laws are tried.
 pub(super) const SOMETIMES: usize = 20;
 
+/// What the source gives on 237 bits where triads are rotations to the last of these, and what differences say there; computed where a
+/// number is wrong by little.
+pub(super) struct AtRotations<'a> {
+    case: &'a Case,
+    answers: OnceCell<Option<WideAnswers>>,
+}
+
+impl<'a> AtRotations<'a> {
+    pub(super) const fn new(case: &'a Case) -> Self {
+        Self { case, answers: OnceCell::new() }
+    }
+
+    pub(super) fn exact(&self, quantity: Quantity) -> Option<Exact<'_>> {
+        let of_case = || Truth::of_rotations(self.case).as_ref().map(WideAnswers::of);
+        let answers = self.answers.get_or_init(of_case).as_ref()?;
+        let (product, truth) = (answers.dual.entries(quantity), answers.differences.entries(quantity));
+        Some(Exact { product, truth })
+    }
+}
+
 /// All checks of one case.
 pub fn audit_case(case: &Case, settings: &Settings, wide: bool, index: usize) -> Vec<Check> {
     let (Some(mut numbers), Some(narrow)) = (product(case), Narrow::of(case)) else { return Vec::new() };
@@ -353,7 +293,9 @@ fn judge_numbers(
     let answers = truth.as_ref().map(WideAnswers::of);
     let nearness = truth.as_ref().map_or_else(|| narrow.nearness(), Truth::nearness);
     // Of a component on its singular set there are no differences to trust; any other is judged as everywhere.
-    let of_components = narrow.nearness_of_components();
+    let of_components =
+        truth.as_ref().map_or_else(|| narrow.nearness_of_components(), Truth::nearness_of_components);
+    let locked = truth.as_ref().map_or_else(Locked::default, Truth::locked);
     let is_smooth = of_components.map(|near| near > 0.0);
     let trusted = answers.as_ref().map_or_else(|| numbers.clone(), |answers| answers.trusted(&is_smooth));
     let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
@@ -373,14 +315,9 @@ fn judge_numbers(
         made.retain(|mutant| mutant.changes.iter().all(|(k, ..)| is_smooth[*k]));
         made
     };
-    let sides = truth.as_ref().filter(|_| nearness == 0.0).map(|truth| truth.sides(&bound));
-    let at_rotations: OnceCell<Option<WideAnswers>> = OnceCell::new();
-    let exact = |quantity: Quantity| {
-        let of_case = || Truth::of_rotations(case).as_ref().map(WideAnswers::of);
-        let answers = at_rotations.get_or_init(of_case).as_ref()?;
-        let (product, truth) = (answers.dual.entries(quantity), answers.differences.entries(quantity));
-        Some(Exact { product, truth })
-    };
+    let sides = truth.as_ref().filter(|_| nearness == 0.0).map(|truth| truth.sides());
+    let rotations = AtRotations::new(case);
+    let exact = |quantity: Quantity| rotations.exact(quantity);
     // 196 second derivatives take about as long as all that is done on doubles besides.
     let often = wide || index.is_multiple_of(SOMETIMES);
     let nested = (often && asked(Oracle::NestedDual)).then(|| narrow.nested_dual());
@@ -392,6 +329,7 @@ fn judge_numbers(
             exact: Some(&exact).filter(|_| answers.is_some()).map(|exact| exact as _),
             nearness: of_components,
             sides: sides.as_ref(),
+            locked,
         };
         for oracle in Oracle::ALL.into_iter().filter(|oracle| oracle.answers(quantity) && asked(*oracle)) {
             let answer = match oracle {
@@ -506,18 +444,17 @@ fn taylor(
     for remainder in remainders(truth, rows, bound, &v, nearness) {
         compared += 1;
         off[remainder.component] = Some((remainder.off, remainder.allowed));
-        let error = remainder.off.abs();
-        let units = if error == 0.0 { 0.0 } else { error / remainder.allowed };
-        if is_worse((units, remainder.allowed), worst.as_ref()) {
-            let order = remainder.order.map_or("linear to rounding".into(), |p| format!("order {p:.2}"));
+        let (units, [largest, allowed]) = (remainder.units(), remainder.largest);
+        if is_worse((units, allowed), worst.as_ref()) {
             worst = Some(Finding {
-                entry: format!("∂{}·v, {order}", crate::catalog::COMPONENT[remainder.component]),
+                entry: format!("∂{}·v, {}", crate::catalog::COMPONENT[remainder.component], remainder.told()),
                 at: None,
-                got: error,
+                got: largest,
                 want: 0.0,
-                tolerance: remainder.allowed,
-                units: if units.is_nan() { f64::INFINITY } else { units },
+                tolerance: allowed,
+                units,
                 one_sided: None,
+                lack: None,
             });
         }
     }
@@ -571,6 +508,7 @@ fn hyper_dual(
                 tolerance: allowed,
                 units,
                 one_sided: None,
+                lack: None,
             });
         }
     }

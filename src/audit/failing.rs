@@ -6,6 +6,7 @@ use super::certificate::{certificate, certificate_of_mpc};
 use super::counterexample::{CounterExample, ReplayError};
 use super::engine::{Settings, audit_case};
 use super::friction::{BeltCase, FrictionCase};
+use super::golden::audit_at;
 use super::mpc::MpcCase;
 use super::outcome::{Check, Expected, Report, Subject};
 use super::recorded::Recorded;
@@ -31,7 +32,11 @@ impl Failing {
     /// All checks of it, on 237 bits too; with mutants where it `proves`.
     pub(super) fn checks(&self, settings: &Settings, proves: bool) -> Vec<Check> {
         match self {
-            Self::Connector(case) => audit_case(case, settings, true, 0),
+            Self::Connector(case) => {
+                let mut checks = audit_case(case, settings, true, 0);
+                checks.extend(audit_at(case, settings));
+                checks
+            }
             Self::Mpc(case) => case.audit(settings, proves),
             Self::Friction(case) => case.judged(settings, true, proves),
             Self::Belt(case) => case.judged(settings, true, proves),

@@ -1,6 +1,6 @@
 //! Who else can say what a number must be, and what each shares with the product.
 
-use super::bound::{Bound, U};
+use super::bound::{Bound, C, U};
 use super::case::{Case, dof_size, moved};
 use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::Truth;
@@ -48,11 +48,13 @@ pub enum Oracle {
     WideSymbolic,
     /// The same on doubles.
     Symbolic,
+    /// What JAX computed by formulas of its own in another language, at states of its own.
+    Jax,
 }
 
 impl Oracle {
     /// Every oracle, the sharpest first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::WideDifferences,
         Self::WideSymbolic,
         Self::WideDual,
@@ -62,6 +64,7 @@ impl Oracle {
         Self::NestedDual,
         Self::Symbolic,
         Self::Differences,
+        Self::Jax,
     ];
 
     /// The name, as the command line has it.
@@ -76,6 +79,7 @@ impl Oracle {
             Self::Differences => "differences",
             Self::WideSymbolic => "wide-symbolic",
             Self::Symbolic => "symbolic",
+            Self::Jax => "jax",
         }
     }
 
@@ -95,6 +99,7 @@ impl Oracle {
             Self::Differences => "central differences on doubles, with an estimate of their error",
             Self::WideSymbolic => "derivatives of the traced formulas, on 237-bit numbers",
             Self::Symbolic => "derivatives of the traced formulas, on doubles",
+            Self::Jax => "formulas and differentiation of another language, at states of its own",
         }
     }
 
@@ -105,8 +110,9 @@ impl Oracle {
             Self::WideDual => (false, true),
             Self::NodalDual | Self::HyperDual | Self::NestedDual => (true, true),
             Self::Differences | Self::Symbolic => (true, false),
+            Self::Jax => (false, false),
         };
-        Shares { kinematics: true, elementary, mechanism }
+        Shares { kinematics: !matches!(self, Self::Jax), elementary, mechanism }
     }
 
     /// Whether it works on 237-bit numbers, which takes a thousand times as long.
@@ -120,7 +126,7 @@ impl Oracle {
         !shares.mechanism && !shares.elementary
     }
 
-    /// Whether it can answer for a quantity, entry by entry.
+    /// Whether it can answer for a quantity at any state, entry by entry.
     pub const fn answers(self, quantity: Quantity) -> bool {
         match self {
             Self::WideDifferences | Self::WideDual => true,
@@ -128,7 +134,7 @@ impl Oracle {
             Self::WideSymbolic | Self::Symbolic | Self::NestedDual => {
                 matches!(quantity, Quantity::FirstDerivatives | Quantity::SecondDerivatives)
             }
-            Self::Taylor | Self::HyperDual => false,
+            Self::Taylor | Self::HyperDual | Self::Jax => false,
         }
     }
 }
@@ -316,6 +322,11 @@ impl Narrow {
         self.connector.nodal_second(&self.state, &self.branch, v, w)
     }
 
+    /// Whether the angles of each component are so close to a lock that rounding decides them.
+    pub(super) fn locks(&self) -> [bool; 6] {
+        super::truth::locks(&self.connector, &self.state.pair)
+    }
+
     /// min(1, distance to the nearest singular set, in radians and lengths of the connector).
     pub fn nearness(&self) -> f64 {
         self.nearness_of_components().into_iter().fold(1.0, f64::min)
@@ -412,20 +423,75 @@ pub fn central_differences(
 }
 
 /// The order at which the remainder f(q + hv) − f(q) − h ∂f·v vanishes, for a row that is to be judged.
+///
+/// It must be 2 or more: the remainder over h may be what rounding of the row allows, and besides h times the sum of the magnitudes of
+/// the second derivatives along v. What is larger at some step falls more slowly than that, or jumps between two steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Remainder {
     /// The component (0-based).
     pub component: usize,
-    /// The estimated order; `None` where the remainder is below the noise throughout, as for a linear function.
+    /// The estimated order, from the two finest steps that stand clear of the noise, or from the step at which the remainder is too
+    /// large and the one before; `None` where it is below the noise throughout, as for a linear function.
     pub order: Option<f64>,
     /// The remainder over h at the finest step, which is the error of ∂f·v: what it must be less what it is.
     pub off: f64,
     /// What rounding of the row alone allows it to be.
     pub allowed: f64,
+    /// The remainder over h at the step where it is largest in units of what is allowed there, and what that is.
+    pub largest: [f64; 2],
+}
+
+impl Remainder {
+    /// How large it is at the worst step in units of what is allowed there; infinite where it is not a number.
+    pub fn units(&self) -> f64 {
+        let [found, allowed] = self.largest;
+        let units = if found == 0.0 { 0.0 } else { found / allowed };
+        if units.is_nan() { f64::INFINITY } else { units }
+    }
+
+    /// In words.
+    pub fn told(&self) -> String {
+        self.order.map_or("linear to rounding".into(), |order| format!("order {order:.2}"))
+    }
+}
+
+/// From the values of a component after steps along a direction: `over_h` is the remainder over the step at each.
+///
+/// `allowed` is what rounding of the row makes of it, C u times its conditioned scale, in which the second derivatives along the
+/// direction are contained.
+pub fn remainder_of(component: usize, over_h: &[(f64, f64)], allowed: f64) -> Remainder {
+    /// Above ½, to leave room for what bends the second derivatives between two steps.
+    const ROOM: f64 = 10.0;
+    let smooth = |h: f64| allowed + ROOM * h * allowed / (C * U);
+    let units = |&(h, r): &(f64, f64)| if r == 0.0 { 0.0 } else { r.abs() / smooth(h) };
+    let exceeds = |x: f64, y: f64| x > y || x.is_nan();
+    let mut worst = 0;
+    for (n, found) in over_h.iter().enumerate() {
+        let most = over_h.get(worst).map_or(0.0, units);
+        if exceeds(units(found), most) {
+            worst = n;
+        }
+    }
+    // The order, from steps whose remainder stands clear of what rounding of the row allows.
+    let is_clear = |n: &usize| over_h.get(*n).is_some_and(|(_, r)| r.abs() > 10.0 * allowed);
+    let between = |from: usize, to: usize| {
+        let [(h, r), (finer, rest)] = [*over_h.get(from)?, *over_h.get(to)?];
+        Some(1.0 + (r.abs().ln() - rest.abs().ln()) / (h.ln() - finer.ln()))
+    };
+    let clear: Vec<usize> = (0..over_h.len()).filter(is_clear).collect();
+    let is_too_large = over_h.get(worst).is_some_and(|found| units(found) > 1.0);
+    let order = match clear.as_slice() {
+        _ if is_too_large && is_clear(&worst) => between(worst.saturating_sub(1), worst.max(1)),
+        [.., from, to] => between(*from, *to),
+        _ => None,
+    };
+    let off = over_h.last().map_or(f64::NAN, |(_, r)| *r);
+    let largest = over_h.get(worst).map_or([f64::NAN; 2], |(h, r)| [r.abs(), smooth(*h)]);
+    Remainder { component, order, off, allowed, largest }
 }
 
 /// Taylor's test of a row: 237-bit values along a direction v, on a ladder of steps. Where the row is right the remainder over
-/// h falls like h until the rounding of the row itself shows, which is the error reported. A component on a singular set, of
+/// h falls like h until the rounding of the row itself shows, which is the error reported; that it falls so is judged at every step. A component on a singular set, of
 /// `nearness` 0, has no row to be tested.
 pub fn remainders(
     truth: &Truth,
@@ -448,24 +514,14 @@ pub fn remainders(
             .fold(Wide::from_f64(0.0), |sum, (r, v)| sum + Wide::from_f64(*r) * Wide::from_f64(*v));
         let allowed: f64 =
             (0..DOFS).map(|j| bound.tolerance(Quantity::FirstDerivatives, k, j) * v[j].abs()).sum();
-        let over_h: Vec<f64> = steps
+        let over_h: Vec<(f64, f64)> = steps
             .iter()
             .zip(&moved)
-            .filter_map(|(h, moved)| Some((((moved[k]? - still) / Wide::from_f64(*h)) - slope).to_f64()))
+            .filter_map(|(h, moved)| {
+                Some((*h, (((moved[k]? - still) / Wide::from_f64(*h)) - slope).to_f64()))
+            })
             .collect();
-        // The order, from the steps whose remainder stands clear of what rounding of the row allows.
-        let clear: Vec<(f64, f64)> = steps
-            .iter()
-            .zip(&over_h)
-            .filter(|(_, r)| r.abs() > 10.0 * allowed && **r != 0.0)
-            .map(|(h, r)| (h.ln(), r.abs().ln()))
-            .collect();
-        let order = match clear.as_slice() {
-            [first, .., last] => Some(1.0 + (first.1 - last.1) / (first.0 - last.0)),
-            _ => None,
-        };
-        let off = over_h.last().copied().unwrap_or(f64::NAN);
-        found.push(Remainder { component: k, order, off, allowed });
+        found.push(remainder_of(k, &over_h, allowed));
     }
     found
 }

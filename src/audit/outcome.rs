@@ -110,6 +110,7 @@ impl Check {
             tolerance: 0.0,
             units: f64::INFINITY,
             one_sided: None,
+            lack: None,
         };
         self.add(
             Judgement { verdict: Verdict::Wrong, worst: Some(worst), compared: 1 },
@@ -243,8 +244,11 @@ pub struct Subject {
     pub checks: Vec<Check>,
     /// What was proven of its formulas and its declaration.
     pub certificate: Option<Certificate>,
-    /// Numbers of which no state tells whether a mistake would have been noticed: all are zero whatever the formula, as rates are
-    /// where nothing moves.
+    /// Numbers that no independent oracle judged, for which the claim on derivatives is undecided.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub without_witness: Vec<Quantity>,
+    /// Numbers of which no state tells whether a mistake would have been noticed: nobody who was asked compares them, or all are zero
+    /// whatever the formula, as rates are where nothing moves.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub not_exercised: Vec<Quantity>,
     /// Laws that speak of such a connector, and were not asked: for want of a degree of freedom, or of a state where they hold.
@@ -253,7 +257,7 @@ pub struct Subject {
     /// The verdict on its derivatives: the severest of the checks, undecided where a number that it has was not compared with that of
     /// an independent oracle.
     pub derivative: Verdict,
-    /// The verdict on its formulas.
+    /// The verdict on its formulas: that of JAX at its own states, where it was asked, else that of its certificate.
     pub formula: Verdict,
     /// The verdict on its declaration.
     pub declaration: Verdict,
@@ -283,31 +287,41 @@ impl Subject {
             checks.iter().any(|check| check.against == Against::Law(*law) && check.compared > 0)
         };
         let laws_not_asked = expected.laws.iter().copied().filter(|law| !is_asked(law)).collect();
-        let witnessed = !judged.is_empty()
-            && judged.iter().all(|quantity| {
-                checks.iter().any(|check| {
-                    check.quantity == Some(*quantity)
-                        && check.compared > 0
-                        && matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
-                })
-            });
-        let of = |wanted: fn(Against) -> bool| {
-            let chosen = checks.iter().filter(|check| wanted(check.against));
-            chosen.map(|check| check.verdict).max().unwrap_or(Verdict::Pass)
+        let is_jax = |check: &Check| check.against == Against::Oracle(Oracle::Jax);
+        let has_witness = |quantity: Quantity, is_one: &dyn Fn(&Check) -> bool| {
+            let mut of_it =
+                checks.iter().filter(|check| check.quantity == Some(quantity) && check.compared > 0);
+            of_it.any(|check| {
+                is_one(check) && matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
+            })
         };
-        let is_declared = |against| matches!(against, Against::Law(Invariant::Sparsity));
-        let derivative = of(|against| !matches!(against, Against::Law(Invariant::Sparsity)));
-        let declaration = of(is_declared);
+        let without_witness: Vec<Quantity> =
+            judged.iter().copied().filter(|quantity| !has_witness(*quantity, &|_| true)).collect();
+        let witnessed = !judged.is_empty() && without_witness.is_empty();
+        let of = |wanted: &dyn Fn(&Check) -> bool| {
+            let chosen = checks.iter().filter(|check| wanted(check));
+            chosen.map(|check| check.verdict).max()
+        };
+        let is_declared = |check: &Check| check.against == Against::Law(Invariant::Sparsity);
+        // JAX has formulas of its own: what it says of numbers whose derivatives somebody else has judged is about formulas.
+        let is_of_formula = |check: &Check| {
+            is_jax(check)
+                && check.quantity.is_some_and(|quantity| has_witness(quantity, &|other| !is_jax(other)))
+        };
+        let derivative = of(&|check| !is_declared(check) && !is_of_formula(check)).unwrap_or(Verdict::Pass);
+        let declaration = of(&is_declared).unwrap_or(Verdict::Pass);
+        let by_jax = of(&|check| is_jax(check) && check.compared > 0);
         let proven = |is: bool| if is { Verdict::Pass } else { Verdict::Undecided };
         let has = |is: fn(&Certificate) -> bool| certificate.as_ref().is_some_and(is);
         Self {
             name,
             scene: None,
             cases,
+            without_witness,
             not_exercised,
             laws_not_asked,
             derivative: if witnessed { derivative } else { derivative.max(Verdict::Undecided) },
-            formula: proven(has(|c| c.jax_states > 0)),
+            formula: by_jax.unwrap_or_else(|| proven(has(|c| c.jax_states > 0))),
             declaration: declaration.max(proven(has(Certificate::is_declaration_read))),
             checks,
             certificate,
@@ -495,5 +509,36 @@ impl Report {
     /// Entries compared in all.
     pub fn compared(&self) -> u64 {
         self.subjects.iter().flat_map(|subject| &subject.checks).map(|check| check.compared).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judged(quantity: Quantity, oracle: Oracle, verdict: Verdict) -> Check {
+        let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
+        check.add_at(Judgement { verdict, worst: None, compared: 1 }, Score::default(), "a state", None);
+        check
+    }
+
+    /// What JAX says is about the formula where others say that the derivative is that of the function; alone it is about both.
+    #[test]
+    fn claims_are_told_apart() {
+        let rows = Quantity::FirstDerivatives;
+        let claims = |checks: Vec<Check>| {
+            let expected = Expected::numbers(&[rows]);
+            let subject = Subject::new("it".to_string(), None, 1, checks, &expected);
+            (subject.derivative, subject.formula, subject.without_witness)
+        };
+        let wrong = || judged(rows, Oracle::Jax, Verdict::Wrong);
+        let right = || judged(rows, Oracle::WideDifferences, Verdict::Pass);
+        assert_eq!(claims(vec![right(), wrong()]), (Verdict::Pass, Verdict::Wrong, vec![]));
+        assert_eq!(claims(vec![wrong()]), (Verdict::Wrong, Verdict::Wrong, vec![]));
+        assert_eq!(claims(vec![right()]), (Verdict::Pass, Verdict::Undecided, vec![]));
+        // What shares the mechanism or the functions is no other witness.
+        let dual = judged(rows, Oracle::WideDual, Verdict::Pass);
+        assert_eq!(claims(vec![dual.clone(), wrong()]), (Verdict::Wrong, Verdict::Wrong, vec![]));
+        assert_eq!(claims(vec![dual]), (Verdict::Undecided, Verdict::Undecided, vec![rows]));
     }
 }

@@ -9,7 +9,7 @@ use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sides::Sides;
-use super::verdict::{COARSE, Finding, Judgement, SIGNIFICANT, Score, Verdict, Wanted, units};
+use super::verdict::{COARSE, Finding, HIGHER, Judgement, SIGNIFICANT, Score, Verdict, Wanted, units};
 use crate::scalar::Wide;
 
 /// One number.
@@ -29,12 +29,14 @@ pub struct Entry {
     pub error: f64,
     /// On a kink: the derivatives from below and from above.
     pub sides: Option<Sides>,
+    /// Whether it is formed of derivatives that do not exist on a singular set, as second ones are.
+    pub is_open: bool,
 }
 
 impl Entry {
     /// A number that has a reference without an error of its own.
     pub const fn new(name: String, got: f64, want: Wide, scale: f64, class: (usize, usize, usize)) -> Self {
-        Self { name, got, want, scale, class, error: 0.0, sides: None }
+        Self { name, got, want, scale, class, error: 0.0, sides: None, is_open: false }
     }
 
     /// C u times the conditioned scale, and the error of the reference.
@@ -106,33 +108,39 @@ impl Sheet {
         self.entries.get(row * self.width() + column).map_or(0.0, |entry| entry.want.to_f64())
     }
 
-    const fn is_of_second_order(&self) -> bool {
-        matches!(self.quantity, Quantity::SecondDerivatives | Quantity::Acceleration)
-    }
-
     fn tolerance(&self, i: usize) -> f64 {
         self.entries.get(i).map_or(0.0, Entry::tolerance)
     }
 
-    /// Judges every number; `nearness` is 0 on a singular set.
-    pub fn judge(&self, nearness: f64) -> Judgement {
+    /// Judges every number, each by itself: the severest verdict is that of all.
+    pub fn judge(&self) -> Judgement {
         let mut worst: Option<Finding> = None;
         let largest = self.entries.iter().fold(0.0_f64, |most, entry| most.max(entry.got.abs()));
         let mut coarse = false;
-        let mut kink: Option<Finding> = None;
+        // The entry without a derivative that is told: a singular point before a kink.
+        let mut open: Option<(Verdict, Finding)> = None;
         for (i, entry) in self.entries.iter().enumerate() {
             let Entry { name, got, scale, sides, .. } = entry;
             let (tolerance, want) = (self.tolerance(i), entry.target(*got));
             let units = units(*got, want, tolerance);
             coarse |= self.quantity != Quantity::Value && largest > 0.0 && C * U * scale > COARSE * largest;
-            let one_sided = sides.map(|sides| sides.to_f64());
+            let one_sided = sides.and_then(|sides| sides.to_f64());
+            let lack = sides.and_then(|sides| sides.lack());
             let found = || {
                 let (entry, want) = (name.clone(), want.to_f64());
-                Finding { entry, at: None, got: *got, want, tolerance, units, one_sided }
+                Finding { entry, at: None, got: *got, want, tolerance, units, one_sided, lack }
             };
+            // Values exist on a singular set, and first derivatives and rates from each side; second ones may not.
+            if entry.is_open && units > 1.0 && got.is_finite() {
+                if open.as_ref().is_none_or(|(known, _)| Verdict::Singular > *known) {
+                    open = Some((Verdict::Singular, Finding { lack: Some(HIGHER), ..found() }));
+                }
+                continue;
+            }
             let is_worse = worst.as_ref().is_none_or(|worst| units > worst.units || !got.is_finite());
-            if kink.is_none() && sides.is_some() {
-                kink = Some(found());
+            let verdict = if lack.is_some() { Verdict::Singular } else { Verdict::Kink };
+            if sides.is_some() && open.as_ref().is_none_or(|(known, _)| verdict > *known) {
+                open = Some((verdict, found()));
             }
             if is_worse {
                 worst = Some(found());
@@ -141,13 +149,12 @@ impl Sheet {
                 return Judgement { verdict: Verdict::Invalid, worst, compared: self.entries.len() };
             }
         }
-        if let (Some(kink), Some(true)) = (kink, worst.as_ref().map(|worst| worst.units <= 1.0)) {
-            return Judgement { verdict: Verdict::Kink, worst: Some(kink), compared: self.entries.len() };
+        let is_right = worst.as_ref().is_none_or(|worst| worst.units <= 1.0);
+        if let Some((verdict, open)) = open.filter(|_| is_right) {
+            return Judgement { verdict, worst: Some(open), compared: self.entries.len() };
         }
         let verdict = match &worst {
             None => Verdict::Undecided,
-            // Values exist on a kink, and first derivatives and rates from each side; second ones may not.
-            Some(worst) if worst.units > 1.0 && nearness == 0.0 && self.is_of_second_order() => Verdict::Kink,
             Some(worst) if worst.units > 1.0 => Verdict::Wrong,
             Some(_) if coarse => Verdict::IllConditioned,
             Some(_) => Verdict::Pass,
@@ -185,7 +192,7 @@ impl Sheet {
             check.add_undecided(why, state);
             return check;
         }
-        let judgement = self.judge(nearness);
+        let judgement = self.judge();
         // A check that speaks has proved that it can; mutants are made of right numbers.
         let proves = proves && nearness > 0.0 && !judgement.verdict.is_mismatch();
         let score = if proves { self.try_mistakes(&self.all_mistakes()) } else { Score::default() };

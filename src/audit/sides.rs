@@ -12,12 +12,14 @@ pub struct Sides {
     pub quotients: [Wide; 2],
     /// Whether they are derivatives: those of a jump, or of a root, grow without end as the step shrinks.
     pub exist: [bool; 2],
+    /// Whether the state is off a singular set by rounding alone, where derivatives at fine steps are not those beyond.
+    pub is_beside: bool,
 }
 
 impl Sides {
     /// Two quotients that are derivatives.
     pub const fn known(quotients: [Wide; 2]) -> Self {
-        Self { quotients, exist: [true; 2] }
+        Self { quotients, exist: [true; 2], is_beside: false }
     }
 
     /// From difference quotients from below and above: at half a fine step, at that step, and at a coarse one, far above the rounding of
@@ -32,10 +34,11 @@ impl Sides {
         };
         let mut exist = [0, 1].map(|side| agree(side, &fine));
         let is_one = exist == [true; 2] && agree(0, &[half[1]; 2]);
-        if is_one && !(agree(0, &coarse) && agree(1, &coarse)) {
+        let is_beside = is_one && !(agree(0, &coarse) && agree(1, &coarse));
+        if is_beside {
             exist = [false; 2];
         }
-        Self { quotients: half, exist }
+        Self { quotients: half, exist, is_beside }
     }
 
     /// The coarse step, in sizes of a degree of freedom.
@@ -88,9 +91,29 @@ impl Sides {
         }
     }
 
-    /// The quotients as doubles.
-    pub fn to_f64(&self) -> [f64; 2] {
-        self.quotients.map(|side| side.to_f64())
+    /// Why there are not two derivatives, one from each side; `None` where there are.
+    pub const fn lack(&self) -> Option<&'static str> {
+        match self.exist {
+            [true, true] => None,
+            [true, false] => Some(
+                "a derivative from below only: from above, difference quotients do not settle as steps shrink",
+            ),
+            [false, true] => Some(
+                "a derivative from above only: from below, difference quotients do not settle as steps shrink",
+            ),
+            [false, false] if self.is_beside => Some(
+                "rounding alone holds the state off a singular set: the derivatives there and beyond differ",
+            ),
+            [false, false] => {
+                Some("no derivative from either side: difference quotients do not settle as steps shrink")
+            }
+        }
+    }
+
+    /// The derivatives as doubles, not a number from a side that has none; `None` where neither has.
+    pub fn to_f64(&self) -> Option<[f64; 2]> {
+        let of = |side: usize| if self.exist[side] { self.quotients[side].to_f64() } else { f64::NAN };
+        self.exist.contains(&true).then(|| [of(0), of(1)])
     }
 
     /// The smaller of the derivatives in magnitude, for the scale of rounding; 0 where there is none.
@@ -119,6 +142,7 @@ mod tests {
         let of = |half, fine, coarse, scale| Sides::of([half, fine, coarse].map(wide), scale);
         let kink = of([-1.0, 2.0], [-1.0, 2.0], [-1.0, 2.0], 0.0);
         assert!(kink.differ(1e-9) && kink.exist == [true; 2]);
+        assert_eq!((kink.lack(), kink.to_f64()), (None, Some([-1.0, 2.0])));
         for (got, nearest) in [(-3.0, -1.0), (-1.0, -1.0), (0.5, 0.5), (2.0, 2.0), (2.5, 2.0)] {
             assert_eq!(kink.nearest(got).to_f64(), nearest, "{got}");
         }
@@ -130,10 +154,18 @@ mod tests {
         let jump = of([0.5, 2e25], [0.5, 1e25], [0.5, 1e10], 1.0);
         assert_eq!((jump.exist, jump.differ(1.0), jump.least().to_f64()), ([true, false], true, 0.5));
         assert_eq!([jump.nearest(7.0).to_f64(), jump.nearest(-7.0).to_f64()], [0.5, 0.5]);
+        let [below, above] = jump.to_f64().unwrap_or([0.0; 2]);
+        assert!(
+            below == 0.5
+                && above.is_nan()
+                && jump.lack().is_some_and(|lack| lack.contains("from below only"))
+        );
         let root = of([1.4e12, 1.4e12], [1e12, 1e12], [1e5, 1e5], 1.0);
         assert_eq!((root.exist, root.nearest(7.0).to_f64()), ([false; 2], 7.0));
+        assert!(root.to_f64().is_none() && root.lack().is_some_and(|lack| lack.contains("either side")));
         // Off a kink by rounding: the same derivative on both sides, another one farther below.
         let near = of([1.0, 1.0], [1.0, 1.0], [-1.0, 1.0], 0.0);
         assert_eq!((near.exist, near.nearest(0.0).to_f64()), ([false; 2], 0.0));
+        assert!(near.is_beside && near.lack().is_some_and(|lack| lack.contains("rounding")));
     }
 }

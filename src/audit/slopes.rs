@@ -25,6 +25,9 @@ pub(in crate::audit) struct Slopes<'a> {
     pub(in crate::audit) inputs: Vec<String>,
     /// What an input is measured by, positive.
     pub(in crate::audit) sizes: Vec<f64>,
+    /// As if by how much an input were rounded besides, in units of rounding: what it is combined with may be larger than it is. Nothing
+    /// where it is combined with nothing.
+    pub(in crate::audit) beside: Vec<f64>,
     /// How far an input may go while the function bends little: steps on doubles are parts of it.
     pub(in crate::audit) reach: Vec<f64>,
     /// The rows of the sheet, and what stands in their columns, as sentences name them; a matrix in one row has no columns.
@@ -212,7 +215,7 @@ impl Slopes<'_> {
                 for j in 0..n {
                     let bent = (value(&plus, i, j) - value(&minus, i, j)).abs() / (2.0 * h);
                     if bent.is_finite() {
-                        entries[i][j] += bent * self.sizes[l];
+                        entries[i][j] += bent * (self.sizes[l] + self.beside.get(l).copied().unwrap_or(0.0));
                     }
                 }
             }

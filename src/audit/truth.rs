@@ -5,16 +5,16 @@
 //! accelerations are: h = s·1e-18. s is the size of the degree of freedom, or the distance to the nearest singular set where
 //! that is less. Values alone are differenced: no dual number enters, and no map from relative to nodal degrees of freedom.
 
-use super::bound::Bound;
 use super::case::{Case, dof_size, exact_branch, exact_state, moved};
 use super::quantity::{Entries, Numbers, Quantity, request};
 use super::sides::Sides;
 use crate::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
 };
+use crate::measure::Unit;
 use crate::node::{self, DOFS, Pair};
-use crate::scalar::{Real, Scalar, Wide};
-use crate::vector::{product, sub, transpose};
+use crate::scalar::{Differentiable, Real, Scalar, Wide};
+use crate::vector::{product, sub, transpose, transposed_product};
 use std::sync::OnceLock;
 
 const FIRST_STEP: f64 = 1e-25;
@@ -32,8 +32,38 @@ pub struct Truth {
     nearness: f64,
     /// The same of each component by itself.
     of_components: [f64; 6],
+    /// The components that are at a lock.
+    locked: Locked,
     /// What first derivatives are differenced from, behind and ahead in each degree of freedom.
     places: OnceLock<[[Place; 2]; DOFS]>,
+}
+
+/// The components at a lock of successive angles, where the first of them keeps the value that it had before, and the third takes what
+/// is known of both.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Locked {
+    /// Those whose rows are no gradients: along the lock they have derivatives, across it what rounding makes of them.
+    pub rows: [bool; 6],
+    /// Those of which rounding decides whether they are locked: on 237 bits their values may be others.
+    pub values: [bool; 6],
+}
+
+impl Locked {
+    /// As it is on doubles, and with 237 bits.
+    fn of(narrowly: [bool; 6], exactly: [bool; 6]) -> Self {
+        let all = [0, 1, 2, 3, 4, 5];
+        Self { rows: all.map(|k| narrowly[k] || exactly[k]), values: all.map(|k| narrowly[k] != exactly[k]) }
+    }
+}
+
+/// Whether the angles of each component are so close to a lock that rounding decides them.
+pub(super) fn locks<R: Differentiable<Mask = bool>>(connector: &Connector<R>, pair: &Pair<R>) -> [bool; 6] {
+    let measures = [0, 1, 2, 3, 4, 5].map(|k| connector.position_measure(k));
+    if !measures.iter().flatten().any(|measure| measure.locks()) {
+        return [false; 6];
+    }
+    let q = transposed_product(&pair.a.triad, &pair.b.triad);
+    measures.map(|measure| measure.is_some_and(|measure| measure.is_locked(&q)))
 }
 
 /// A step, and the values after it and before it.
@@ -53,19 +83,27 @@ impl Truth {
         let narrow = case.connector();
         let end = case.last()?;
         let after = narrow.advance(&end.state, &end.increment, &case.branch_before(&narrow));
-        let of_components = super::oracle::Narrow::of(case)?.nearness_of_components();
+        let at_end = super::oracle::Narrow::of(case)?;
+        let mut of_components = at_end.nearness_of_components();
         let mut state = exact_state(&end.state);
         if end.state.pair.separation() == [0.0; 3] {
             // Nodes that coincide on doubles, and not to their last digits: that they coincide is what is meant.
             state.pair.b.displacement = sub(state.pair.a.displacement, state.pair.reference);
         }
+        let connector = Connector::new(&case.definition);
+        let (narrowly, exactly) = (at_end.locks(), locks(&connector, &state.pair));
+        let locked = Locked::of(narrowly, exactly);
+        for (near, locks) in of_components.iter_mut().zip(locked.rows) {
+            *near = if locks { 0.0 } else { *near };
+        }
         Some(Self {
-            connector: Connector::new(&case.definition),
+            connector,
             state,
             branch: exact_branch(&after),
             length: case.length,
             nearness: of_components.into_iter().fold(1.0, f64::min),
             of_components,
+            locked,
             places: OnceLock::new(),
         })
     }
@@ -93,6 +131,16 @@ impl Truth {
     /// min(1, distance to the nearest singular set): 0 on one, where no two-sided derivative exists.
     pub const fn nearness(&self) -> f64 {
         self.nearness
+    }
+
+    /// The same of each component by itself.
+    pub(super) const fn nearness_of_components(&self) -> [f64; 6] {
+        self.of_components
+    }
+
+    /// The components that are at a lock.
+    pub(super) const fn locked(&self) -> Locked {
+        self.locked
     }
 
     fn clear(&self) -> f64 {
@@ -223,7 +271,7 @@ impl Truth {
     }
 
     /// First derivatives from both sides, for states on a singular set.
-    pub fn sides(&self, bound: &Bound) -> Entries<Sides> {
+    pub fn sides(&self) -> Entries<Sides> {
         let still = self.values(&self.at_rest());
         let flat = Sides::known([Wide::zero(); 2]);
         let mut found: Components<Vec<Sides>> =
@@ -235,7 +283,10 @@ impl Truth {
             for (k, entries) in found.iter_mut().enumerate() {
                 let (Some(entries), Some(still)) = (entries, still[k]) else { continue };
                 let of_component = moved.each_ref().map(|both| both.each_ref().map(|values| values[k]));
-                let scale = bound.scale(Quantity::FirstDerivatives, k, j);
+                // As in a bound they would be, second derivatives are no measure here.
+                let unit = self.connector.differentiated(k).map(|measure| measure.unit());
+                let extent = if unit == Some(Unit::Length) { self.length } else { 1.0 };
+                let scale = extent / dof_size(j, self.length);
                 entries[j] = Sides::along(still, &of_component, &steps, scale).unwrap_or(flat);
             }
         }

@@ -1,12 +1,13 @@
 //! Judging numbers against an answer: which entry, by how much, and how small an error would have been seen.
 
-use super::bound::Bound;
+use super::bound::{Bound, C, U};
 use super::conditioned::{Conditioned, NOTICED};
 use super::diagnosis::Cause;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
 use super::quantity::{Entries, Quantity};
 use super::sides::Sides;
+use super::truth::Locked;
 use crate::scalar::Wide;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -21,8 +22,11 @@ pub enum Verdict {
     Pass,
     /// Every entry is as right as the state allows, which is not much: the point is ill-conditioned.
     IllConditioned,
-    /// There is no derivative here, only one-sided ones.
+    /// There is no derivative here, and one from each side, which differ.
     Kink,
+    /// There is no derivative here that could be judged, and not one from each side either: a true singularity, a jump, or second
+    /// derivatives on a kink. [`Finding::lack`] says which.
+    Singular,
     /// No independent oracle could answer.
     Undecided,
     /// The formula is right and loses digits on doubles.
@@ -35,10 +39,11 @@ pub enum Verdict {
 
 impl Verdict {
     /// Every verdict.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Pass,
         Self::IllConditioned,
         Self::Kink,
+        Self::Singular,
         Self::Undecided,
         Self::UnstableFormula,
         Self::Wrong,
@@ -51,6 +56,7 @@ impl Verdict {
             Self::Pass => "pass",
             Self::IllConditioned => "ill-conditioned point",
             Self::Kink => "kink",
+            Self::Singular => "singular point",
             Self::Undecided => "undecided",
             Self::UnstableFormula => "unstable formula",
             Self::Wrong => "wrong",
@@ -89,10 +95,13 @@ pub struct Finding {
     /// |got − want| in units of the tolerance.
     #[schemars(with = "Option<f64>")]
     pub units: f64,
-    /// On a kink: the derivatives from below and from above.
+    /// Where there is no derivative: those from below and from above, not a number from a side that has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<[Option<f64>; 2]>")]
     pub one_sided: Option<[f64; 2]>,
+    /// At a singular point that is no kink: what there is no derivative for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lack: Option<&'static str>,
 }
 
 /// The outcome of one comparison.
@@ -160,9 +169,20 @@ pub struct Surroundings<'a> {
     pub nearness: [f64; 6],
     /// First derivatives from both sides, for states on a singular set.
     pub sides: Option<&'a Entries<Sides>>,
+    /// The components at a lock.
+    pub locked: Locked,
 }
 
 impl<'a> Surroundings<'a> {
+    /// Whether a lock leaves nothing to compare a number with.
+    fn is_locked(&self, quantity: Quantity, k: usize) -> bool {
+        match quantity {
+            Quantity::Value => self.locked.values[k],
+            Quantity::FirstDerivatives => self.locked.rows[k],
+            _ => false,
+        }
+    }
+
     /// On a singular set: the sides of a first derivative that differ by more than rounding. The two-sided difference is their mean
     /// there, which is no derivative, whoever agrees with it.
     fn kink(&self, quantity: Quantity, k: usize, i: usize) -> Option<&'a Sides> {
@@ -223,12 +243,22 @@ pub(super) fn units(got: f64, want: Wide, allowed: f64) -> f64 {
 pub(super) struct Point {
     /// Whether its component, or row, is on a singular set.
     pub(super) is_singular: bool,
-    /// Whether it is a first derivative whose two sides differ there.
-    pub(super) has_two_sides: bool,
+    /// Of a first derivative whose two sides differ there: what one of them lacks, if anything.
+    pub(super) sides: Option<Option<&'static str>>,
 }
 
-/// The verdict on one entry, by itself: `units` is how far it is from what it must be, on a kink from what may stand there, in units
-/// of what is `allowed`.
+/// What is formed of derivatives that do not exist.
+pub(super) const HIGHER: &str = "on a singular set values and one-sided first derivatives exist at most: what is formed of others is judged by nobody";
+
+/// Why an angle has nothing to be compared with.
+const KEPT: &str =
+    "at a lock, to rounding: one angle keeps the value that it had before, and there are no gradients";
+
+/// What angles at a lock may be off besides, for their rows do not tell from what they are formed: two angles of up to π.
+const LOCKED_SCALE: f64 = std::f64::consts::TAU;
+
+/// The verdict on one entry, by itself, and at a singular point what is lacking: `units` is how far it is from what it must be, on a
+/// kink from what may stand there, in units of what is `allowed`.
 ///
 /// A component that is not on a singular set is judged as everywhere, whatever the others of its connector do. On one, a value exists,
 /// and a first derivative from each side; what is formed of other derivatives may not. Nothing is decided where what is allowed, or
@@ -239,19 +269,24 @@ pub(super) fn verdict_of_entry(
     allowed: f64,
     units: f64,
     at: Point,
-) -> Verdict {
+) -> (Verdict, Option<&'static str>) {
     let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
-    if !got.is_finite() {
+    let verdict = if !got.is_finite() {
         Verdict::Invalid
     } else if units <= 1.0 {
-        if at.has_two_sides { Verdict::Kink } else { Verdict::Pass }
+        match at.sides {
+            None => Verdict::Pass,
+            Some(None) => Verdict::Kink,
+            Some(lack) => return (Verdict::Singular, lack),
+        }
     } else if at.is_singular && !(exists && want.is_finite()) {
-        Verdict::Kink
+        return (Verdict::Singular, Some(HIGHER));
     } else if !allowed.is_finite() || !want.is_finite() {
         Verdict::Undecided
     } else {
         Verdict::Wrong
-    }
+    };
+    (verdict, None)
 }
 
 /// Judges the entries of one quantity, each by itself: the severest verdict is that of the quantity.
@@ -270,14 +305,21 @@ pub fn judge(
         let largest = row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         for (i, (x, want)) in row.iter().zip(wanted).enumerate() {
             compared += 1;
-            let allowed = answer.allowed(around.bound, quantity, k, i);
+            let mut allowed = answer.allowed(around.bound, quantity, k, i);
+            if quantity == Quantity::Value && around.locked.rows[k] {
+                allowed += C * U * LOCKED_SCALE;
+            }
             let kink = around.kink(quantity, k, i);
             let want = kink.map_or(*want, |sides| sides.nearest(*x).into());
             let units = want.units(*x, allowed);
             coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
-            let at = Point { is_singular: around.nearness[k] == 0.0, has_two_sides: kink.is_some() };
-            let verdict = verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at);
-            let clearly = kink.filter(|_| verdict == Verdict::Kink).map_or(units, Sides::gap);
+            let at = Point { is_singular: around.nearness[k] == 0.0, sides: kink.map(Sides::lack) };
+            let (verdict, lack) = match verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at) {
+                (Verdict::Wrong, _) if around.is_locked(quantity, k) => (Verdict::Singular, Some(KEPT)),
+                other => other,
+            };
+            let is_open = matches!(verdict, Verdict::Kink | Verdict::Singular);
+            let clearly = kink.filter(|_| is_open).map_or(units, Sides::gap);
             if worst
                 .as_ref()
                 .is_none_or(|(most, least, _)| verdict > *most || verdict == *most && clearly > *least)
@@ -289,7 +331,8 @@ pub fn judge(
                     want: want.to_f64(),
                     tolerance: allowed,
                     units,
-                    one_sided: kink.map(Sides::to_f64),
+                    one_sided: kink.and_then(Sides::to_f64),
+                    lack,
                 };
                 worst = Some((verdict, clearly, finding));
             }

@@ -57,10 +57,38 @@ enum Kind {
 
 /// A law of elasticity or damping, for one connection type.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "Written")]
 pub(super) struct Law {
     kind: Kind,
     driver: Driver,
     available: Mask,
+}
+
+/// A law as a file has it, whose matrix may lack entries.
+#[derive(serde::Deserialize)]
+struct Written {
+    kind: Kind,
+    driver: Driver,
+    available: Mask,
+}
+
+impl TryFrom<Written> for Law {
+    type Error = String;
+
+    fn try_from(Written { kind, driver, available }: Written) -> Result<Self, String> {
+        if let Kind::Coupled { table, symmetric } = &kind {
+            let (found, wanted) = (table.outputs(), entries(!symmetric));
+            if found != wanted {
+                return Err(format!("a coupled law has {found} entries, not {wanted}"));
+            }
+        }
+        Ok(Self { kind, driver, available })
+    }
+}
+
+/// How many entries a coupled law has.
+const fn entries(is_unsymmetric: bool) -> usize {
+    if is_unsymmetric { 36 } else { 21 }
 }
 
 /// A kink of a law: where the slope of a component's force jumps.
@@ -91,7 +119,7 @@ impl Law {
                 Kind::Linear { component: own(*component)?, table }
             }
             scene::Law::Coupled { unsymmetric, rows, .. } => {
-                let outputs = if *unsymmetric { 36 } else { 21 };
+                let outputs = entries(*unsymmetric);
                 let rows = available_entries(rows, outputs, *unsymmetric, available, coefficient)?;
                 let table = Table::new(&rows, outputs, &["the frequency"], extrapolation)?;
                 Kind::Coupled { table, symmetric: !unsymmetric }

@@ -79,11 +79,64 @@ enum Block {
 /// # Ok::<(), pintle::scene::Diagnostic>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "Written")]
 pub struct Table {
     /// The variables, fastest first, and whether more than one value of each is given.
     variables: Vec<(Variable, bool)>,
     root: Block,
     extrapolation: Extrapolation,
+}
+
+/// A table as a file has it, which may be of any shape.
+#[derive(serde::Deserialize)]
+struct Written {
+    variables: Vec<(Variable, bool)>,
+    root: Block,
+    extrapolation: Extrapolation,
+}
+
+impl TryFrom<Written> for Table {
+    type Error = String;
+
+    fn try_from(Written { variables, root, extrapolation }: Written) -> Result<Self, String> {
+        root.outputs(variables.len())?;
+        let mut table = Self { variables, root, extrapolation };
+        for level in 0..table.variables.len() {
+            let varies = table.values_at(level).windows(2).any(|pair| pair[0] != pair[1]);
+            table.variables[level].1 = varies;
+        }
+        Ok(table)
+    }
+}
+
+impl Block {
+    /// How many dependent values each row of a block with the first `levels` variables has.
+    fn outputs(&self, levels: usize) -> Result<usize, String> {
+        match (self, levels.checked_sub(1)) {
+            (Self::Values(values), None) => match values.len() {
+                0 => Err("a row of a table has no dependent value".into()),
+                _ if !values.iter().all(|x| x.is_finite()) => Err("a value of a table is not finite".into()),
+                outputs => Ok(outputs),
+            },
+            (Self::Along { at, blocks }, Some(below)) => {
+                let (rows, values) = (blocks.len(), at.len());
+                if rows == 0 || rows != values {
+                    return Err(format!("a table has {values} values of a variable for {rows} rows"));
+                }
+                if !at.iter().all(|x| x.is_finite()) || !at.windows(2).all(|pair| pair[0] < pair[1]) {
+                    return Err("the values of a variable of a table do not increase".into());
+                }
+                let all: Vec<usize> =
+                    blocks.iter().map(|block| block.outputs(below)).collect::<Result<_, _>>()?;
+                if all.windows(2).any(|pair| pair[0] != pair[1]) {
+                    return Err("rows of a table have different numbers of dependent values".into());
+                }
+                all.first().copied().ok_or_else(|| "a table has no row".into())
+            }
+            (Self::Values(_), Some(_)) => Err("a table has more variables than its rows".into()),
+            (Self::Along { .. }, None) => Err("a table has fewer variables than its rows".into()),
+        }
+    }
 }
 
 /// One row on the way into a table.
@@ -162,6 +215,15 @@ impl Table {
     /// The values of a variable at which rows stand, in increasing order, each once: between two of them the table is affine
     /// in it.
     pub fn rows(&self, variable: Variable) -> Vec<f64> {
+        let level = self.variables.iter().position(|(known, varies)| *varies && *known == variable);
+        let mut found = level.map_or_else(Vec::new, |level| self.values_at(level));
+        found.sort_by(f64::total_cmp);
+        found.dedup();
+        found
+    }
+
+    /// The values of the variable `level` in all blocks.
+    fn values_at(&self, level: usize) -> Vec<f64> {
         fn collect(block: &Block, below: usize, found: &mut Vec<f64>) {
             let Block::Along { at, blocks } = block else { return };
             if below == 0 {
@@ -171,12 +233,13 @@ impl Table {
             }
         }
         let mut found = Vec::new();
-        if let Some(level) = self.variables.iter().position(|(known, varies)| *varies && *known == variable) {
-            collect(&self.root, self.variables.len() - 1 - level, &mut found);
-        }
-        found.sort_by(f64::total_cmp);
-        found.dedup();
+        collect(&self.root, self.variables.len() - 1 - level, &mut found);
         found
+    }
+
+    /// How many dependent values there are.
+    pub(crate) fn outputs(&self) -> usize {
+        self.root.outputs(self.variables.len()).unwrap_or(0)
     }
 
     /// The dependent value `output` (from 0) at the given variables. `argument` is asked for those of [`Table::depends_on`] only.

@@ -26,8 +26,9 @@ about it.
 A type, connector or MPC passes where every number agrees with an independent
 oracle within a tolerance that follows from the conditioning of the state, and
 where mutants of the same numbers were noticed. Other verdicts: ill-conditioned
-point, kink, undecided (no independent oracle), unstable formula, wrong,
-invalid. docs/audit.md tells how it judges.
+point, kink, singular point, undecided (no independent oracle), unstable
+formula, wrong, invalid. docs/audit.md tells how it judges, and what it does
+not: forces under given motion, stops, locks and failure among them.
 
 Of each scene the model is looked at besides: rules, orientations, singular
 points along the states, stops, frictions, duplicates; mobility, redundant
@@ -122,7 +123,8 @@ pub(crate) struct Audit {
     #[arg(long, value_name = "WORD", default_value_t = Settings::default().seed)]
     seed: String,
     /// Only these oracles, separated by commas: wide-differences, wide-symbolic,
-    /// wide-dual, taylor, nodal-dual, hyper-dual, nested-dual, symbolic, differences
+    /// wide-dual, taylor, nodal-dual, hyper-dual, nested-dual, symbolic, differences,
+    /// jax (of the catalogue, at the states at which JAX computed the numbers)
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = oracle)]
     oracles: Vec<Oracle>,
     /// Write a counter-example for every mismatch into this folder, for `pintle replay`

@@ -46,6 +46,11 @@ impl FrictionCase {
         parts(at.0)
     }
 
+    /// P, F_C, F_N and Φ.
+    pub(super) fn part_values(&self) -> [f64; 4] {
+        self.values(&self.point)
+    }
+
     /// The shift of a potential: P is formed from numbers as large as that.
     pub(super) fn shift(&self) -> f64 {
         match &self.friction.criterion.tangential {
@@ -116,6 +121,7 @@ impl FrictionCase {
             class: |_, j| (0, j / 3, 0),
             inputs: inputs(),
             sizes: sizes.to_vec(),
+            beside: Vec::new(),
             reach: reach(&self.point, &sizes),
             kinds: vec![0, 1, 2, 3],
             magnitudes: self.part_magnitudes(&values),
@@ -183,6 +189,7 @@ impl FrictionCase {
             class: |i, j| (0, i % 6 / 3, j / 3),
             inputs: FORCE.map(String::from).to_vec(),
             sizes: sizes.to_vec(),
+            beside: Vec::new(),
             reach: reach(&self.point, &sizes),
             kinds: (0..outputs.len()).collect(),
             outputs,

@@ -65,7 +65,7 @@ pub(super) fn output(k: usize) -> String {
 }
 
 impl FrictionCase {
-    fn input<R: Real>(&self, j: usize, h: R) -> Input<'_, R> {
+    pub(super) fn input<R: Real>(&self, j: usize, h: R) -> Input<'_, R> {
         let all = |x: [f64; 6]| x.map(R::from_f64);
         let mut input = Input {
             displacement: all(self.displacement),
@@ -127,6 +127,27 @@ impl FrictionCase {
         found.to_vec()
     }
 
+    /// The tractions at the end are formed beside the shift of a potential, and rounded as it is: as if each displacement were rounded by
+    /// what makes a traction as large as that. Of a slip that returns from P to a limit L, displacements move the tractions by L/P of
+    /// what stick would make of them.
+    fn beside(&self, outcome: &Outcome<f64>) -> Vec<f64> {
+        let mut found = vec![0.0; INPUTS];
+        let (shift, Some(stiffness)) = (self.shift(), outcome.stick_stiffness) else { return found };
+        let radii = self.friction.radii();
+        let mut trial = self.before.force;
+        for (k, radius) in &radii {
+            trial[*k] += stiffness * radius * radius * self.displacement[*k];
+        }
+        let tangential = self.friction.criterion.at(&trial, 0.0, None, &self.context()).0.tangential;
+        let returned =
+            if outcome.status == Status::Slip { (tangential / outcome.limit).max(1.0) } else { 1.0 };
+        for (k, radius) in radii {
+            let slip = shift * returned / (stiffness * radius);
+            found[k] = if slip.is_finite() { slip } else { 0.0 };
+        }
+        found
+    }
+
     pub(super) fn increment_sheets(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
         let friction = &self.friction;
         let still = self.input(0, 0.0);
@@ -158,6 +179,7 @@ impl FrictionCase {
             class: |i, j| (kind(i), j / 3, 0),
             inputs,
             sizes: sizes.to_vec(),
+            beside: self.beside(&outcome),
             reach: reaches.to_vec(),
             // The forces share what they are returned from: each is as uncertain as the largest of its kind.
             kinds: vec![0, 0, 0, 1, 1, 1, 2, 3, 4],
@@ -226,6 +248,10 @@ impl FrictionCase {
         let mut sheets = Vec::new();
         for oracle in [Oracle::WideDifferences, Oracle::WideDual] {
             if !settings.oracles.contains(&oracle) {
+                continue;
+            }
+            if let Some(why) = Unsolved::of(&outcome.flags) {
+                sheets.push((oracle, Sheet::unanswered(Quantity::FrictionForce, why.reason())));
                 continue;
             }
             let want = if oracle == Oracle::WideDual {

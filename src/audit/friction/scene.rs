@@ -99,7 +99,7 @@ impl Slipping {
         sheet.entries = entries;
         let score = if proves { sheet.try_mistakes(&sheet.all_mistakes()) } else { Score::default() };
         let mut check = Check::new(None, Against::Law(Invariant::Carried));
-        check.add_at(sheet.judge(1.0), score, &self.name, None::<&Case>);
+        check.add_at(sheet.judge(), score, &self.name, None::<&Case>);
         (!sheet.entries.is_empty()).then_some(check)
     }
 }

@@ -305,6 +305,7 @@ impl Total<'_> {
             class: |i, j| (i, j / 3, 0),
             inputs,
             sizes,
+            beside: Vec::new(),
             reach,
             kinds: rows.iter().map(|k| k / 3).collect(),
             magnitudes: rows.iter().map(|k| still[*k].abs()).collect(),

@@ -83,7 +83,7 @@ impl MpcCase {
         if let Some(planted) = settings.planted {
             sheets.iter_mut().for_each(|sheet| planted.spoil_sheet(sheet));
         }
-        let needs = |sheet: &Sheet| proves || sheet.judge(nearness).verdict == Verdict::Wrong;
+        let needs = |sheet: &Sheet| proves || sheet.judge().verdict == Verdict::Wrong;
         if sheets.iter().any(needs) {
             self.add_mistakes(&mut sheets);
         }
@@ -185,6 +185,7 @@ impl MpcCase {
                 (&self.state.velocity, &self.state.acceleration),
                 truth.nearness,
             );
+            let is_open = truth.nearness == 0.0;
             let nan = f64::NAN;
             let numbers: [(Vec<f64>, Vec<Wide>); 5] = [
                 (vec![got.residual[row].unwrap_or(nan)], vec![value]),
@@ -231,6 +232,9 @@ impl MpcCase {
                     };
                     let class = (row / 3, class.0, class.1);
                     let mut entry = Entry::new(name, got, want, scale, class);
+                    let is_second =
+                        matches!(sheet.quantity, Quantity::SecondDerivatives | Quantity::Acceleration);
+                    entry.is_open = is_open && is_second;
                     let of_entry = sides.as_ref().and_then(|(first, rate)| match sheet.quantity {
                         Quantity::FirstDerivatives => first[i][row],
                         Quantity::Rate => rate[row],

@@ -401,7 +401,7 @@ pub fn about_initial(
 }
 
 /// Random rates of the degrees of freedom that there are.
-fn rates(definition: &Definition, length: f64, draw: &mut Draw) -> [f64; DOFS] {
+pub(in crate::audit) fn rates(definition: &Definition, length: f64, draw: &mut Draw) -> [f64; DOFS] {
     let mut rates = draw.rates(length);
     for (j, rate) in rates.iter_mut().enumerate() {
         let in_plane = matches!(j % 7, 0 | 1 | 5 | 6);

@@ -16,6 +16,7 @@ pub struct Derived {
 
 /// One term of a derived component, s · op(α_1 f_1, α_2 f_2 …).
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "WrittenPart")]
 pub struct DerivedPart {
     /// √(Σ x²), Σ x or Σ ⟨x⟩ with ⟨x⟩ = max(x, 0), of x_i = α_i f_i.
     pub operator: Operator,
@@ -27,6 +28,36 @@ pub struct DerivedPart {
     pub scale: Option<Table>,
     /// On what of the independent components α depends, and which they are (from 0).
     pub independent: Option<(Basis, Vec<usize>)>,
+}
+
+/// A term as a file has it, whose factors may be too few.
+#[derive(serde::Deserialize)]
+struct WrittenPart {
+    operator: Operator,
+    sign: f64,
+    components: Vec<usize>,
+    scale: Option<Table>,
+    independent: Option<(Basis, Vec<usize>)>,
+}
+
+impl TryFrom<WrittenPart> for DerivedPart {
+    type Error = String;
+
+    fn try_from(written: WrittenPart) -> Result<Self, String> {
+        let WrittenPart { operator, sign, components, scale, independent } = written;
+        let count = components.len();
+        if count > MOST_CONTRIBUTIONS {
+            return Err(format!(
+                "a derived component takes at most {MOST_CONTRIBUTIONS} components, not {count}"
+            ));
+        }
+        match scale.as_ref().map(Table::outputs) {
+            Some(factors) if factors < count => {
+                Err(format!("a derived component of {count} components has {factors} scale factors"))
+            }
+            _ => Ok(Self { operator, sign, components, scale, independent }),
+        }
+    }
 }
 
 impl Derived {
@@ -140,10 +171,28 @@ pub struct Contribution {
 
 /// A potential: P = (Σ s_i P_i^α_i)^(1/β), or max s_i P_i.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "WrittenPotential")]
 pub struct Potential {
     operator: PotentialOperator,
     exponent: f64,
     contributions: Vec<Contribution>,
+}
+
+/// A potential as a file has it, which may be none.
+#[derive(serde::Deserialize)]
+struct WrittenPotential {
+    operator: PotentialOperator,
+    exponent: f64,
+    contributions: Vec<Contribution>,
+}
+
+impl TryFrom<WrittenPotential> for Potential {
+    type Error = PotentialError;
+
+    fn try_from(written: WrittenPotential) -> Result<Self, PotentialError> {
+        let WrittenPotential { operator, exponent, contributions } = written;
+        Self::new(operator, exponent, contributions)
+    }
 }
 
 /// Why there is no such potential.

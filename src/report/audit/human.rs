@@ -2,7 +2,8 @@
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
 use super::summary::{
-    LEGEND, Outcome, Row, detectable, headline, outcome, self_test as tested, symbols, telling, undecided,
+    LEGEND, Outcome, Row, detectable, headline, outcome, self_test as tested, sides, symbols, telling,
+    undecided,
 };
 use crate::audit::{Against, Approach, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
@@ -145,7 +146,11 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     let of = check.quantity.map_or_else(String::new, |quantity| format!("{} against ", quantity.name()));
     let states: Vec<String> =
         check.states.iter().map(|(verdict, n)| format!("{} {n}", verdict.name())).collect();
-    writeln!(out, "  {of}{}: {} ({})", check.against.name(), word(check.verdict), states.join(", "))?;
+    let seen = match (check.score.detectable_median, check.score.detectable) {
+        (Some(median), Some(worst)) => format!("; δ seen {median:.0e}, at worst {worst:.0e}"),
+        _ => String::new(),
+    };
+    writeln!(out, "  {of}{}: {} ({}){seen}", check.against.name(), word(check.verdict), states.join(", "))?;
     for why in undecided(check) {
         for line in wrap(&why, width.saturating_sub(4)) {
             writeln!(out, "    {line}")?;
@@ -160,8 +165,10 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     for line in wrap(&text, width.saturating_sub(4)) {
         writeln!(out, "    {line}")?;
     }
-    if let Some([below, above]) = worst.one_sided {
-        writeln!(out, "    from below {below:.10e}, from above {above:.10e}")?;
+    for text in sides(check) {
+        for line in wrap(&text, width.saturating_sub(4)) {
+            writeln!(out, "    {line}")?;
+        }
     }
     for (sentence, code) in check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines()) {
         for line in wrap(&format!("{sentence} [{code}]"), width.saturating_sub(4)) {

@@ -1,7 +1,7 @@
 //! JUnit XML: a suite per connector, a case per check; a suite per model, a case per finding.
 
 use super::model::{gap, place, word};
-use super::summary::{laws_not_asked, not_exercised, undecided};
+use super::summary::{laws_not_asked, not_exercised, sides, undecided, without_witness};
 use crate::audit::assembly::Assembly;
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Verdict};
@@ -22,7 +22,14 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     for subject in &report.subjects {
         let mut suite = TestSuite::new(subject.title());
         for check in &subject.checks {
-            suite.add_test_case(TestCase::new(title(check), status(check, strict)));
+            let mut test = TestCase::new(title(check), status(check, strict));
+            let told: Vec<String> = sides(check).collect();
+            if let (false, Some(worst)) = (told.is_empty(), &check.worst) {
+                let state = check.worst_state.as_deref().unwrap_or("");
+                let verdict = check.verdict.name();
+                test.set_system_out(format!("{verdict}: {} at {state}: {}", worst.entry, told.join("; ")));
+            }
+            suite.add_test_case(test);
         }
         let claims = [
             ("derivative", subject.derivative),
@@ -32,7 +39,7 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         for (claim, verdict) in claims {
             suite.add_test_case(TestCase::new(format!("claim: {claim}"), plain(verdict, strict)));
         }
-        if let Some(text) = not_exercised(subject) {
+        for text in without_witness(subject).into_iter().chain(not_exercised(subject)) {
             suite.add_test_case(TestCase::new(text, open(strict)));
         }
         if let Some(text) = laws_not_asked(subject) {
@@ -166,7 +173,9 @@ fn status(check: &Check, strict: bool) -> TestCaseStatus {
 
 fn plain(verdict: Verdict, strict: bool) -> TestCaseStatus {
     match verdict {
-        Verdict::Pass | Verdict::IllConditioned | Verdict::Kink => TestCaseStatus::success(),
+        Verdict::Pass | Verdict::IllConditioned | Verdict::Kink | Verdict::Singular => {
+            TestCaseStatus::success()
+        }
         Verdict::Undecided => open(strict),
         Verdict::UnstableFormula | Verdict::Wrong | Verdict::Invalid => {
             let mut failure = TestCaseStatus::non_success(NonSuccessKind::Failure);

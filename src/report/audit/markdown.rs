@@ -1,7 +1,8 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
 use super::summary::{
-    LEGEND, Outcome, Row, detectable, headline, left_out, outcome, self_test, symbols, telling, undecided,
+    LEGEND, Outcome, Row, detectable, headline, left_out, outcome, self_test, sides, symbols, telling,
+    undecided,
 };
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Subject};
@@ -162,6 +163,10 @@ fn item(subject: &Subject, check: &Check) -> String {
             worst.units,
             escaped(state)
         );
+    }
+    let told: Vec<String> = sides(check).collect();
+    if let (false, Some(worst)) = (told.is_empty(), &check.worst) {
+        line += &format!("; {}: {}", escaped(&worst.entry), escaped(&told.join("; ")));
     }
     for why in undecided(check) {
         line += &format!("; {}", escaped(&why));

@@ -70,7 +70,7 @@ pub(super) fn telling(subject: &Subject) -> impl Iterator<Item = &Check> {
     subject.checks.iter().filter(|check| check.verdict > Verdict::IllConditioned || check.score.survived > 0)
 }
 
-/// What was left out of the audit of which subjects: numbers that no state exercises, laws that were not asked.
+/// What was left out of the audit of which subjects: numbers without a witness, or that no state exercises, laws that were not asked.
 pub(super) fn left_out(report: &Report) -> BTreeMap<String, Vec<&str>> {
     let mut found: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for subject in &report.subjects {
@@ -83,23 +83,49 @@ pub(super) fn left_out(report: &Report) -> BTreeMap<String, Vec<&str>> {
 
 /// The same of one subject.
 fn left_out_of(subject: &Subject) -> impl Iterator<Item = String> {
-    not_exercised(subject).into_iter().chain(laws_not_asked(subject))
+    without_witness(subject).into_iter().chain(not_exercised(subject)).chain(laws_not_asked(subject))
 }
 
-fn with_list(why: &str, list: &[&str]) -> Option<String> {
+fn with_list<'a>(why: &str, list: impl Iterator<Item = &'a str>) -> Option<String> {
+    let list: Vec<&str> = list.collect();
     (!list.is_empty()).then(|| format!("{why}: {}", list.join(", ")))
 }
 
-/// The numbers of a subject that no state exercises.
+/// The numbers of a subject that no independent oracle judged.
+pub(super) fn without_witness(subject: &Subject) -> Option<String> {
+    let names = subject.without_witness.iter().map(|quantity| quantity.name());
+    with_list("undecided, for no independent oracle of those asked judged them", names)
+}
+
+/// The numbers of a subject that no state exercises, or nobody who was asked compares.
 pub(super) fn not_exercised(subject: &Subject) -> Option<String> {
-    let quantities: Vec<&str> = subject.not_exercised.iter().map(|quantity| quantity.name()).collect();
-    with_list("not exercised, for they are zero at every state whatever the formula", &quantities)
+    let is_compared = |quantity: &Quantity| {
+        subject.checks.iter().any(|check| check.quantity == Some(*quantity) && check.compared > 0)
+    };
+    let of = |compared: bool| {
+        let those = subject.not_exercised.iter().filter(move |quantity| is_compared(quantity) == compared);
+        those.map(|quantity| quantity.name())
+    };
+    let nobody = with_list("not exercised, for none of the oracles asked compares them", of(false));
+    let why = "not exercised, for no mistake counts at these states, as of what is zero whatever the formula";
+    let zero = with_list(why, of(true));
+    let both: Vec<String> = nobody.into_iter().chain(zero).collect();
+    (!both.is_empty()).then(|| both.join("; "))
 }
 
 /// The laws that a subject was not asked.
 pub(super) fn laws_not_asked(subject: &Subject) -> Option<String> {
-    let laws: Vec<&str> = subject.laws_not_asked.iter().map(|law| law.name()).collect();
-    with_list("laws not asked, for want of degrees of freedom or of states where they hold", &laws)
+    let names = subject.laws_not_asked.iter().map(|law| law.name());
+    with_list("laws not asked, for want of degrees of freedom or of states where they hold", names)
+}
+
+/// What there is in place of a derivative where there is none: those from both sides, and why one of them is missing.
+pub(super) fn sides(check: &Check) -> impl Iterator<Item = String> {
+    let side = |x: f64| if x.is_nan() { "none".to_string() } else { format!("{x:.10e}") };
+    let worst = check.worst.as_ref();
+    let both = worst.and_then(|worst| worst.one_sided);
+    let both = both.map(|[below, above]| format!("from below {}, from above {}", side(below), side(above)));
+    both.into_iter().chain(worst.and_then(|worst| worst.lack).map(String::from))
 }
 
 /// Why states of a check are undecided, a sentence for each reason; and from which stage on one is invalid.

@@ -186,6 +186,7 @@ struct PageTemplate {
     symbols: Vec<&'static str>,
     rows: Vec<VerdictRow>,
     undecided: Vec<String>,
+    left_out: Vec<String>,
     cards: Vec<Card>,
     omitted: String,
     steps: Vec<StepCard>,
@@ -242,6 +243,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         symbols: symbols().into(),
         rows: report.subjects.iter().map(verdict_row).collect(),
         undecided: undecided(report),
+        left_out: left_out(report),
         cards: cards(supplement),
         omitted: omitted(report, supplement),
         steps: step_cards(supplement),
@@ -364,11 +366,7 @@ fn problem(subject: &Subject, check: &Check) -> Problem {
             numbers += &format!(", at {state}");
         }
     }
-    let one_sided = check.worst.as_ref().and_then(|worst| worst.one_sided);
-    let mut more: Vec<String> = one_sided
-        .iter()
-        .map(|[below, above]| format!("From below {below:e}, from above {above:e}."))
-        .collect();
+    let mut more: Vec<String> = summary::sides(check).map(|text| sentence(&text)).collect();
     more.extend(summary::undecided(check));
     more.extend(
         check.score.survivors.iter().map(|(mistake, entry)| format!("Survived: {mistake} ({entry}).")),
@@ -565,11 +563,13 @@ fn step_cards(supplement: &Supplement<'_>) -> Vec<StepCard> {
 pub(super) fn approach(found: &Approach, place: Place) -> String {
     let curve = |name, colour, of: fn(&crate::audit::atlas::Rung) -> f64| Curve {
         name,
+        is_main: false,
         colour,
         points: found.rungs.iter().map(|rung| [rung.distance, of(rung)]).collect(),
     };
     let plot = LogPlot {
         title: &format!("{} {}: {}", found.connection, found.component, found.at),
+        heading: Vec::new(),
         x_name: "distance to the singular set",
         y_name: "roundings; size",
         curves: vec![
@@ -680,6 +680,12 @@ fn kinds(report: &Report) -> Vec<KindRow> {
         }
     };
     summary::by_mistake(report).into_iter().map(row).collect()
+}
+
+/// Numbers without a witness, those that no state exercises, and laws that were not asked, with the connectors: once for each list.
+fn left_out(report: &Report) -> Vec<String> {
+    let of = |(text, subjects): (String, Vec<&str>)| format!("{}: {text}.", subjects.join(", "));
+    summary::left_out(report).into_iter().map(of).collect()
 }
 
 fn survivors(report: &Report) -> Vec<String> {

@@ -1,0 +1,176 @@
+//! States of a given connector beside its singular points: for somebody's own routine, which has one definition and no history.
+
+use super::beside::{Site, sites};
+use super::case::{Case, Step, turn};
+use super::sample::{Draw, about_1, about_3, rates};
+use crate::connector::Definition;
+use crate::measure::Measure;
+use crate::node::Pair;
+use crate::scalar::elementary::norm;
+use crate::vector::{
+    Matrix, Vector, apply, apply_transposed, product, scale, sub, transpose, transposed_product,
+};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// How often a point and a direction are drawn.
+const ATTEMPTS: usize = 40;
+
+/// Whether a definition has singular points that [`near_initial`] can lead to.
+pub(super) fn has_sites(definition: &Definition) -> bool {
+    sites(&definition.connection).iter().any(|(_, site)| leads_to(definition, site))
+}
+
+/// A state 1e-1 to 1e-12 away from a singular point of a connector, removable ones among them, from either side, any direction; the
+/// nodes that can have turned and moved besides. `None` where the degrees of freedom lead to none.
+pub(super) fn near_initial(
+    definition: &Definition,
+    length: f64,
+    name: &str,
+    draw: &mut Draw,
+) -> Option<Case> {
+    let sites: Vec<Site> = sites(&definition.connection)
+        .into_iter()
+        .map(|(_, site)| site)
+        .filter(|site| leads_to(definition, site))
+        .collect();
+    if sites.is_empty() {
+        return None;
+    }
+    for _ in 0..ATTEMPTS {
+        let site = sites.get(draw.below(sites.len()))?;
+        let distance = 10.0_f64.powf(-draw.between(1.0, 12.0));
+        let Some(after) = beside(definition, site, distance, length, draw) else { continue };
+        let mut step = Step::between(&definition.initial, after);
+        step.state.velocity = rates(definition, length, draw);
+        step.state.acceleration = rates(definition, length, draw);
+        let name = format!("{name}, {distance:.1e} from {}", site.at);
+        return Some(Case { name, definition: definition.clone(), start: None, path: vec![step], length });
+    }
+    None
+}
+
+/// Whether the nodes can be brought there, and what they give does not depend on how they came.
+fn leads_to(definition: &Definition, site: &Site) -> bool {
+    let turns = (0..2).any(|end| definition.moves[end] && definition.rotates[end]);
+    match site.measure {
+        Measure::Distance => definition.moves != [false; 2],
+        Measure::RadialDistance => definition.moves != [false; 2] && !definition.planar,
+        Measure::Strain => definition.moves[1],
+        // Whole turns, and which of two half turns it is, are a matter of history.
+        Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => {
+            site.is_at_rest() && turns && !definition.planar
+        }
+        _ => turns && !definition.planar,
+    }
+}
+
+/// The pair there.
+fn beside(
+    definition: &Definition,
+    site: &Site,
+    distance: f64,
+    length: f64,
+    draw: &mut Draw,
+) -> Option<Pair<f64>> {
+    let initial = &definition.initial;
+    let can_turn = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
+    let in_plane = |v: Vector<f64>| if definition.planar { [v[0], v[1], 0.0] } else { v };
+    let about = |draw: &mut Draw, most: f64| {
+        let spin = scale(draw.direction(), draw.between(0.0, most));
+        turn(if definition.planar { [0.0, 0.0, spin[2]] } else { spin })
+    };
+    let q0 = transposed_product(&initial.a.triad, &initial.b.triad);
+    let is_length = matches!(site.measure, Measure::Distance | Measure::RadialDistance | Measure::Strain);
+    let q = if is_length { None } else { Some(relative(site, &q0, distance, draw)?) };
+    let mut after = *initial;
+    match (q, can_turn) {
+        (Some(q), [true, true]) => {
+            after.a.triad = product(&about(draw, 3.0), &initial.a.triad);
+            after.b.triad = product(&after.a.triad, &q);
+        }
+        (Some(q), [false, true]) => after.b.triad = product(&initial.a.triad, &q),
+        (Some(q), [true, false]) => after.a.triad = product(&initial.b.triad, &transpose(&q)),
+        (Some(_), [false, false]) => return None,
+        (None, turns) => {
+            let common = about(draw, 3.0);
+            for (node, turns) in [&mut after.a, &mut after.b].into_iter().zip(turns) {
+                if turns {
+                    node.triad = product(&common, &node.triad);
+                }
+            }
+        }
+    }
+    let a = &after.a.triad;
+    let separation = match site.measure {
+        Measure::Distance => {
+            let direction = in_plane(draw.direction());
+            scale(direction, distance * length / norm(direction))
+        }
+        Measure::RadialDistance => {
+            let angle = draw.between(-PI, PI);
+            let [x, y] = [angle.cos(), angle.sin()].map(|part| part * distance * length);
+            let along = apply_transposed(&initial.a.triad, initial.reference)[2];
+            apply(a, [x, y, if along == 0.0 { length } else { along }])
+        }
+        _ => {
+            let by = scale(in_plane(draw.direction()), draw.between(0.0, 0.5) * length);
+            let carried = apply(a, apply_transposed(&initial.a.triad, initial.separation()));
+            [0, 1, 2].map(|i| carried[i] + by[i])
+        }
+    };
+    let relative = sub(separation, initial.reference);
+    match definition.moves {
+        [true, true] => {
+            after.a.displacement = scale(in_plane(draw.direction()), draw.between(0.0, 0.5) * length);
+            after.b.displacement = [0, 1, 2].map(|i| after.a.displacement[i] + relative[i]);
+        }
+        [false, true] => after.b.displacement = [0, 1, 2].map(|i| after.a.displacement[i] + relative[i]),
+        [true, false] => after.a.displacement = [0, 1, 2].map(|i| after.b.displacement[i] - relative[i]),
+        [false, false] => {}
+    }
+    if site.measure == Measure::Strain {
+        // The material that is left: l₀ + Ψ_a − Ψ_b.
+        after.b.flow = norm(initial.reference) + after.a.flow - distance * length;
+    }
+    Some(after)
+}
+
+/// Q beside the point, its other angles within half a radian of those of the initial Q₀.
+fn relative(site: &Site, q0: &Matrix<f64>, distance: f64, draw: &mut Draw) -> Option<Matrix<f64>> {
+    let about_2 = |angle: f64| turn([0.0, angle, 0.0]);
+    let between = |first: &Matrix<f64>, middle: &Matrix<f64>, last: &Matrix<f64>| {
+        product(&product(first, middle), last)
+    };
+    // Away from ±π, where a principal value jumps.
+    let mut beside = |angle: f64| {
+        let by = draw.between(0.05, 0.5);
+        if angle > 0.0 { angle - by } else { angle + by }
+    };
+    let of_shafts = [q0[1][2].atan2(q0[0][2]), q0[2][1].atan2(-q0[2][0])];
+    Some(match site.measure {
+        Measure::Cardan(_) => {
+            let [alpha, gamma] = [(-q0[1][2]).atan2(q0[2][2]), (-q0[0][1]).atan2(q0[0][0])].map(&mut beside);
+            let sign = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
+            between(&about_1(alpha), &about_2(sign * (FRAC_PI_2 - distance)), &about_3(gamma))
+        }
+        Measure::Euler(_) => {
+            let [alpha, gamma] = [q0[0][2].atan2(-q0[1][2]), q0[2][0].atan2(q0[2][1])].map(&mut beside);
+            between(&about_3(alpha), &about_1(distance), &about_3(gamma))
+        }
+        Measure::Flexion | Measure::Sweep => {
+            let [sweep, rest] = of_shafts.map(&mut beside);
+            between(&about_3(sweep), &about_2(distance), &about_3(rest))
+        }
+        Measure::Torsion | Measure::ComponentFlexion(_) | Measure::ProjectedPosition(_) => {
+            let [sweep, rest] = of_shafts.map(&mut beside);
+            let flexion = if site.is_at_rest() { distance } else { site.angle() - distance };
+            between(&about_3(sweep), &about_2(flexion), &about_3(rest))
+        }
+        Measure::Misalignment(_) => {
+            let spin = if site.is_at_rest() { distance } else { site.angle() - distance };
+            product(&turn(scale(draw.direction(), spin)), q0)
+        }
+        Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => turn(scale(draw.direction(), distance)),
+        _ => return None,
+    })
+}

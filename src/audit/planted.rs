@@ -1,0 +1,94 @@
+//! Faults planted on purpose, which an audit must tell of.
+
+use super::oracle::Answer;
+use super::outcome::{Against, Check};
+use super::quantity::{Numbers, Quantity};
+use super::sheet::Sheet;
+use serde::Serialize;
+
+/// A fault planted on purpose: whoever doubts that the audit can fail sees it fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Planted {
+    /// The largest first derivative of the first component of a connector, of a constraint, of a friction's forces, or the largest slope
+    /// of a behaviour is multiplied by 1 + 1e-6.
+    WrongEntry,
+    /// The same derivative has the wrong sign: a mutant that changes it once more is right.
+    WrongSign,
+    /// The largest slope of a friction force is multiplied by 1 + 1e-6.
+    WrongFriction,
+    /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
+    LostAnswer,
+}
+
+impl Planted {
+    /// Where it is planted, in words.
+    pub const fn place(self) -> &'static str {
+        match self {
+            Self::WrongEntry | Self::WrongSign => "a derivative or a slope of a behaviour",
+            Self::WrongFriction => "a slope of a friction force",
+            Self::LostAnswer => "an answer of an oracle on 237 bits",
+        }
+    }
+
+    /// Whether a check is of numbers in which it is planted.
+    pub(super) fn is_in(self, check: &Check) -> bool {
+        let of = |places: &[Quantity]| check.quantity.is_some_and(|quantity| places.contains(&quantity));
+        check.compared > 0
+            && match self {
+                Self::WrongEntry | Self::WrongSign => of(&Self::FIRST),
+                Self::WrongFriction => of(&[Quantity::FrictionTangent]),
+                Self::LostAnswer => matches!(check.against, Against::Oracle(oracle) if oracle.is_wide()),
+            }
+    }
+
+    /// First derivatives and slopes.
+    const FIRST: [Quantity; 3] =
+        [Quantity::FirstDerivatives, Quantity::FrictionGradient, Quantity::BehaviorTangent];
+
+    /// By what a derivative is multiplied.
+    const fn factor(self) -> Option<f64> {
+        match self {
+            Self::WrongEntry => Some(1.0 + 1e-6),
+            Self::WrongSign => Some(-1.0),
+            Self::WrongFriction | Self::LostAnswer => None,
+        }
+    }
+
+    /// The numbers with the fault in them.
+    pub(super) fn spoil(self, numbers: &mut Numbers<f64>) {
+        let Some(factor) = self.factor() else { return };
+        let mut rows = numbers.entries(Quantity::FirstDerivatives).clone();
+        let row = rows.0.iter_mut().flatten().next();
+        if let Some(entry) = row.and_then(|row| row.iter_mut().max_by(|x, y| x.abs().total_cmp(&y.abs()))) {
+            *entry *= factor;
+        }
+        numbers.set(Quantity::FirstDerivatives, rows);
+    }
+
+    /// The slopes of friction with the fault in them.
+    pub(super) fn spoil_friction(self, slopes: &mut [Vec<f64>]) {
+        let all = slopes.iter_mut().take(6).flatten();
+        let largest = all.max_by(|x, y| x.abs().total_cmp(&y.abs()));
+        if let Some(entry) = largest.filter(|_| self == Self::WrongFriction) {
+            *entry *= 1.0 + 1e-6;
+        }
+    }
+
+    /// The same of a sheet.
+    pub(super) fn spoil_sheet(self, sheet: &mut Sheet) {
+        if let Some(factor) = self.factor()
+            && Self::FIRST.contains(&sheet.quantity)
+            && let Some(entry) = sheet.entries.iter_mut().max_by(|x, y| x.got.abs().total_cmp(&y.got.abs()))
+        {
+            entry.got *= factor;
+        }
+    }
+
+    /// The answer with the fault in it.
+    pub(super) fn blind(self, answer: &mut Answer) {
+        if self == Self::LostAnswer {
+            answer.numbers.0.iter_mut().flatten().filter(|row| row.len() > 1).for_each(|row| _ = row.pop());
+        }
+    }
+}
