@@ -182,13 +182,13 @@ fn a_link_of_coincident_nodes_has_two_sides() {
     ] {
         let mut given = sheet.clone();
         given.entries[0].got = got;
-        assert_eq!(given.check(0.0, false, "", None).verdict, verdict, "{got}");
+        assert_eq!(given.check(false, "", None).verdict, verdict, "{got}");
     }
     // An entry that has a derivative is judged by it.
     let mut given = sheet.clone();
     let smooth = given.entries.iter_mut().find(|entry| entry.sides.is_none()).unwrap();
     smooth.got += 1e-9;
-    assert_eq!(given.check(0.0, false, "", None).verdict, Verdict::Wrong);
+    assert_eq!(given.check(false, "", None).verdict, Verdict::Wrong);
 }
 
 /// At half a turn of violation the angles jump: the derivative of the side that the state is on is the one that counts.
