@@ -13,7 +13,9 @@
 //! assert_eq!(phi.map(|p| p.eps), [1.0, 2.0, 3.0]);
 //! ```
 
-use crate::scalar::elementary::{atan2, atan2_opposite, direction, inverse_sqrt, norm, recip, sin_cos, sqrt};
+use crate::scalar::elementary::{
+    atan2, atan2_opposite, direction, inverse_sqrt, norm, norm_and_direction, recip,
+};
 use crate::scalar::{MAX_ORDER, Real, Scalar, Series, unrolled};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
 
@@ -619,23 +621,27 @@ pub fn component_flexions<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>, tur
 ///
 /// e3 = (e3a + e3b)/|e3a + e3b|; e1, e2 lie at half the torsion β, of which `turns` are whole. Symmetric in a and b; singular at
 /// α = π (connection type PROJECTION FLEXION-TORSION; decision D-17).
+///
+/// With the quaternion (w, x, y, z), c = |(w, z)| = cos α/2 and (ξ, η) = (x w − y z, y w + x z)/c = sin α/2 (q·e1a, q·e2a):
+///
+/// ```text
+///       ⎡ w + ξx/(1 + c)   ξy/(1 + c) − z    η ⎤
+/// ±     ⎢ z + ηx/(1 + c)   w + ηy/(1 + c)   −ξ ⎥   (the sign of whole turns for e1 and e2 alone)
+///       ⎣       −y                x          c ⎦
+/// ```
+///
+/// Derivatives of order 1/c come from the direction (w, z)/c alone, so that what stays finite up to α = π keeps its digits.
 #[inline(always)]
 pub fn mid_frame<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>, turns: S::Real) -> Matrix<S> {
     let [w, x, y, z] = half_torsion(r, spin);
-    let half = S::Real::ratio(1, 2);
-    let (sine, cosine) = sin_cos(atan2(z, w).scale(half)); // of β/4
-    let cos_quarter_flexion = sqrt((S::one() + norm([w, z])).scale(half));
-    let shrink = recip(cos_quarter_flexion).scale(half); // sin(α/4)/sin(α/2)
+    let (cosine, [along, across]) = norm_and_direction([w, z]);
+    let (xi, eta) = (x * along - y * across, y * along + x * across);
+    let shrink = recip(S::one() + cosine);
+    let (x_shrunk, y_shrunk) = (x * shrink, y * shrink);
     let sign = sign_after(turns);
-    let [r1, r2, r3] = matrix([
-        cos_quarter_flexion * cosine,
-        (x * cosine - y * sine) * shrink,
-        (y * cosine + x * sine) * shrink,
-        cos_quarter_flexion * sine,
-    ]);
     [
-        [r1[0].scale(sign), r1[1].scale(sign), r1[2]],
-        [r2[0].scale(sign), r2[1].scale(sign), r2[2]],
-        [r3[0].scale(sign), r3[1].scale(sign), r3[2]],
+        [(w + xi * x_shrunk).scale(sign), (xi * y_shrunk - z).scale(sign), eta],
+        [(z + eta * x_shrunk).scale(sign), (w + eta * y_shrunk).scale(sign), S::zero() - xi],
+        [(S::zero() - y).scale(sign), x.scale(sign), cosine],
     ]
 }

@@ -570,6 +570,31 @@ fn motions_at_a_flat_state_are_named() {
     }
 }
 
+/// OP=NEW without data lines removes all of its kind: the boundary conditions, the connector motions, or both.
+#[test]
+fn what_a_step_removes_no_longer_holds() {
+    const MOTION: &str = "*CONNECTOR MOTION, OP=NEW\n";
+    const BOUNDARY: &str = "*BOUNDARY, OP=NEW\n";
+    for (removed, expected) in [
+        (format!("{MOTION}{BOUNDARY}"), (0, Some(7))),
+        (MOTION.to_owned(), (6, Some(1))),
+        (BOUNDARY.to_owned(), (0, Some(6))),
+    ] {
+        let mut deck = Deck::default();
+        let pin = deck.hinge([0.0; 3], Z);
+        deck.more = format!(
+            "*STEP\n*STATIC\n*BOUNDARY\n{}, 1, 6\n*CONNECTOR MOTION\n101, 4\n*END STEP\n*STEP\n*STATIC\n{removed}*END STEP\n",
+            pin[0]
+        );
+        let scene = Scene::parse("removed.inp", &deck.text()).unwrap();
+        let model = Model::compile(&scene).unwrap();
+        let steps = analyse_steps(&scene, &model, &[]).unwrap();
+        let found: Vec<_> =
+            steps.iter().map(|one| (one.step, (one.held, one.positions[0].mobility))).collect();
+        assert_eq!(found, [(1, (6, Some(0))), (2, expected)], "{removed}");
+    }
+}
+
 /// What a later step holds is not what the first does: a hinge whose node is held in step 2, against its constraints and about its axis.
 #[test]
 fn later_steps_have_their_own_conditions() {

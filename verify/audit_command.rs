@@ -88,6 +88,52 @@ fn counter_examples_are_written_and_replayed() {
     }
 }
 
+/// Values that make no state are refused with their place: of them nothing can be said to be wrong.
+#[test]
+fn counter_examples_of_no_state_are_refused() {
+    let folder = folder("counter-examples-of-no-state");
+    let path = folder.to_str().unwrap();
+    pintle(&brief(&["--plant", "wrong-entry", "--counter-examples", path])).assert().code(1);
+    let file = fs::read_dir(&folder).unwrap().next().unwrap().unwrap().path();
+    let whole: Value = serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
+    let stretched = serde_json::json!([
+        ["0x1p+1", "0x0p+0", "0x0p+0"],
+        ["0x0p+0", "0x1p+0", "0x0p+0"],
+        ["0x0p+0", "0x0p+0", "0x1p+0"]
+    ]);
+    let mirrored = serde_json::json!([
+        ["0x1p+0", "0x0p+0", "0x0p+0"],
+        ["0x0p+0", "0x1p+0", "0x0p+0"],
+        ["0x0p+0", "0x0p+0", "-0x1p+0"]
+    ]);
+    let changes = [
+        ("/connector/length", "0x0p+0".into(), "connector.length is 0"),
+        ("/connector/length", "nan".into(), "connector.length is NaN"),
+        ("/connector/length", "inf".into(), "connector.length is inf"),
+        ("/connector/length", "-0x1p+0".into(), "connector.length is -1"),
+        ("/connector/types", serde_json::json!(["AXIAL", "CARDAN", "CARDAN"]), "types has 3 values"),
+        ("/connector/flow_scale", "nan".into(), "connector.flow_scale has the value NaN"),
+        ("/connector/references/0", "inf".into(), "connector.references has the value inf"),
+        ("/connector/stops/0", serde_json::json!(["0x1p+1", "0x1p+0"]), "connector.stops[0] is 2 to 1"),
+        (
+            "/connector/initial/triad/1",
+            stretched.clone(),
+            "connector.initial.triad of b is no right-handed rotation",
+        ),
+        ("/path/0/pair/triad/0", mirrored, "path[0].pair.triad of a is no right-handed rotation"),
+        ("/path/0/pair/triad/0", stretched, "path[0].pair.triad of a is no right-handed rotation"),
+        ("/path/0/pair/flow/0", "inf".into(), "path[0].pair.flow has the value inf"),
+        ("/path/0/velocity/3", "nan".into(), "path[0] has the value NaN"),
+    ];
+    for (place, value, told) in changes {
+        let mut changed = whole.clone();
+        *changed.pointer_mut(place).unwrap() = value;
+        fs::write(&file, changed.to_string()).unwrap();
+        let refused = pintle(&["replay", file.to_str().unwrap()]).assert().code(6);
+        assert!(stderr(&refused).contains(told), "{place}: {}", stderr(&refused));
+    }
+}
+
 /// Connectors of two scenes that have one name have files of their own, each with its own state, and none is overwritten.
 #[test]
 fn counter_examples_of_two_scenes_have_their_own_files() {

@@ -17,6 +17,7 @@ mod golden;
 mod grid;
 mod identity;
 mod margins;
+mod midway;
 mod orders;
 mod truth;
 mod turns;

@@ -143,8 +143,13 @@ pub enum ReplayError {
     #[error("its values: {0}")]
     Values(String),
     /// A number that is infinite or not a number.
-    #[error("a value is not finite")]
-    NotFinite,
+    #[error("{place} has the value {value}, which is not finite")]
+    NotFinite {
+        /// Where.
+        place: String,
+        /// Infinite, or not a number.
+        value: f64,
+    },
 }
 
 fn hex(v: Vector<f64>) -> HexVector {
@@ -171,6 +176,27 @@ impl PairValues {
             triad: [hex_matrix(&pair.a.triad), hex_matrix(&pair.b.triad)],
             flow: [Hex(pair.a.flow), Hex(pair.b.flow)],
         }
+    }
+
+    /// Refuses what is not finite, and triads that are no rotations.
+    fn check(&self, place: &str) -> Result<(), ReplayError> {
+        /// So far may the products of a triad's directions be from those of a rotation.
+        const SLACK: f64 = 1e-8;
+        finite(&format!("{place}.reference"), self.reference)?;
+        finite(&format!("{place}.displacement"), self.displacement.into_iter().flatten())?;
+        finite(&format!("{place}.flow"), self.flow)?;
+        for (end, triad) in ["a", "b"].iter().zip(&self.triad) {
+            finite(&format!("{place}.triad of {end}"), triad.iter().flatten().copied())?;
+            let [x, y, z] = crate::vector::transpose(&plain_matrix(triad));
+            let third = crate::vector::cross(x, y);
+            let products = [(x, x, 1.0), (y, y, 1.0), (x, y, 0.0), (third, z, 1.0), (z, z, 1.0)];
+            if products.iter().any(|(v, w, wanted)| (crate::vector::dot(*v, *w) - wanted).abs() > SLACK) {
+                return Err(ReplayError::Values(format!(
+                    "{place}.triad of {end} is no right-handed rotation"
+                )));
+            }
+        }
+        Ok(())
     }
 
     fn pair(&self) -> Pair<f64> {
@@ -270,10 +296,11 @@ impl ConnectorValues {
     }
 
     fn definition(&self) -> Result<Definition, ReplayError> {
-        let [first, rest @ ..] = self.types.as_slice() else {
-            return Err(ReplayError::Count { what: "types", found: 0, wanted: 1 });
+        let connection = match self.types.as_slice() {
+            [one] => ConnectionType::named(one, None)?,
+            [translational, rotational] => ConnectionType::named(translational, Some(rotational))?,
+            others => return Err(ReplayError::Count { what: "types", found: others.len(), wanted: 1 }),
         };
-        let connection = ConnectionType::named(first, rest.first().map(String::as_str))?;
         Ok(Definition {
             flow_scale: self.flow_scale.0,
             fixed_direction: plain(self.fixed_direction),
@@ -332,7 +359,8 @@ impl CounterExample {
     /// The case, bit for bit.
     ///
     /// # Errors
-    /// Another schema, an unknown type, a wrong number of values, a value that is not finite.
+    /// Another schema, an unknown type, a wrong number of values, values that make no state: a number that is not finite, a triad
+    /// that is no rotation, a length that is not positive, stops that leave nothing between them.
     pub fn case(&self) -> Result<Case, ReplayError> {
         if self.schema != SCHEMA {
             return Err(ReplayError::Schema(self.schema.clone()));
@@ -343,18 +371,53 @@ impl CounterExample {
             return Err(ReplayError::Count { what: "path", found: 0, wanted: 1 });
         }
         let start = self.start.as_ref().map(BranchValues::branch).transpose()?;
-        let finite = |pair: &Pair<f64>| {
-            let nodes = [&pair.a, &pair.b];
-            pair.reference.iter().all(|x| x.is_finite())
-                && nodes.iter().all(|node| {
-                    node.displacement.iter().chain(node.triad.as_flattened()).all(|x| x.is_finite())
-                        && node.flow.is_finite()
-                })
-        };
-        if !finite(&definition.initial) || !path.iter().all(|step| finite(&step.state.pair)) {
-            return Err(ReplayError::NotFinite);
-        }
+        self.check_values()?;
         let name = format!("{} replayed", definition.connection.name);
         Ok(Case { name, definition, start, path, length: self.connector.length.0 })
+    }
+    /// Whether the values make a connector at states.
+    fn check_values(&self) -> Result<(), ReplayError> {
+        let connector = &self.connector;
+        let refuse = |why: String| Err(ReplayError::Values(why));
+        if !(connector.length.0 > 0.0 && connector.length.0.is_finite()) {
+            return refuse(format!("connector.length is {}, not a positive length", connector.length.0));
+        }
+        connector.initial.check("connector.initial")?;
+        finite("connector.flow_scale", [connector.flow_scale])?;
+        finite("connector.fixed_direction", connector.fixed_direction)?;
+        finite("connector.references", connector.references.into_iter().flatten())?;
+        for (index, stop) in connector.stops.iter().enumerate() {
+            let Some(bounds) = stop else { continue };
+            let place = format!("connector.stops[{index}]");
+            finite(&place, bounds.iter().flatten().copied())?;
+            if let [Some(lower), Some(upper)] = bounds
+                && lower.0 > upper.0
+            {
+                return refuse(format!(
+                    "{place} is {} to {}, which leaves nothing between",
+                    lower.0, upper.0
+                ));
+            }
+        }
+        if let Some(start) = &self.start {
+            finite("start.turns", start.turns.iter().flatten().copied())?;
+            finite("start.rotation_vector", start.rotation_vector)?;
+            finite("start", [start.euler_sign].into_iter().chain(start.accumulated))?;
+        }
+        self.path.iter().enumerate().try_for_each(|(index, step)| {
+            let place = format!("path[{index}]");
+            step.pair.check(&format!("{place}.pair"))?;
+            let motion = step.rotation.iter().chain(&step.whole_turns).flatten();
+            let rates = step.velocity.iter().chain(&step.acceleration);
+            finite(&place, rates.chain(motion).chain(&step.flow_change).copied())
+        })
+    }
+}
+
+/// Refuses numbers of which one is not finite.
+fn finite(place: &str, numbers: impl IntoIterator<Item = Hex>) -> Result<(), ReplayError> {
+    match numbers.into_iter().find(|x| !x.0.is_finite()) {
+        None => Ok(()),
+        Some(x) => Err(ReplayError::NotFinite { place: place.to_string(), value: x.0 }),
     }
 }

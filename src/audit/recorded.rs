@@ -198,7 +198,9 @@ fn decimal(value: Value) -> Result<Value, ReplayError> {
     match value {
         Value::String(text) if text.trim_start_matches('-').starts_with("0x") => {
             let x: Hex = text.parse().map_err(|error| ReplayError::Values(format!("{error}")))?;
-            Number::from_f64(x.0).map(Value::Number).ok_or(ReplayError::NotFinite)
+            Number::from_f64(x.0)
+                .map(Value::Number)
+                .ok_or(ReplayError::NotFinite { place: "values".to_string(), value: x.0 })
         }
         Value::Array(all) => Ok(Value::Array(all.into_iter().map(decimal).collect::<Result<_, _>>()?)),
         Value::Object(all) => {

@@ -17,7 +17,7 @@ use super::Unknown;
 use super::amplitude::Amplitude;
 use crate::scalar::{Real, Scalar};
 use crate::scene::{
-    Application, Code, DefaultAmplitude, Diagnostic, MotionType, Operation, Procedure, Scene, Span, Step,
+    Application, Code, ConditionKind, DefaultAmplitude, Diagnostic, MotionType, Procedure, Scene, Span, Step,
     Target,
 };
 use std::collections::BTreeMap;
@@ -221,10 +221,8 @@ pub fn drives<L: Ord + Copy>(
                 given.load((label, k), load.magnitude, &load.applied, load.target.span);
             }
         }
-        given.renews_motions =
-            step.connector_motions.iter().any(|given| given.applied.operation == Operation::New);
-        given.renews_loads =
-            step.connector_loads.iter().any(|given| given.applied.operation == Operation::New);
+        given.renews_motions = step.removed.contains(&ConditionKind::ConnectorMotion);
+        given.renews_loads = step.removed.contains(&ConditionKind::ConnectorLoad);
         given.add_to(&mut all, &Context { schedule, number, amplitudes: &amplitudes });
     }
     all.retain(|_, drives| !drives.is_empty());
@@ -274,9 +272,8 @@ pub fn on_angles<L: Ord + Copy>(
                 given.load((label, ANGLE), load.magnitude, &load.applied, load.target.span);
             }
         }
-        given.renews_motions = step.boundaries.iter().any(|given| given.applied.operation == Operation::New);
-        given.renews_loads =
-            step.concentrated_loads.iter().any(|given| given.applied.operation == Operation::New);
+        given.renews_motions = step.removed.contains(&ConditionKind::Boundary);
+        given.renews_loads = step.removed.contains(&ConditionKind::ConcentratedLoad);
         given.add_to(&mut all, &Context { schedule, number, amplitudes: &amplitudes });
     }
     all.retain(|_, drives| !drives.is_empty());

@@ -15,7 +15,7 @@ use crate::catalog::COMPONENT;
 use crate::connector::{CompactRow, Components, Group, Mask};
 use crate::mpc::{self, Kind};
 use crate::node::{DOF_NUMBER, DOFS};
-use crate::scene::{Boundary, Diagnostic, Label, MotionType, Operation, Scene, Target};
+use crate::scene::{Boundary, ConditionKind, Diagnostic, Label, MotionType, Scene, Target};
 use crate::vector::{Matrix, Vector, dot};
 use std::collections::{HashMap, HashSet};
 
@@ -162,7 +162,7 @@ impl Fixed {
             put(&mut fixed.freedoms, boundary);
         }
         for step in scene.steps.iter().take(step) {
-            if step.boundaries.iter().any(|boundary| boundary.applied.operation == Operation::New) {
+            if step.removed.contains(&ConditionKind::Boundary) {
                 fixed.freedoms.clear();
             }
             for boundary in &step.boundaries {

@@ -86,8 +86,8 @@ pub use label::{Instance, Label, LabelError};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{
     Amplitude, AmplitudeDefinition, AmplitudeTime, AmplitudeValue, Application, Boundary, ConcentratedLoad,
-    ConnectorElement, ConnectorLoad, ConnectorMotion, ConnectorSection, DefaultAmplitude, Dimension,
-    Discrete, DistributedLoad, End, MAX_WARNINGS, Mass, MotionType, Mpc, MpcKind, Node, Operation,
+    ConditionKind, ConnectorElement, ConnectorLoad, ConnectorMotion, ConnectorSection, DefaultAmplitude,
+    Dimension, Discrete, DistributedLoad, End, MAX_WARNINGS, Mass, MotionType, Mpc, MpcKind, Node, Operation,
     OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set, Skipped, SkippedItem,
     Solver, Step, Target, Times, Transform, TransformKind,
 };

@@ -511,6 +511,20 @@ choices! {
         /// Earlier ones are removed.
         New = "NEW",
     }
+
+    /// What is prescribed in steps and goes on in later ones, by keyword.
+    pub enum ConditionKind {
+        /// Boundary conditions.
+        Boundary = "BOUNDARY",
+        /// Connector motions.
+        ConnectorMotion = "CONNECTOR MOTION",
+        /// Connector loads.
+        ConnectorLoad = "CONNECTOR LOAD",
+        /// Concentrated loads.
+        ConcentratedLoad = "CLOAD",
+        /// Distributed loads.
+        DistributedLoad = "DLOAD",
+    }
 }
 
 impl AmplitudeDefinition {
@@ -696,6 +710,9 @@ pub struct Step {
     pub default_amplitude: Option<DefaultAmplitude>,
     /// What it does.
     pub procedure: Option<Procedure>,
+    /// The kinds of which those of earlier steps are removed: a keyword of the step says OP=NEW, with data lines or without.
+    #[serde(skip_serializing_if = "BTreeSet::is_empty")]
+    pub removed: BTreeSet<ConditionKind>,
     /// Boundary conditions.
     pub boundaries: Vec<Boundary>,
     /// Concentrated loads.

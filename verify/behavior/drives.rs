@@ -147,6 +147,8 @@ fn motions_from_step_to_step() {
     // OP=NEW ends what is not given again.
     let ended = two(&ramped("", 4.0), &format!("{STATIC}*CONNECTOR MOTION, OP=NEW\n7, 2, 1.{END}"));
     assert_eq!(moved(&ended, 3.0), None);
+    let all = two(&ramped("", 4.0), "*STEP\n*STATIC\n0.1, 2.\n*CONNECTOR MOTION, OP=NEW\n*END STEP\n");
+    assert_eq!(moved(&all, 3.0), None);
     // A step whose length is not known: nothing is known in it and after it.
     let open = two(&ramped("", 4.0), "*STEP\n*FREQUENCY\n5\n*END STEP\n");
     assert_eq!(moved(&open, 1.0), Some((Displacement, Ok([2.0, 2.0]))));
@@ -177,6 +179,8 @@ fn loads_by_procedure_and_from_step_to_step() {
         (format!("{first}{}", renewed(STATIC)), 3.0, [2.0, -2.0]),
         (format!("{first}{}", renewed(DYNAMIC)), 3.0, [0.0, 0.0]),
         (format!("{first}{}{}", renewed(STATIC), renewed(STATIC)), 5.0, [0.0, 0.0]),
+        // Without data lines all of them end.
+        (format!("{first}{DYNAMIC}*CONNECTOR LOAD, OP=NEW{END}"), 3.0, [0.0, 0.0]),
     ] {
         assert_eq!(loaded(&deck, time), Ok(expected), "{deck} at {time}");
     }

@@ -177,7 +177,7 @@ fn turned<R: Real, S: Scalar<Real = R> + Seeded<3>>(q: so3::Quaternion<R>) -> so
 }
 
 /// (I + E + E²/2) R, E = e^, at e = 0: exp(e^) to second order, exact in floating point.
-fn turned_matrix<R: Real, S: Scalar<Real = R> + Seeded<3>>(r: &Matrix<R>) -> Matrix<S> {
+pub(super) fn turned_matrix<R: Real, S: Scalar<Real = R> + Seeded<3>>(r: &Matrix<R>) -> Matrix<S> {
     let [x, y, z]: Vector<S> = seeded([R::integer(0); 3]);
     let o = S::zero();
     let e: Matrix<S> = [[o, -z, y], [z, o, -x], [-y, x, o]];

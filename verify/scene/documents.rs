@@ -92,6 +92,33 @@ fn the_gallery_survives() {
     }
 }
 
+/// A keyword that says OP=NEW and has no data lines is how a deck removes all of a kind.
+#[test]
+fn what_a_step_removes_survives() {
+    use pintle::scene::{Choice, ConditionKind};
+    let line = |kind: ConditionKind| match kind {
+        ConditionKind::Boundary => "1, 1",
+        ConditionKind::ConnectorMotion => "101, 4, 1.",
+        ConditionKind::ConnectorLoad | ConditionKind::ConcentratedLoad => "101, 1, 1.",
+        ConditionKind::DistributedLoad => "101, GRAV, 9.81, 0., 0., -1.",
+    };
+    for kind in ConditionKind::ALL {
+        let keyword = format!("*{}", kind.spelling());
+        let given = line(*kind).replace("101", if keyword == "*CLOAD" { "1" } else { "101" });
+        let deck = format!(
+            "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E\nCARTESIAN, CARDAN\n\
+             *STEP\n*STATIC\n{keyword}\n{given}\n*END STEP\n*STEP\n*STATIC\n{keyword}, OP=NEW\n*END STEP\n\
+             *STEP\n*STATIC\n{keyword}, OP=NEW\n{given}\n*END STEP\n"
+        );
+        let scene = read(Format::Deck, &deck);
+        let removed = |scene: &Scene| -> Vec<Vec<ConditionKind>> {
+            scene.steps.iter().map(|step| step.removed.iter().copied().collect()).collect()
+        };
+        assert_eq!(removed(&scene), [vec![], vec![*kind], vec![*kind]], "{deck}");
+        survives(&scene);
+    }
+}
+
 /// Bytes that decide; when they run out, the first choice is taken.
 struct Choices<'a>(std::slice::Iter<'a, u8>);
 
@@ -283,6 +310,8 @@ impl Choices<'_> {
             "default_amplitude": self.one(&["ramp", "step"]),
             "procedure": self.one(&["static", "dynamic"]),
             "times": {"initial": self.positive(), "maximum": self.positive()},
+            "removed": self.one(&[json!([]), json!(["boundary"]), json!(["connector_motion", "connector_load"]),
+                                  json!(["concentrated_load", "distributed_load"])]),
             "boundaries": [self.boundary()], "connector_motions": [motion], "connector_loads": [load],
             "concentrated_loads": [force], "distributed_loads": [gravity],
             "outputs": [{"keyword": "OUTPUT", "parameters": {"HISTORY": true, "FREQUENCY": "1"}},

@@ -8,7 +8,9 @@ use crate::evaluate::{Equation, Fixed, Freedom, Item, Jacobian, Model, Plan, Seq
 use crate::measure::Unit;
 use crate::mpc::Kind;
 use crate::scalar::elementary::norm;
-use crate::scene::{Diagnostic, Label, MotionType, NodeMotion, Operation, Rotation, Scene, State, Target};
+use crate::scene::{
+    ConditionKind, Diagnostic, Label, MotionType, NodeMotion, Rotation, Scene, State, Target,
+};
 use crate::so3;
 use std::collections::{HashMap, HashSet};
 use std::convert::Infallible;
@@ -122,7 +124,7 @@ impl Prescribed {
             put(motion, &mut motions);
         }
         for step in scene.steps.iter().take(step) {
-            if step.connector_motions.iter().any(|motion| motion.applied.operation == Operation::New) {
+            if step.removed.contains(&ConditionKind::ConnectorMotion) {
                 motions.clear();
             }
             for motion in &step.connector_motions {

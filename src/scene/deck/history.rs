@@ -5,8 +5,9 @@ use super::{Deck, misplaced};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::lexer::{Item, Keyword, normal};
 use crate::scene::model::{
-    Amplitude, AmplitudeDefinition, Application, Boundary, ConcentratedLoad, ConnectorLoad, ConnectorMotion,
-    DistributedLoad, MotionType, OutputRequest, Procedure, Solver, Step, Target, Times,
+    Amplitude, AmplitudeDefinition, Application, Boundary, ConcentratedLoad, ConditionKind, ConnectorLoad,
+    ConnectorMotion, DistributedLoad, MotionType, Operation, OutputRequest, Procedure, Solver, Step, Target,
+    Times,
 };
 use crate::scene::span::Spanned;
 use indexmap::IndexMap;
@@ -18,8 +19,9 @@ pub(super) fn target(item: &Item<'_>, what: &str) -> Result<Spanned<Target>> {
     Ok(Spanned::new(target, item.span))
 }
 
-fn application(keyword: &Keyword) -> Result<Application> {
-    Ok(Application {
+/// How a keyword applies its conditions. OP=NEW is noted for the step, for a keyword without data lines is how all of a kind are removed.
+fn application(deck: &mut Deck<'_>, keyword: &Keyword, kind: ConditionKind) -> Result<Application> {
+    let applied = Application {
         amplitude: keyword.name_of("AMPLITUDE")?,
         operation: keyword.choice("OP")?.unwrap_or_default(),
         fixed: keyword.has("FIXED"),
@@ -28,7 +30,11 @@ fn application(keyword: &Keyword) -> Result<Application> {
             && keyword.get("FOLLOWER").is_none_or(|value| normal(value.text()) == "YES"),
         imaginary: keyword.has("IMAGINARY"),
         load_case: keyword.get("LOAD CASE").map(|value| value.integer("LOAD CASE")).transpose()?,
-    })
+    };
+    if let Some(step) = deck.step.as_mut().filter(|_| applied.operation == Operation::New) {
+        step.removed.insert(kind);
+    }
+    Ok(applied)
 }
 
 fn motion_type(keyword: &Keyword) -> Result<MotionType> {
@@ -41,7 +47,8 @@ fn step_of<'a>(step: &'a mut Option<Step>, keyword: &Keyword) -> Result<&'a mut 
 }
 
 pub(super) fn connector_motion(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let (kind, applied) = (motion_type(keyword)?, application(keyword)?);
+    let kind = motion_type(keyword)?;
+    let applied = application(deck, keyword, ConditionKind::ConnectorMotion)?;
     let mut warning = None;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
@@ -77,7 +84,7 @@ fn nonzero(item: Item<'_>) -> Diagnostic {
 }
 
 pub(super) fn connector_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let applied = application(keyword)?;
+    let applied = application(deck, keyword, ConditionKind::ConnectorLoad)?;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let target = target(&items.need("the element or element set")?, "the element number")?;
@@ -103,7 +110,8 @@ pub(super) const NAMED: &[(&str, &[u8])] = &[
 ];
 
 pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let (kind, applied) = (motion_type(keyword)?, application(keyword)?);
+    let kind = motion_type(keyword)?;
+    let applied = application(deck, keyword, ConditionKind::Boundary)?;
     let mut warning = None;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
@@ -160,7 +168,7 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 }
 
 pub(super) fn concentrated_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let applied = application(keyword)?;
+    let applied = application(deck, keyword, ConditionKind::ConcentratedLoad)?;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let target = target(&items.need("the node or node set")?, "the node number")?;
@@ -178,7 +186,7 @@ pub(super) fn concentrated_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
 }
 
 pub(super) fn distributed_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let applied = application(keyword)?;
+    let applied = application(deck, keyword, ConditionKind::DistributedLoad)?;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let target = items.maybe().map(|item| target(&item, "the element number")).transpose()?;

@@ -9,8 +9,8 @@ use crate::scene::behavior::{
     RateInterpolation, Softening, TableOptions,
 };
 use crate::scene::model::{
-    AmplitudeDefinition, AmplitudeTime, AmplitudeValue, DefaultAmplitude, Dimension, MotionType, Operation,
-    PointKind, TransformKind,
+    AmplitudeDefinition, AmplitudeTime, AmplitudeValue, ConditionKind, DefaultAmplitude, Dimension,
+    MotionType, Operation, PointKind, TransformKind,
 };
 use crate::scene::orientation::System;
 use crate::scene::span::{Span, Spanned};
@@ -722,6 +722,8 @@ form! {
         procedure: Option<Name>,
         /// Times of a static or dynamic step.
         times: Option<Spanned<Times>>,
+        /// Kinds of which those of earlier steps are removed; a condition whose operation is `new` says the same of its own kind.
+        removed: List<ConditionKind>,
         /// Boundary conditions.
         boundaries: List<Boundary>,
         /// Concentrated loads.

@@ -1,6 +1,7 @@
 //! Boundary conditions, motions, loads, steps and requests of output.
 
 use super::{Deck, Name, has_control, plain, quoted, refuse, yes_no};
+use crate::scene::choice::Choice;
 use crate::scene::deck::history::NAMED;
 use crate::scene::deck::keywords;
 use crate::scene::deck::table::PER_LINE;
@@ -115,6 +116,11 @@ impl Deck {
         self.word("AMPLITUDE", value.default_amplitude, span);
         self.go();
         self.procedure(value, span)?;
+        for kind in &value.removed {
+            self.keyword(kind.value.spelling(), kind.span);
+            self.word("OP", Some(Operation::New), kind.span);
+            self.go();
+        }
         self.actuation(&value.boundaries, &value.connector_motions)?;
         for load in &value.connector_loads {
             let (span, value) = (load.span, &load.value);

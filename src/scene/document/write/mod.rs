@@ -1,22 +1,23 @@
 //! A scene as a document, and a document as text.
 
-use super::super::behavior::{
-    Affected, Behavior, Damage, DamageEvolution, Friction, FrictionKind, FrictionLaw, Hardening, Independent,
-    Law, Limits, Potential, Row, Source, TableOptions,
-};
-use super::super::deck;
-use super::super::diagnostic::Result;
-use super::super::label::Label;
-use super::super::model::{
-    Amplitude, Application, Boundary, ConnectorMotion, Dimension, Discrete, MotionType, MpcKind, Operation,
-    Procedure, Scene, Set, SkippedItem, Step, Target, TransformKind,
-};
-use super::super::orientation::{Definition, Orientation, System};
-use super::super::span::Spanned;
+mod behavior;
+mod text;
+
 use super::form::{self, Document, Entries, Item, placeless};
 use super::{Format, SCHEMA};
+use crate::scene::behavior::{Independent, Row};
+use crate::scene::deck;
+use crate::scene::diagnostic::Result;
+use crate::scene::label::Label;
+use crate::scene::model::{
+    Amplitude, Application, Boundary, ConditionKind, ConnectorMotion, Dimension, Discrete, MotionType,
+    MpcKind, Operation, Procedure, Scene, Set, SkippedItem, Step, Target, TransformKind,
+};
+use crate::scene::orientation::{Definition, Orientation, System};
+use crate::scene::span::Spanned;
+use behavior::behavior;
 use serde_json::Value;
-use toml_writer::{ToTomlKey, ToTomlValue, TomlKeyBuilder, TomlStringBuilder};
+use text::{json_text, toml_text};
 
 /// A scene as text, and what of its file is not in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -219,8 +220,8 @@ fn entries<K: ToString, T, F>(given: &indexmap::IndexMap<K, T>, form: impl Fn(&T
     given.iter().map(|(key, item)| (key.to_string(), form(item))).collect()
 }
 
-fn entries_of(state: &super::super::states::State) -> Entries<Entries<Spanned<f64>>> {
-    let named = |forces: &super::super::forces::ElementForces| {
+fn entries_of(state: &crate::scene::states::State) -> Entries<Entries<Spanned<f64>>> {
+    let named = |forces: &crate::scene::forces::ElementForces| {
         forces.named().map(|(name, value)| (name.to_owned(), placeless(value))).collect()
     };
     let elements = state.forces.iter().map(|(element, forces)| (element.to_string(), named(forces)));
@@ -325,244 +326,6 @@ fn orientation(orientation: &Orientation) -> form::Orientation {
     }
 }
 
-fn behavior(behavior: &Behavior) -> form::Behavior {
-    let Behavior {
-        table: options,
-        integration,
-        constitutive_reference,
-        constitutive_reference_span: _,
-        elasticity,
-        damping,
-        friction,
-        derived_components,
-        plasticity,
-        damage,
-        stops,
-        locks,
-        failures,
-        span: _,
-    } = behavior;
-    let reference = constitutive_reference.iter().zip(1..).filter_map(|(value, component): (_, u8)| {
-        value.map(|value| (component.to_string(), placeless(value)))
-    });
-    let lock = |component_: u8, affected: Affected, limits_: &[Limits], table: TableOptions| {
-        let affected = match affected {
-            Affected::All => None,
-            Affected::Component(affected) => Some(component(affected)),
-        };
-        let limits = list(limits_, limits);
-        let mut lock =
-            form::Lock { component: component(component_), affected, limits, ..form::Lock::default() };
-        lock.set_options(table);
-        lock
-    };
-    let mut form = form::Behavior {
-        integration: *integration,
-        constitutive_reference: reference.collect(),
-        elasticity: list(elasticity, |elasticity| law(&elasticity.law, elasticity.table)),
-        damping: list(damping, |damping| {
-            let kind = super::super::behavior::DampingKind::Viscous;
-            form::Law {
-                r#type: (damping.kind != kind).then_some(damping.kind),
-                ..law(&damping.law, damping.table)
-            }
-        }),
-        friction: list(friction, self::friction),
-        derived_components: entries(derived_components, |terms| {
-            list(terms, |term| {
-                let mut form = form::DerivedTerm {
-                    components: components(&term.components),
-                    operator: Some(term.operator),
-                    negative: term.sign < 0.0,
-                    independent: independent(term.independent.as_ref()),
-                    rows: table(&term.rows),
-                    ..form::DerivedTerm::default()
-                };
-                form.set_options(term.table);
-                form
-            })
-        }),
-        plasticity: list(plasticity, |plasticity| form::Plasticity {
-            component: plasticity.component.map(component),
-            potential: plasticity.potential.as_ref().map(potential),
-            hardening: list(&plasticity.hardening, hardening),
-        }),
-        damage: list(damage, self::damage),
-        stops: list(stops, |stop| form::Stop {
-            component: component(stop.component),
-            lower: maybe(stop.lower),
-            upper: maybe(stop.upper),
-        }),
-        locks: list(locks, |given| lock(given.component, given.locked, &given.limits, given.table)),
-        failures: list(failures, |given| {
-            lock(given.component, given.released, &given.limits, TableOptions::default())
-        }),
-        ..form::Behavior::default()
-    };
-    form.set_options(*options);
-    form
-}
-
-fn limits(limits: &Limits) -> form::Limits {
-    let Limits { lower_position, upper_position, lower_force, upper_force, temperature, fields } = limits;
-    form::Limits {
-        lower_position: maybe(*lower_position),
-        upper_position: maybe(*upper_position),
-        lower_force: maybe(*lower_force),
-        upper_force: maybe(*upper_force),
-        temperature: maybe(*temperature),
-        fields: items(fields),
-    }
-}
-
-fn law(law: &Law, options: TableOptions) -> form::Law {
-    let mut form = match law {
-        Law::Linear { component: given, rows } => {
-            form::Law { component: Some(component(*given)), rows: table(rows), ..form::Law::default() }
-        }
-        Law::Coupled { unsymmetric, frequency, rows } => form::Law {
-            unsymmetric: *unsymmetric,
-            frequency_dependence: *frequency,
-            rows: table(rows),
-            ..form::Law::default()
-        },
-        Law::Nonlinear { component: given, independent: on, rows } => form::Law {
-            component: Some(component(*given)),
-            nonlinear: true,
-            independent: independent(on.as_ref()),
-            rows: table(rows),
-            ..form::Law::default()
-        },
-        Law::Rigid { components: given } => {
-            form::Law { rigid: true, components: components(given), ..form::Law::default() }
-        }
-    };
-    form.set_options(options);
-    form
-}
-
-fn source(given: &Spanned<Source>) -> Spanned<form::Source> {
-    placeless(match &given.value {
-        Source::Component(component) => form::Source::Component((*component).into()),
-        Source::Derived(name) => form::Source::Derived(name.clone()),
-    })
-}
-
-fn potential(potential: &Potential) -> Spanned<form::Potential> {
-    use super::super::behavior::{PotentialFunction, PotentialOperator};
-    let Potential { operator, exponent, terms, span: _ } = potential;
-    placeless(form::Potential {
-        terms: list(terms, |term| form::PotentialTerm {
-            of: source(&term.source),
-            scale: unless(term.scale, 1.0),
-            exponent: maybe(term.exponent),
-            function: (term.function != PotentialFunction::Abs).then_some(term.function),
-            shift: unless(term.shift, 0.0),
-            sign: unless(term.sign, 1.0),
-        }),
-        operator: (*operator != PotentialOperator::Sum).then_some(*operator),
-        exponent: unless(*exponent, 2.0),
-    })
-}
-
-fn friction(friction: &Friction) -> form::Friction {
-    let Friction { stick_stiffness, kind, coefficient, table: options, span: _ } = friction;
-    let mut form = match kind {
-        FrictionKind::Predefined { constants } => {
-            form::Friction { predefined: Some(placeless(items(constants))), ..form::Friction::default() }
-        }
-        FrictionKind::User { component: given, potential: along, contact_force, independent: on, rows } => {
-            let others = 4 + on.as_ref().map_or(0, |on| on.components.len());
-            form::Friction {
-                component: given.map(component),
-                potential: along.as_ref().map(potential),
-                contact_force: contact_force.as_ref().map(source),
-                independent: independent(on.as_ref()),
-                dependencies: dependencies(rows, others),
-                rows: raw(rows),
-                ..form::Friction::default()
-            }
-        }
-    };
-    form.stick_stiffness = maybe(*stick_stiffness);
-    form.coefficient = coefficient.as_ref().map(|coefficient| {
-        let mut form = form::Coefficient {
-            maximum: maybe(coefficient.maximum),
-            slip_tolerance: maybe(coefficient.slip_tolerance),
-            elastic_slip: maybe(coefficient.elastic_slip),
-            ..form::Coefficient::default()
-        };
-        match &coefficient.law {
-            FrictionLaw::Table(rows) => form.rows = table(rows),
-            FrictionLaw::Exponential { static_coefficient, kinetic_coefficient, decay } => {
-                form.exponential = Some(placeless([*static_coefficient, *kinetic_coefficient, *decay]));
-            }
-            FrictionLaw::TestData(rows) => form.test_data = raw(rows),
-        }
-        placeless(form)
-    });
-    form.set_options(*options);
-    form
-}
-
-fn hardening(hardening: &Hardening) -> form::Hardening {
-    let Hardening { kind, definition, rate_filter, rate_interpolation, rows, table: options } = hardening;
-    let mut form = form::Hardening {
-        rows: table(rows),
-        r#type: Some(*kind),
-        definition: Some(*definition),
-        rate_filter: maybe(*rate_filter),
-        rate_interpolation: *rate_interpolation,
-        ..form::Hardening::default()
-    };
-    form.set_options(*options);
-    form
-}
-
-fn damage(damage: &Damage) -> form::Damage {
-    let Damage {
-        criterion,
-        component: given,
-        potential: coupled,
-        rows,
-        rate_filter,
-        rate_interpolation,
-        evolution: growth,
-        table: options,
-        span: _,
-    } = damage;
-    let mut form = form::Damage {
-        rows: raw(rows),
-        criterion: Some(*criterion),
-        component: given.map(component),
-        potential: coupled.as_ref().map(potential),
-        dependencies: dependencies(rows, 4),
-        rate_filter: maybe(*rate_filter),
-        rate_interpolation: *rate_interpolation,
-        evolution: growth.as_ref().map(|growth| placeless(evolution(growth))),
-        ..form::Damage::default()
-    };
-    form.set_options(*options);
-    form
-}
-
-fn evolution(evolution: &DamageEvolution) -> form::DamageEvolution {
-    let DamageEvolution { kind, softening, degradation, affected, potential: coupled, rows, table: options } =
-        evolution;
-    let mut form = form::DamageEvolution {
-        rows: raw(rows),
-        r#type: Some(*kind),
-        softening: Some(*softening),
-        degradation: Some(*degradation),
-        affected: components(affected),
-        potential: coupled.as_ref().map(potential),
-        dependencies: dependencies(rows, 4),
-        ..form::DamageEvolution::default()
-    };
-    form.set_options(*options);
-    form
-}
-
 fn discrete(discrete: &Discrete) -> form::Discrete {
     let Discrete { element_set, orientation, degrees_of_freedom, nonlinear, complex, rows } = discrete;
     form::Discrete {
@@ -665,6 +428,7 @@ fn step(step: &Step, scene: &Scene, dropped: &mut Vec<String>) -> form::Step {
         increments,
         default_amplitude,
         procedure,
+        removed,
         boundaries,
         concentrated_loads,
         distributed_loads,
@@ -698,6 +462,14 @@ fn step(step: &Step, scene: &Scene, dropped: &mut Vec<String>) -> form::Step {
     if lost > 0 {
         dropped.push(format!("{lost} *DLOAD line{} on elements of skipped types", plural(lost as u64)));
     }
+    let is_new = |applied: &Application| applied.operation == Operation::New;
+    let is_told = |kind: &&ConditionKind| match kind {
+        ConditionKind::Boundary => boundaries.iter().any(|given| is_new(&given.applied)),
+        ConditionKind::ConnectorMotion => connector_motions.iter().any(|given| is_new(&given.applied)),
+        ConditionKind::ConnectorLoad => connector_loads.iter().any(|given| is_new(&given.applied)),
+        ConditionKind::ConcentratedLoad => concentrated_loads.iter().any(|given| is_new(&given.applied)),
+        ConditionKind::DistributedLoad => loads.iter().any(|given| is_new(&given.applied)),
+    };
     form::Step {
         name: called.clone().map(placeless),
         nlgeom: *nlgeom,
@@ -706,6 +478,7 @@ fn step(step: &Step, scene: &Scene, dropped: &mut Vec<String>) -> form::Step {
         default_amplitude: *default_amplitude,
         procedure: procedure.map(|name| placeless(name.to_owned())),
         times: times.filter(|times| *times != form::Times::default()).map(placeless),
+        removed: removed.iter().filter(|kind| !is_told(kind)).copied().map(placeless).collect(),
         boundaries: list(boundaries, boundary),
         concentrated_loads: list(concentrated_loads, |load| {
             let (amplitude, operation, load_case) = applied(&load.applied);
@@ -756,202 +529,5 @@ fn step(step: &Step, scene: &Scene, dropped: &mut Vec<String>) -> form::Step {
             parameters: entries(&request.parameters, |value| placeless(form::Parameter(value.clone()))),
             variables: request.variables.iter().cloned().map(placeless).collect(),
         }),
-    }
-}
-
-// From the form to text.
-
-/// The widest line on which a table or list is written whole.
-const WIDTH: usize = 100;
-
-/// Numbers, texts and truth values, and lists of them.
-fn is_simple(value: &Value) -> bool {
-    match value {
-        Value::Array(items) => items.iter().all(is_simple),
-        Value::Object(_) => false,
-        _ => true,
-    }
-}
-
-fn json_text(value: &Value) -> String {
-    let mut text = String::new();
-    json(&mut text, value, 0);
-    text.push('\n');
-    text
-}
-
-fn json(text: &mut String, value: &Value, depth: usize) {
-    let compact = value.to_string();
-    let (brackets, count) = match value {
-        Value::Object(fields) => (['{', '}'], fields.len()),
-        Value::Array(items) => (['[', ']'], items.len()),
-        _ => ([' ', ' '], 0),
-    };
-    if count == 0 || depth > 0 && compact.len() + 2 * depth <= WIDTH && !has_tables(value) {
-        text.push_str(&compact);
-        return;
-    }
-    let [open, close] = brackets;
-    text.push(open);
-    let mut separator = "\n";
-    let mut begin = |text: &mut String| {
-        text.push_str(separator);
-        text.push_str(&"  ".repeat(depth + 1));
-        separator = ",\n";
-    };
-    match value {
-        Value::Object(fields) => {
-            for (key, value) in fields {
-                begin(text);
-                text.push_str(&format!("{}: ", Value::from(key.as_str())));
-                json(text, value, depth + 1);
-            }
-        }
-        Value::Array(items) => {
-            for item in items {
-                begin(text);
-                json(text, item, depth + 1);
-            }
-        }
-        _ => {}
-    }
-    text.push('\n');
-    text.push_str(&"  ".repeat(depth));
-    text.push(close);
-}
-
-/// Does it hold tables of tables, or several of them?
-fn has_tables(value: &Value) -> bool {
-    match value {
-        Value::Object(fields) => fields.values().any(|value| !is_simple(value)),
-        Value::Array(items) => items.iter().any(|item| !is_simple(item)),
-        _ => false,
-    }
-}
-
-fn key(key: &str) -> String {
-    TomlKeyBuilder::new(key).as_default().to_toml_key()
-}
-
-/// A value on one line.
-fn inline(text: &mut String, value: &Value) {
-    match value {
-        // An empty item; a field that is not there is not written at all.
-        Value::Null => text.push_str("\"\""),
-        Value::Bool(truth) => {
-            text.push_str(&format!("{truth}"));
-        }
-        Value::Number(number) => {
-            text.push_str(&format!("{number}"));
-        }
-        Value::String(string) => {
-            text.push_str(&TomlStringBuilder::new(string).as_basic().to_toml_value());
-        }
-        Value::Array(items) => {
-            text.push('[');
-            for (place, item) in items.iter().enumerate() {
-                text.push_str(if place > 0 { ", " } else { "" });
-                inline(text, item);
-            }
-            text.push(']');
-        }
-        Value::Object(fields) if fields.is_empty() => text.push_str("{}"),
-        Value::Object(fields) => {
-            text.push_str("{ ");
-            for (place, (name, value)) in fields.iter().enumerate() {
-                text.push_str(if place > 0 { ", " } else { "" });
-                text.push_str(&format!("{} = ", key(name)));
-                inline(text, value);
-            }
-            text.push_str(" }");
-        }
-    }
-}
-
-fn toml_text(document: &Value) -> String {
-    let mut text = String::new();
-    if let Value::Object(fields) = document {
-        toml_table(&mut text, fields, "");
-    }
-    text
-}
-
-/// Is it written below a header of its own?
-fn has_header(value: &Value, path: &str) -> bool {
-    match value {
-        Value::Object(fields) => path.is_empty() || !fits(value) || fields.is_empty() && path.is_empty(),
-        Value::Array(items) => {
-            !items.is_empty()
-                && items.iter().all(Value::is_object)
-                && (path.is_empty() || !items.iter().all(fits))
-        }
-        _ => false,
-    }
-}
-
-fn fits(value: &Value) -> bool {
-    let mut text = String::new();
-    inline(&mut text, value);
-    text.len() <= WIDTH
-}
-
-/// Is it a table or a list of tables?
-fn is_table(value: &Value) -> bool {
-    match value {
-        Value::Object(_) => true,
-        Value::Array(items) => !items.is_empty() && items.iter().all(Value::is_object),
-        _ => false,
-    }
-}
-
-fn toml_table(text: &mut String, fields: &serde_json::Map<String, Value>, path: &str) {
-    // What has no header must come first: tables keep their order only if all of them have one, or none.
-    let any = fields.values().any(|value| has_header(value, path));
-    let has_header = |value: &Value| any && is_table(value);
-    for (name, value) in fields.iter().filter(|(_, value)| !has_header(value)) {
-        text.push_str(&format!("{} = ", key(name)));
-        match value {
-            Value::Array(items) if !fits(value) => {
-                text.push_str("[\n");
-                for line in items.chunks(if items.iter().any(|item| item.is_array() || item.is_object()) {
-                    1
-                } else {
-                    10
-                }) {
-                    text.push_str("  ");
-                    for (place, item) in line.iter().enumerate() {
-                        text.push_str(if place > 0 { " " } else { "" });
-                        inline(text, item);
-                        text.push(',');
-                    }
-                    text.push('\n');
-                }
-                text.push(']');
-            }
-            _ => inline(text, value),
-        }
-        text.push('\n');
-    }
-    for (name, value) in fields.iter().filter(|(_, value)| has_header(value)) {
-        let path = if path.is_empty() { key(name) } else { format!("{path}.{}", key(name)) };
-        match value {
-            Value::Array(items) => {
-                for item in items {
-                    text.push_str(&format!("\n[[{path}]]\n"));
-                    if let Value::Object(fields) = item {
-                        toml_table(text, fields, &path);
-                    }
-                }
-            }
-            Value::Object(fields) => {
-                let any = fields.values().any(|value| self::has_header(value, &path));
-                let headed = any && fields.values().all(is_table);
-                if !headed {
-                    text.push_str(&format!("\n[{path}]\n"));
-                }
-                toml_table(text, fields, &path);
-            }
-            _ => {}
-        }
     }
 }
