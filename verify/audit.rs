@@ -708,7 +708,9 @@ fn behaviour_of_a_scene_is_judged() {
     report.assert_ok();
     let checks = &report.subjects[0].checks;
     let check = checks.iter().find(|check| check.quantity == Some(Quantity::BehaviorTangent)).unwrap();
-    assert_eq!(check.verdict, Verdict::Pass);
+    // The initial state lies on a row of the table, where two slopes meet.
+    assert_eq!(check.verdict, Verdict::Kink);
+    assert!(check.states[&Verdict::Kink] == 1 && check.states[&Verdict::Pass] > 5, "{check:?}");
     assert!(check.compared >= 72 && check.score.killed > 20, "{check:?}");
 }
 

@@ -106,7 +106,8 @@ impl SlopesCase {
     /// Whether forces have slopes: springs or dampers that are not all rigid.
     pub(super) fn acts(behavior: &Behavior) -> bool {
         let rigid = behavior.elasticity.rigid();
-        let springs = behavior.elasticity.components().into_iter().zip(rigid).any(|(acts, rigid)| acts && !rigid);
+        let springs =
+            behavior.elasticity.components().into_iter().zip(rigid).any(|(acts, rigid)| acts && !rigid);
         springs || behavior.damping.components().contains(&true)
     }
 
@@ -210,7 +211,8 @@ impl SlopesCase {
             };
             (size, slope, [0, 1, 2, 3, 4, 5].map(sides))
         };
-        let wanted: Vec<(f64, [Wide; 6], [Option<Sides>; 6])> = motions.iter().map(|motion| of(*motion)).collect();
+        let wanted: Vec<(f64, [Wide; 6], [Option<Sides>; 6])> =
+            motions.iter().map(|motion| of(*motion)).collect();
         for i in (0..6).filter(|i| is_known(*i)) {
             sheet.rows.push(format!("∂{}", FORCE[i]));
             for (column, ((of_velocity, j), (size, want, sides))) in motions.iter().zip(&wanted).enumerate() {

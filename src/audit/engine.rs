@@ -20,7 +20,8 @@ use super::sample::{Draw, Extent, cases, random_case};
 use super::stage::invalid_stage;
 use super::truth::{Locked, Truth};
 use super::verdict::{
-    Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, decided, judge, try_along, try_mutants,
+    Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, decided, judge, try_along,
+    try_mutants,
 };
 use crate::catalog::{ConnectionType, TABLE};
 use crate::measure::Unit;

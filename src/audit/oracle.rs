@@ -164,7 +164,12 @@ impl Answer {
 
     /// The same of a straight-line program of traced formulas, which does not go around what cancels near singular sets: its own error is
     /// larger by the distance to them, and on one it has no answer.
-    pub(super) fn traced(quantity: Quantity, numbers: &Entries<f64>, bound: &Bound, nearness: &[f64; 6]) -> Self {
+    pub(super) fn traced(
+        quantity: Quantity,
+        numbers: &Entries<f64>,
+        bound: &Bound,
+        nearness: &[f64; 6],
+    ) -> Self {
         let mut answer = Self::rounded(Oracle::Symbolic, quantity, numbers, bound);
         answer.error = answer.error.map(|k, _, error| error / nearness[k]);
         for k in (0..6).filter(|k| nearness[*k] == 0.0) {

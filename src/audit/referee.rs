@@ -9,7 +9,8 @@ use super::outcome::Check;
 use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::Truth;
 use super::verdict::{Judgement, Surroundings, Verdict, judge};
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
 
 /// Why an oracle is undecided that others contradict.
 pub(super) const OVERRULED: &str = "it calls a number wrong that an independent oracle on 237 bits passes: what shares elementary functions \
@@ -21,16 +22,20 @@ pub(super) struct Referee<'a> {
     oracle: Option<Oracle>,
     known: Option<&'a Truth>,
     made: OnceCell<Option<Truth>>,
+    /// What it said, by quantity.
+    said: RefCell<BTreeMap<Quantity, bool>>,
 }
 
 impl<'a> Referee<'a> {
     /// Of a case, with the truth where it is known already.
     pub(super) fn new(case: &'a Case, settings: &Settings, known: Option<&'a Truth>) -> Self {
         let is_one = |oracle: &Oracle| {
-            settings.oracles.contains(oracle) && oracle.is_independent() && oracle.answers(Quantity::FirstDerivatives)
+            settings.oracles.contains(oracle)
+                && oracle.is_independent()
+                && oracle.answers(Quantity::FirstDerivatives)
         };
         let oracle = Oracle::ALL.into_iter().find(is_one);
-        Self { case, oracle, known, made: OnceCell::new() }
+        Self { case, oracle, known, made: OnceCell::new(), said: RefCell::default() }
     }
 
     fn truth(&self) -> Option<&Truth> {
@@ -53,15 +58,27 @@ impl<'a> Referee<'a> {
         Some(Answer { error: truth.own_error(quantity, around.bound), ..answer })
     }
 
-    /// Whether what another oracle calls wrong is passed.
+    /// Whether what another oracle calls wrong is passed: always the same numbers of a quantity.
     pub(super) fn passes(&self, quantity: Quantity, got: &Entries<f64>, around: &Surroundings<'_>) -> bool {
-        let Some(answer) = self.answer(quantity, around) else { return false };
-        let verdict = judge(quantity, got, &answer, around).verdict;
-        !verdict.is_mismatch() && verdict != Verdict::Undecided
+        if let Some(said) = self.said.borrow().get(&quantity) {
+            return *said;
+        }
+        let passes = self.answer(quantity, around).is_some_and(|answer| {
+            let verdict = judge(quantity, got, &answer, around).verdict;
+            !verdict.is_mismatch() && verdict != Verdict::Undecided
+        });
+        self.said.borrow_mut().insert(quantity, passes);
+        passes
     }
 
     /// The same of checks that were made apart: those that are passed become undecided.
-    pub(super) fn hears(&self, checks: &mut [Check], numbers: &Numbers<f64>, around: &Surroundings<'_>, state: &str) {
+    pub(super) fn hears(
+        &self,
+        checks: &mut [Check],
+        numbers: &Numbers<f64>,
+        around: &Surroundings<'_>,
+        state: &str,
+    ) {
         for check in checks {
             let (Some(quantity), true) = (check.quantity, check.verdict == Verdict::Wrong) else { continue };
             if self.passes(quantity, numbers.entries(quantity), around) {
@@ -80,7 +97,12 @@ impl Check {
     }
 
     /// Adds such a state.
-    pub(super) fn add_overruled(&mut self, worst: Option<super::verdict::Finding>, compared: u64, state: &str) {
+    pub(super) fn add_overruled(
+        &mut self,
+        worst: Option<super::verdict::Finding>,
+        compared: u64,
+        state: &str,
+    ) {
         let compared = usize::try_from(compared).unwrap_or(usize::MAX);
         let judgement = Judgement { verdict: Verdict::Undecided, worst, compared };
         self.add_at(judgement, super::verdict::Score::default(), state, None);

@@ -3,13 +3,13 @@
 
 use super::bound::{C, U};
 use super::case::Case;
+use super::conditioned::NOTICED;
 use super::diagnosis::{Cause, diagnose_sheet};
 use super::mutant::{Mistake, of_number};
 use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sides::Sides;
-use super::conditioned::NOTICED;
 use super::verdict::{
     COARSE, Finding, Judgement, Point, SIGNIFICANT, Score, Verdict, Wanted, moved_by, units, verdict_of_entry,
 };
@@ -118,14 +118,16 @@ impl Sheet {
         // By the severity of its verdict, and how clearly: the width of a kink, or the error in units.
         let mut worst: Option<(Verdict, f64, Finding)> = None;
         let mut coarse: Option<(f64, Finding)> = None;
-        let sizes = self.entries.iter().map(|entry| entry.got.abs().max(entry.sides.map_or(0.0, |of| of.gap())));
+        let sizes =
+            self.entries.iter().map(|entry| entry.got.abs().max(entry.sides.map_or(0.0, |of| of.gap())));
         let largest = sizes.fold(0.0_f64, f64::max);
         for entry in &self.entries {
             let Entry { name, got, sides, .. } = entry;
             let (tolerance, want) = (entry.tolerance(), entry.target(*got));
             let units = units(*got, want, tolerance);
             let at = Point { is_open: false, sides: sides.as_ref().map(Sides::lack) };
-            let (verdict, lack) = verdict_of_entry(self.quantity, (*got, want.to_f64()), tolerance, units, at);
+            let (verdict, lack) =
+                verdict_of_entry(self.quantity, (*got, want.to_f64()), tolerance, units, at);
             let finding = || Finding {
                 entry: name.clone(),
                 at: None,
@@ -194,7 +196,8 @@ impl Sheet {
         let judgement = self.judge();
         // A check that speaks has proved that it can; mutants are made of right numbers.
         let proves = proves && !judgement.verdict.is_mismatch();
-        let score = if proves { self.try_mistakes_of(oracle, &self.all_mistakes()) } else { Score::default() };
+        let score =
+            if proves { self.try_mistakes_of(oracle, &self.all_mistakes()) } else { Score::default() };
         let mut check = Check::new(Some(self.quantity), Against::Oracle(oracle));
         check.add_at(judgement, score, state, case);
         check.name_stage(|| Some(self.quantity.name()));
@@ -217,7 +220,8 @@ impl Sheet {
         let wanted: Vec<Wanted> = self.entries.iter().map(|entry| entry.want.into()).collect();
         for Change { mistake, changes } in mistakes {
             let changes = || {
-                let known = changes.iter().filter_map(|(i, x)| Some((*x, self.entries.get(*i)?, wanted.get(*i)?)));
+                let known =
+                    changes.iter().filter_map(|(i, x)| Some((*x, self.entries.get(*i)?, wanted.get(*i)?)));
                 known.filter(|(_, entry, _)| entry.sides.is_none())
             };
             let Some((_, first, _)) = changes().next() else { continue };
@@ -229,7 +233,9 @@ impl Sheet {
                 }
             }
             let is_demanded = || {
-                matches!(mistake, Mistake::Scaled(delta) if *delta >= NOTICED) && first.is_demanded && oracle.is_wide()
+                matches!(mistake, Mistake::Scaled(delta) if *delta >= NOTICED)
+                    && first.is_demanded
+                    && oracle.is_wide()
             };
             let change = || {
                 let of = |(x, entry, _): (f64, &Entry, _)| moved_by((x - entry.got).abs(), entry.tolerance());

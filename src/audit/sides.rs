@@ -6,7 +6,8 @@
 use crate::scalar::Wide;
 
 /// What is formed of derivatives that do not exist.
-const HIGHER: &str = "first derivatives have two sides there, or none: what is formed of them is judged by nobody";
+const HIGHER: &str =
+    "first derivatives have two sides there, or none: what is formed of them is judged by nobody";
 
 /// What both sides say of one derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -69,8 +69,7 @@ impl Truth {
         let mut found: Components<Vec<Sides>> = still.map(|value| value.map(|_| vec![flat; DOFS]));
         for j in columns {
             let steps = [FIRST_STEP / 2.0, FIRST_STEP, Sides::COARSE].map(|step| self.sized(j, step));
-            let moved: Moved =
-                steps.map(|h| [-h, h].map(|h| functions(&self.place(Self::along(j, h)))));
+            let moved: Moved = steps.map(|h| [-h, h].map(|h| functions(&self.place(Self::along(j, h)))));
             for (k, entries) in found.iter_mut().enumerate() {
                 let (Some(entries), Some(still)) = (entries, still[k]) else { continue };
                 let scale = self.extent(k) / dof_size(j, self.length());
@@ -93,7 +92,11 @@ impl Truth {
                 let settles = Sides::of([half, at(fine), at(coarse)].map(|x| [x; 2]), scale);
                 let of = if n == 0 { Quantity::FirstDerivatives } else { Quantity::NodalForces };
                 let jumps = |j: usize| jumps(first[n], bound, (of, k, j));
-                if jumps(i / DOFS) || jumps(i % DOFS) || has_none(first[n], k) { settles.of_none() } else { settles }
+                if jumps(i / DOFS) || jumps(i % DOFS) || has_none(first[n], k) {
+                    settles.of_none()
+                } else {
+                    settles
+                }
             })
         })
     }
@@ -126,11 +129,14 @@ impl Truth {
             };
             let settles = Sides::of([half, fine, coarse].map(|x| [x; 2]), scale(2));
             let moves = |j: usize| {
-                [&self.state().velocity, &self.state().acceleration].iter().any(|rates| rates[j] != Wide::zero())
+                [&self.state().velocity, &self.state().acceleration]
+                    .iter()
+                    .any(|rates| rates[j] != Wide::zero())
             };
             let of = Quantity::FirstDerivatives;
             let jumps = (0..DOFS).any(|j| moves(j) && jumps(first, bound, (of, k, j)));
-            acceleration.0[k] = Some(vec![if jumps || has_none(first, k) { settles.of_none() } else { settles }]);
+            acceleration.0[k] =
+                Some(vec![if jumps || has_none(first, k) { settles.of_none() } else { settles }]);
         }
         [rate, acceleration]
     }
@@ -149,4 +155,58 @@ fn has_none(first: &Entries<Sides>, k: usize) -> bool {
 /// The values of one component.
 fn of_component(moved: &Moved, k: usize) -> [[Option<Wide>; 2]; 3] {
     moved.each_ref().map(|both| both.each_ref().map(|values| values[k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::atlas;
+    use super::super::force::product_with_forces;
+    use super::super::oracle::{Oracle, WideAnswers};
+    use super::super::sample::Draw;
+    use super::super::verdict::{Surroundings, Verdict, judge};
+    use super::*;
+    use crate::catalog::ConnectionType;
+    use crate::measure::Measure;
+
+    /// Coincident nodes of an AXIAL: its row, its nodal force and its rate have two sides. What lies between them may stand there, what
+    /// lies outside is wrong; second derivatives do not exist.
+    #[test]
+    fn both_sides_decide_on_a_kink() {
+        let axial = ConnectionType::named("AXIAL", None).unwrap();
+        let mut case =
+            atlas::near(&axial, Measure::Distance, 0.5, 0.0, &mut Draw::new("coincident")).unwrap();
+        let step = case.path.last_mut().unwrap();
+        let pair = &mut step.state.pair;
+        pair.b.displacement = [0, 1, 2].map(|i| pair.a.displacement[i] - pair.reference[i]);
+        let state = step.state;
+        let numbers = product_with_forces(&case).unwrap();
+        let truth = Truth::of(&case).unwrap();
+        let answers = WideAnswers::of(&truth);
+        let nearness = truth.nearness_of_components();
+        assert_eq!(nearness[0], 0.0);
+        let trusted = answers.trusted(&nearness.map(|near| near > 0.0));
+        let bound =
+            Bound::of_components(&trusted, &state.velocity, &state.acceleration, case.length, &nearness);
+        let sides = truth.sides(&bound);
+        let around = Surroundings {
+            bound: &bound,
+            exact: None,
+            nearness,
+            sides: Some(&sides),
+            locked: truth.locked(),
+        };
+        let verdict = |quantity: Quantity, spoil: &dyn Fn(f64) -> f64| {
+            let got = numbers.entries(quantity).map(|_, _, x| spoil(x));
+            let answer = answers.answer(Oracle::WideDifferences, quantity).unwrap();
+            judge(quantity, &got, &answer, &around).verdict
+        };
+        let [first, forces, rate] = [Quantity::FirstDerivatives, Quantity::NodalForces, Quantity::Rate];
+        for quantity in [first, forces, rate] {
+            assert_eq!(verdict(quantity, &|x| x), Verdict::Kink, "{quantity:?}");
+            assert_eq!(verdict(quantity, &|x| x + 7.0), Verdict::Wrong, "{quantity:?}");
+        }
+        for quantity in [Quantity::SecondDerivatives, Quantity::GeometricStiffness, Quantity::Acceleration] {
+            assert_eq!(verdict(quantity, &|x| x), Verdict::Singular, "{quantity:?}");
+        }
+    }
 }

@@ -130,7 +130,12 @@ impl Slopes<'_> {
                 let (got, scale) = (self.got[i][j], scales.entries[i][j]);
                 let class = (self.class)(i, j);
                 let is_demanded = self.demanded.get(i).and_then(|row| row.get(j)) == Some(&true);
-                entries.push(Entry { error, sides, is_demanded, ..Entry::new(name, got, want, scale, class) });
+                entries.push(Entry {
+                    error,
+                    sides,
+                    is_demanded,
+                    ..Entry::new(name, got, want, scale, class)
+                });
             }
         }
         let mut sheet = Sheet::new(self.quantity);
@@ -191,12 +196,7 @@ impl Slopes<'_> {
 
     /// The slopes along an input, and which of them have two sides: sides that are apart by more than `least`, and do not come nearer to
     /// each other as the step shrinks, as they do wherever the function is smooth.
-    fn kinked(
-        &self,
-        still: &[Wide],
-        j: usize,
-        least: &dyn Fn(usize) -> f64,
-    ) -> Vec<(Wide, Option<Sides>)> {
+    fn kinked(&self, still: &[Wide], j: usize, least: &dyn Fn(usize) -> f64) -> Vec<(Wide, Option<Sides>)> {
         /// A shorter step.
         const SHORTER: f64 = 1e-3;
         let found = self.along(still, j, self.step);

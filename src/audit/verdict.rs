@@ -256,7 +256,8 @@ pub(super) struct Point {
 const HIGHER: &str = "on a singular set values and one-sided first derivatives exist at most: what is formed of others is judged by nobody";
 
 /// Why numbers have nothing to be compared with.
-const KEPT: &str = "neither value nor derivatives are determined there: a convention stands for them, or rounding decides";
+const KEPT: &str =
+    "neither value nor derivatives are determined there: a convention stands for them, or rounding decides";
 
 /// What angles at a lock may be off besides, for their rows do not tell from what they are formed: two angles of up to π.
 const LOCKED_SCALE: f64 = std::f64::consts::TAU;

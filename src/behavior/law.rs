@@ -233,7 +233,9 @@ impl Law {
                             velocity[*component][*component] += of(column);
                         }
                         Axis::Own => displacement[*component][*component] += of(column),
-                        Axis::Position(k) | Axis::Constitutive(k) => displacement[*component][*k] += of(column),
+                        Axis::Position(k) | Axis::Constitutive(k) => {
+                            displacement[*component][*k] += of(column)
+                        }
                     }
                 }
             }

@@ -262,9 +262,15 @@ impl Table {
     /// What the rounding of a slope is measured by: the sum of the magnitudes of the slopes of the rows between which it is interpolated, and
     /// of the values whose difference it is. It is larger than the slope where rows have opposite slopes. Of a row where two slopes meet, the
     /// larger.
-    pub(crate) fn slope_scale(&self, output: usize, argument: impl Fn(Variable) -> f64, variable: Variable) -> f64 {
+    pub(crate) fn slope_scale(
+        &self,
+        output: usize,
+        argument: impl Fn(Variable) -> f64,
+        variable: Variable,
+    ) -> f64 {
         let Some(level) = self.variables.iter().position(|(known, _)| *known == variable) else { return 0.0 };
-        let of = |side| self.scale_of_slope((&self.root, self.variables.len()), output, &argument, level, side);
+        let of =
+            |side| self.scale_of_slope((&self.root, self.variables.len()), output, &argument, level, side);
         of(Side::Left).max(of(Side::Right))
     }
 
@@ -273,7 +279,13 @@ impl Table {
         self.scale_of_value(&self.root, self.variables.len(), output, &argument)
     }
 
-    fn scale_of_value(&self, block: &Block, levels: usize, output: usize, argument: &impl Fn(Variable) -> f64) -> f64 {
+    fn scale_of_value(
+        &self,
+        block: &Block,
+        levels: usize,
+        output: usize,
+        argument: &impl Fn(Variable) -> f64,
+    ) -> f64 {
         let (at, blocks) = match block {
             Block::Values(values) => return values[output].abs(),
             Block::Along { at, blocks } => (at, blocks),
@@ -311,7 +323,9 @@ impl Table {
                     self.descend(&blocks[i], here, output, argument, &|_| Side::Right, &Cell::new(false))
                 };
                 // Rows of the innermost variable are exact, and so is their difference, to its own rounding.
-                let formed = |i: usize| if here == 0 { 0.0 } else { self.scale_of_value(&blocks[i], here, output, argument) };
+                let formed = |i: usize| {
+                    if here == 0 { 0.0 } else { self.scale_of_value(&blocks[i], here, output, argument) }
+                };
                 ((value(i + 1) - value(i)).abs() + formed(i) + formed(i + 1)) / (at[i + 1] - at[i])
             }
             Place::Between(i) => below(i) + below(i + 1),

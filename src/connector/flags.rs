@@ -3,8 +3,8 @@
 use super::{Branch, Components, Connector, Increment, Mask, State};
 use crate::measure::{Margin, Measure, SingularClass, Unit};
 use crate::node::{DOFS, Pair};
-use crate::scalar::{Differentiable, Real};
 use crate::scalar::elementary::norm;
+use crate::scalar::{Differentiable, Real};
 use crate::scene::Code;
 use crate::so3;
 use crate::vector::{self, column, dot, scale, sub};

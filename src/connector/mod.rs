@@ -168,7 +168,8 @@ fn undetermined_origins(definition: &Definition, rows: &[Option<Row>; 6]) -> [Op
     let measures = [0, 1, 2, 3, 4, 5].map(|k| rows[k].as_ref().map(|row| row.position));
     let may_be = |measure: &Measure| {
         measure.singular_set().is_some_and(|set| {
-            set.unit == Unit::Angle && matches!(set.class, SingularClass::TrueSingularity | SingularClass::BranchCut)
+            set.unit == Unit::Angle
+                && matches!(set.class, SingularClass::TrueSingularity | SingularClass::BranchCut)
         })
     };
     if !measures.iter().flatten().any(may_be) {

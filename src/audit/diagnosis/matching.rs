@@ -136,7 +136,8 @@ impl Matching<'_> {
             let Some(explained) = self.best(&fitting, &mut wrong, enough) else { break };
             found.causes.push(explained);
         }
-        if wrong.len() <= SINGLE {
+        // What stands out of tolerances that were widened is the largest of the digits lost.
+        if wrong.len() <= SINGLE && wider <= LOST[0] {
             for place in std::mem::take(&mut wrong).into_keys() {
                 found.causes.push(self.single(place));
             }

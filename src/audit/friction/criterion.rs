@@ -94,7 +94,8 @@ impl FrictionCase {
         let values = magnitudes(&got.map(|part| part.value));
         let of = |p: usize, j: usize| {
             let usual = values[p] / sizes[j];
-            let bent: f64 = got[p].hessian[j].iter().zip(self.point).map(|(bent, force)| (bent * force).abs()).sum();
+            let bent: f64 =
+                got[p].hessian[j].iter().zip(self.point).map(|(bent, force)| (bent * force).abs()).sum();
             is_plain && got[p].gradient[j].abs() >= 1e-3 * usual && bent <= 30.0 * usual
         };
         (0..4).map(|p| (0..6).map(|j| of(p, j)).collect()).collect()

@@ -372,9 +372,8 @@ pub fn try_mutants(
         let asked: Vec<&Demand> = asked.into_iter().filter_map(|n| demands.get(n)).collect();
         let noticed = asked.iter().any(|demand| demand.units_of(demand.sum(number)) > 1.0);
         let change = || {
-            let of = |demand: &&Demand| {
-                moved_by((demand.sum(number) - demand.sum(right)).abs(), demand.allowed)
-            };
+            let of =
+                |demand: &&Demand| moved_by((demand.sum(number) - demand.sum(right)).abs(), demand.allowed);
             asked.iter().map(of).fold(0.0, f64::max)
         };
         let what = || asked.first().map_or_else(String::new, |demand| demand.what.to_string());

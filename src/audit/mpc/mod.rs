@@ -77,11 +77,16 @@ impl BothSides {
         self.first[j][row].is_some_and(|sides| sides.differ(tolerance))
     }
 
+    /// Whether a side of a first derivative of a row lacks a derivative: then there is no gradient whose derivatives could be.
+    fn has_none(&self, row: usize) -> bool {
+        self.first.iter().any(|along| along[row].is_some_and(|sides| sides.exist != [true; 2]))
+    }
+
     /// A second derivative: it exists where second differences settle and no first derivative of which it is formed jumps.
     fn second(&self, row: usize, i: usize, scale: f64) -> Option<Sides> {
         let [half, fine, coarse] = self.second.each_ref().map(|of| of[row].as_ref()?.get(i).copied());
         let settles = Sides::of([half?, fine?, coarse?].map(|x| [x; 2]), scale);
-        let jumps = self.jumps(row, i / DOFS) || self.jumps(row, i % DOFS);
+        let jumps = self.jumps(row, i / DOFS) || self.jumps(row, i % DOFS) || self.has_none(row);
         Some(if jumps { settles.of_none() } else { settles })
     }
 
@@ -89,7 +94,7 @@ impl BothSides {
     fn acceleration(&self, row: usize, scale: f64) -> Option<Sides> {
         let [half, fine, coarse] = self.accelerations.map(|of| of[row]);
         let settles = Sides::of([half?, fine?, coarse?].map(|x| [x; 2]), scale);
-        let jumps = (0..DOFS).any(|j| self.moves[j] && self.jumps(row, j));
+        let jumps = self.has_none(row) || (0..DOFS).any(|j| self.moves[j] && self.jumps(row, j));
         Some(if jumps { settles.of_none() } else { settles })
     }
 }
@@ -216,7 +221,9 @@ impl MpcCase {
             let matrix = second[row].clone().unwrap_or_else(|| vec![zero; DOFS * DOFS]);
             // … and differences of those are no second derivatives.
             let bent = match singular {
-                Some((_, hessian)) => hessian[row].as_ref().map_or_else(Vec::new, |h| narrow(h.as_flattened())),
+                Some((_, hessian)) => {
+                    hessian[row].as_ref().map_or_else(Vec::new, |h| narrow(h.as_flattened()))
+                }
                 None => narrow(&matrix),
             };
             let scales = scales(
