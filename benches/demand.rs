@@ -8,6 +8,7 @@
 use pintle::connector::{Mask, Output, Request, Tally};
 use pintle::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence};
 use pintle::scene::{Label, NodeMotion, Rotation, Scene, State};
+use std::convert::Infallible;
 use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
@@ -107,7 +108,12 @@ impl<'a> Line<'a> {
         for state in states {
             let start = Instant::now();
             match &self.jacobian {
-                None => drop(black_box(sequence.step(black_box(state)))),
+                None => {
+                    let Ok(()) = sequence.visit(black_box(state), |item| -> Result<(), Infallible> {
+                        black_box(item);
+                        Ok(())
+                    });
+                }
                 Some(jacobian) => {
                     black_box(sequence.assemble(black_box(state), jacobian, &mut values).unwrap());
                 }

@@ -14,6 +14,8 @@ use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Branch, Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
 use pintle::scalar::Wide;
+use pintle::scalar::elementary::norm;
+use pintle::vector;
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
@@ -57,15 +59,23 @@ struct Case {
     truth: Vec<Vec<Truth>>,
 }
 
-/// The branch at a state that follows the initial one.
-fn branch(connector: &Connector<f64>, pair: &Pair<f64>) -> Branch<f64> {
-    let request = Request::new(&[Output::CP, Output::RES], [true; 6], 0);
-    let before = connector.initial_branch();
-    connector.evaluate(&at_rest(pair), &Increment::none(), &before, &request, &mut Tally::default()).branch
+/// The branch at a state that follows the initial one, or the one with the rotation vector that goes the other way round.
+fn branch(connector: &Connector<f64>, pair: &Pair<f64>, beyond: bool) -> Branch<f64> {
+    let mut branch = connector.advance(&at_rest(pair), &Increment::none(), &connector.initial_branch());
+    if beyond {
+        let length = norm(branch.rotation_vector);
+        branch.rotation_vector = vector::scale(branch.rotation_vector, (length - TAU) / length);
+    }
+    branch
 }
 
 /// `None` for a type that has no batch.
 fn case(name: &'static str) -> Option<Case> {
+    case_of(name, name, false)
+}
+
+/// A type under a title; where it goes on `beyond` half a turn, no rotation vector is principal.
+fn case_of(title: &'static str, name: &str, beyond: bool) -> Option<Case> {
     let draw = &mut Draw::new("lanes");
     let mut initial = drawn(draw);
     // The directions coincide at first, as where a printed constraint is enforced.
@@ -75,11 +85,14 @@ fn case(name: &'static str) -> Option<Case> {
     let wide = Connector::<Wide>::new(&definition);
     let batch = Batch::new(&connector, [true; 6]).ok()?;
     let pairs: Vec<Pair<f64>> = (0..4 * TILES).map(|_| drawn(draw)).collect();
+    let branches: Vec<Branch<f64>> = pairs.iter().map(|pair| branch(&connector, pair, beyond)).collect();
     let requests = [1, 2].map(|order| Request::new(&[Output::CP, Output::RES], [true; 6], order));
     let truth = |(i, pair): (usize, &Pair<f64>)| {
         let request = &requests[usize::from(i < 4 * TILES_OF_SECOND)];
-        let (branch, tally) = (wide.initial_branch(), &mut Tally::default());
-        let found = wide.evaluate(&exact_state(&at_rest(pair)), &Increment::none(), &branch, request, tally);
+        let rotation_vector = vector::exact(branches[i].rotation_vector);
+        let branch = Branch { rotation_vector, ..wide.initial_branch() };
+        let (state, tally) = (exact_state(&at_rest(pair)), &mut Tally::default());
+        let found = wide.evaluate(&state, &Increment::none(), &branch, request, tally);
         let of_row = |(k, _): &(usize, _)| {
             let value = found.residual[*k].or(found.position[*k]).unwrap().to_f64();
             let second = found.hessian[*k].as_ref().map(|hessian| hessian.map(|row| row.map(Wide::to_f64)));
@@ -92,13 +105,13 @@ fn case(name: &'static str) -> Option<Case> {
     let fours: Vec<[Pair<f64>; 4]> =
         pairs.chunks_exact(4).map(|four| [four[0], four[1], four[2], four[3]]).collect();
     Some(Case {
-        name,
+        name: title,
         batch,
         tiles: fours.iter().map(Tile::new).collect(),
         sections: fours.iter().map(|_| Section::new(&[&connector; 4])).collect(),
-        histories: fours
-            .iter()
-            .map(|four| History::new(&four.map(|pair| branch(&connector, &pair))))
+        histories: branches
+            .chunks_exact(4)
+            .map(|four| History::new(&[four[0], four[1], four[2], four[3]]))
             .collect(),
         connector,
         pairs,
@@ -205,10 +218,8 @@ fn main() {
 mod by_hand {
     use super::*;
     use crate::hand::sweep::Sweep;
+    use crate::hand::types::TYPES;
     use pulp::x86::V3;
-
-    /// The types written by hand.
-    const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
 
     fn sweep<'a, L>(v: V3, case: &'a Case, out: &'a mut [L]) -> Sweep<'a, L> {
         let Case { name, tiles, sections, batch, .. } = case;
@@ -279,7 +290,9 @@ mod by_hand {
 /// The time per row of every type, alone and with second derivatives, and of assembled ones over that of their dearer half.
 fn every_type() {
     let names = TABLE.iter().map(|connection| -> &'static str { &connection.name });
-    let cases: Vec<Case> = names.filter_map(case).collect();
+    let mut cases: Vec<Case> = names.filter_map(case).collect();
+    // The rows of such tiles are computed a second time.
+    cases.extend(case_of("ROTATION beyond half a turn", "ROTATION", true));
     let mut least = vec![[f64::INFINITY; 2]; cases.len()];
     for case in &cases {
         let (mut rows, mut second) = room(case);
@@ -316,7 +329,7 @@ fn every_type() {
         }
         let over =
             |which: usize| dearer.map_or("–".into(), |half| format!("{:.2}", own[which] / half[which]));
-        println!("{:26} {:6.2} {:7.2}  {:>4} {:>4}", case.name, own[0], own[1], over(0), over(1));
+        println!("{:27} {:6.2} {:7.2}  {:>4} {:>4}", case.name, own[0], own[1], over(0), over(1));
     }
     let [(first, over_first), (second, over_second)] = dearest;
     println!("at most {over_first:.2} ({first}), with second derivatives {over_second:.2} ({second})");

@@ -7,6 +7,8 @@
 
 #[path = "hand/naive.rs"]
 mod naive;
+#[path = "hand/types.rs"]
+mod types;
 
 use num_dual::DualSVec;
 use pintle::audit::case::exact_state;
@@ -21,8 +23,8 @@ use serde_json::{Map, Value, json};
 use std::hint::black_box;
 use std::io::{BufRead, Write};
 use std::time::{Duration, Instant};
+use types::TYPES;
 
-const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
 /// States that differ; larger batches repeat them.
 const STATES: usize = 1000;
 /// States per call. The first stay in the first cache with their rows.

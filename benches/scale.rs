@@ -96,9 +96,9 @@ fn write(scene: &Scene, model: &Model, plan: &Plan, state: &State, format: &mut 
     format.state(0, state.time).unwrap();
     let render = format.renderer();
     let mut count = 0;
-    let digest = |item: Item| match item {
+    let digest = |item: Item<'_>| match item {
         Item::Connector(result) => {
-            let block = Block::of_connector(model, &plan.request, &result);
+            let block = Block::of_connector(model, &plan.request, result);
             (block.kind, render(&block).unwrap())
         }
         Item::Mpc(_) => panic!("a chain has no MPC"),

@@ -9,9 +9,11 @@ mod hand {
     #[expect(dead_code, reason = "the rows need some of them")]
     mod coefficients;
     pub(crate) mod scalar;
+    pub(crate) mod types;
 }
 
 use hand::scalar::{self, Row};
+use hand::types::TYPES;
 use pintle::catalog::ConnectionType;
 use pintle::connector::{Branch, Connector, Definition, Increment, Linear, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
@@ -20,7 +22,6 @@ use pintle::{so3, vector};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
 const STATES: usize = 32;
 const ROUNDS: usize = 12;
 /// The time of one measurement, of which the least pass counts.

@@ -19,10 +19,12 @@ mod hand {
     mod simd;
     #[cfg(target_arch = "x86_64")]
     pub(crate) mod sweep;
+    pub(crate) mod types;
     #[cfg(target_arch = "x86_64")]
     mod vector;
 }
 
+use hand::types::TYPES;
 use hand::{naive, scalar};
 use num_dual::{Dual2SVec, DualSVec};
 use pintle::batch::{Batch, HessianRow, History, Row, Section, Tile};
@@ -34,7 +36,6 @@ use pintle::scalar::Seeded;
 use serde_json::{Map, Value, json};
 use std::io::{BufRead, Write};
 
-const TYPES: [&str; 5] = ["SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"];
 /// States that differ, and how many elements each way goes through.
 const STATES: usize = 64;
 const BATCH: usize = 1024;

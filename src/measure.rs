@@ -468,6 +468,12 @@ impl Measure {
         !matches!(self, Self::Distance | Self::Strain | Self::Flow(_))
     }
 
+    /// Whether the value is linear in d, and depends on nothing else: its second derivatives are those of the nodal map.
+    #[inline]
+    pub(crate) const fn is_linear(self) -> bool {
+        matches!(self, Self::Position(_) | Self::PositionAtB(_))
+    }
+
     /// The period by which the principal value jumps and the continued value does not: 2π for an angle that winds.
     pub const fn winds(self) -> bool {
         matches!(self, Self::Cardan(1 | 3) | Self::Euler(_) | Self::Torsion | Self::Sweep)

@@ -41,6 +41,24 @@ fn jax_alone_decides() {
     // All that the tests compare with JAX.
     let golden: Value = serde_json::from_str(include_str!("golden/jax.json")).unwrap();
     assert_eq!(states, golden["cases"].as_array().unwrap().len() as u64);
+    // Predefined friction of every type that has a sum of terms.
+    let golden: Value = serde_json::from_str(include_str!("golden/friction.json")).unwrap();
+    let count = |what: &str| golden[what].as_array().unwrap().len() as u64;
+    for (quantity, wanted) in [
+        (Quantity::FrictionCriterion, count("criteria")),
+        (Quantity::FrictionGradient, count("criteria")),
+        (Quantity::FrictionHessian, count("criteria")),
+        (Quantity::FrictionForce, count("updates")),
+        (Quantity::FrictionTangent, count("updates")),
+    ] {
+        let of_it: Vec<&Check> = by_jax(&report)
+            .filter(|(_, check)| check.quantity == Some(quantity))
+            .map(|(_, check)| check)
+            .collect();
+        let states: u64 = of_it.iter().map(|check| check.states.values().sum::<u64>()).sum();
+        assert_eq!(states, wanted, "{quantity:?}");
+        assert!(of_it.iter().all(|check| check.score.killed > 10), "{quantity:?}");
+    }
     let shares = Oracle::Jax.shares();
     assert!(!shares.kinematics && !shares.elementary && !shares.mechanism && Oracle::Jax.is_independent());
     for quantity in Quantity::ALL {

@@ -699,7 +699,7 @@ fn what_needs_care_is_said() {
     let deck = file("edge.inp", AT_THE_EDGE);
     let states = file(
         "edge.csv",
-        "state,node,u1,ur1,ur2,flow\n0,2,,,1.5707963267948966,\n1,1,,,,-1\n2,2,,3.1,,\n3,1,-1e308,3.1,,\n3,2,1e308,3.1,,\n4,2,-1,,,\n",
+        "state,node,u1,ur1,ur2,flow\n0,2,,,1.5707963267948966,\n1,1,,,,-1\n2,2,,3.1,,\n3,1,-1e308,3.1,,\n3,2,1e308,3.1,,\n4,2,-1,,,\n5,2,,,1.57079632,\n",
     );
     let arguments = ["eval", &deck, "--states", &states, "--order", "1", "--format"];
     let assert = pintle(&[&arguments[..], &["json"]].concat()).assert().success();
@@ -723,6 +723,7 @@ fn what_needs_care_is_said() {
     let page = stdout(&pintle(&[&arguments[..], &["human"]].concat()).assert().success());
     let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
+        "! ur1, ur3 are singular, at β = ±π/2 (lock): neither value nor derivatives are determined there",
         "from β = ±π/2 (lock): value and derivatives lose digits",
         "! ur1, ur3 are ill-conditioned, ",
         "! u1 is singular, at no material left, l0 + Ψa − Ψb ≤ 0",

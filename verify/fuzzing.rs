@@ -205,7 +205,7 @@ fn evaluate(scene: &Scene, states: &[State]) {
     for state in states {
         write(&mut |format| format.state(sequence.states(), state.time));
         let Ok(()) = sequence.visit(state, |item| -> Result<(), std::convert::Infallible> {
-            let block = match &item {
+            let block = match item {
                 Item::Connector(result) => Block::of_connector(&model, &request, result),
                 Item::Mpc(result) => Block::of_mpc(&model, &request, result),
             };

@@ -6,4 +6,5 @@ mod coefficients;
 mod hessian;
 mod simd;
 pub(crate) mod sweep;
+pub(crate) mod types;
 mod vector;

@@ -6,7 +6,6 @@ import time
 
 import numpy as np
 
-TYPES = ("SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN")
 BUDGET = 0.025  # s: the time of one measurement, of which the least call counts
 BOUND = 1e-6  # the largest error over the largest entry of the row that lets a peer be timed
 
@@ -21,6 +20,7 @@ class States:
         self.truth = {
             name: (np.array(rows["values"]), np.array(rows["jacobian"])) for name, rows in content["types"].items()
         }
+        self.types = tuple(self.truth)
 
     def repeated(self, count):
         return np.ascontiguousarray(np.resize(self.states, (count, self.states.shape[1])))

@@ -12,7 +12,7 @@ import tempfile
 import casadi as ca
 import numpy as np
 
-from shared import TYPES, States, least_time, serve
+from shared import States, least_time, serve
 
 BATCHES = (32, 1000, 4096, 100_000)
 FLAGS = ("-O3", "-march=native", "-fPIC", "-shared")
@@ -67,11 +67,11 @@ def function(name, symbol):
     return ca.Function(symbol, [state], [value, jacobian]), value.numel()
 
 
-def compiled(folder):
+def compiled(folder, types):
     """The library, and the number of rows of each type."""
     generator = ca.CodeGenerator("peers", {"with_header": False, "mex": False})
     loops, rows = "", {}
-    for index, name in enumerate(TYPES):
+    for index, name in enumerate(types):
         made, rows[name] = function(name, f"type_{index}")
         generator.add(made)
         loops += LOOP.format(index=index, n=rows[name])
@@ -87,7 +87,7 @@ def compiled(folder):
 def main():
     states = States(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
-        library, rows = compiled(pathlib.Path(folder))
+        library, rows = compiled(pathlib.Path(folder), states.types)
 
     def prepared(index, name, count):
         batch = states.repeated(count)
@@ -106,7 +106,7 @@ def main():
         return call, calls * count, (batch, values, jacobian)
 
     errors = {}
-    for index, name in enumerate(TYPES):
+    for index, name in enumerate(states.types):
         call, _, (_, values, jacobian) = prepared(index, name, len(states.states))
         call()
         errors[name] = states.error(name, values, jacobian)
@@ -115,7 +115,7 @@ def main():
         times = {}
         for count in BATCHES:
             times[str(count)] = {}
-            for index, name in enumerate(TYPES):
+            for index, name in enumerate(states.types):
                 call, each, kept = prepared(index, name, count)
                 times[str(count)][name] = least_time(call, each)
                 del kept

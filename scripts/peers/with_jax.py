@@ -16,7 +16,7 @@ import numpy as np
 
 jax.config.update("jax_enable_x64", True)
 
-from shared import TYPES, States, least_time, serve
+from shared import States, least_time, serve
 
 BATCHES = (1000, 4096, 100_000)
 
@@ -101,7 +101,7 @@ def main():
     states = States(sys.argv[1])
     variants = {"JAX": naive, "JAX, relative": relative}
     programs = {
-        variant: {name: jax.jit(jax.vmap(write(name))) for name in TYPES} for variant, write in variants.items()
+        variant: {name: jax.jit(jax.vmap(write(name))) for name in states.types} for variant, write in variants.items()
     }
     inputs = {count: jnp.asarray(states.repeated(count)) for count in BATCHES}
     errors = {}

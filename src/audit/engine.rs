@@ -7,7 +7,7 @@ use super::certificate::{certificate, certifies_predefined};
 use super::conditioned::Conditioned;
 use super::diagnosis::Symptoms;
 use super::force::product_with_forces as product;
-use super::friction::friction_cases;
+use super::friction::{self, friction_cases};
 use super::golden::{audit_golden, states_of};
 use super::invariant::{self, Context, Invariant};
 use super::mutant::{self, Mistake, Mutant, mutants};
@@ -167,6 +167,7 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let frictions = friction_cases(connection, settings, settings.wide_states);
     let found: Vec<Vec<Check>> = frictions.par_iter().map(|case| case.audit(settings)).collect();
     found.into_iter().for_each(|found| checks_of(&mut checks, found));
+    checks_of(&mut checks, friction::audit_golden(connection, settings));
     for law in [Invariant::Start, Invariant::Turns, Invariant::FreeAxis] {
         let demands = invariant::of_type(connection, law);
         if !demands.is_empty() {

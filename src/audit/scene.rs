@@ -88,15 +88,15 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
             let work = match placed {
                 Item::Connector(placed) => {
                     let behavior = Arc::clone(&model.connectors[placed.index].behavior);
-                    let case = case(model, &placed, number);
+                    let case = case(model, placed, number);
                     let slides = placed.behavior.as_ref().filter(|_| behavior.behavior.slips_at_all());
                     let now = slides.map(|outcome| outcome.history.clone()).unwrap_or_default();
                     let before = left.get_mut(place).map(|left| std::mem::replace(left, now));
-                    let slips = slipping(&placed, &behavior, &case, before.unwrap_or_default());
+                    let slips = slipping(placed, &behavior, &case, before.unwrap_or_default());
                     let slips = slips.or_else(|| drawn(&case, &behavior, &model.schedule, (settings, index)));
                     Work::Connector(Box::new(case), behavior, slips.map(Box::new))
                 }
-                Item::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, &placed, number))),
+                Item::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, placed, number))),
             };
             waiting.push(Piece { place, index, is_wide: is_wide(place, index), work });
             place += 1;
@@ -172,7 +172,7 @@ fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gat
     let mut place = plan.connectors.len();
     let Ok(()) = walk.visit(&State::default(), |placed| -> Result<(), Infallible> {
         if let Item::Mpc(placed) = placed {
-            let work = Work::Mpc(Box::new(mpc_case(model, &placed, 0)));
+            let work = Work::Mpc(Box::new(mpc_case(model, placed, 0)));
             pieces.push(Piece { place, index: 0, is_wide: true, work });
             place += 1;
             if pieces.len() >= AT_ONCE {
@@ -296,7 +296,7 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
         let number = state.number.unwrap_or(index as u64);
         let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
             if let Item::Connector(placed) = placed {
-                found.push((model.connectors[placed.index].title(), case(model, &placed, number)));
+                found.push((model.connectors[placed.index].title(), case(model, placed, number)));
             }
             Ok(())
         });

@@ -178,8 +178,8 @@ impl<'a> Surroundings<'a> {
     fn is_locked(&self, quantity: Quantity, k: usize) -> bool {
         let by_lock = match quantity {
             Quantity::Value => self.locked.values[k],
-            Quantity::FirstDerivatives => self.locked.rows[k],
-            _ => false,
+            // Nodal forces, rates and all others are formed of rows.
+            _ => self.locked.rows[k],
         };
         by_lock || self.locked.everything[k]
     }

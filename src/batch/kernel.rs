@@ -11,10 +11,9 @@ use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
 use std::marker::PhantomData;
 
-/// One pass over all tiles.
+/// One pass over all tiles, the rows of each `rows` after those of the one before.
 struct Loop<'a, L> {
     arch: Arch,
-    pass: &'a Pass,
     rows: usize,
     tiles: &'a [Tile],
     sections: &'a [Section],
@@ -22,10 +21,42 @@ struct Loop<'a, L> {
     out: &'a mut [L],
 }
 
-impl<L: Layout> Task for Loop<'_, L> {
+/// A pass whose rows go where it says.
+struct Placed<'a, L> {
+    pass: &'a Pass,
+    all: Loop<'a, L>,
+}
+
+impl<L: Layout> Task for Placed<'_, L> {
     #[inline(always)]
     fn run<F: Formula<M>, const M: usize>(self) {
-        F::apart(self);
+        let Self { pass, all } = self;
+        // Mostly the rows stand side by side where they are to go.
+        let first = pass.rows[0];
+        let in_place = (0..M).all(|m| pass.rows[m] < all.rows && pass.rows[m] == first.wrapping_add(m));
+        if !in_place {
+            return scattered::<F, L, M>(pass, all);
+        }
+        if let Some(out) = all.out.get_mut(first..) {
+            F::apart(Loop { out, ..all });
+        }
+    }
+}
+
+/// Rows that stand apart, or of which some are not wanted: computed for one tile after another, and copied.
+fn scattered<F: Formula<M>, L: Layout, const M: usize>(pass: &Pass, all: Loop<'_, L>) {
+    let Loop { arch, rows, tiles, sections, histories, out } = all;
+    let mut computed = [L::default(); M];
+    let constants = sections.chunks(1).zip(histories.chunks(1));
+    for ((tiles, (sections, histories)), out) in
+        tiles.chunks(1).zip(constants).zip(out.chunks_exact_mut(rows))
+    {
+        F::apart(Loop { arch, rows: M, tiles, sections, histories, out: &mut computed });
+        for (row, place) in computed.iter().zip(pass.rows) {
+            if let Some(out) = out.get_mut(place) {
+                *out = *row;
+            }
+        }
     }
 }
 
@@ -62,36 +93,14 @@ impl<F: Formula<M>, L, const M: usize> LoopOf<'_, F, L, M> {
     where
         L: Put<FUSED>,
     {
-        let Loop { pass, rows, tiles, sections, histories, out, .. } = self.all;
-        // Mostly the rows stand side by side where they are to go.
-        let first = pass.rows[0];
-        let mut in_place = true;
-        for m in 0..M {
-            in_place &= pass.rows[m] < rows && pass.rows[m] == first.wrapping_add(m);
-        }
+        let Loop { rows, tiles, sections, histories, out: mut rest, .. } = self.all;
         let count = tiles.len();
         let (Some(sections), Some(histories)) = (sections.get(..count), histories.get(..count)) else {
             return;
         };
-        let Some(mut rest) = out.get_mut(if in_place { first } else { 0 }..) else { return };
-        let mut apart: Option<[L; M]> = None;
         for i in 0..count {
-            let target = if in_place {
-                let Some(target) = rest.first_chunk_mut::<M>() else { return };
-                target
-            } else {
-                apart.get_or_insert_with(|| [L::default(); M])
-            };
+            let Some(target) = rest.first_chunk_mut::<M>() else { return };
             differentiate::<F, L, M, FUSED>(&tiles[i], &sections[i], &histories[i], target);
-            if let Some(computed) = &apart {
-                for m in 0..M {
-                    if pass.rows[m] < rows
-                        && let Some(row) = rest.get_mut(pass.rows[m])
-                    {
-                        *row = computed[m];
-                    }
-                }
-            }
             // After the last tile there may be less left, and it does not matter.
             let Some((_, following)) = rest.split_at_mut_checked(rows) else { return };
             rest = following;
@@ -245,6 +254,7 @@ impl<const FUSED: bool> Element<FUSED> {
         let derivatives = Derivatives {
             needed,
             turns_with_a: measure.turns_with_a(),
+            is_linear: measure.is_linear(),
             separation: self.pair.separation(),
             translation: [all[0], all[1], all[2]],
             rotation: [all[3], all[4], all[5]],
@@ -276,7 +286,8 @@ impl Batch {
             return Ok(());
         }
         for pass in &self.passes {
-            pass.dispatch(Loop { arch: self.arch, pass, rows: self.rows(), tiles, sections, histories, out });
+            let all = Loop { arch: self.arch, rows: self.rows(), tiles, sections, histories, out };
+            pass.dispatch(Placed { pass, all });
         }
         Ok(())
     }

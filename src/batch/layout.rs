@@ -62,6 +62,8 @@ pub struct Derivatives<const FUSED: bool> {
     pub(super) needed: Dependence,
     /// Whether a turn of a alone changes the value.
     pub(super) turns_with_a: bool,
+    /// Whether the value is linear in δ, so that its second derivatives are those of the map alone.
+    pub(super) is_linear: bool,
     pub(super) separation: Vector<Lanes<FUSED>>,
     pub(super) translation: Vector<Lanes<FUSED>>,
     pub(super) rotation: Vector<Lanes<FUSED>>,
@@ -89,14 +91,14 @@ impl<const FUSED: bool> Put<FUSED> for Row {
 
     #[inline(always)]
     fn put(&mut self, value: Lanes<FUSED>, of: &Derivatives<FUSED>) {
-        let arm = of.turning_a();
+        let (g, arm) = (of.translation, of.turning_a());
+        let minus_g = if of.needed.translation { [-g[0], -g[1], -g[2]] } else { g };
         self.value = value.0;
-        for i in 0..3 {
-            let g = of.translation[i];
-            self.columns[i] = if of.needed.translation { (-g).0 } else { g.0 };
-            self.columns[3 + i] = arm[i].0;
-            self.columns[6 + i] = g.0;
-            self.columns[9 + i] = of.rotation[i].0;
+        // In the order of memory: two stores to one line of the cache are done at once where one follows the other.
+        for (place, part) in [minus_g, arm, g, of.rotation].into_iter().enumerate() {
+            for i in 0..3 {
+                self.columns[3 * place + i] = part[i].0;
+            }
         }
     }
 }
@@ -162,6 +164,28 @@ fn difference<const FUSED: bool>(a: &Block<FUSED>, b: &Block<FUSED>) -> Block<FU
     [sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2])]
 }
 
+/// The second derivatives of g·δ, in which δ varies with the nodes: the transposed matrix of g × (x_b, θ_a), and
+/// ½(g Dᵀ + D gᵀ) − (g·D) I (θ_a, θ_a).
+#[inline(always)]
+fn of_map<const FUSED: bool>(
+    g: Vector<Lanes<FUSED>>,
+    separation: Vector<Lanes<FUSED>>,
+) -> (Block<FUSED>, Block<FUSED>) {
+    let (zero, half) = (Lanes::splat(0.0), Lanes::splat(0.5));
+    let spin = [[zero, g[2], -g[1]], [-g[2], zero, g[0]], [g[1], -g[0], zero]];
+    let halves = [g[0] * half, g[1] * half, g[2] * half];
+    let along = dot(g, separation);
+    let mut centripetal = [[zero; 3]; 3];
+    unrolled!(i < 3, {
+        centripetal[i][i] = g[i] * separation[i] - along;
+        unrolled!(j < i, {
+            centripetal[i][j] = halves[i].multiply_add(separation[j], halves[j] * separation[i]);
+            centripetal[j][i] = centripetal[i][j];
+        })
+    });
+    (spin, centripetal)
+}
+
 impl<const FUSED: bool> Put<FUSED> for HessianRow {
     const ORDER: usize = 2;
 
@@ -172,7 +196,24 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
         let to = &mut self.hessian;
         let zero = [[Lanes::splat(0.0); 3]; 3];
         let (g, h, separation) = (of.translation, of.rotation, of.separation);
-        let half = Lanes::splat(0.5);
+        if of.is_linear {
+            let (spin, centripetal) = of_map(g, separation);
+            let minus = [
+                [zero[0][0], -spin[0][1], -spin[0][2]],
+                [-spin[1][0], zero[0][0], -spin[1][2]],
+                [-spin[2][0], -spin[2][1], zero[0][0]],
+            ];
+            for at in [(XA, XA), (XB, XB), (XA, XB), (THETA_B, THETA_B)] {
+                write(to, at, &zero);
+            }
+            for at in [XA, THETA_A, XB] {
+                write(to, (at, THETA_B), &zero);
+            }
+            write(to, (XA, THETA_A), &minus);
+            write(to, (XB, THETA_A), &spin);
+            write(to, (THETA_A, THETA_A), &centripetal);
+            return;
+        }
         let (mut dd, mut dr, mut rr) = (zero, zero, zero);
         unrolled!(i < 3, {
             unrolled!(j < 3, {
@@ -215,26 +256,20 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
             if rotation {
                 theta_theta = difference(&theta_theta, &r_theta);
             }
-            let along = dot(g, separation);
+            let (spin, centripetal) = of_map(g, separation);
             unrolled!(i < 3, {
                 unrolled!(j < 3, {
-                    let mut centripetal = g[i].multiply_add(separation[j], g[j] * separation[i]) * half;
-                    if i == j {
-                        centripetal = centripetal - along;
+                    theta_theta[i][j] = theta_theta[i][j] + centripetal[i][j];
+                    if i != j {
+                        d_theta[i][j] = d_theta[i][j] + spin[i][j];
                     }
-                    theta_theta[i][j] = theta_theta[i][j] + centripetal;
                 })
             });
-            // The transposed matrix of g ×.
-            for i in 0..3 {
-                let (j, k) = NEXT[i];
-                d_theta[i][j] = d_theta[i][j] + g[k];
-                d_theta[j][i] = d_theta[j][i] - g[k];
-            }
         } else {
             theta_theta = rr;
         }
         if rotation {
+            let half = Lanes::splat(0.5);
             for i in 0..3 {
                 let (j, k) = NEXT[i];
                 r_theta[i][j] = h[k].multiply_add(half, r_theta[i][j]);

@@ -348,12 +348,12 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
                     }
                     format.state(index, state.time)?;
                     let render = format.renderer();
-                    let digest = |item: Item| -> io::Result<Rendered> {
-                        let block = match &item {
+                    let digest = |item: Item<'_>| -> io::Result<Rendered> {
+                        let block = match item {
                             Item::Connector(result) => Block::of_connector(model, request, result),
                             Item::Mpc(result) => Block::of_mpc(model, request, result),
                         };
-                        let title = if block.flags.is_empty() { String::new() } else { title(model, &item) };
+                        let title = if block.flags.is_empty() { String::new() } else { title(model, item) };
                         let (kind, has_numbers, text) = (block.kind, block.has_numbers(), render(&block)?);
                         Ok(Rendered { kind, has_numbers, text, title, flags: block.flags })
                     };
@@ -366,12 +366,12 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
                     format.end_state()?;
                 } else {
                     sequence.pass(state, |item| -> Result<(), Failure> {
-                        let flags = match &item {
+                        let flags = match item {
                             Item::Connector(result) => &result.flags,
                             Item::Mpc(result) => &result.flags,
                         };
                         if !flags.is_empty() {
-                            care.see(index, &title(model, &item), flags);
+                            care.see(index, &title(model, item), flags);
                         }
                         Ok(())
                     })?;
@@ -394,7 +394,7 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
 }
 
 /// What a result is of: `HINGE 101`, `MPC REVOLUTE 10-20-30`.
-fn title(model: &Model, item: &Item) -> String {
+fn title(model: &Model, item: Item<'_>) -> String {
     match item {
         Item::Connector(result) => model.connectors[result.index].title(),
         Item::Mpc(result) => model.mpcs[result.index].title(),

@@ -134,16 +134,23 @@ impl<R: Differentiable> Follower<'_, R> {
             return next;
         }
         let is_followed = |k: usize| wanted[k] && self.rows[k].is_some();
-        let needs = |kind: fn(Measure) -> bool| {
-            (0..6).filter(|k| wanted[*k]).filter_map(|k| self.rows[k].as_ref()).any(|row| kind(row.position))
-        };
+        let (mut vector, mut euler, mut winds, mut torsion, mut one_form) =
+            (false, false, false, false, false);
+        for (row, _) in self.rows.iter().zip(wanted).filter(|(_, wanted)| *wanted) {
+            let Some(Row { position, .. }) = row else { continue };
+            vector |= matches!(position, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
+            euler |= matches!(position, Measure::Euler(_));
+            winds |= position.winds();
+            torsion |= position.counts_torsion();
+            one_form |= position.is_one_form();
+        }
         let pair = &state.pair;
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
         let told = sub(sub(increment.rotation[1], increment.rotation[0]), whole);
         let still = [R::integer(0); 3];
         let turned = Dependence { rotation: true, ..Dependence::default() };
         let relative = pair.varied(turned, still, still, [R::integer(0); 2]);
-        if needs(|m| matches!(m, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))) {
+        if vector {
             let carried = add(branch.rotation_vector, vector::apply_transposed(&pair.a.triad, whole));
             let lean = scale(vector::apply_transposed(&pair.a.triad, told), R::ratio(LEAN.0, LEAN.1));
             tally.histories += 1;
@@ -158,7 +165,7 @@ impl<R: Differentiable> Follower<'_, R> {
             };
             next.rotation_vector = R::choose(log.is_reference(), || log.phi, held);
         }
-        if needs(|m| matches!(m, Measure::Euler(_))) {
+        if euler {
             // The sheet is that on which all of them move least.
             let told = [whole, told];
             let (same, distance) =
@@ -171,7 +178,7 @@ impl<R: Differentiable> Follower<'_, R> {
                 || (same, branch.euler_sign),
             );
             (next.turns, next.euler_sign) = chosen;
-        } else if needs(Measure::winds) {
+        } else if winds {
             // At a lock the third Cardan angle depends on where the first was before.
             let is_cardan =
                 |k: usize| self.rows[k].is_some_and(|row| matches!(row.position, Measure::Cardan(_)));
@@ -180,14 +187,14 @@ impl<R: Differentiable> Follower<'_, R> {
             next.turns =
                 self.wind(&relative, pair, [whole, told], branch, (branch.euler_sign, mask), tally).0;
         }
-        if needs(Measure::counts_torsion) {
+        if torsion {
             tally.histories += 1;
             let principal = so3::torsion(&relative.q);
-            let along =
-                |v: Vector<R>| Measure::Torsion.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
+            let axis = Measure::Torsion.winding_axis(pair);
+            let along = |v: Vector<R>| axis.map_or(R::integer(0), |axis| dot(axis, v));
             next.torsion = nearest_turn(principal, &branch.torsion, along(whole), along(told)).0;
         }
-        if needs(Measure::is_one_form) {
+        if one_form {
             tally.histories += 1;
             // The sum and its rounding error, exactly (Knuth's two-sum).
             let change = self.accumulation(pair, increment);
@@ -220,8 +227,8 @@ impl<R: Differentiable> Follower<'_, R> {
             let evaluated = row.position.evaluate(&mut shared);
             let principal = row.position.unlocked(&relative.q, evaluated, branch.turns[3].principal);
             let previous = branch.turns[k];
-            let along =
-                |v: Vector<R>| row.position.winding_axis(pair).map_or(R::integer(0), |axis| dot(axis, v));
+            let axis = row.position.winding_axis(pair);
+            let along = |v: Vector<R>| axis.map_or(R::integer(0), |axis| dot(axis, v));
             let (counted, change) = nearest_turn(principal, &previous, along(whole), along(told));
             turns[k] = counted;
             moved = moved + change.magnitude();
@@ -245,6 +252,22 @@ impl<R: Differentiable> Follower<'_, R> {
             sum = sum + *row * *change;
         }
         sum
+    }
+}
+
+impl<R: Real> Branch<R> {
+    /// A branch that nothing has left.
+    pub(crate) fn none() -> Self {
+        let zero = R::integer(0);
+        let turns = Turns { turns: zero, principal: zero };
+        Self {
+            turns: [turns; 6],
+            rotation_vector: [zero; 3],
+            euler_sign: R::integer(1),
+            torsion: turns,
+            accumulated: zero,
+            accumulated_rest: zero,
+        }
     }
 }
 

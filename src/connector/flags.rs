@@ -1,6 +1,6 @@
 //! What needs care at a state: stops reached, singular sets and how near they are, turns and paths that are not certain.
 
-use super::{Branch, Components, Connector, Increment, Mask, State};
+use super::{Branch, Components, Connector, Increment, Mask, Row, State};
 use crate::measure::{Margin, Measure, SingularClass, Unit};
 use crate::node::{DOFS, Pair};
 use crate::scalar::elementary::norm;
@@ -289,6 +289,35 @@ impl<R: Differentiable> Connector<R> {
     }
 }
 
+/// The most kinds of measure that the rows of a connector can have: positions and what is differentiated.
+const KINDS: usize = 12;
+
+/// The place of each component's distances among those that a connector has, of what is differentiated and of the position: the measures
+/// of one kind share their singular set. `None` where there is no such set, or the two are one measure.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Singular([[Option<u8>; 2]; 6]);
+
+impl Singular {
+    pub(super) fn new(rows: &Components<Row>) -> Self {
+        let mut kinds: Vec<Discriminant<Measure>> = Vec::new();
+        let mut place = |measure: Measure| {
+            measure.singular_set()?;
+            let kind = mem::discriminant(&measure);
+            let known = kinds.iter().position(|known| *known == kind);
+            let place = known.unwrap_or_else(|| {
+                kinds.push(kind);
+                kinds.len() - 1
+            });
+            u8::try_from(place).ok()
+        };
+        Self(rows.map(|row| {
+            let Some(Row { position, differentiated, .. }) = row else { return [None; 2] };
+            let of_differentiated = place(differentiated);
+            [of_differentiated, if position == differentiated { None } else { place(position) }]
+        }))
+    }
+}
+
 impl Connector<f64> {
     /// Whether stops are reached at the given positions.
     pub fn stop_status(&self, position: &Components<f64>) -> Components<StopStatus> {
@@ -302,29 +331,30 @@ impl Connector<f64> {
 
     /// The distance of each component wanted, in what is differentiated and in its position, to the nearest singular set.
     pub fn margins(&self, state: &State<f64>, branch: &Branch<f64>, wanted: Mask) -> Components<Margin> {
+        let mut margins = [None; 6];
+        if wanted == [false; 6] {
+            return margins;
+        }
         let history = branch.history();
         let relative = LazyCell::new(|| state.pair.relative());
-        // The components of one kind of measure share their singular set.
-        let mut known: [Option<(Discriminant<Measure>, f64)>; 12] = [None; 12];
-        let mut of = |measure: Measure| {
-            let kind = mem::discriminant(&measure);
-            let is_same = |known: &&(Discriminant<Measure>, f64)| known.0 == kind;
-            if let Some((_, distance)) = known.iter().flatten().find(is_same) {
-                return Some(Margin { distance: *distance, set: measure.singular_set()? });
+        let mut known = [None; KINDS];
+        let mut of = |place: Option<u8>, measure: Measure| {
+            let known = known.get_mut(usize::from(place?))?;
+            if let Some(distance) = *known {
+                return Some(Margin { distance, set: measure.singular_set()? });
             }
             let margin = measure.margin(&relative, &self.kind.section, &history)?;
-            if let Some(free) = known.iter_mut().find(|known| known.is_none()) {
-                *free = Some((kind, margin.distance));
-            }
+            *known = Some(margin.distance);
             Some(margin)
         };
-        [0, 1, 2, 3, 4, 5].map(|k| {
-            let row = self.kind.rows[k].filter(|_| wanted[k])?;
-            match (of(row.differentiated), of(row.position)) {
+        for (k, [differentiated, position]) in self.kind.singular.0.into_iter().enumerate() {
+            let (true, Some(row)) = (wanted[k], &self.kind.rows[k]) else { continue };
+            margins[k] = match (of(differentiated, row.differentiated), of(position, row.position)) {
                 (Some(x), Some(y)) => Some(if x.distance <= y.distance { x } else { y }),
                 (x, y) => x.or(y),
-            }
-        })
+            };
+        }
+        margins
     }
 
     /// What needs care at a state: singular sets, ill-conditioned neighbourhoods, increments too large to unwrap.
@@ -375,10 +405,12 @@ impl Connector<f64> {
             _ => None,
         });
         for (k, measure, [old, new]) in counted {
-            let along = |v| measure.winding_axis(&state.pair).map_or(0.0, |axis| dot(axis, v));
+            let axis = measure.winding_axis(&state.pair);
+            let along = |v| axis.map_or(0.0, |axis| dot(axis, v));
             let change = f64::with_turns(new.principal - old.principal, new.turns - old.turns);
-            let told = along(whole) / std::f64::consts::TAU;
-            let is_large = (change - along(whole)).abs() > CERTAIN_INCREMENT * std::f64::consts::PI;
+            let by_whole = along(whole);
+            let told = by_whole / std::f64::consts::TAU;
+            let is_large = (change - by_whole).abs() > CERTAIN_INCREMENT * std::f64::consts::PI;
             let is_told = turns_are_told && (change - along(all)).abs() < CERTAIN_TOLD * std::f64::consts::PI;
             if (is_large && !is_told) || (told - told.round()).abs() > CERTAIN_TURNS {
                 flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });

@@ -254,7 +254,9 @@ fn differentiate<F: Formula<M>, R: Differentiable, const M: usize, const N: usiz
             }
         }
         // −g, g × D − h, ∂Ψ_a, g, h, ∂Ψ_b ([`Pair::nodal_row`]).
-        let (minus_g, arm) = if F::NEEDED.of_rotation() {
+        let (minus_g, arm) = if kind.fixed[0] {
+            (none, none)
+        } else if F::NEEDED.of_rotation() {
             (none, h.map(|h| -h))
         } else if F::NEEDED.of_position() {
             (g.map(|g| -g), vector::cross(g, separation))
@@ -263,6 +265,7 @@ fn differentiate<F: Formula<M>, R: Differentiable, const M: usize, const N: usiz
         };
         // A measure that no direction of a enters does not feel a turn.
         let arm = if F::MEASURES[m].turns_with_a() { arm } else { none };
+        let (g, h) = if kind.fixed[1] { (none, none) } else { (g, h) };
         let ([a1, a2, a3], [r1, r2, r3], [g1, g2, g3], [h1, h2, h3]) = (minus_g, arm, g, h);
         out.value = values[m].real();
         out.row = [a1, a2, a3, r1, r2, r3, zero, g1, g2, g3, h1, h2, h3, zero];

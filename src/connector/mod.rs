@@ -16,6 +16,7 @@ pub use branch::{Branch, Increment, Turns};
 pub(crate) use branch::{Follower, nearest_turn};
 pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
+use flags::Singular;
 pub(crate) use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
 pub use flags::{Flag, Stop, StopStatus};
 pub use linear::Linear;
@@ -131,12 +132,16 @@ struct Kind<R> {
     references: Components<R>,
     stops: Components<Stop>,
     active: [bool; DOFS],
-    /// Whether all of them are active, but for those of material flow.
+    /// Whether a and b have no columns.
+    fixed: [bool; 2],
+    /// Whether all other degrees of freedom are active, but for those of material flow.
     is_free: bool,
     reach: [bool; DOFS],
     is_planar: bool,
     /// The singular sets next to which the initial positions lay, so that rounding decided them.
     undetermined_origins: [Option<&'static str>; 6],
+    /// Which distances to singular sets there are.
+    singular: Singular,
     /// Before any motion.
     branch: Branch<R>,
 }
@@ -306,7 +311,10 @@ impl<R: Differentiable> Connector<R> {
             references,
             stops: definition.stops,
             active,
-            is_free: (0..DOFS).all(|j| active[j] || DOF_NUMBER[j] == 10),
+            fixed: definition.moves.map(|moves| !moves),
+            is_free: (0..DOFS)
+                .all(|j| active[j] || DOF_NUMBER[j] == 10 || !definition.moves[usize::from(j >= DOFS / 2)]),
+            singular: Singular::new(&rows),
             reach,
             is_planar: definition.planar,
             undetermined_origins: undetermined_origins(definition, &rows),
@@ -393,17 +401,39 @@ impl<R: Differentiable> Connector<R> {
         request: &Request,
         tally: &mut Tally,
     ) -> Evaluation<R> {
-        // Values and derivatives are taken on the sheets just chosen, so that rounding cannot set them apart at a half turn.
-        let history = next.history();
         let mut evaluation = Evaluation::empty(next);
-        let pass =
-            Pass { state, history: &history, rows: &self.kind.rows, chosen: request.components(), request };
-        self.positions(&pass, tally, &mut evaluation);
-        self.rates(&pass, tally, &mut evaluation);
-        if request.order > 0 {
-            self.rows_of_derivatives(&Pass { chosen: request.rows(), ..pass }, tally, &mut evaluation);
-        }
+        self.add(&mut evaluation, state, request, tally);
         evaluation
+    }
+
+    /// The same, written over another evaluation.
+    pub(crate) fn evaluate_into(
+        &self,
+        evaluation: &mut Evaluation<R>,
+        state: &State<R>,
+        next: Branch<R>,
+        request: &Request,
+        tally: &mut Tally,
+    ) {
+        evaluation.clear();
+        evaluation.branch = next;
+        self.add(evaluation, state, request, tally);
+    }
+
+    /// Adds what a request names to an evaluation that has nothing but its branch.
+    fn add(&self, evaluation: &mut Evaluation<R>, state: &State<R>, request: &Request, tally: &mut Tally) {
+        let chosen = request.components();
+        if chosen == [false; 6] {
+            return;
+        }
+        // Values and derivatives are taken on the sheets just chosen, so that rounding cannot set them apart at a half turn.
+        let history = evaluation.branch.history();
+        let pass = Pass { state, history: &history, rows: &self.kind.rows, chosen, request };
+        self.positions(&pass, tally, evaluation);
+        self.rates(&pass, tally, evaluation);
+        if request.order > 0 {
+            self.rows_of_derivatives(&Pass { chosen: request.rows(), ..pass }, tally, evaluation);
+        }
     }
 
     fn positions(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
@@ -416,11 +446,12 @@ impl<R: Differentiable> Connector<R> {
         let residual = |k: usize, row: &Row| {
             (wants_residual(k, row) && !row.differentiated.winds()).then_some(row.differentiated)
         };
-        let needed = pass
-            .rows()
-            .flat_map(|(k, row)| [value(k, row), residual(k, row)])
-            .flatten()
-            .fold(Dependence::default(), |sum, measure| sum.or(measure.dependence()));
+        let mut needed = Dependence::default();
+        for (k, row) in pass.rows() {
+            for measure in [value(k, row), residual(k, row)].into_iter().flatten() {
+                needed = needed.or(measure.dependence());
+            }
+        }
         let relative = self.relative(&state.pair, needed);
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &self.kind.section, history);
         let mut evaluate = |measure: Measure, tally: &mut Tally| {
@@ -482,7 +513,7 @@ impl Connector<f64> {
 }
 
 impl<R> Evaluation<R> {
-    fn empty(branch: Branch<R>) -> Self {
+    pub(crate) const fn empty(branch: Branch<R>) -> Self {
         Self {
             position: [const { None }; 6],
             displacement: [const { None }; 6],
@@ -498,6 +529,41 @@ impl<R> Evaluation<R> {
             turns: [const { None }; 6],
             branch,
         }
+    }
+
+    /// Takes everything from it but its branch.
+    fn clear(&mut self) {
+        let Self {
+            position,
+            displacement,
+            constitutive,
+            velocity,
+            acceleration,
+            residual,
+            residual_rate,
+            residual_bias,
+            residual_acceleration,
+            jacobian,
+            hessian,
+            turns,
+            branch: _,
+        } = self;
+        for values in [
+            position,
+            displacement,
+            constitutive,
+            velocity,
+            acceleration,
+            residual,
+            residual_rate,
+            residual_bias,
+            residual_acceleration,
+        ] {
+            *values = [const { None }; 6];
+        }
+        jacobian.iter_mut().for_each(|row| *row = None);
+        hessian.iter_mut().for_each(|matrix| *matrix = None);
+        turns.iter_mut().for_each(|turns| *turns = None);
     }
 }
 

@@ -80,9 +80,9 @@ fn peak(path: &Path, scene: &Scene, plan: (&Model, &Plan), is_json: bool) -> (u6
     let read = stream.for_each(scene, |state: State| -> Result<(), Diagnostic> {
         format.state(sequence.states(), state.time).unwrap();
         let render = format.renderer();
-        let digest = |item: Item| match item {
+        let digest = |item: Item<'_>| match item {
             Item::Connector(result) => {
-                let block = Block::of_connector(model, &plan.request, &result);
+                let block = Block::of_connector(model, &plan.request, result);
                 (block.kind, render(&block).unwrap())
             }
             Item::Mpc(_) => panic!("there are no MPCs"),

@@ -46,6 +46,11 @@ impl FrictionCase {
         parts(at.0)
     }
 
+    /// P, F_C, F_N and Φ.
+    pub(super) fn part_values(&self) -> [f64; 4] {
+        self.values(&self.point)
+    }
+
     /// The shift of a potential: P is formed from numbers as large as that.
     pub(super) fn shift(&self) -> f64 {
         match &self.friction.criterion.tangential {

@@ -65,7 +65,7 @@ pub(super) fn output(k: usize) -> String {
 }
 
 impl FrictionCase {
-    fn input<R: Real>(&self, j: usize, h: R) -> Input<'_, R> {
+    pub(super) fn input<R: Real>(&self, j: usize, h: R) -> Input<'_, R> {
         let all = |x: [f64; 6]| x.map(R::from_f64);
         let mut input = Input {
             displacement: all(self.displacement),

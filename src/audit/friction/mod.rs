@@ -8,6 +8,7 @@
 //! | `solve` | how are equations solved on 237 bits, and what if they are not? |
 //! | `belt` | the same for a belt around a ring |
 //! | `total` | are the slopes of all forces of a connector right, with what presses its frictions? |
+//! | `golden` | what does JAX say, at states of its own? |
 //! | `scene` | what of a connector's friction is judged at a state? |
 //!
 //! Central differences of values on 237 bits with h = s·1e-25 give first, with h = s·1e-18 second derivatives: no dual number enters
@@ -15,12 +16,14 @@
 
 mod belt;
 mod criterion;
+mod golden;
 mod increment;
 mod scene;
 mod solve;
 mod total;
 
 pub(super) use belt::BeltCase;
+pub(super) use golden::audit_golden;
 pub(super) use scene::{Slipping, audit_slipping, drawn, slipping};
 
 use super::engine::Settings;

@@ -54,15 +54,15 @@ pub(super) fn findings(
     let plan = Plan::everything(model, request);
     let mut sequence = Sequence::new(model, &plan);
     let Ok(()) = sequence.visit(&State::default(), |item| -> Result<(), Infallible> {
-        walk.look(&item);
+        walk.look(item);
         Ok(())
     });
     let mut sequence = Sequence::new(model, &plan);
     for (index, state) in states.iter().enumerate() {
         walk.state = Some(state.number.unwrap_or(index as u64));
         let Ok(()) = sequence.visit(state, |item| -> Result<(), Infallible> {
-            walk.look(&item);
-            if let Item::Connector(result) = &item {
+            walk.look(item);
+            if let Item::Connector(result) = item {
                 seen(result);
             }
             Ok(())
@@ -104,7 +104,7 @@ struct Found {
 }
 
 impl Walk<'_> {
-    fn look(&mut self, item: &Item) {
+    fn look(&mut self, item: Item<'_>) {
         match item {
             Item::Connector(result) => self.connector(result),
             Item::Mpc(result) => self.constraint(result),

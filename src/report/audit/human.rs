@@ -145,7 +145,11 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     let of = check.quantity.map_or_else(String::new, |quantity| format!("{} against ", quantity.name()));
     let states: Vec<String> =
         check.states.iter().map(|(verdict, n)| format!("{} {n}", verdict.name())).collect();
-    writeln!(out, "  {of}{}: {} ({})", check.against.name(), word(check.verdict), states.join(", "))?;
+    let seen = match (check.score.detectable_median, check.score.detectable) {
+        (Some(median), Some(worst)) => format!("; δ seen {median:.0e}, at worst {worst:.0e}"),
+        _ => String::new(),
+    };
+    writeln!(out, "  {of}{}: {} ({}){seen}", check.against.name(), word(check.verdict), states.join(", "))?;
     for why in undecided(check) {
         for line in wrap(&why, width.saturating_sub(4)) {
             writeln!(out, "    {line}")?;

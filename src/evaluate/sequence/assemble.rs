@@ -1,0 +1,124 @@
+//! The sparse Jacobian along a walk.
+
+use super::element::Context;
+use super::nodes::{Moved, STILL};
+use super::{Sequence, turns};
+use crate::catalog::COMPONENT;
+use crate::connector::{CompactRow, Flag, Request, Tally};
+use crate::evaluate::jacobian::{ForeignPattern, Jacobian};
+use crate::evaluate::parallel::in_order;
+use crate::mpc::Dofs;
+use crate::scene::State as SceneState;
+use std::convert::Infallible;
+
+impl Sequence<'_> {
+    /// Commits the next state and writes the entries of the sparse Jacobian there, and nothing else of it: `values` gets the length of
+    /// [`Jacobian::entries`] and, in its order, the entries. Gives what needs care.
+    ///
+    /// # Errors
+    /// A pattern that was made for another plan; one with rows whose history has not been followed. Then nothing is committed.
+    pub fn assemble(
+        &mut self,
+        state: &SceneState,
+        jacobian: &Jacobian,
+        values: &mut Vec<f64>,
+    ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
+        jacobian.check(self.plan)?;
+        for (at, (index, followed)) in self.plan.connectors.iter().zip(&mut self.followed).enumerate() {
+            let connector = &self.model.connectors[*index].connector;
+            let (wanted, known) = (jacobian.wanted(at), *followed);
+            for k in (0..6).filter(|k| wanted[*k] && !known[*k] && connector.row_has_history(*k)) {
+                if self.states > 0 {
+                    return Err(ForeignPattern::History);
+                }
+                followed[k] = true;
+                turns(&mut self.turning, &self.ends[at]);
+            }
+        }
+        let followed = &self.followed.clone();
+        values.clear();
+        values.resize(jacobian.entries(), 0.0);
+        self.follow_nodes(state);
+        let beyond = self.beyond(state);
+        self.make_room();
+        let Self {
+            model, plan, moved, ends, connectors, needed, tally, velocities, conditions, rooms, ..
+        } = self;
+        let context = Context {
+            model,
+            planned: &plan.request,
+            velocities: *velocities,
+            conditions,
+            scene_state: state,
+            beyond: &beyond,
+        };
+        let mut care = Vec::new();
+        let (of_connectors, of_mpcs) = values.split_at_mut(jacobian.connector_entries());
+        let mut places = jacobian.split(of_connectors);
+        let mut work: Vec<_> = connectors.iter_mut().zip(&mut places).collect();
+        let Ok(()) = in_order(
+            &mut work,
+            &mut rooms.0,
+            |at, (memory, place), result| {
+                let mut tally = Tally::default();
+                let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
+                let mut request = Request::nothing(0);
+                request.add_rows(jacobian.wanted(at));
+                let index = plan.connectors[at];
+                let history = (followed[at], needed[at].always);
+                context.connector((index, nodes), memory, &request, history, result, &mut tally);
+                let element = &model.connectors[index];
+                let branch = &result.evaluation.branch;
+                let rows =
+                    element.connector.compact_rows(&result.state, branch, jacobian.wanted(at), &mut tally);
+                jacobian.write(at, &rows, place);
+                let mut flags = std::mem::take(&mut result.flags);
+                let wanted = jacobian.wanted(at);
+                let broken = |k: &usize| {
+                    wanted[*k] && rows[*k].as_ref().is_none_or(|row: &CompactRow<f64>| !row.is_finite())
+                };
+                flags.extend(
+                    (0..6)
+                        .filter(broken)
+                        .map(|k| Flag::NotFinite { component: COMPONENT[k], quantity: "derivative" }),
+                );
+                (flags, tally)
+            },
+            |at, (flags, work): (Vec<Flag>, Tally), _| -> Result<(), Infallible> {
+                *tally += work;
+                let title = || model.connectors[plan.connectors[at]].title();
+                care.extend(flags.into_iter().map(|flag| (title(), flag)));
+                Ok(())
+            },
+        );
+        drop(work);
+        let mut rest = of_mpcs;
+        let request = {
+            let mut request = Request::nothing(1);
+            request.add_rows([true; 6]);
+            request
+        };
+        for (at, index) in self.plan.mpcs.iter().enumerate() {
+            let element = &self.model.mpcs[*index];
+            let nodes =
+                self.mpc_nodes[at].iter().map(|node| node.map_or(STILL, |node| self.moved[node as usize]));
+            let nodes: Vec<Moved> = nodes.collect();
+            let of_state = (&request, &self.model.schedule, state);
+            let result = element.evaluate(*index, &nodes, &self.mpcs[at], of_state, &mut self.tally);
+            self.mpcs[at] = result.evaluation.angles;
+            let place = rest.split_off_mut(..jacobian.mpc_entries(at)).unwrap_or_default();
+            jacobian.write_mpc(at, &result.evaluation.jacobian, place);
+            let rows = &result.evaluation.jacobian;
+            let has = element.constraint.rows();
+            let is_broken = |row: &Dofs<f64>| row.iter().any(|x| !x.is_finite());
+            let broken = |row: &usize| has[*row] && rows[*row].as_ref().is_none_or(is_broken);
+            let broken = (0..rows.len()).filter(broken).map(|row| Flag::NotFinite {
+                component: element.constraint.kind().row_name(row),
+                quantity: "derivative",
+            });
+            care.extend(result.flags.into_iter().chain(broken).map(|flag| (element.title(), flag)));
+        }
+        self.states += 1;
+        Ok(care)
+    }
+}
