@@ -291,7 +291,7 @@ mod by_hand {
 fn every_type() {
     let names = TABLE.iter().map(|connection| -> &'static str { &connection.name });
     let mut cases: Vec<Case> = names.filter_map(case).collect();
-    // The rows of such tiles are computed a second time.
+    // The rows of such tiles are computed a second time; what they are compared with are those of the principal sheet.
     cases.extend(case_of("ROTATION beyond half a turn", "ROTATION", true));
     let mut least = vec![[f64::INFINITY; 2]; cases.len()];
     for case in &cases {
@@ -323,7 +323,7 @@ fn every_type() {
             .reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         for (which, dearest) in dearest.iter_mut().enumerate() {
             let over = dearer.map_or(0.0, |half| own[which] / half[which]);
-            if over > dearest.1 {
+            if case.name == &case.connector.connection().name[..] && over > dearest.1 {
                 *dearest = (case.name, over);
             }
         }

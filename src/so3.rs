@@ -404,7 +404,9 @@ fn tie<R: Real>() -> R {
 #[inline(always)]
 fn continued<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -> ContinuousLog<S> {
     let q0 = real_quaternion(q);
-    if S::Real::shortcut_where_positive(|| nearness(q0, reference)) {
+    // With derivatives, lanes come here where that failed.
+    let knows_better = S::Real::HAS_LANES && S::ORDER > 0;
+    if !knows_better && S::Real::shortcut_where_positive(|| nearness(q0, reference)) {
         let v = [q0[1], q0[2], q0[3]];
         return ContinuousLog { phi: principal(q), lateral: dot(v, v).square_root() };
     }
@@ -443,10 +445,27 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
         )]
     });
     let on_principal_sheet = principal(q);
+    let whole = S::Real::with_turns(zero, k);
+    let at_identity = || {
+        let angle = S::from_real(whole) + dot_real(reference_direction, on_principal_sheet);
+        times(vector::constant(reference_direction), angle)
+    };
+    if S::Real::HAS_LANES {
+        // One series for all, with no turns on the principal sheet.
+        let one = S::Real::integer(1);
+        let is_principal = k.magnitude().less(S::Real::ratio(1, 2));
+        let sine = S::Real::either(zero.less(lateral), lateral, one);
+        let series = shifted_series(q0[0], sine, whole, S::ORDER);
+        let phi = S::Real::choose(
+            zero.less(lateral + S::Real::either(is_principal, one, zero)),
+            || times([q[1], q[2], q[3]], q[0].lift(&series)),
+            at_identity,
+        );
+        return ContinuousLog { phi, lateral };
+    }
     if S::Real::shortcut(|| k.magnitude().less(S::Real::ratio(1, 2))) {
         return ContinuousLog { phi: on_principal_sheet, lateral };
     }
-    let whole = S::Real::with_turns(zero, k);
     let off_identity = || {
         let [w, x, y, z] = q;
         let phi = S::Real::more_exact(
@@ -457,10 +476,6 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
         // The value on its own, (θ_p + 2πk) v/|v|, takes the fewest roundings.
         let factor = S::Real::with_turns(angle, k) / lateral;
         [phi[0].with_real(v[0] * factor), phi[1].with_real(v[1] * factor), phi[2].with_real(v[2] * factor)]
-    };
-    let at_identity = || {
-        let angle = S::from_real(whole) + dot_real(reference_direction, on_principal_sheet);
-        times(vector::constant(reference_direction), angle)
     };
     let phi = S::joined(|| {
         let turned = || S::Real::choose(zero.less(lateral), off_identity, at_identity);
@@ -487,6 +502,23 @@ fn turned_series<R: Real>(c: R, k: R, order: usize) -> Series<R> {
         let m = n as i32;
         let sum = R::integer(2 * m + 1) * c * series[n] + R::integer(m) * series[n - 1];
         series[n + 1] = sum / (R::integer(m + 1) * rest);
+    }
+    series
+}
+
+/// The same as the sum of the principal series and 2πk/s with s = √(1 − c²) known by itself: for which (1 − c²) G′ = c G.
+#[inline(always)]
+fn shifted_series<R: Real>(c: R, sine: R, whole: R, order: usize) -> Series<R> {
+    let mut series = R::log_series(c, order);
+    let inverse = R::integer(1) / sine;
+    let square = inverse * inverse;
+    let (mut before, mut shift) = (R::integer(0), whole * inverse);
+    series[0] = series[0] + shift;
+    for n in 0..order {
+        let m = n as i32;
+        let sum = R::integer(2 * m + 1) * c * shift + R::integer(m) * before;
+        (before, shift) = (shift, sum * square * R::ratio(1, m + 1));
+        series[n + 1] = series[n + 1] + shift;
     }
     series
 }

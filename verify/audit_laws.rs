@@ -3,10 +3,13 @@
 
 use crate::audit::{judged, named};
 use pintle::audit::sample::{Draw, Extent, about_initial, cases};
-use pintle::audit::{Against, Case, Invariant, Numbers, Quantity, Report, Settings, audit_cases, invariant};
+use pintle::audit::{
+    Against, Case, Invariant, Numbers, Quantity, Report, Settings, Verdict, audit_cases, invariant,
+};
 use pintle::catalog::ConnectionType;
 use pintle::connector::Definition;
 use pintle::node::{Node, Pair};
+use pintle::scalar::elementary::norm;
 use pintle::vector::identity;
 
 /// A connector between nodes in a plane, which `alter` makes a special one.
@@ -28,8 +31,9 @@ fn planar(definition: &mut Definition) {
 
 fn audited(definition: &Definition) -> Report {
     let draw = &mut Draw::new("laws");
+    let length = norm(definition.initial.reference);
     let drawn: Vec<Case> =
-        (0..6).filter_map(|i| about_initial(definition, i, 0.8, format!("drawn {i}"), draw)).collect();
+        (0..6).filter_map(|i| about_initial(definition, i, length, format!("drawn {i}"), draw)).collect();
     assert!(!drawn.is_empty());
     let settings = Settings { wide_states: 4, ..Settings::default() };
     audit_cases(&settings, &[("it".into(), drawn)], &|_| ())
@@ -161,4 +165,37 @@ fn laws_hold_beside_a_kink() {
         assert!(worst.is_none_or(|(_, units)| units <= 1.0), "{law:?}: {}", worst.unwrap().0.what);
     }
     assert!(!context.demands(Invariant::RigidModes).is_empty());
+}
+
+/// Where numbers overflow, so that a law has no finite tolerance or sum, nothing is decided: it is never wrong.
+#[test]
+fn laws_that_overflow_are_undecided() {
+    let far = |name: &str, reference: [f64; 3]| {
+        special(name, move |definition| definition.initial.reference = reference)
+    };
+    let mut open = 0;
+    for definition in [
+        far("BEAM", [1e300, 1e300, 0.0]),
+        far("CARTESIAN", [1e307, 0.0, 1e307]),
+        far("SLIDE-PLANE", [1e155, 1e160, 0.0]),
+        far("LINK", [1e200, 1e190, 0.0]),
+    ] {
+        let report = audited(&definition);
+        for check in report.subjects[0].checks.iter().filter(|check| matches!(check.against, Against::Law(_)))
+        {
+            assert!(!check.verdict.is_mismatch(), "{:?}: {:?}", check.against, check.worst);
+            if check.verdict == Verdict::Undecided {
+                open += 1;
+                let why: Vec<&String> = check.undecided.keys().collect();
+                assert!(matches!(why.as_slice(), [one] if one.contains("overflow")), "{why:?}");
+            }
+        }
+    }
+    assert!(open > 0, "nothing overflows");
+    // Of lengths that are merely large every law is decided.
+    let report = audited(&far("BEAM", [1e100, 1e100, 0.0]));
+    let laws = report.subjects[0].checks.iter().filter(|check| matches!(check.against, Against::Law(_)));
+    for check in laws {
+        assert_eq!(check.verdict, Verdict::Pass, "{:?}: {:?}", check.against, check.worst);
+    }
 }

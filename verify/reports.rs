@@ -56,14 +56,19 @@ fn markdown_names_what_is_wrong() {
     let cells = |line: &str| line.replace("\\|", "").matches('|').count();
     let rows: Vec<usize> = page.lines().filter(|line| line.starts_with('|')).map(cells).collect();
     assert!(rows.iter().filter(|n| **n == wide).count() >= 3, "{rows:?}");
-    assert!(rows.iter().all(|n| [7, wide].contains(n)), "{rows:?}");
+    assert!(rows.iter().all(|n| [8, wide].contains(n)), "{rows:?}");
 }
 
 #[test]
 fn markdown_of_a_clean_audit() {
     let report = brief();
     let page = text(report::markdown, &report);
-    assert!(page.starts_with("## ✅ pintle audit: no mismatch"), "{page}");
+    // Declarations that nobody has typed a second time are undecided.
+    assert!(page.starts_with("## ❔ pintle audit: no mismatch; "), "{page}");
+    assert_eq!(
+        report.undecided(),
+        report.subjects.iter().filter(|one| one.declaration == Verdict::Undecided).count()
+    );
     for subject in &report.subjects {
         assert!(page.contains(&format!("| {} | pass |", subject.name)), "{page}");
     }
@@ -213,6 +218,55 @@ fn what_was_not_analysed_is_undecided() {
         assembly.not_assembled = Some(NotAssembled { state: Some(3), why: "it was not".into() });
     };
     assert_eq!(spoiled(stopped), 1);
+}
+
+/// What is undecided and what is warned of, of models alone: the same in every form of the report.
+#[test]
+fn no_form_hides_what_is_undecided_or_warned_of() {
+    let of = |name: &str, strict: bool| {
+        let settings = Settings { strict, ..Settings::default() };
+        let mut report = audit_scenes(&settings, &[], &|_| {});
+        report.models = vec![model_of(name, None)];
+        report
+    };
+    let json =
+        |report: &Report| -> serde_json::Value { serde_json::from_str(&text(report::json, report)).unwrap() };
+    let html =
+        |report: &Report| text(|out, report| report::html(out, report, &Supplement::default()), report);
+    let human = |report: &Report| text(|out, report| report::human(out, report, 100, false), report);
+    let forms = |report: &Report, [mark, tone, headline]: [&str; 3]| {
+        let page = text(report::markdown, report);
+        assert!(page.starts_with(&format!("## {mark} pintle audit: {headline}\n")), "{page}");
+        assert!(html(report).contains(&format!("<p class=\"outcome {tone}\">")), "{tone}");
+        assert!(human(report).contains(headline), "{}", human(report));
+    };
+    let open = of("undecided.inp", false);
+    let warnings = open.warnings();
+    let headline = format!("models alone: no number audited; 1 model undecided; {warnings} warning");
+    forms(&open, ["❔", "open", &headline]);
+    assert_eq!(
+        (json(&open)["undecided"].clone(), json(&open)["warnings"].clone()),
+        (1.into(), warnings.into())
+    );
+    let row = format!("| 0 | 0 | 0 | 1 | {warnings} | 0 of 0 | 0 |");
+    assert!(text(report::markdown, &open).contains(&row));
+    let suite = text(report::junit, &open);
+    assert!(suite.contains("rank of the assembly in step 1") && suite.contains("<skipped "), "{suite}");
+    assert!(suite.contains("<skipped message=\"The rank is undecided"), "{suite}");
+    // Asked to be strict, it fails.
+    let strict = of("undecided.inp", true);
+    forms(&strict, ["❌", "bad", &headline]);
+    let suite = text(report::junit, &strict);
+    assert!(suite.contains("failures=\"1\"") && !suite.contains("<skipped"), "{suite}");
+    // A warning is no success without a word, and no failure.
+    for strict in [false, true] {
+        let warned = of("stop-violated.inp", strict);
+        forms(&warned, ["⚠️", "warned", "models alone: no number audited; 1 warning"]);
+        assert_eq!(json(&warned)["warnings"], 1);
+        assert!(text(report::junit, &warned).contains("failures=\"0\""));
+    }
+    let noted = of("mechanism.inp", true);
+    forms(&noted, ["✅", "good", "models alone: no number audited"]);
 }
 
 /// The page of a report on the catalogue and one scene of the gallery, with one verdict spoiled so that something is to be said.

@@ -117,9 +117,14 @@ impl Bound {
         of
     }
 
+    /// How far an entry may be from the truth, where that is known.
+    pub(super) fn known(&self, quantity: Quantity, k: usize, i: usize) -> Option<f64> {
+        self.tolerance.entries(quantity).get(k, i)
+    }
+
     /// How far an entry may be from the truth.
     pub fn tolerance(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
-        self.tolerance.entries(quantity).get(k, i).unwrap_or(0.0)
+        self.known(quantity, k, i).unwrap_or(0.0)
     }
 
     /// The conditioned scale of an entry: the tolerance is C u times it.

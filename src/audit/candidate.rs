@@ -169,7 +169,7 @@ impl<'a> Candidate<'a> {
         };
         Some(ModelReport {
             scene: self.name.to_string(),
-            states: usize::try_from(coverage.samples).unwrap_or(usize::MAX),
+            states: usize::try_from(coverage.exercise.samples).unwrap_or(usize::MAX),
             assembly: None,
             later_steps: Vec::new(),
             coverage,

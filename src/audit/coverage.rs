@@ -77,8 +77,6 @@ impl Histogram {
 /// What the states of a suite exercised.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coverage {
-    /// The number of states of connectors, each connector at each state.
-    pub samples: u64,
     /// |log(A A₀ᵀ)|: how far a was turned from its initial orientation, where it has rotations.
     pub rotation_a: Histogram,
     /// The same of b.
@@ -89,6 +87,16 @@ pub struct Coverage {
     pub stretch: Histogram,
     /// The distance to the nearest singular set of any component.
     pub margin: Histogram,
+    /// What of it tells formulas apart.
+    #[serde(flatten)]
+    pub exercise: Exercise,
+}
+
+/// By how much the states of one connector, or of many, leave the initial one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Exercise {
+    /// The number of states of connectors, each connector at each state.
+    pub samples: u64,
     /// Samples in which both nodes were turned, each by more than 0.1 rad.
     pub both_turned: u64,
     /// Samples of connectors both of whose nodes have rotations.
@@ -97,24 +105,44 @@ pub struct Coverage {
     pub deformed: u64,
     /// Samples of connectors that have such components.
     pub could_deform: u64,
-    /// Samples outside of the neighbourhood of the initial state.
+    /// Samples outside of the neighbourhood of the initial state: turned by more than 0.1 rad, or displaced by more than 0.05 lengths.
     pub away: u64,
+    /// The largest rotation of a node (rad), where one has rotations.
+    pub largest_rotation: Option<f64>,
+    /// The largest relative rotation (rad), of connectors that leave one free.
+    pub largest_relative_rotation: Option<f64>,
+    /// The largest relative displacement of the nodes, in lengths of the connector.
+    pub largest_displacement: f64,
+}
+
+/// One connector at one state.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// How far each node was turned (rad), where it has rotations.
+    rotations: [Option<f64>; 2],
+    /// How far b was turned relative to a (rad).
+    relative: f64,
+    /// Whether a component that is an angle is free.
+    turns_freely: bool,
+    /// |d|/|d₀|, where the nodes are apart initially.
+    stretch: Option<f64>,
+    /// The distance to the nearest singular set.
+    margin: Option<f64>,
+    /// Whether a free component was displaced; `None` where there is none.
+    deformed: Option<bool>,
+    /// The relative displacement of the nodes, in lengths of the connector.
+    displacement: f64,
 }
 
 impl Default for Coverage {
     fn default() -> Self {
         Self {
-            samples: 0,
             rotation_a: Histogram::new("rotation of a", "rad", &ANGLES),
             rotation_b: Histogram::new("rotation of b", "rad", &ANGLES),
             relative_rotation: Histogram::new("relative rotation", "rad", &ANGLES),
             stretch: Histogram::new("distance / initial distance", "", &STRETCHES),
             margin: Histogram::new("distance to a singular set", "rad or lengths", &MARGINS),
-            both_turned: 0,
-            could_turn_both: 0,
-            deformed: 0,
-            could_deform: 0,
-            away: 0,
+            exercise: Exercise::default(),
         }
     }
 }
@@ -130,7 +158,7 @@ pub struct Lack {
     pub remedy: &'static str,
 }
 
-/// Angles (rad) and displacements, in lengths of the connector, below which a state is in the neighbourhood of the initial one.
+/// Displacements, in lengths of the connector, below which a state is in the neighbourhood of the initial one.
 const NEIGHBOURHOOD: f64 = 0.05;
 /// An angle that tells formulas apart: its sine differs from it by 2e-4, and its cosine from 1 by 5e-3.
 const TURNED: f64 = 0.1;
@@ -142,63 +170,84 @@ fn angle(now: &Matrix<f64>, before: &Matrix<f64>) -> f64 {
     norm(so3::log(&vector::product(now, &vector::transpose(before))))
 }
 
-impl Coverage {
-    /// Counts a connector at a state.
-    pub fn add(&mut self, definition: &Definition, state: &State<f64>) {
-        self.add_of(&Connector::new(definition), definition, state);
-    }
-
-    /// The same, of a connector that is made already.
-    pub fn add_of(&mut self, connector: &Connector<f64>, definition: &Definition, state: &State<f64>) {
+impl Sample {
+    /// A connector at a state.
+    pub fn of(connector: &Connector<f64>, definition: &Definition, state: &State<f64>) -> Self {
         let (initial, pair) = (&definition.initial, &state.pair);
         let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
         let angles = [angle(&pair.a.triad, &initial.a.triad), angle(&pair.b.triad, &initial.b.triad)];
         let [before, now] = [initial, pair].map(crate::node::Pair::relative);
-        let relative = angle(&now.q, &before.q);
         let (length, distance) = (norm(initial.reference), norm(pair.separation()));
         let size = if length > 0.0 { length } else { 1.0 };
-        self.samples += 1;
-        for (histogram, (turns, angle)) in
-            [&mut self.rotation_a, &mut self.rotation_b].into_iter().zip(turns.into_iter().zip(angles))
-        {
-            if turns {
-                histogram.add(angle);
-            }
-        }
-        if turns.contains(&true) {
-            self.relative_rotation.add(relative);
-        }
-        if length > 0.0 {
-            self.stretch.add(distance / length);
-        }
-        if turns == [true; 2] {
-            self.could_turn_both += 1;
-            self.both_turned += u64::from(angles[0] > TURNED && angles[1] > TURNED);
-        }
         let request = Request::new(&[Output::CU], [true; 6], 0);
         let (branch, mut tally) = (connector.initial_branch(), Tally::default());
         let result = connector.evaluate(state, &Increment::none(), &branch, &request, &mut tally);
         let margins = connector.margins(state, &branch, [true; 6]).into_iter().flatten();
-        let nearest = margins
+        let margin = margins
             .map(|margin| margin.distance / if margin.set.unit == Unit::Length { size } else { 1.0 })
             .reduce(f64::min);
-        nearest.into_iter().for_each(|distance| self.margin.add(distance));
         let free: Vec<usize> = (0..6)
             .filter(|k| connector.position_measure(*k).is_some() && !connector.is_constrained(*k))
             .collect();
-        if !free.is_empty() {
-            let moved = |k: &usize| {
-                let is_length =
-                    connector.position_measure(*k).is_some_and(|measure| measure.unit() == Unit::Length);
-                result.displacement[*k]
-                    .is_some_and(|u| u.abs() > DISPLACED * if is_length { size } else { 1.0 })
-            };
-            self.could_deform += 1;
-            self.deformed += u64::from(free.iter().any(moved));
+        let is_length =
+            |k: usize| connector.position_measure(k).is_some_and(|measure| measure.unit() == Unit::Length);
+        let moved = |k: &usize| {
+            let size = if is_length(*k) { size } else { 1.0 };
+            result.displacement[*k].is_some_and(|u| u.abs() > DISPLACED * size)
+        };
+        Self {
+            rotations: [0, 1].map(|end| turns[end].then_some(angles[end])),
+            relative: angle(&now.q, &before.q),
+            turns_freely: free.iter().any(|k| !is_length(*k)),
+            stretch: (length > 0.0).then_some(distance / length),
+            margin,
+            deformed: (!free.is_empty()).then(|| free.iter().any(moved)),
+            displacement: norm(vector::sub(pair.b.displacement, pair.a.displacement)) / size,
         }
-        let displaced = vector::sub(pair.b.displacement, pair.a.displacement);
-        let reach = [angles[0], angles[1], relative, norm(displaced) / size];
-        self.away += u64::from(reach.into_iter().any(|x| x > NEIGHBOURHOOD));
+    }
+}
+
+impl Exercise {
+    /// Counts a sample.
+    pub fn add(&mut self, sample: &Sample) {
+        let turned = |angle: Option<f64>| angle.is_some_and(|angle| angle > TURNED);
+        let [a, b] = sample.rotations;
+        let rotation = a.into_iter().chain(b).reduce(f64::max);
+        let relative = rotation.map(|_| sample.relative);
+        let free = relative.filter(|_| sample.turns_freely);
+        self.samples += 1;
+        if a.is_some() && b.is_some() {
+            self.could_turn_both += 1;
+            self.both_turned += u64::from(turned(a) && turned(b));
+        }
+        if let Some(deformed) = sample.deformed {
+            self.could_deform += 1;
+            self.deformed += u64::from(deformed);
+        }
+        let is_away = turned(a) || turned(b) || turned(relative) || sample.displacement > NEIGHBOURHOOD;
+        self.away += u64::from(is_away);
+        // A maximum of what is not there is what is there.
+        self.largest_rotation = self.largest_rotation.into_iter().chain(rotation).reduce(f64::max);
+        self.largest_relative_rotation =
+            self.largest_relative_rotation.into_iter().chain(free).reduce(f64::max);
+        self.largest_displacement = self.largest_displacement.max(sample.displacement);
+    }
+
+    /// The same of several connectors together.
+    #[must_use]
+    pub fn with(self, other: &Self) -> Self {
+        let most = |x: Option<f64>, y: Option<f64>| x.into_iter().chain(y).reduce(f64::max);
+        Self {
+            samples: self.samples + other.samples,
+            both_turned: self.both_turned + other.both_turned,
+            could_turn_both: self.could_turn_both + other.could_turn_both,
+            deformed: self.deformed + other.deformed,
+            could_deform: self.could_deform + other.could_deform,
+            away: self.away + other.away,
+            largest_rotation: most(self.largest_rotation, other.largest_rotation),
+            largest_relative_rotation: most(self.largest_relative_rotation, other.largest_relative_rotation),
+            largest_displacement: self.largest_displacement.max(other.largest_displacement),
+        }
     }
 
     /// What was not exercised.
@@ -208,18 +257,30 @@ impl Coverage {
         }
         let lack = |code, message: String, remedy| Lack { code, message, remedy };
         if self.away == 0 {
-            let most =
-                self.rotation_a.largest.max(self.rotation_b.largest).max(self.relative_rotation.largest);
+            let (most, remedy) = match self.largest_rotation {
+                Some(most) => (
+                    format!("the largest rotation is {most:.2e} rad"),
+                    "add states with both nodes turned by a radian and more, and components displaced",
+                ),
+                None => (
+                    format!(
+                        "the nodes move relative to each other by {:.2e} lengths at most",
+                        self.largest_displacement
+                    ),
+                    "add states in which the nodes move relative to each other, by lengths of the connector",
+                ),
+            };
             let message = format!(
-                "{} saw only the neighbourhood of the initial one: the largest rotation is {most:.2e} rad",
+                "{} saw only the neighbourhood of the initial one: {most}",
                 count(self.samples, "state")
             );
-            let remedy = "add states with both nodes turned by a radian and more, and components displaced";
             return vec![lack(Code::CoverageIdentity, message, remedy)];
         }
         let mut lacks = Vec::new();
-        let [a, b] = [&self.rotation_a, &self.rotation_b].map(|histogram| histogram.largest > TURNED);
-        if self.could_turn_both > 0 && self.both_turned == 0 && (a || b) {
+        let small = self.largest_relative_rotation.filter(|most| self.deformed > 0 && *most <= TURNED);
+        let is_turned = self.largest_rotation.is_some_and(|most| most > TURNED);
+        // Where neither node was turned, and relative rotations are told of, nothing is added.
+        if self.could_turn_both > 0 && self.both_turned == 0 && (is_turned || small.is_none()) {
             let message = format!(
                 "in none of {} were both nodes of a connector turned by more than {TURNED} rad",
                 count(self.could_turn_both, "state")
@@ -233,22 +294,40 @@ impl Coverage {
                 "in none of {} was a component displaced that is free to move",
                 count(self.could_deform, "state")
             );
-            lacks.push(lack(
-                Code::CoverageUndeformed,
-                message,
-                "add states in which the nodes move relative to each other",
-            ));
+            let remedy = "add states in which the nodes move relative to each other";
+            lacks.push(lack(Code::CoverageUndeformed, message, remedy));
         }
-        if self.deformed > 0
-            && self.relative_rotation.samples() > 0
-            && self.relative_rotation.largest <= TURNED
-        {
-            let message =
-                format!("the largest relative rotation is {:.2e} rad", self.relative_rotation.largest);
+        if let Some(most) = small {
+            let message = format!("the largest relative rotation is {most:.2e} rad");
             let remedy =
                 "add states with relative rotations of a radian and more, where the type permits them";
             lacks.push(lack(Code::CoverageSmallAngles, message, remedy));
         }
         lacks
+    }
+}
+
+impl Coverage {
+    /// Counts a connector at a state.
+    pub fn add(&mut self, definition: &Definition, state: &State<f64>) {
+        self.take(&Sample::of(&Connector::new(definition), definition, state));
+    }
+
+    /// Counts a sample.
+    pub fn take(&mut self, sample: &Sample) {
+        let Sample { rotations: [a, b], relative, stretch, margin, .. } = *sample;
+        self.exercise.add(sample);
+        a.into_iter().for_each(|angle| self.rotation_a.add(angle));
+        b.into_iter().for_each(|angle| self.rotation_b.add(angle));
+        if a.is_some() || b.is_some() {
+            self.relative_rotation.add(relative);
+        }
+        stretch.into_iter().for_each(|ratio| self.stretch.add(ratio));
+        margin.into_iter().for_each(|distance| self.margin.add(distance));
+    }
+
+    /// What was not exercised, of all connectors together.
+    pub fn gaps(&self) -> Vec<Lack> {
+        self.exercise.gaps()
     }
 }

@@ -51,6 +51,8 @@ pub struct Settings {
     pub seed: String,
     /// Whether the singular points of the catalogue are approached.
     pub atlas: bool,
+    /// Whether what is undecided fails.
+    pub strict: bool,
     /// A fault planted on purpose, which the audit must tell of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planted: Option<Planted>,
@@ -67,6 +69,7 @@ impl Default for Settings {
             oracles: Oracle::ALL.into(),
             seed: "pintle".into(),
             atlas: true,
+            strict: false,
             planted: None,
         }
     }
@@ -540,6 +543,9 @@ fn hyper_dual(
     (compared > 0).then_some(check)
 }
 
+/// Why a law is undecided.
+const OVERFLOW: &str = "numbers overflow, so that the law has no finite tolerance, or no finite sum";
+
 fn laws(
     case: &Case,
     numbers: &Numbers<f64>,
@@ -551,12 +557,22 @@ fn laws(
     let Some(context) = Context::new(case, numbers, bound) else { return checks };
     let mut made: BTreeMap<Quantity, Vec<Mutant>> = BTreeMap::new();
     for law in Invariant::ALL {
-        let demands = context.demands(law);
-        let Some((demand, units)) = invariant::worst(numbers, &demands) else { continue };
-        let verdict = demand.verdict(units);
-        let got = demand.sum(|quantity, k, i| numbers.entries(quantity).get(k, i));
-        let judgement =
-            Judgement { verdict, worst: Some(finding(demand, units, got)), compared: demands.len() };
+        let all = context.demands(law);
+        if all.is_empty() {
+            continue;
+        }
+        let (demands, open): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.is_decidable(numbers));
+        let worst = invariant::worst(numbers, &demands);
+        let verdict = match worst {
+            Some((_, units)) if units > 1.0 => Verdict::Wrong,
+            _ if !open.is_empty() => Verdict::Undecided,
+            _ => Verdict::Pass,
+        };
+        let worst = worst.map(|(demand, units)| {
+            let got = demand.sum(|quantity, k, i| numbers.entries(quantity).get(k, i));
+            finding(demand, units, got)
+        });
+        let judgement = Judgement { verdict, worst, compared: demands.len() };
         let mut score = Score::default();
         if wide {
             let spans: BTreeSet<Quantity> =
@@ -574,6 +590,9 @@ fn laws(
         }
         let mut check = Check::new(None, Against::Law(law));
         check.add(judgement, score, case);
+        if verdict == Verdict::Undecided {
+            check.undecided.insert(OVERFLOW.to_string(), 1);
+        }
         checks.push(check);
     }
     checks

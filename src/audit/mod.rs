@@ -63,7 +63,7 @@ pub use bound::{Bound, C, U};
 pub use candidate::{Candidate, Given};
 pub use case::{Case, Step};
 pub use counterexample::CounterExample;
-pub use coverage::Coverage;
+pub use coverage::{Coverage, Exercise, Sample};
 pub use diagnosis::{Cause, Diagnosis, Explained};
 pub use engine::{Settings, audit_case, audit_cases, audit_catalogue};
 pub use failing::{Example, Failing};

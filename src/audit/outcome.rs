@@ -14,6 +14,7 @@ use super::oracle::Oracle;
 use super::quantity::{Entries, Quantity};
 use super::verdict::{Finding, Judgement, Score, Verdict, Wanted};
 use crate::connector::Connector;
+use crate::scene::Severity;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -406,8 +407,18 @@ impl Report {
         self.models.iter().filter(is_undecided).count()
     }
 
-    /// Subjects of which something is undecided.
+    /// Subjects of which something is undecided, and models of whose assembly a rank is.
     pub fn undecided(&self) -> usize {
+        self.undecided_subjects() + self.undecided_models()
+    }
+
+    /// The number of findings in models that are warnings.
+    pub fn warnings(&self) -> usize {
+        self.models.iter().map(|model| model.count(Severity::Warning)).sum()
+    }
+
+    /// Subjects of which something is undecided.
+    pub fn undecided_subjects(&self) -> usize {
         self.subjects.iter().filter(|subject| subject.verdict() == Verdict::Undecided).count()
     }
 

@@ -203,12 +203,13 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
                 [-spin[1][0], zero[0][0], -spin[1][2]],
                 [-spin[2][0], -spin[2][1], zero[0][0]],
             ];
-            for at in [(XA, XA), (XB, XB), (XA, XB), (THETA_B, THETA_B)] {
-                write(to, at, &zero);
-            }
-            for at in [XA, THETA_A, XB] {
-                write(to, (at, THETA_B), &zero);
-            }
+            write(to, (XA, XA), &zero);
+            write(to, (XB, XB), &zero);
+            write(to, (XA, XB), &zero);
+            write(to, (XA, THETA_B), &zero);
+            write(to, (XB, THETA_B), &zero);
+            write(to, (THETA_A, THETA_B), &zero);
+            write(to, (THETA_B, THETA_B), &zero);
             write(to, (XA, THETA_A), &minus);
             write(to, (XB, THETA_A), &spin);
             write(to, (THETA_A, THETA_A), &centripetal);

@@ -358,7 +358,7 @@ pub(super) fn component_of(component: u8, available: Mask, span: Span) -> Result
 
 /// Where D_ij (i, j from 0) stands in a row: columns of the upper triangle (D11, D12, D22, D13 …, decision D-24), or the whole
 /// matrix column by column (D11, D21 …, our reading).
-fn entry(unsymmetric: bool, i: usize, j: usize) -> usize {
+pub(crate) fn entry(unsymmetric: bool, i: usize, j: usize) -> usize {
     let (low, high) = (i.min(j), i.max(j));
     if unsymmetric { 6 * j + i } else { high * (high + 1) / 2 + low }
 }

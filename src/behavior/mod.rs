@@ -29,6 +29,7 @@ pub mod table;
 mod tangent;
 
 pub use law::ForceKink;
+pub(crate) use law::entry;
 pub use slide::{Beyond, Slip, Wrap};
 pub use tangent::Tangent;
 

@@ -243,7 +243,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     say_what_stays(&levels, &report);
     let refused = loaded.iter().filter(|loaded| loaded.is_refused).map(|loaded| loaded.name.as_str());
     let refused: Vec<&str> = refused.collect();
-    match verdict(arguments.strict, &report) {
+    match verdict(&report) {
         Ok(()) | Err(Failure::Findings | Failure::Undecided | Failure::Nothing(_)) if !refused.is_empty() => {
             let message = format!(
                 "{}: refused by rules, and not evaluated; the findings name them",
@@ -334,6 +334,7 @@ fn settings(arguments: &Audit) -> Settings {
         drawn_states: arguments.drawn_states,
         seed: arguments.seed.clone(),
         planted: arguments.plant.map(Planted::from),
+        strict: arguments.strict,
         ..Settings::default()
     };
     if let Some(wide_states) = arguments.wide_states {
@@ -397,7 +398,7 @@ pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Resul
 }
 
 /// The exit code of a report. What is wrong comes before what would not have been noticed.
-pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
+pub(super) fn verdict(report: &Report) -> Result<(), Failure> {
     if report.mismatches() > 0 {
         return Err(Failure::Mismatch);
     }
@@ -419,7 +420,7 @@ pub(super) fn verdict(strict: bool, report: &Report) -> Result<(), Failure> {
     if report.compared() == 0 && !is_of_models_alone {
         return Err(Failure::Nothing("no number was compared".into()));
     }
-    if strict && report.undecided() + report.not_exercised() + report.undecided_models() > 0 {
+    if report.settings.strict && report.undecided() + report.not_exercised() > 0 {
         return Err(Failure::Undecided);
     }
     Ok(())

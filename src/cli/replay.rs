@@ -106,5 +106,5 @@ pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
     let settings = Settings { wide_states: 1, atlas: false, planted, ..Settings::default() };
     let report = failing.audit(&settings);
     super::audit::write(arguments.format, true, &report)?;
-    super::audit::verdict(false, &report)
+    super::audit::verdict(&report)
 }

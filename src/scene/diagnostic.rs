@@ -240,12 +240,15 @@ codes! {
     ModelNearSingular = "model::near-singular": "The states come near a singular set of a component: closer than 0.05 rad, or 5 hundredths of the largest length of the connector. A note.";
     ModelLargeIncrement = "model::large-increment": "An angle moves by so much from one state to the next that its turns cannot be counted with certainty. A warning.";
     ModelPathDependent = "model::path-dependent": "The value of a component depends on the path between two states, which they do not tell. A warning.";
-    ModelStateNotFinite = "model::not-finite": "A number at a given state is infinite or not a number. A warning.";
+    ModelStateNotFinite = "model::not-finite": "A number at a given state is infinite or not a number, or coordinates are so large that the squares of distances overflow. A warning.";
     ModelConstraintViolated = "model::constraint-violated": "A given state does not satisfy a constraint of the model. A warning.";
     ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially. A warning.";
     ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially. A warning.";
-    ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes. A warning.";
+    ModelEntriesIgnored = "model::entries-ignored": "A coupled elasticity or damping has entries that are not zero for components that are not available, constrained ones say: they do nothing. A warning.";
+    ModelLimitUnreachable = "model::limit-unreachable": "A lock or failure is triggered by nothing but the position of a constrained component, which stays within the limits: it never acts. A warning.";
+    ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes; or what presses has no force. A warning.";
     ModelDuplicateConnector = "model::duplicate-connector": "Two connectors of one type and behaviour join the same nodes with the same orientations, so that what each does counts twice. A warning.";
+    ModelDuplicateMpc = "model::duplicate-mpc": "A multi-point constraint of one kind is given twice for the same nodes: all of its equations are redundant. A warning.";
 
     AssemblyRedundant = "assembly::redundant": "A constraint follows from the others, and does so wherever the assembly can move: how they share the force is not determined. A warning.";
     AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state and not at others: the assembly is at a singular position, where it can move in more ways than elsewhere. A warning.";
@@ -254,9 +257,10 @@ codes! {
     AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents and no prescribed motion drives. A note.";
     AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant. A warning.";
     AssemblyNearSingular = "assembly::near-singular": "The digits of a state do not tell whether it is a singular position (a change point, say), or close to one: the constraints nearly depend on each other there, and at other states they do not. A warning.";
+    AssemblyConstraintsUnread = "assembly::constraints-unread": "A keyword that constrains nodes (*EQUATION, *RIGID BODY, *COUPLING, *KINEMATIC COUPLING, *TIE, *EMBEDDED ELEMENT …), or a multi-point constraint of a kind that is not evaluated, is not read. The rank of the assembly is that of what was read: with all constraints, nodes of connectors may move in fewer ways, and more constraints may be redundant. A warning.";
     AssemblyNotAssembled = "assembly::not-assembled": "The Jacobian of the constraints could not be assembled at a state, so that the assembly is not judged from there on: a mistake of this program. A warning.";
 
-    CoverageIdentity = "coverage::identity": "The states saw only the neighbourhood of the initial one: an error in terms that vanish there would not show. A warning.";
+    CoverageIdentity = "coverage::identity": "The states saw only the neighbourhood of the initial one, of every connector of a type: turned by no more than 0.1 rad, and displaced by no more than 0.05 lengths. An error in terms that vanish there would not show. A warning; a note of connectors that stay there while others of their type do not.";
     CoverageOneNode = "coverage::one-node": "In no state were both nodes of a connector rotated: terms in which the rotations of both meet were never exercised. A note.";
     CoverageUndeformed = "coverage::undeformed": "No component that is free to move was moved in any state: the nodes moved together, as one rigid body. A note.";
     CoverageSmallAngles = "coverage::small-angles": "No relative rotation in the states exceeds 0.1 rad: formulas that agree for small angles cannot be told apart. A note.";

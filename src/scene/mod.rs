@@ -88,8 +88,8 @@ pub use model::{
     Amplitude, AmplitudeDefinition, AmplitudeTime, AmplitudeValue, Application, Boundary, ConcentratedLoad,
     ConditionKind, ConnectorElement, ConnectorLoad, ConnectorMotion, ConnectorSection, DefaultAmplitude,
     Dimension, Discrete, DistributedLoad, End, MAX_WARNINGS, Mass, MotionType, Mpc, MpcKind, Node, Operation,
-    OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set, Skipped, SkippedItem,
-    Solver, Step, Target, Times, Transform, TransformKind,
+    OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set, Skipped, SkippedConstraint,
+    SkippedItem, Solver, Step, Target, Times, Transform, TransformKind,
 };
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};

@@ -761,6 +761,18 @@ pub struct Skipped {
     /// Comment lines.
     #[serde(skip)]
     pub comments: u64,
+    /// Those of the keywords that constrain nodes, such as `*EQUATION`, in order.
+    #[serde(skip)]
+    pub constraints: Vec<SkippedConstraint>,
+}
+
+/// A keyword that was skipped, and constrains nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SkippedConstraint {
+    /// Its name, without the asterisk.
+    pub keyword: &'static str,
+    /// Where it is.
+    pub span: Span,
 }
 
 impl Skipped {

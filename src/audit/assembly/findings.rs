@@ -7,7 +7,7 @@ use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant
 use crate::audit::model::{About, Finding};
 use crate::evaluate::Freedom;
 use crate::grammar::{agree, count, ranges};
-use crate::scene::{Code, Label, Scene, Span};
+use crate::scene::{Code, Label, Mpc, Scene, Span};
 use std::collections::{BTreeMap, HashSet};
 
 /// The names that a message lists.
@@ -17,7 +17,8 @@ const SETS: usize = 20;
 
 /// What is found of an assembly.
 pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
-    let mut found = redundancies(scene, assembly);
+    let mut found = super::unread::findings(scene);
+    found.extend(redundancies(scene, assembly));
     found.extend(at_states(scene, assembly));
     found.extend(overdriven(scene, assembly));
     found.extend(skipped(scene, assembly));
@@ -47,11 +48,26 @@ fn place(scene: &Scene, constraint: &Constraint) -> Span {
     if let Some(element) = constraint.element {
         return scene.connectors.get(&element).map(|element| element.span).unwrap_or_default();
     }
-    let title = constraint.mpc.as_deref().unwrap_or_default();
-    let nodes =
-        |mpc: &crate::scene::Mpc| mpc.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join("-");
-    let is_it = |mpc: &&crate::scene::Mpc| title == format!("MPC {} {}", mpc.kind.name(), nodes(mpc));
-    scene.mpcs.iter().find(is_it).map(|mpc| mpc.span).unwrap_or_default()
+    constraint.index.and_then(|index| mpc_of(scene, index)).map(|mpc| mpc.span).unwrap_or_default()
+}
+
+/// The constraint at a place among those that are evaluated.
+fn mpc_of(scene: &Scene, index: usize) -> Option<&Mpc> {
+    scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some()).nth(index)
+}
+
+/// The nodes that the connector or constraint of an equation joins, in ascending order.
+fn nodes_of(scene: &Scene, constraint: &Constraint) -> Vec<Label> {
+    let mut nodes: Vec<Label> = match (constraint.element, constraint.index) {
+        (Some(element), _) => {
+            let element = scene.connectors.get(&element);
+            element.into_iter().flat_map(|element| [element.a, element.b]).flatten().collect()
+        }
+        (_, Some(index)) => mpc_of(scene, index).map(|mpc| mpc.nodes.clone()).unwrap_or_default(),
+        _ => Vec::new(),
+    };
+    nodes.sort();
+    nodes
 }
 
 fn listed(names: &[String]) -> String {
@@ -79,7 +95,7 @@ fn about(constraints: &[&Constraint]) -> About {
 }
 
 /// Where a redundancy holds, whether it is certain, and the connector or MPC that it is of.
-type Owner = (Holds, bool, Option<Label>, Option<String>);
+type Owner = (Holds, bool, Option<Label>, Option<usize>);
 
 /// Redundant constraints at the initial state: one finding for each connector or MPC and where it holds, up to a number.
 fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
@@ -87,34 +103,29 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     let mut of: BTreeMap<Owner, Vec<&Redundant>> = BTreeMap::new();
     for redundant in &assembly.redundant {
         let Redundant { holds, decided, constraint, .. } = redundant;
-        let key = (*holds, *decided, constraint.element, constraint.mpc.clone());
+        let key = (*holds, *decided, constraint.element, constraint.index);
         of.entry(key).or_default().push(redundant);
     }
     let mut found = Vec::new();
     let owners = of.len();
-    for ((holds, decided, element, mpc), redundant) in of.into_iter().take(MOST) {
+    for ((holds, decided, element, index), redundant) in of.into_iter().take(MOST) {
         let Some(first) = redundant.first() else { continue };
         let components: Vec<String> = redundant.iter().map(|one| one.constraint.component.clone()).collect();
-        let title = match (&element, &mpc) {
+        let title = match (&element, &first.constraint.mpc) {
             (Some(element), _) => format!("element {element}"),
             (_, Some(mpc)) => mpc.clone(),
             _ => "a boundary condition".to_string(),
         };
-        let mut others: Vec<String> = redundant
+        let mut makers: Vec<&Constraint> = redundant
             .iter()
             .flat_map(|one| &one.from)
-            .filter(|one| one.element != element || one.mpc != mpc)
-            .map(|one| match (&one.element, &one.mpc, &one.node) {
-                (Some(element), ..) => element.to_string(),
-                (_, Some(mpc), _) => mpc.clone(),
-                (_, _, Some(node)) => format!("node {node}"),
-                _ => String::new(),
-            })
+            .filter(|one| one.element != element || one.index != index)
             .collect();
-        others.sort();
-        others.dedup();
+        makers.sort_by_key(|one| (one.element, one.index, one.node));
+        makers.dedup_by_key(|one| (one.element, one.index, one.node));
+        let others: Vec<String> = makers.iter().map(|one| name(scene, one, first)).collect();
         let from = match others.as_slice() {
-            [] if holds == Holds::Rigid && redundant.iter().all(|one| one.from.is_empty()) => {
+            [] if redundant.iter().all(|one| one.held) => {
                 " from boundary conditions and what is held".to_string()
             }
             [] if redundant.iter().all(|one| one.from.is_empty()) => format!(
@@ -145,9 +156,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             Holds::Here | Holds::Isolated => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"
             }
-            _ => {
-                "free the component: choose a connection type that leaves it available (of a planar loop of hinges, make one a JOIN with CARDAN, say), or accept that its force is not determined"
-            }
+            _ => remedy(scene, &first.constraint, &makers, &redundant),
         };
         let constraints: Vec<&Constraint> = redundant.iter().map(|one| &one.constraint).collect();
         let finding = Finding::new(scene, code, place(scene, &first.constraint), message, reason, remedy);
@@ -162,6 +171,48 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
         )));
     }
     found
+}
+
+/// A constraint that another follows from, by number; with the line where the two have the same title.
+fn name(scene: &Scene, one: &Constraint, follows: &Redundant) -> String {
+    match (&one.element, &one.mpc, &one.node) {
+        (Some(element), ..) => element.to_string(),
+        (_, Some(mpc), _) if follows.constraint.mpc.as_ref() == Some(mpc) => {
+            format!("{mpc} of line {}", place(scene, one).line())
+        }
+        (_, Some(mpc), _) => mpc.clone(),
+        (_, _, Some(node)) => format!("node {node}"),
+        _ => String::new(),
+    }
+}
+
+/// What to do about a redundancy that does not depend on the position, by what it follows from.
+fn remedy(scene: &Scene, of: &Constraint, makers: &[&Constraint], redundant: &[&Redundant]) -> &'static str {
+    let is_mpc = of.index.is_some();
+    let is_held = redundant.iter().all(|one| one.held);
+    match makers {
+        [] if is_held && is_mpc => {
+            "its nodes are held as it would hold them: leave out the multi-point constraint, or free one of the nodes"
+        }
+        [] if is_held => {
+            "its nodes are held as it would hold them: free one of the nodes in *BOUNDARY, or choose a connection type that leaves the component \
+             available"
+        }
+        [one] if nodes_of(scene, one) == nodes_of(scene, of) && is_mpc => {
+            "it and the other one join the same nodes: remove one of the two"
+        }
+        [one] if nodes_of(scene, one) == nodes_of(scene, of) => {
+            "it and the other one join the same nodes: remove one of the two, or choose for one a connection type that leaves the component available"
+        }
+        _ if is_mpc => {
+            "replace it by one that constrains less (a PIN or LINK for a BEAM, say), or by a connector that leaves the component available; or accept \
+             that its force is not determined"
+        }
+        _ => {
+            "free the component: choose a connection type that leaves it available (of a planar loop of hinges, make one a JOIN with CARDAN, say), or \
+             accept that its force is not determined"
+        }
+    }
 }
 
 /// Constraints that are redundant at a given state and not at others: a finding for each set of them, with its states.
@@ -456,7 +507,12 @@ fn mechanism_at(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
 }
 
 fn moves(scene: &Scene, message: String, modes: &[&Mode], undriven: usize, state: Option<u64>) -> Finding {
-    let reason = "degrees of freedom less the rank of constraints and drives; springs, friction, stops and other elements are not looked at";
+    let reason = if super::unread::is_any(scene) {
+        "degrees of freedom less the rank of the constraints and drives that are read; other constraints, springs, friction, stops and other \
+         elements are not looked at"
+    } else {
+        "degrees of freedom less the rank of constraints and drives; springs, friction, stops and other elements are not looked at"
+    };
     let remedy = "as it should be for a mechanism under forces; in statics, hold or drive the motion";
     let mut nodes: Vec<Label> = modes.iter().flat_map(|mode| mode.nodes.iter().copied()).collect();
     nodes.sort();

@@ -153,7 +153,8 @@ pub(super) fn position(
 /// The name of a row of a system.
 pub(super) fn constraint(system: &System<'_>, row: u32) -> Constraint {
     let role = system.roles[row as usize];
-    let none = Constraint { element: None, mpc: None, node: None, component: String::new(), role };
+    let none =
+        Constraint { element: None, mpc: None, index: None, node: None, component: String::new(), role };
     match system.origins[row as usize] {
         Origin::Boundary(freedom) => {
             Constraint { node: Some(freedom.node), component: freedom.number.to_string(), ..none }
@@ -167,7 +168,7 @@ pub(super) fn constraint(system: &System<'_>, row: u32) -> Constraint {
             Source::Mpc(index) => {
                 let mpc = &system.model.mpcs[index];
                 let component = mpc.constraint.kind().row_name(equation.component).to_string();
-                Constraint { mpc: Some(mpc.title()), component, ..none }
+                Constraint { mpc: Some(mpc.title()), index: Some(index), component, ..none }
             }
         },
     }

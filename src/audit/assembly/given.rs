@@ -90,6 +90,7 @@ fn dependent(system: &System<'_>, found: &[Result<Found, usize>]) -> Vec<Redunda
             constraint: constraint(system, found.rows[*row as usize]),
             holds: Holds::Unjudged,
             decided,
+            held: false,
             from: made_of(system, found, *row),
         };
         found.constraints.dependent.iter().take(LISTED).map(one).collect()

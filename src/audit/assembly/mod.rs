@@ -34,6 +34,7 @@
 //! | `modes` | which motions are left? |
 //! | `given` | what holds at the states given? |
 //! | `moving` | does a redundancy hold elsewhere? |
+//! | `unread` | which constraints of the deck were not read? |
 //! | `findings` | what is said of it? |
 
 mod dense;
@@ -51,8 +52,10 @@ mod steps;
 mod system;
 #[cfg(test)]
 mod tests;
+mod unread;
 
 pub use system::Role;
+pub use unread::{Place, Unread};
 
 use crate::audit::bound::U;
 use crate::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Sequence};
@@ -112,6 +115,9 @@ pub struct Constraint {
     /// The multi-point constraint, by kind and nodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mpc: Option<String>,
+    /// Its place among the constraints of the model that are evaluated.
+    #[serde(skip)]
+    pub index: Option<usize>,
     /// The node of a boundary condition.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub node: Option<Label>,
@@ -142,6 +148,8 @@ pub struct Redundant {
     pub holds: Holds,
     /// Whether the rank of its part is certain. Where it is not, the constraint is redundant if what was taken for zero is zero.
     pub decided: bool,
+    /// Whether boundary conditions hold all that it would: then it follows from them alone.
+    pub held: bool,
     /// The others that it follows from, where the part is small enough to say it; empty where all its nodes are held.
     pub from: Vec<Constraint>,
 }
@@ -248,6 +256,9 @@ pub struct Assembly {
     /// Constraints that are redundant at a given state and not at the state where the rank is largest, which may be the initial one, with the number
     /// of the state.
     pub redundant_at: Vec<(u64, Constraint)>,
+    /// Constraints of the deck that are not read: where there are any, what is certain is so of what was read.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unread: Vec<Unread>,
     /// The state from which on nothing was looked at, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_assembled: Option<NotAssembled>,
@@ -287,7 +298,8 @@ const LISTED: usize = 1000;
 /// # Errors
 /// The points of a `*TRANSFORM` that define no directions.
 pub fn analyse(scene: &Scene, model: &Model, states: &[State], step: usize) -> Result<Assembly, Diagnostic> {
-    Ok(in_step(model, states, step, &Prescribed::of(scene, step)?, &|_| true))
+    let found = in_step(model, states, step, &Prescribed::of(scene, step)?, &|_| true);
+    Ok(Assembly { unread: unread::unread(scene), ..found })
 }
 
 /// Looks at an assembly in its first step, and in all whose boundary conditions or connector motions are not those of the step before: at
@@ -300,9 +312,10 @@ pub fn analyse_steps(scene: &Scene, model: &Model, states: &[State]) -> Result<V
     let steps = steps::differing(scene)?;
     let ends = steps::ends(scene);
     let next = steps.iter().skip(1).map(|(step, _)| *step).chain([usize::MAX]);
+    let unread = unread::unread(scene);
     let found = steps.iter().zip(next).map(|((step, prescribed), next)| {
         let is_of = |state: &State| (*step..next).contains(&steps::of_state(ends.as_deref(), state));
-        in_step(model, states, *step, prescribed, &is_of)
+        Assembly { unread: unread.clone(), ..in_step(model, states, *step, prescribed, &is_of) }
     });
     Ok(found.collect())
 }
@@ -379,6 +392,7 @@ impl Assembly {
             modes: Vec::new(),
             off: Vec::new(),
             redundant_at: Vec::new(),
+            unread: Vec::new(),
             not_assembled: None,
         }
     }

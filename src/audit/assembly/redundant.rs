@@ -25,6 +25,7 @@ pub(super) fn redundant(
         constraint: constraint(system, *row),
         holds: Holds::Rigid,
         decided: true,
+        held: true,
         from: Vec::new(),
     });
     let of_parts: Vec<Vec<Redundant>> = system
@@ -51,6 +52,7 @@ pub(super) fn redundant(
                         holds => holds,
                     },
                     decided,
+                    held: false,
                     from: made_of(system, found, *row),
                 })
                 .collect()

@@ -158,6 +158,16 @@ impl Demand {
         })
     }
 
+    /// Whether numbers can be told to meet it or not: not where they overflow, so that the sum, or what is allowed, is not finite. A number
+    /// that is not there meets nothing, and what must be equal bit for bit needs no tolerance.
+    pub(super) fn is_decidable(&self, numbers: &Numbers<f64>) -> bool {
+        let number = |quantity: Quantity, k: usize, i: usize| numbers.entries(quantity).get(k, i);
+        let is_there = self.terms.iter().all(|(quantity, k, i, _)| number(*quantity, *k, *i).is_some());
+        self.allowed.is_finite()
+            && (self.want.is_finite() || self.allowed == 0.0)
+            && (!is_there || self.sum(number).is_finite())
+    }
+
     /// How far a sum is from what it must be, in units of what is allowed.
     fn units_of(&self, sum: f64) -> f64 {
         let error = (sum - self.want).abs();
@@ -224,7 +234,8 @@ impl<'a> Context<'a> {
     }
 
     fn tolerance(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
-        self.bound.tolerance(quantity, k, i)
+        // Without a truth there is no tolerance: not none at all.
+        self.bound.known(quantity, k, i).unwrap_or(f64::INFINITY)
     }
 
     /// A sum of entries that must be `want`, allowed what its terms are allowed and a rounding each.

@@ -1,12 +1,16 @@
-//! Does what is attached to components act as it looks? Stops and locks that are passed initially, frictions that vanish.
+//! Does what is attached to components act as it looks? Stops and locks that are passed initially or never met, entries that are ignored,
+//! frictions that vanish.
 
 use super::finding::{About, Finding};
 use super::gather::Gathered;
 use super::geometry::initial_positions;
+use super::pressing::nothing_presses;
+use crate::behavior::entry;
 use crate::catalog::{COMPONENT, Contact, FrictionCriterion, Load, PLANE, Quantity, SPATIAL, Traction};
 use crate::connector::Components;
 use crate::evaluate::{ConnectorElement, Model};
-use crate::scene::{self, Code, FrictionKind, FrictionLaw, Limits, Scene, Span};
+use crate::grammar::agree;
+use crate::scene::{self, Behavior, Code, FrictionKind, FrictionLaw, Law, Limits, Scene, Span};
 
 /// What is found of the behaviours of connectors.
 pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
@@ -24,9 +28,14 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
         let locks = behavior.locks.iter().map(|lock| ("lock", lock.component, &lock.limits, lock.span));
         let failures =
             behavior.failures.iter().map(|fail| ("failure", fail.component, &fail.limits, fail.span));
-        found.extend(locks.chain(failures).filter_map(|law| passed(scene, element, law, &positions)));
+        for law in locks.chain(failures) {
+            found.extend(
+                passed(scene, element, law, &positions).or_else(|| idle(scene, element, law, &positions)),
+            );
+        }
+        found.extend(ignored(scene, element, behavior));
         for friction in &behavior.friction {
-            found.extend(vanishing(scene, element, friction));
+            found.extend(vanishing(scene, element, behavior, friction));
         }
         for finding in found {
             gathered.add(given.section, element.label, finding, |new, old| new.value > old.value);
@@ -91,8 +100,93 @@ fn passed(
     Some(finding.about(about(element, k, (position - limit).abs())))
 }
 
+/// A lock or failure of which all limits are of the position of a component that is constrained and stays within them.
+fn idle(
+    scene: &Scene,
+    element: &ConnectorElement,
+    (what, component, limits, span): (&str, u8, &Vec<Limits>, Span),
+    positions: &Components<f64>,
+) -> Option<Finding> {
+    let k = index(component);
+    let position = positions[k].filter(|_| element.connector.is_constrained(k))?;
+    let of_force = |limit: &Limits| limit.lower_force.is_some() || limit.upper_force.is_some();
+    let of_position = |limit: &Limits| limit.lower_position.is_some() || limit.upper_position.is_some();
+    if limits.iter().any(of_force) || !limits.iter().any(of_position) {
+        return None;
+    }
+    let name = COMPONENT[k];
+    let message = format!(
+        "element {}: a {what} is triggered by the position of {name} alone, which {} constrains: it stays at {position:.6}, within the limits",
+        element.label,
+        element.connector.connection().name
+    );
+    let reason = "what is constrained does not move, so that its position passes no limit";
+    let remedy = "limit the force of the component, or the position of one that is available";
+    let finding = Finding::new(scene, Code::ModelLimitUnreachable, span, message, reason, remedy);
+    let about =
+        About { elements: vec![element.label], components: vec![name.to_string()], ..About::default() };
+    Some(finding.about(about))
+}
+
+/// Entries of coupled tables, not zero, for components that are not available: they are ignored.
+fn ignored(scene: &Scene, element: &ConnectorElement, behavior: &Behavior) -> Option<Finding> {
+    /// The entries that a message names.
+    const NAMED: usize = 8;
+    let present = if element.is_planar() { PLANE } else { SPATIAL };
+    let connection = element.connector.connection();
+    let is_available = |k: usize| connection.slots[k].is_available() && present[k];
+    let elasticities = behavior.elasticity.iter().map(|law| ("elasticity", "D", &law.law, law.span));
+    let dampings = behavior.damping.iter().map(|law| ("damping", "C", &law.law, law.span));
+    let (mut told, mut place, mut count) = (Vec::new(), None, 0);
+    for (what, letter, law, span) in elasticities.chain(dampings) {
+        let Law::Coupled { unsymmetric, rows, .. } = law else { continue };
+        let is_given = |at: usize| {
+            rows.iter().any(|row| row.values.get(at).copied().flatten().is_some_and(|value| value != 0.0))
+        };
+        let pairs = (0..6).flat_map(|j| (0..6).map(move |i| (i, j)));
+        let names: Vec<String> = pairs
+            .filter(|(i, j)| *unsymmetric || i <= j)
+            .filter(|(i, j)| !(is_available(*i) && is_available(*j)) && is_given(entry(*unsymmetric, *i, *j)))
+            .map(|(i, j)| format!("{letter}{}{}", i + 1, j + 1))
+            .collect();
+        if names.is_empty() {
+            continue;
+        }
+        count += names.len();
+        place = place.or(Some(span));
+        let more = match names.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        told.push(format!("{} of its coupled {what}{more}", names[..names.len().min(NAMED)].join(", ")));
+    }
+    let unavailable = (0..6).filter(|k| !is_available(*k)).map(|k| COMPONENT[k].to_string()).collect();
+    let message = format!(
+        "element {}: {} {} ignored, for {} does not leave all of their components available",
+        element.label,
+        told.join(", and "),
+        agree(count, ["is", "are"]),
+        connection.name
+    );
+    let reason = "a coupled matrix acts between available components only; entries of others are left out, whatever they are";
+    let remedy = "write 0 for them, or choose a type that leaves the components available";
+    let finding = Finding::new(scene, Code::ModelEntriesIgnored, place?, message, reason, remedy);
+    let about = About {
+        elements: vec![element.label],
+        components: unavailable,
+        value: Some(f64::from(u32::try_from(count).unwrap_or(u32::MAX))),
+        ..About::default()
+    };
+    Some(finding.about(about))
+}
+
 /// What of a friction vanishes.
-fn vanishing(scene: &Scene, element: &ConnectorElement, friction: &scene::Friction) -> Vec<Finding> {
+fn vanishing(
+    scene: &Scene,
+    element: &ConnectorElement,
+    behavior: &Behavior,
+    friction: &scene::Friction,
+) -> Vec<Finding> {
     let mut found = Vec::new();
     let mut tell = |what: String, reason: &str, remedy: &str, component: String| {
         let message = format!("element {}: {what}", element.label);
@@ -170,7 +264,21 @@ fn vanishing(scene: &Scene, element: &ConnectorElement, friction: &scene::Fricti
                 );
             }
         }
-        FrictionKind::User { .. } => {}
+        FrictionKind::User { contact_force: Some(source), rows, .. } => {
+            if let Some(why) = nothing_presses(element, behavior, &source.value) {
+                // Items: radius, internal contact force …
+                let is_internal =
+                    rows.iter().any(|row| row.get(1).copied().flatten().is_some_and(|value| value != 0.0));
+                let rest =
+                    if is_internal { "only the internal contact force presses" } else { "nothing presses" };
+                tell(
+                    format!("the contact force is always zero, for {why}: {rest}"),
+                    "F_N = |F_C + F_C^int| with F_C = 0",
+                    "give the derived component factors that are not zero, of components that have a force, or name another contact force",
+                    "F_C".into(),
+                );
+            }
+        }
     }
     found
 }

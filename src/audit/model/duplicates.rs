@@ -4,8 +4,9 @@ use super::finding::{About, Finding};
 use super::gather::Gathered;
 use crate::evaluate::{ConnectorElement, Model};
 use crate::measure::Measure;
-use crate::scene::{Behavior, Code, Label, Scene};
+use crate::scene::{Behavior, Code, Label, Mpc, Scene};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// What a connector does: what two that do the same have in common besides their nodes and directions.
 #[derive(PartialEq, Eq, Hash)]
@@ -59,7 +60,35 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
             }
         }
     }
-    gathered.findings().collect()
+    gathered.findings().chain(constraints(scene)).collect()
+}
+
+/// Multi-point constraints that are there twice: of one kind, between the same nodes. Those of two nodes are the same whichever comes first.
+fn constraints(scene: &Scene) -> Vec<Finding> {
+    let mut first: HashMap<(&str, Vec<Label>), &Mpc> = HashMap::new();
+    let mut found = Vec::new();
+    for mpc in scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some()) {
+        let mut nodes = mpc.nodes.clone();
+        if nodes.len() == 2 {
+            nodes.sort();
+        }
+        let other = match first.entry((mpc.kind.name(), nodes)) {
+            Entry::Vacant(place) => {
+                place.insert(mpc);
+                continue;
+            }
+            Entry::Occupied(known) => *known.get(),
+        };
+        let label = mpc.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join("-");
+        let title = format!("MPC {} {label}", mpc.kind.name());
+        let message =
+            format!("{title} joins the nodes of that of line {}, and is of the same kind", other.span.line());
+        let reason = "kind and nodes agree: the second enforces nothing that the first does not, and how they share the force is not determined";
+        let remedy = "remove one of the two";
+        let finding = Finding::new(scene, Code::ModelDuplicateMpc, mpc.span, message, reason, remedy);
+        found.push(finding.about(About { mpcs: vec![title], nodes: mpc.nodes.clone(), ..About::default() }));
+    }
+    found
 }
 
 fn same<'a>(element: &'a ConnectorElement, behavior: Option<&Behavior>) -> Same<'a> {

@@ -7,12 +7,13 @@ use crate::audit::bound::U;
 use crate::catalog::{COMPONENT, Condition, Orientation as Given, Slot};
 use crate::connector::{Increment, Output, Request, State, Tally};
 use crate::evaluate::{ConnectorElement, Model};
+use crate::grammar::count;
 use crate::measure::{Measure, Unit};
 use crate::node::DOFS;
 use crate::scalar::elementary::norm;
-use crate::scene::{Code, Orientation, Scene, Severity, Span, System};
+use crate::scene::{Code, Label, Orientation, Scene, Severity, Span, System};
 use crate::vector::{Vector, cross, dot, sub};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::f64::consts::FRAC_PI_2;
 
 /// How far from right angles (rad) two directions are taken for orthogonal: as a deck of seven digits has them.
@@ -24,9 +25,10 @@ const CERTAIN: f64 = 1e-8;
 /// Angles that count as zero initially: those of aligned axes carry a few roundings.
 const ALIGNED: f64 = 1e-12;
 
-/// What is found of orientations and axes.
+/// What is found of coordinates, orientations and axes.
 pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
-    let mut found = orientations(scene, model);
+    let mut found: Vec<Finding> = overflow(scene, model).into_iter().collect();
+    found.extend(orientations(scene, model));
     let mut gathered = Gathered::default();
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
@@ -40,6 +42,36 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
     }
     found.extend(gathered.findings());
     found
+}
+
+/// Nodes of connectors and constraints whose coordinates are so large that the squares of distances between them may overflow.
+fn overflow(scene: &Scene, model: &Model) -> Option<Finding> {
+    // Three squares of differences of two coordinates: 3 (2 x)².
+    let limit = (f64::MAX / 12.0).sqrt();
+    let of_connectors = model.connectors.iter().flat_map(|element| element.nodes.into_iter().flatten());
+    let used: BTreeSet<Label> =
+        of_connectors.chain(model.mpcs.iter().flat_map(|mpc| mpc.nodes.iter().copied())).collect();
+    let largest = |label: &Label| {
+        let node = scene.nodes.get(label)?;
+        let most = node.coordinates.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        (most > limit).then_some((*label, most, node.span))
+    };
+    let nodes: Vec<(Label, f64, Span)> = used.iter().filter_map(largest).collect();
+    let (first, most, place) = nodes.iter().copied().max_by(|x, y| x.1.total_cmp(&y.1))?;
+    let others = match nodes.len() - 1 {
+        0 => String::new(),
+        more => format!(" (and those of {})", count(more, "other node")),
+    };
+    let message = format!(
+        "the coordinates of node {first} are as large as {most:.1e}{others}: squares of distances overflow"
+    );
+    let reason = format!(
+        "beyond {limit:.1e} the square of a distance has no finite number in 64 bits; what overflows is undecided"
+    );
+    let remedy = "check the coordinates; choose another unit of length";
+    let finding = Finding::new(scene, Code::ModelStateNotFinite, place, message, reason, remedy);
+    let nodes = nodes.iter().map(|(label, ..)| *label).take(100).collect();
+    Some(finding.about(About { nodes, value: Some(most), ..About::default() }))
 }
 
 /// The orientations that connectors use, each once: where its points are worst.

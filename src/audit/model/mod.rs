@@ -11,15 +11,19 @@
 //! | `geometry` | are the directions and lengths what they look like? |
 //! | `along` | what happens along the given states? |
 //! | `behavior` | does what is attached to components act? |
+//! | `pressing` | which contact forces are always zero? |
+//! | `coverage` | which connectors and types did the states exercise? |
 //! | `duplicates` | is something there twice? |
 
 mod along;
 mod behavior;
+mod coverage;
 mod duplicates;
 mod finding;
 mod gather;
 mod geometry;
 mod levels;
+mod pressing;
 mod rules;
 
 pub use along::Nearest;
@@ -27,9 +31,9 @@ pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
 use crate::audit::assembly::{self, Assembly};
-use crate::audit::coverage::Coverage;
+use crate::audit::coverage::{Coverage, Exercise, Sample};
 use crate::evaluate::Model;
-use crate::scene::{Scene, Severity, Span, State};
+use crate::scene::{Scene, Severity, State};
 use serde::Serialize;
 
 /// What is found in one scene.
@@ -73,9 +77,14 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(behavior::findings(scene, &model));
     findings.extend(duplicates::findings(scene, &model));
     let mut coverage = Coverage::default();
+    let mut exercises = vec![Exercise::default(); model.connectors.len()];
     let (along, nearest) = along::findings(scene, &model, states, &mut |result| {
-        if let Some(element) = model.connectors.get(result.index) {
-            coverage.add_of(&element.connector, &element.definition(), &result.state);
+        if let (Some(element), Some(exercise)) =
+            (model.connectors.get(result.index), exercises.get_mut(result.index))
+        {
+            let sample = Sample::of(&element.connector, &element.definition(), &result.state);
+            coverage.take(&sample);
+            exercise.add(&sample);
         }
     });
     findings.extend(along);
@@ -89,10 +98,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
             Err(error) => findings.push(error.into()),
         }
     }
-    findings.extend(coverage.gaps().into_iter().map(|lack| {
-        let reason = "the states given, every connector at each";
-        Finding::new(scene, lack.code, Span::default(), lack.message, reason, lack.remedy)
-    }));
+    findings.extend(coverage::findings(scene, &model, &exercises));
     let findings = levels.apply(findings);
     let mut steps = steps.into_iter();
     let assembly = steps.next();

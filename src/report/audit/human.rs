@@ -2,7 +2,8 @@
 
 use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
 use super::summary::{
-    LEGEND, Row, detectable, failed, headline, self_test as tested, sides, symbols, telling, undecided,
+    LEGEND, Outcome, Row, detectable, headline, outcome, self_test as tested, sides, symbols, telling,
+    undecided,
 };
 use crate::audit::{Against, Approach, Check, Quantity, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
@@ -247,6 +248,7 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 }
 
 fn verdict(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let text = if failed(report) { styled(CARE, headline(report)) } else { headline(report) };
+    let is_clean = outcome(report) == Outcome::Clean;
+    let text = if is_clean { headline(report) } else { styled(CARE, headline(report)) };
     writeln!(out, "\n{}", styled(BOLD, text))
 }

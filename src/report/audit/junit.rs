@@ -1,7 +1,8 @@
 //! JUnit XML: a suite per connector, a case per check; a suite per model, a case per finding.
 
-use super::model::{place, word};
-use super::summary::{left_out_of, sides, undecided};
+use super::model::{gap, place, word};
+use super::summary::{laws_not_asked, not_exercised, sides, undecided, without_witness};
+use crate::audit::assembly::Assembly;
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Verdict};
 use crate::grammar::count;
@@ -9,17 +10,19 @@ use crate::scene::Severity;
 use quick_junit::{NonSuccessKind, TestCase, TestCaseStatus, TestSuite};
 use std::io::{self, Write};
 
-/// Writes the audit as JUnit XML. Mismatches are failures, surviving mutants errors, what is undecided is skipped. A suite for each
-/// model has a case for each of its findings: one that is an error fails, others pass and are told on standard output.
+/// Writes the audit as JUnit XML. Mismatches are failures, surviving mutants errors, what is undecided is skipped, and a failure where the
+/// audit was asked to be strict. A suite for each model has a case for the rank of its assembly, and one for each of its findings: one that
+/// is an error fails, others pass and are told on standard output.
 ///
 /// # Errors
 /// Where the stream cannot be written to.
 pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+    let strict = report.settings.strict;
     let mut document = quick_junit::Report::new("pintle audit");
     for subject in &report.subjects {
         let mut suite = TestSuite::new(subject.title());
         for check in &subject.checks {
-            let mut test = TestCase::new(title(check), status(check));
+            let mut test = TestCase::new(title(check), status(check, strict));
             let told: Vec<String> = sides(check).collect();
             if let (false, Some(worst)) = (told.is_empty(), &check.worst) {
                 let state = check.worst_state.as_deref().unwrap_or("");
@@ -34,9 +37,12 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
             ("declaration", subject.declaration),
         ];
         for (claim, verdict) in claims {
-            suite.add_test_case(TestCase::new(format!("claim: {claim}"), plain(verdict)));
+            suite.add_test_case(TestCase::new(format!("claim: {claim}"), plain(verdict, strict)));
         }
-        for text in left_out_of(subject) {
+        for text in without_witness(subject).into_iter().chain(not_exercised(subject)) {
+            suite.add_test_case(TestCase::new(text, open(strict)));
+        }
+        if let Some(text) = laws_not_asked(subject) {
             suite.add_test_case(TestCase::new(text, TestCaseStatus::skipped()));
         }
         document.add_test_suite(suite);
@@ -57,15 +63,24 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         document.add_test_suite(suite);
     }
     for model in &report.models {
-        document.add_test_suite(findings(model));
+        document.add_test_suite(findings(model, strict));
     }
     let text = document.to_string().map_err(io::Error::other)?;
     out.write_all(text.as_bytes())
 }
 
 /// The findings of a model: errors are failures; warnings and notes pass, and are told on their standard output.
-fn findings(model: &ModelReport) -> TestSuite {
+fn findings(model: &ModelReport, strict: bool) -> TestSuite {
     let mut suite = TestSuite::new(format!("model {}", model.scene));
+    for assembly in model.assembly.iter().chain(&model.later_steps) {
+        let title = format!("rank of the assembly in step {}", assembly.step);
+        let mut status = TestCaseStatus::success();
+        if !assembly.is_decided() {
+            status = open(strict);
+            status.set_message(why_open(assembly));
+        }
+        suite.add_test_case(TestCase::new(title, status));
+    }
     for finding in &model.findings {
         suite.add_test_case(test_of(finding));
     }
@@ -108,19 +123,43 @@ fn title(check: &Check) -> String {
     }
 }
 
-fn status(check: &Check) -> TestCaseStatus {
+/// Why the rank of an assembly is undecided.
+fn why_open(assembly: &Assembly) -> String {
+    match (assembly.positions.iter().find(|position| !position.decided), &assembly.not_assembled) {
+        (Some(position), _) => {
+            let when = position.state.map_or_else(String::new, |state| format!("at state {state}: "));
+            format!("{when}{}", gap(assembly, position))
+        }
+        (None, Some(stopped)) => stopped.why.clone(),
+        (None, None) => "its rank was not found".to_string(),
+    }
+}
+
+/// What is undecided: skipped, or a failure.
+fn open(strict: bool) -> TestCaseStatus {
+    if !strict {
+        return TestCaseStatus::skipped();
+    }
+    let mut failure = TestCaseStatus::non_success(NonSuccessKind::Failure);
+    failure.set_message(Verdict::Undecided.name()).set_type(Verdict::Undecided.name());
+    failure
+}
+
+fn status(check: &Check, strict: bool) -> TestCaseStatus {
     // What is wrong comes before what was not noticed.
     if check.score.survived > 0 && !check.verdict.is_mismatch() {
         let mut failure = TestCaseStatus::non_success(NonSuccessKind::Error);
         failure.set_message(format!("{} survived", count(check.score.survived, "mutant")));
         return failure;
     }
-    let mut status = plain(check.verdict);
+    let mut status = plain(check.verdict, strict);
     let reasons: Vec<String> = undecided(check).collect();
-    if let (TestCaseStatus::Skipped { .. }, false) = (&status, reasons.is_empty()) {
+    if check.verdict == Verdict::Undecided && !reasons.is_empty() {
         status.set_message(reasons.join("; "));
     }
-    if let (TestCaseStatus::NonSuccess { .. }, Some(worst)) = (&status, &check.worst) {
+    let is_failure =
+        check.verdict != Verdict::Undecided && matches!(status, TestCaseStatus::NonSuccess { .. });
+    if let (true, Some(worst)) = (is_failure, &check.worst) {
         let state = check.worst_state.as_deref().unwrap_or("");
         let why = check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines());
         let why: String = why.map(|(sentence, code)| format!("; {sentence} [{code}]")).collect();
@@ -132,12 +171,12 @@ fn status(check: &Check) -> TestCaseStatus {
     status
 }
 
-fn plain(verdict: Verdict) -> TestCaseStatus {
+fn plain(verdict: Verdict, strict: bool) -> TestCaseStatus {
     match verdict {
         Verdict::Pass | Verdict::IllConditioned | Verdict::Kink | Verdict::Singular => {
             TestCaseStatus::success()
         }
-        Verdict::Undecided => TestCaseStatus::skipped(),
+        Verdict::Undecided => open(strict),
         Verdict::UnstableFormula | Verdict::Wrong | Verdict::Invalid => {
             let mut failure = TestCaseStatus::non_success(NonSuccessKind::Failure);
             failure.set_message(verdict.name());

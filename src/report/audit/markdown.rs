@@ -1,7 +1,8 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
 use super::summary::{
-    LEGEND, Row, detectable, failed, headline, left_out, self_test, sides, symbols, telling, undecided,
+    LEGEND, Outcome, Row, detectable, headline, left_out, outcome, self_test, sides, symbols, telling,
+    undecided,
 };
 use crate::audit::model::{Finding, ModelReport};
 use crate::audit::{Check, Report, Subject};
@@ -85,18 +86,24 @@ impl Page {
 }
 
 fn head(report: &Report) -> String {
-    let mark = if failed(report) { "❌" } else { "✅" };
+    let mark = match outcome(report) {
+        Outcome::Failed => "❌",
+        Outcome::Undecided => "❔",
+        Outcome::Warned => "⚠️",
+        Outcome::Clean => "✅",
+    };
     let test = self_test(report);
     format!(
         "## {mark} pintle audit: {}\n\n\
-         | audited | numbers compared | mismatches | undecided | mutants noticed | survived |\n\
-         |---:|---:|---:|---:|---:|---:|\n\
-         | {} | {} | {} | {} | {} of {} | {} |",
+         | audited | numbers compared | mismatches | undecided | warnings | mutants noticed | survived |\n\
+         |---:|---:|---:|---:|---:|---:|---:|\n\
+         | {} | {} | {} | {} | {} | {} of {} | {} |",
         escaped(&headline(report)),
         report.subjects.len(),
         report.compared(),
         report.mismatches(),
         report.undecided(),
+        report.warnings(),
         test.noticed,
         test.decisive,
         report.survivors()

@@ -27,6 +27,7 @@ struct Document<'a> {
     oracles: Vec<Described>,
     mismatches: usize,
     undecided: usize,
+    warnings: usize,
     survivors: u64,
     compared: u64,
     #[serde(flatten)]
@@ -67,6 +68,7 @@ pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         oracles: oracles.collect(),
         mismatches: report.mismatches(),
         undecided: report.undecided(),
+        warnings: report.warnings(),
         survivors: report.survivors(),
         compared: report.compared(),
         report,

@@ -107,7 +107,7 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         number(first.redundant),
         number(first.mobility),
         number(first.undriven),
-        gap(first)
+        gap(assembly, first)
     );
     paragraph(out, &text, 2, width)?;
     if !assembly.skipped.is_empty() {
@@ -119,6 +119,10 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         paragraph(out, &text, 2, width)?;
     }
     along(out, assembly, width)?;
+    if !assembly.unread.is_empty() {
+        let kinds: Vec<&str> = assembly.unread.iter().map(|kind| kind.what.as_str()).collect();
+        paragraph(out, &format!("constraints that were not read: {}", kinds.join(", ")), 2, width)?;
+    }
     if !assembly.off.is_empty() {
         let states = count(assembly.off.len(), "state");
         paragraph(out, &format!("{states} not looked at, for not satisfying the constraints"), 2, width)?;
@@ -163,11 +167,12 @@ fn along(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Result<(
 }
 
 /// How certain a rank is.
-fn gap(position: &Position) -> String {
+pub(super) fn gap(assembly: &Assembly, position: &Position) -> String {
     if position.rank.is_none() {
         return "The rank is not known, for a part was not looked at.".to_string();
     }
-    let certainty = if position.decided { "The rank is certain" } else { "The rank is undecided" };
+    let what = if assembly.unread.is_empty() { "rank" } else { "rank of what was read" };
+    let certainty = format!("The {what} is {}", if position.decided { "certain" } else { "undecided" });
     match position.gap.singular_values {
         Some([nonzero, zero]) => {
             format!("{certainty}: between singular values of {nonzero:.1e} and {zero:.1e} of the largest.")
@@ -180,7 +185,7 @@ fn gap(position: &Position) -> String {
 }
 
 fn coverage(out: &mut dyn Write, coverage: &Coverage, width: usize) -> io::Result<()> {
-    if coverage.samples == 0 {
+    if coverage.exercise.samples == 0 {
         return Ok(());
     }
     let largest = |histogram: &Histogram| {
@@ -189,14 +194,14 @@ fn coverage(out: &mut dyn Write, coverage: &Coverage, width: usize) -> io::Resul
     let text = format!(
         "coverage: {}; largest rotations: a {}, b {}, b relative to a {}; both nodes turned in {} of {}, free components displaced in \
          {} of {}",
-        count(coverage.samples, "connector state"),
+        count(coverage.exercise.samples, "connector state"),
         largest(&coverage.rotation_a),
         largest(&coverage.rotation_b),
         largest(&coverage.relative_rotation),
-        coverage.both_turned,
-        coverage.could_turn_both,
-        coverage.deformed,
-        coverage.could_deform
+        coverage.exercise.both_turned,
+        coverage.exercise.could_turn_both,
+        coverage.exercise.deformed,
+        coverage.exercise.could_deform
     );
     paragraph(out, &text, 2, width)
 }

@@ -82,30 +82,41 @@ pub(super) fn left_out(report: &Report) -> BTreeMap<String, Vec<&str>> {
 }
 
 /// The same of one subject.
-pub(super) fn left_out_of(subject: &Subject) -> impl Iterator<Item = String> {
-    let named = |of: &mut dyn Iterator<Item = &Quantity>| -> Vec<&'static str> {
-        of.map(|quantity| quantity.name()).collect()
+fn left_out_of(subject: &Subject) -> impl Iterator<Item = String> {
+    without_witness(subject).into_iter().chain(not_exercised(subject)).chain(laws_not_asked(subject))
+}
+
+fn with_list<'a>(why: &str, list: impl Iterator<Item = &'a str>) -> Option<String> {
+    let list: Vec<&str> = list.collect();
+    (!list.is_empty()).then(|| format!("{why}: {}", list.join(", ")))
+}
+
+/// The numbers of a subject that no independent oracle judged.
+pub(super) fn without_witness(subject: &Subject) -> Option<String> {
+    let names = subject.without_witness.iter().map(|quantity| quantity.name());
+    with_list("undecided, for no independent oracle of those asked judged them", names)
+}
+
+/// The numbers of a subject that no state exercises, or nobody who was asked compares.
+pub(super) fn not_exercised(subject: &Subject) -> Option<String> {
+    let is_compared = |quantity: &Quantity| {
+        subject.checks.iter().any(|check| check.quantity == Some(*quantity) && check.compared > 0)
     };
-    let is_compared = |quantity: &&Quantity| {
-        subject.checks.iter().any(|check| check.quantity == Some(**quantity) && check.compared > 0)
+    let of = |compared: bool| {
+        let those = subject.not_exercised.iter().filter(move |quantity| is_compared(quantity) == compared);
+        those.map(|quantity| quantity.name())
     };
-    let nobody = named(&mut subject.not_exercised.iter().filter(|quantity| !is_compared(quantity)));
-    let zero = named(&mut subject.not_exercised.iter().filter(is_compared));
-    let open = named(&mut subject.without_witness.iter());
-    let laws: Vec<&str> = subject.laws_not_asked.iter().map(|law| law.name()).collect();
-    let lists = [
-        (open, "undecided, for no independent oracle of those asked judged them"),
-        (nobody, "not exercised, for none of the oracles asked compares them"),
-        (
-            zero,
-            "not exercised, for no mistake counts at these states, as of what is zero whatever the formula",
-        ),
-        (laws, "laws not asked, for want of degrees of freedom or of states where they hold"),
-    ];
-    lists
-        .into_iter()
-        .filter(|(list, _)| !list.is_empty())
-        .map(|(list, why)| format!("{why}: {}", list.join(", ")))
+    let nobody = with_list("not exercised, for none of the oracles asked compares them", of(false));
+    let why = "not exercised, for no mistake counts at these states, as of what is zero whatever the formula";
+    let zero = with_list(why, of(true));
+    let both: Vec<String> = nobody.into_iter().chain(zero).collect();
+    (!both.is_empty()).then(|| both.join("; "))
+}
+
+/// The laws that a subject was not asked.
+pub(super) fn laws_not_asked(subject: &Subject) -> Option<String> {
+    let names = subject.laws_not_asked.iter().map(|law| law.name());
+    with_list("laws not asked, for want of degrees of freedom or of states where they hold", names)
 }
 
 /// What there is in place of a derivative where there is none: those from both sides, and why one of them is missing.
@@ -170,31 +181,67 @@ pub(super) fn by_mistake(report: &Report) -> BTreeMap<Cause, OfKind> {
     found
 }
 
-/// Whether it is no pass: a number is wrong, a mutant survived, a finding is an error.
-pub(super) fn failed(report: &Report) -> bool {
-    report.mismatches() > 0 || report.survivors() > 0 || report.failing_models() > 0
+/// How an audit came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// Nothing is wrong, undecided or warned of.
+    Clean,
+    /// A finding is a warning, and nothing is worse.
+    Warned,
+    /// A verdict is undecided, or the rank of an assembly, and nothing is wrong.
+    Undecided,
+    /// A number is wrong, a mutant survived, a finding is an error; with --strict, something is undecided.
+    Failed,
+}
+
+/// How an audit came out: every form of the report shows the same.
+pub(super) fn outcome(report: &Report) -> Outcome {
+    let is_open = report.undecided() > 0;
+    let fails_as_open = report.settings.strict && report.undecided() + report.not_exercised() > 0;
+    if report.mismatches() > 0 || report.survivors() > 0 || report.failing_models() > 0 || fails_as_open {
+        Outcome::Failed
+    } else if is_open {
+        Outcome::Undecided
+    } else if report.warnings() > 0 {
+        Outcome::Warned
+    } else {
+        Outcome::Clean
+    }
 }
 
 /// The outcome in a few words.
 pub(super) fn headline(report: &Report) -> String {
-    let numbers = of_numbers(report);
-    match report.failing_models() {
-        0 => numbers,
-        models => format!("{numbers}; {} with errors", count(models, "model")),
+    let mut words = vec![of_numbers(report)];
+    let open: Vec<String> = [(report.undecided_subjects(), "subject"), (report.undecided_models(), "model")]
+        .into_iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, noun)| count(n, noun))
+        .collect();
+    if !open.is_empty() {
+        words.push(format!("{} undecided", open.join(" and ")));
     }
+    if report.settings.strict && report.not_exercised() > 0 {
+        words.push(format!("{} not exercised in all", count(report.not_exercised(), "subject")));
+    }
+    if report.failing_models() > 0 {
+        words.push(format!("{} with errors", count(report.failing_models(), "model")));
+    }
+    if report.warnings() > 0 {
+        words.push(count(report.warnings(), "warning"));
+    }
+    words.join("; ")
 }
 
 /// The outcome of the comparisons.
 fn of_numbers(report: &Report) -> String {
     let (mismatches, survivors) = (report.mismatches(), report.survivors());
     let failed = format!("self-test failed: {} survived", count(survivors, "mutant"));
-    match (mismatches, survivors, report.undecided()) {
-        (1.., 0, _) => count(mismatches, "mismatch"),
-        (1.., 1.., _) => format!("{}; {failed}", count(mismatches, "mismatch")),
-        (0, 1.., _) => failed,
-        (0, 0, 0) if report.subjects.is_empty() => "models alone: no number audited".into(),
-        (0, 0, 0) => "no mismatch".into(),
-        (0, 0, undecided) => format!("no mismatch; {} undecided", count(undecided, "subject")),
+    match (mismatches, survivors) {
+        (1.., 0) => count(mismatches, "mismatch"),
+        (1.., 1..) => format!("{}; {failed}", count(mismatches, "mismatch")),
+        (0, 1..) => failed,
+        (0, 0) if report.subjects.is_empty() => "models alone: no number audited".into(),
+        (0, 0) => "no mismatch".into(),
     }
 }
 

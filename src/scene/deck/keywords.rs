@@ -672,6 +672,26 @@ pub(super) fn is_procedure(name: &str) -> bool {
     .contains(&name)
 }
 
+/// Keywords that constrain nodes and are skipped. Suboptions, such as `*KINEMATIC` below `*COUPLING`, are of their keywords.
+const CONSTRAINTS: [&str; 11] = [
+    "COUPLING",
+    "CYCLIC SYMMETRY MODEL",
+    "DISTRIBUTING COUPLING",
+    "EMBEDDED ELEMENT",
+    "EQUATION",
+    "FASTENER",
+    "KINEMATIC COUPLING",
+    "PRE-TENSION SECTION",
+    "RIGID BODY",
+    "SHELL TO SOLID COUPLING",
+    "TIE",
+];
+
+/// The name of a keyword that constrains nodes and is skipped, if it is one.
+pub(super) fn constraint(name: &str) -> Option<&'static str> {
+    CONSTRAINTS.into_iter().find(|known| *known == name)
+}
+
 /// Curves below `*CONNECTOR UNIAXIAL BEHAVIOR`.
 pub(super) fn is_curve(name: &str) -> bool {
     matches!(name, "LOADING DATA" | "UNLOADING DATA")

@@ -23,7 +23,7 @@ use super::document::{self, Format};
 use super::include::{Disk, Files, Named, NoFiles};
 use super::label::Label;
 use super::lexer::{Keyword, Lexer, Value, not_utf8};
-use super::model::{MAX_WARNINGS, Scene, Step, Target};
+use super::model::{MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
 use keywords::{Family, Rule, Stage};
@@ -321,6 +321,9 @@ impl Deck<'_> {
             let Some(name) = keyword.get(parameter).and_then(|value| value.name().ok()) else { continue };
             let number = name.value.parse().map(Target::Label);
             self.rotation_targets.push(number.unwrap_or(Target::Set(name.value)));
+        }
+        if let Some(name) = keywords::constraint(&keyword.name) {
+            self.scene.skipped.constraints.push(SkippedConstraint { keyword: name, span: keyword.span });
         }
         let skipped = self.scene.skipped.keywords.entry(keyword.name.clone()).or_default();
         if skipped.count == 0 {

@@ -10,7 +10,9 @@ use crate::audit::oracle::Shares;
 use crate::audit::{Against, Approach, Cause, Check, Quantity, Report, Subject, U, Verdict};
 use crate::bench::Environment;
 use crate::grammar::count;
-use crate::report::audit::summary::{self, OfKind, Row, detectable, headline, is_sharp, symbols, telling};
+use crate::report::audit::summary::{
+    self, OfKind, Outcome, Row, detectable, headline, is_sharp, symbols, telling,
+};
 use askama::Template;
 use std::collections::BTreeMap;
 use std::io;
@@ -202,11 +204,11 @@ struct PageTemplate {
 pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<String> {
     let test = summary::self_test(report);
     let outcome = headline(report);
-    let failed = summary::failed(report);
-    let (tone, sign) = match (failed, report.undecided() > 0) {
-        (true, _) => ("bad", "✗"),
-        (false, true) => ("open", "?"),
-        (false, false) => ("good", "✓"),
+    let (tone, sign) = match summary::outcome(report) {
+        Outcome::Failed => ("bad", "✗"),
+        Outcome::Undecided => ("open", "?"),
+        Outcome::Warned => ("warned", "!"),
+        Outcome::Clean => ("good", "✓"),
     };
     let drawings: Vec<Figure> = supplement
         .scenes
@@ -229,6 +231,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
             ("numbers compared", grouped(report.compared())),
             ("mismatches", report.mismatches().to_string()),
             ("undecided", report.undecided().to_string()),
+            ("warnings", report.warnings().to_string()),
             ("mutants noticed", format!("{} of {}", grouped(test.noticed), grouped(test.decisive))),
         ],
         sections: Vec::new(),
@@ -437,13 +440,17 @@ fn assembly(found: &Assembly) -> Vec<(&'static str, String)> {
             ("not driven", known(initial.undriven)),
         ]);
     }
+    if !found.unread.is_empty() {
+        let kinds: Vec<&str> = found.unread.iter().map(|kind| kind.what.as_str()).collect();
+        figures.push(("constraints not read", kinds.join(", ")));
+    }
     figures
 }
 
 /// Which region of configuration space the states of a scene exercised; nothing where there were no samples.
 fn coverage(found: &ModelReport) -> Option<CoverageSection> {
     let coverage = &found.coverage;
-    if coverage.samples == 0 {
+    if coverage.exercise.samples == 0 {
         return None;
     }
     let all = [
@@ -459,10 +466,10 @@ fn coverage(found: &ModelReport) -> Option<CoverageSection> {
         summary: format!(
             "{}, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
              away from the initial state in {}.{}",
-            count(coverage.samples, "sample"),
-            of(coverage.both_turned, coverage.could_turn_both),
-            of(coverage.deformed, coverage.could_deform),
-            of(coverage.away, coverage.samples),
+            count(coverage.exercise.samples, "sample"),
+            of(coverage.exercise.both_turned, coverage.exercise.could_turn_both),
+            of(coverage.exercise.deformed, coverage.exercise.could_deform),
+            of(coverage.exercise.away, coverage.exercise.samples),
             found.nearest.as_ref().map_or_else(String::new, |nearest| format!(
                 " The {}.",
                 super::super::model::nearest(nearest)

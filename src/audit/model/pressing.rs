@@ -1,0 +1,94 @@
+//! Which contact forces are always zero?
+
+use crate::catalog::{COMPONENT, PLANE, SPATIAL};
+use crate::evaluate::ConnectorElement;
+use crate::scene::{Affected, Behavior, DerivedTerm, Friction, FrictionKind, Law, Source};
+
+/// Why a source of contact force is zero in every state; `None` where it need not be.
+pub(super) fn nothing_presses(
+    element: &ConnectorElement,
+    behavior: &Behavior,
+    source: &Source,
+) -> Option<String> {
+    match source {
+        Source::Component(component) => {
+            let k = index(*component);
+            (!has_force(element, behavior, k)).then(|| without_force(k))
+        }
+        Source::Derived(name) => {
+            let terms = behavior.derived_components.get(name)?;
+            let whys: Vec<String> =
+                terms.iter().map(|term| vanishes(element, behavior, term)).collect::<Option<_>>()?;
+            let mut whys: Vec<String> = whys.into_iter().filter(|why| !why.is_empty()).collect();
+            whys.dedup();
+            Some(if whys.is_empty() {
+                format!("derived component {name} has no term")
+            } else {
+                format!("every term of derived component {name} vanishes ({})", whys.join("; "))
+            })
+        }
+    }
+}
+
+fn index(component: u8) -> usize {
+    usize::from(component).saturating_sub(1).min(5)
+}
+
+fn without_force(k: usize) -> String {
+    format!("{} has no force", COMPONENT[k])
+}
+
+/// Why a term of a derived component is zero whatever the forces.
+fn vanishes(element: &ConnectorElement, behavior: &Behavior, term: &DerivedTerm) -> Option<String> {
+    let mut whys = Vec::new();
+    for (place, component) in term.components.iter().enumerate() {
+        let k = index(*component);
+        let is_zero = !term.rows.is_empty()
+            && term.rows.iter().all(|row| row.values.get(place).copied().flatten() == Some(0.0));
+        if is_zero {
+            whys.push(format!("the factor of {} is zero", COMPONENT[k]));
+        } else if has_force(element, behavior, k) {
+            return None;
+        } else {
+            whys.push(without_force(k));
+        }
+    }
+    Some(whys.join(", "))
+}
+
+/// Whether a friction may act in any component: one by a potential, or a predefined one.
+fn slips_in_several(friction: &Friction) -> bool {
+    match &friction.kind {
+        FrictionKind::Predefined { .. } => true,
+        FrictionKind::User { potential, .. } => potential.is_some(),
+    }
+}
+
+/// Whether a component may have a force: a reaction where it is constrained or driven, or that of a behaviour.
+fn has_force(element: &ConnectorElement, behavior: &Behavior, k: usize) -> bool {
+    let present = if element.is_planar() { PLANE } else { SPATIAL };
+    if element.connector.is_constrained(k) {
+        return true;
+    }
+    if !element.connector.connection().slots[k].is_available() || !present[k] {
+        return false;
+    }
+    let is_all = |law: &Law| match law {
+        Law::Coupled { .. } => true,
+        Law::Rigid { components } => components.is_empty(),
+        Law::Linear { .. } | Law::Nonlinear { .. } => false,
+    };
+    let is_it = |component: u8| index(component) == k;
+    let laws =
+        behavior.elasticity.iter().map(|law| &law.law).chain(behavior.damping.iter().map(|law| &law.law));
+    behavior.acts_on().any(is_it)
+        || laws.into_iter().any(is_all)
+        || behavior.plasticity.iter().any(|plasticity| plasticity.component.is_none())
+        || behavior.friction.iter().any(slips_in_several)
+        || behavior.stops.iter().any(|stop| is_it(stop.component))
+        || behavior.locks.iter().any(|lock| match lock.locked {
+            Affected::All => true,
+            Affected::Component(component) => is_it(component),
+        })
+        || element.behavior.drives.motions[k].is_some()
+}
