@@ -6,7 +6,7 @@
 
 mod mistakes;
 
-use super::bound::scales;
+use super::bound::{C, U, scales};
 use super::case::turn;
 use super::engine::Settings;
 use super::failing::Failing;
