@@ -1,23 +1,20 @@
-//! Batches beside naive differentiation with num-dual, on the states that `scripts/measure.py` hands to JAX and CasADi too.
+//! Batches, on the states that `scripts/measure.py` hands to num-dual (`num_dual.rs`), JAX and CasADi too.
 //!
 //! Every variant is compared with the 237-bit scalar before it is timed. By itself it prints one round:
 //! `taskset -c 3 cargo bench --bench peers`. With `--export FILE` it writes the states and the truth; with `--serve` it runs a round
 //! for each line that it reads, for the script, which takes the rounds of all in turn.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
-#[path = "hand/naive.rs"]
-mod naive;
 #[path = "hand/types.rs"]
 mod types;
 
-use num_dual::DualSVec;
 use pintle::audit::case::exact_state;
 use pintle::audit::sample::Draw;
 use pintle::batch::{Batch, History, Row, Section, Tile};
 use pintle::catalog::ConnectionType;
 use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::{Seeded, Wide};
+use pintle::scalar::Wide;
 use pintle::vector;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
@@ -31,8 +28,8 @@ const STATES: usize = 1000;
 const BATCHES: [usize; 4] = [32, 1000, 4096, 100_000];
 /// The time of one measurement, of which the least call counts.
 const BUDGET: Duration = Duration::from_millis(25);
-/// The largest error over the largest entry of the row: ours, and num-dual's.
-const BOUNDS: [f64; 2] = [1e-14, 1e-6];
+/// The largest error over the largest entry of the row.
+const BOUND: f64 = 1e-14;
 
 fn states() -> Vec<Pair<f64>> {
     let draw = &mut Draw::new("peers");
@@ -143,8 +140,108 @@ impl Lanes {
     }
 }
 
-/// num-dual with a seed for each nodal degree of freedom.
-type D = DualSVec<f64, 12>;
+/// Batches from rows of 27 numbers, as all others read them: tiles are made in the call, for as many states as stay in the first cache.
+struct FromRows {
+    tiles: Vec<Tile>,
+    sections: Vec<Section>,
+    histories: Vec<History>,
+    rows: Vec<Row>,
+    /// Value and columns of each row of each state, as all others write them.
+    dense: Vec<[f64; 13]>,
+    is_dense: bool,
+}
+
+impl FromRows {
+    const STATES: usize = 32;
+
+    fn new(case: &Case, count: usize, is_dense: bool) -> Self {
+        let (tiles, n) = (Self::STATES / 4, case.batch.rows());
+        let still = Pair {
+            reference: [0.0; 3],
+            a: Node { displacement: [0.0; 3], triad: vector::identity(), flow: 0.0 },
+            b: Node { displacement: [0.0; 3], triad: vector::identity(), flow: 0.0 },
+        };
+        let rows = if is_dense { Self::STATES / 4 } else { count / 4 };
+        Self {
+            tiles: vec![Tile::new(&[still; 4]); tiles],
+            sections: vec![Section::new(&[&case.connector; 4]); tiles],
+            histories: vec![History::new(&[case.connector.initial_branch(); 4]); tiles],
+            rows: vec![Row::default(); rows * n],
+            dense: vec![[0.0; 13]; if is_dense { count * n } else { 0 }],
+            is_dense,
+        }
+    }
+
+    fn run(&mut self, case: &Case, states: &[f64]) {
+        let Self { tiles, sections, histories, rows, dense, is_dense } = self;
+        let n = case.batch.rows();
+        let blocks = black_box(states).chunks(27 * Self::STATES);
+        for (block, states) in blocks.enumerate() {
+            let count = states.len() / (4 * 27);
+            for (tile, four) in tiles.iter_mut().zip(states.chunks_exact(4 * 27)) {
+                fill(tile, four);
+            }
+            let (tiles, sections, histories) = (&tiles[..count], &sections[..count], &histories[..count]);
+            if *is_dense {
+                case.batch.rows_of(tiles, sections, histories, &mut rows[..n * count]).unwrap();
+                let dense = &mut dense[4 * n * tiles_before(block)..][..4 * n * count];
+                for (dense, rows) in dense.chunks_exact_mut(4 * n).zip(rows.chunks_exact(n)) {
+                    spread(rows, dense);
+                }
+            } else {
+                let rows = &mut rows[n * tiles_before(block)..][..n * count];
+                case.batch.rows_of(tiles, sections, histories, rows).unwrap();
+            }
+        }
+        black_box((rows, dense));
+    }
+
+    /// The entries of a row of a state.
+    fn entry(&self, n: usize, i: usize, r: usize) -> Entry {
+        if self.is_dense {
+            let [value, columns @ ..] = self.dense[n * i + r];
+            return (value, columns);
+        }
+        let row = &self.rows[i / 4 * n + r];
+        (row.value[i % 4], row.columns.map(|four| four[i % 4]))
+    }
+}
+
+fn tiles_before(block: usize) -> usize {
+    block * FromRows::STATES / 4
+}
+
+/// Four states, number by number.
+fn fill(tile: &mut Tile, four: &[f64]) {
+    let (states, _) = four.as_chunks::<27>();
+    let [s0, s1, s2, s3] = states else { return };
+    let at = |k: usize| [s0[k], s1[k], s2[k], s3[k]];
+    for i in 0..3 {
+        tile.reference[i] = at(i);
+        tile.displacement[0][i] = at(3 + i);
+        tile.displacement[1][i] = at(6 + i);
+        for j in 0..3 {
+            tile.triad[0][i][j] = at(9 + 3 * i + j);
+            tile.triad[1][i][j] = at(18 + 3 * i + j);
+        }
+    }
+}
+
+/// The rows of four states, state by state.
+fn spread(rows: &[Row], dense: &mut [[f64; 13]]) {
+    for (r, row) in rows.iter().enumerate() {
+        for lane in 0..4 {
+            let to = &mut dense[lane * rows.len() + r];
+            to[0] = row.value[lane];
+            for (to, four) in to[1..].iter_mut().zip(&row.columns) {
+                *to = four[lane];
+            }
+        }
+    }
+}
+
+/// The variants, in the order in which they are measured.
+const VARIANTS: [&str; 3] = ["pintle", "pintle, from rows", "pintle, rows to rows"];
 
 /// The least time of one call within the budget, in ns.
 fn time(count: usize, mut call: impl FnMut()) -> f64 {
@@ -190,7 +287,8 @@ impl Bench {
 
     /// Errors by variant and type; panics where one is not small.
     fn errors(&self) -> Value {
-        let mut errors = [Map::new(), Map::new()];
+        let mut errors = VARIANTS.map(|_| Map::new());
+        let states = self.flat.concat();
         for case in &self.cases {
             let mut lanes = Lanes::new(case, &self.states, STATES);
             lanes.run(case);
@@ -199,45 +297,35 @@ impl Bench {
                 let row = &lanes.rows[i / 4 * n + r];
                 (row.value[i % 4], row.columns.map(|four| four[i % 4]))
             });
-            let by_dual: Vec<Vec<Entry>> = self
-                .flat
-                .iter()
-                .map(|state| {
-                    let mut rows = Vec::new();
-                    naive::rows(case.name, state, &mut |_, x: D| rows.push((x.re, Seeded::gradient(x))));
-                    rows
-                })
-                .collect();
-            let found = [ours, case.error(|i, r| by_dual[i][r])];
-            for ((errors, error), bound) in errors.iter_mut().zip(found).zip(BOUNDS) {
-                assert!(error < bound, "{}: {error:e} where {bound:e} is allowed", case.name);
-                errors.insert(case.name.to_owned(), json!(error));
+            let from_rows = [false, true].map(|is_dense| {
+                let mut from_rows = FromRows::new(case, STATES, is_dense);
+                from_rows.run(case, &states);
+                case.error(|i, r| from_rows.entry(n, i, r))
+            });
+            let found = [ours, from_rows[0], from_rows[1]];
+            for (at, error) in found.into_iter().enumerate() {
+                assert!(error < BOUND, "{}: {error:e} where {BOUND:e} is allowed", case.name);
+                errors[at].insert(case.name.to_owned(), json!(error));
             }
         }
-        let [ours, by_dual] = errors;
-        json!({ "pintle": ours, "num-dual": by_dual })
+        by_variant(errors)
     }
 
     /// ns per state, by variant, batch and type.
     fn round(&self) -> Value {
-        let mut times = [Map::new(), Map::new()];
+        let mut times = VARIANTS.map(|_| Map::new());
         for count in BATCHES {
-            let mut of = [Map::new(), Map::new()];
+            let mut of = VARIANTS.map(|_| Map::new());
+            let states: Vec<f64> = (0..count).flat_map(|i| self.flat[i % STATES].iter().copied()).collect();
             for case in &self.cases {
                 let mut lanes = Lanes::new(case, &self.states, count);
                 let ours = time(count, || lanes.run(case)) / count as f64;
                 drop(lanes);
-                let n = case.batch.rows();
-                let states: Vec<f64> =
-                    (0..count).flat_map(|i| self.flat[i % STATES].iter().copied()).collect();
-                let mut rows = vec![(0.0, [0.0; 12]); n * count];
-                let by_dual = time(count, || {
-                    for (state, rows) in black_box(&states).chunks_exact(27).zip(rows.chunks_exact_mut(n)) {
-                        naive::rows(case.name, state, &mut |r, x: D| rows[r] = (x.re, Seeded::gradient(x)));
-                    }
-                    black_box(&mut rows);
-                }) / count as f64;
-                for (of, ns) in of.iter_mut().zip([ours, by_dual]) {
+                let from_rows = [false, true].map(|is_dense| {
+                    let mut from_rows = FromRows::new(case, count, is_dense);
+                    time(count, || from_rows.run(case, &states)) / count as f64
+                });
+                for (of, ns) in of.iter_mut().zip([ours, from_rows[0], from_rows[1]]) {
                     of.insert(case.name.to_owned(), json!(ns));
                 }
             }
@@ -245,9 +333,13 @@ impl Bench {
                 times.insert(count.to_string(), Value::Object(of));
             }
         }
-        let [ours, by_dual] = times;
-        json!({ "pintle": ours, "num-dual": by_dual })
+        by_variant(times)
     }
+}
+
+fn by_variant(of: [Map<String, Value>; 3]) -> Value {
+    let named = VARIANTS.iter().zip(of).map(|(name, of)| ((*name).to_owned(), Value::Object(of)));
+    Value::Object(named.collect())
 }
 
 fn main() {
@@ -271,10 +363,10 @@ fn main() {
     }
     let times = bench.round();
     println!("ns per state, value and 12 columns; largest error of an entry over the largest of its row");
-    for variant in ["pintle", "num-dual"] {
+    for variant in VARIANTS {
         for name in TYPES {
             let error = errors[variant][name].as_f64().unwrap();
-            print!("{variant:9} {name:12} {error:8.1e}");
+            print!("{variant:20} {name:12} {error:8.1e}");
             for count in BATCHES {
                 print!("  {count}: {:8.2}", times[variant][&count.to_string()][name].as_f64().unwrap());
             }

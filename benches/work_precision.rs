@@ -1,6 +1,6 @@
-//! Time against error of values, Jacobians and Hessians, far from singular points and near them: what `pintle bench` measures, and
-//! besides it batches, rows and second derivatives by hand, and num-dual with twelve seeds as it comes: `taskset -c 3 cargo bench
-//! --bench work_precision`. All go through the same states in batches of the same size.
+//! Time against error of values, Jacobians and Hessians, far from singular points, near them and at rest: what `pintle bench` measures, and
+//! besides it batches, and rows and second derivatives by hand: `taskset -c 3 cargo bench --bench work_precision`. All go through the same
+//! states; what takes one state at a time writes its rows into the same memory again, batches into as much as they have rows.
 //!
 //! By itself it prints the tables. For `scripts/measure.py`: `--export FILE` writes states and truth for JAX; `--serve` writes the
 //! points with their errors, then runs a round for each line read, and answers with the times of the points in the same order;
@@ -11,9 +11,9 @@ mod hand {
     #[path = "../../src/scalar/coefficients.rs"]
     #[expect(dead_code, reason = "the rows need some of them")]
     mod coefficients;
+    pub(crate) mod common;
     #[cfg(target_arch = "x86_64")]
     mod hessian;
-    pub(crate) mod naive;
     pub(crate) mod scalar;
     #[cfg(target_arch = "x86_64")]
     mod simd;
@@ -24,106 +24,16 @@ mod hand {
     mod vector;
 }
 
+use hand::common::{flat, is_written, settings, spread, spread_matrix};
+use hand::scalar;
 use hand::types::TYPES;
-use hand::{naive, scalar};
-use num_dual::{Dual2SVec, DualSVec};
 use pintle::batch::{Batch, HessianRow, History, Row, Section, Tile};
-use pintle::bench::{Method, Order, Point, Prepared, Report, Session, Settings, Subject, Way};
+use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Settings, Subject, Way};
 use pintle::catalog::ConnectionType;
-use pintle::node::{DOFS, Pair};
 use pintle::report::bench as report;
-use pintle::scalar::Seeded;
 use serde_json::{Map, Value, json};
+use std::hint::black_box;
 use std::io::{BufRead, Write};
-
-/// States that differ, and how many elements each way goes through.
-const STATES: usize = 64;
-const BATCH: usize = 1024;
-/// The columns x_a, θ_a, x_b, θ_b in a row of all nodal degrees of freedom.
-const PLACE: [usize; 12] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12];
-
-/// X_b − X_a, U_a, U_b, A and B by rows.
-fn numbers(pair: &Pair<f64>) -> [f64; 27] {
-    let vectors = [pair.reference, pair.a.displacement, pair.b.displacement];
-    let triads = [pair.a.triad, pair.b.triad];
-    let mut all = vectors.iter().flatten().chain(triads.as_flattened().as_flattened());
-    std::array::from_fn(|_| *all.next().unwrap())
-}
-
-fn flat(subject: &Subject) -> Vec<[f64; 27]> {
-    subject.elements.iter().map(|element| numbers(&element.state.pair)).collect()
-}
-
-/// A row of twelve columns among all degrees of freedom.
-fn spread(columns: &[f64; 12]) -> [f64; DOFS] {
-    let mut row = [0.0; DOFS];
-    PLACE.iter().zip(columns).for_each(|(j, x)| row[*j] = *x);
-    row
-}
-
-fn spread_matrix(matrix: &[[f64; 12]; 12]) -> [f64; DOFS * DOFS] {
-    let mut all = [0.0; DOFS * DOFS];
-    for (i, line) in PLACE.iter().zip(matrix) {
-        PLACE.iter().zip(line).for_each(|(j, x)| all[i * DOFS + j] = *x);
-    }
-    all
-}
-
-/// num-dual as it comes, a seed for each degree of freedom.
-struct NumDual(Order);
-
-impl Method for NumDual {
-    fn name(&self) -> &'static str {
-        "num-dual, 12 seeds"
-    }
-
-    fn order(&self) -> Order {
-        self.0
-    }
-
-    fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        Some(Box::new(ByNumDual {
-            order: self.0,
-            name: &subject.connection.name,
-            flat: flat(subject),
-            rows: Vec::new(),
-            hessians: Vec::new(),
-        }))
-    }
-}
-
-struct ByNumDual<'s> {
-    order: Order,
-    name: &'s str,
-    flat: Vec<[f64; 27]>,
-    rows: Vec<[f64; 12]>,
-    hessians: Vec<[[f64; 12]; 12]>,
-}
-
-impl Prepared for ByNumDual<'_> {
-    fn run(&mut self) {
-        let (first, second) = (&mut self.rows, &mut self.hessians);
-        first.clear();
-        second.clear();
-        for state in &self.flat {
-            match self.order {
-                Order::Jacobian => naive::rows(self.name, state, &mut |_, x: DualSVec<f64, 12>| {
-                    first.push(Seeded::gradient(x));
-                }),
-                _ => naive::rows(self.name, state, &mut |_, x: Dual2SVec<f64, 12>| {
-                    second.push(Seeded::hessian(x));
-                }),
-            }
-        }
-    }
-
-    fn numbers(&self) -> Vec<f64> {
-        match self.order {
-            Order::Jacobian => self.rows.iter().flat_map(spread).collect(),
-            _ => self.hessians.iter().flat_map(spread_matrix).collect(),
-        }
-    }
-}
 
 /// Values and rows by hand, plain doubles.
 struct Hand;
@@ -137,38 +47,61 @@ impl Method for Hand {
         Order::Jacobian
     }
 
-    fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        Some(Box::new(ByHand { subject, rows: vec![[scalar::Row::default(); 6]; subject.elements.len()] }))
+    fn cause(&self) -> Cause {
+        Cause::Rounding
+    }
+
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        is_written(subject)?;
+        Ok(Box::new(ByHand { subject, rows: [scalar::Row::default(); 6] }))
     }
 }
 
 struct ByHand<'s> {
     subject: &'s Subject,
-    rows: Vec<[scalar::Row; 6]>,
+    rows: [scalar::Row; 6],
+}
+
+impl ByHand<'_> {
+    #[inline(always)]
+    fn one(&mut self, i: usize) {
+        let (element, rows) = (&self.subject.elements[i], &mut self.rows);
+        let pair = &element.state.pair;
+        let three = rows.first_chunk_mut::<3>().unwrap();
+        match self.subject.connection.name.as_ref() {
+            "SLIDE-PLANE" => scalar::slide_plane(pair, three),
+            "REVOLUTE" => scalar::revolute(pair, three),
+            "ROTATION" => scalar::rotation(pair, three),
+            "CARDAN" => scalar::cardan(pair, three),
+            "TRANSLATOR" => {
+                scalar::translator(pair, &element.connector.section().initial_orientation, rows);
+            }
+            other => panic!("{other} is not written by hand"),
+        }
+    }
 }
 
 impl Prepared for ByHand<'_> {
     fn run(&mut self) {
-        for (element, rows) in self.subject.elements.iter().zip(&mut self.rows) {
-            let pair = &element.state.pair;
-            let three = rows.first_chunk_mut::<3>().unwrap();
-            match self.subject.connection.name.as_ref() {
-                "SLIDE-PLANE" => scalar::slide_plane(pair, three),
-                "REVOLUTE" => scalar::revolute(pair, three),
-                "ROTATION" => scalar::rotation(pair, three),
-                "CARDAN" => scalar::cardan(pair, three),
-                "TRANSLATOR" => {
-                    scalar::translator(pair, &element.connector.section().initial_orientation, rows);
-                }
-                other => panic!("{other} is not written by hand"),
-            }
+        for i in 0..self.subject.elements.len() {
+            self.one(i);
+            black_box(&mut self.rows);
         }
     }
 
-    fn numbers(&self) -> Vec<f64> {
-        let count = self.subject.rows();
-        assert!(self.rows.iter().flatten().all(|row| row.value.is_finite()));
-        self.rows.iter().flat_map(|rows| rows[..count].iter().flat_map(|row| spread(&row.columns))).collect()
+    fn states(&self) -> usize {
+        self.subject.elements.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        let mut all = Vec::new();
+        for i in 0..self.subject.elements.len() {
+            self.one(i);
+            let rows = &self.rows[..self.subject.rows()];
+            assert!(rows.iter().all(|row| row.value.is_finite()));
+            all.extend(rows.iter().flat_map(|row| spread(&row.columns)));
+        }
+        all
     }
 }
 
@@ -184,12 +117,12 @@ impl Method for Lanes {
         self.0
     }
 
-    fn is_ours(&self) -> bool {
-        true
+    fn cause(&self) -> Cause {
+        Cause::Ours
     }
 
-    fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        Some(Box::new(ByLanes(Tiles::new(self.0, subject))))
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        Ok(Box::new(ByLanes(Tiles::new(self.0, subject))))
     }
 }
 
@@ -207,7 +140,8 @@ struct Tiles<'s> {
 
 impl<'s> Tiles<'s> {
     fn new(order: Order, subject: &'s Subject) -> Self {
-        let fours: Vec<&[pintle::bench::Element]> = subject.elements.chunks_exact(4).collect();
+        let all: Vec<&pintle::bench::Element> = subject.in_batch().collect();
+        let fours: Vec<&[&pintle::bench::Element]> = all.chunks_exact(4).collect();
         let batch = Batch::new(&subject.elements[0].connector, [true; 6]).unwrap();
         let count = fours.len() * batch.rows();
         let is_second = order == Order::Hessian;
@@ -259,7 +193,11 @@ impl Prepared for ByLanes<'_> {
         }
     }
 
-    fn numbers(&self) -> Vec<f64> {
+    fn states(&self) -> usize {
+        4 * self.0.tiles.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
         self.0.numbers()
     }
 }
@@ -282,9 +220,14 @@ mod by_hand {
             self.0
         }
 
-        /// `None` where the processor has no AVX2 and FMA.
-        fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-            Some(Box::new(ByHandLanes { v: V3::try_new()?, tiles: Tiles::new(self.0, subject) }))
+        fn cause(&self) -> Cause {
+            Cause::Rounding
+        }
+
+        fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+            is_written(subject)?;
+            let v = V3::try_new().ok_or("the processor has no AVX2 and FMA")?;
+            Ok(Box::new(ByHandLanes { v, tiles: Tiles::new(self.0, subject) }))
         }
     }
 
@@ -305,22 +248,35 @@ mod by_hand {
             }
         }
 
-        fn numbers(&self) -> Vec<f64> {
+        fn states(&self) -> usize {
+            4 * self.tiles.tiles.len()
+        }
+
+        fn numbers(&mut self) -> Vec<f64> {
             self.tiles.numbers()
         }
     }
 }
 
-fn export(subjects: &[Subject]) -> Value {
-    let all = subjects.iter().map(|subject| {
+/// The subjects for those that run beside this program: their rows are those of `hand`, with bounds for formulas without branches.
+fn export(subjects: &[Subject], settings: &Settings) -> Value {
+    let all = subjects.iter().filter(|subject| is_written(subject).is_ok()).map(|subject| {
+        let bounds: Map<String, Value> = Order::ALL
+            .iter()
+            .map(|order| {
+                let distance = subject.place.distance(settings.distance);
+                (order.name().to_owned(), json!(Cause::NoBranches.bound(*order, subject.place, distance)))
+            })
+            .collect();
         let truth: Map<String, Value> =
             Order::ALL.iter().map(|order| (order.name().to_owned(), json!(subject.truth(*order)))).collect();
         json!({
             "connection": subject.connection.name,
             "place": subject.place,
             "rows": subject.rows(),
-            "states": flat(subject)[..subject.states()],
-            "batch": subject.elements.len(),
+            "states": flat(subject),
+            "batch": subject.batch,
+            "bounds": bounds,
             "size_of_values": subject.size_of_values(),
             "truth": truth,
         })
@@ -340,23 +296,18 @@ fn main() {
         report::markdown(&mut std::io::stdout().lock(), &found).unwrap();
         return;
     }
-    let settings = Settings { states: STATES, batch: BATCH, ..Settings::default() };
+    let settings = settings();
     let mut found = Report::new(&settings);
     let types = TYPES.map(|name| ConnectionType::named(name, None).unwrap());
     let subjects: Vec<Subject> =
         types.iter().flat_map(|connection| found.subjects(&settings, connection)).collect();
     if let Some(at) = at("--export") {
-        std::fs::write(&words[at + 1], export(&subjects).to_string()).unwrap();
+        std::fs::write(&words[at + 1], export(&subjects, &settings).to_string()).unwrap();
         return;
     }
     let ways = Way::all();
-    let mut more: Vec<Box<dyn Method>> = vec![
-        Box::new(NumDual(Order::Jacobian)),
-        Box::new(NumDual(Order::Hessian)),
-        Box::new(Hand),
-        Box::new(Lanes(Order::Jacobian)),
-        Box::new(Lanes(Order::Hessian)),
-    ];
+    let mut more: Vec<Box<dyn Method>> =
+        vec![Box::new(Hand), Box::new(Lanes(Order::Jacobian)), Box::new(Lanes(Order::Hessian))];
     #[cfg(target_arch = "x86_64")]
     more.extend(
         [Order::Jacobian, Order::Hessian]
@@ -368,7 +319,7 @@ fn main() {
     let mut session = Session::new(&settings, &subjects, &methods).unwrap_or_else(|wrong| panic!("{wrong}"));
     if at("--serve").is_some() {
         let mut out = std::io::stdout().lock();
-        found.points = session.points();
+        found.take(&session);
         let mut greeting = serde_json::to_value(&found).unwrap();
         for point in greeting["points"].as_array_mut().unwrap() {
             point["nanoseconds"] = json!(0.0);
@@ -383,7 +334,6 @@ fn main() {
         return;
     }
     (0..settings.rounds).for_each(|_| drop(session.round()));
-    found.points = session.points();
-    found.points.retain(|point: &Point| point.nanoseconds.is_finite());
+    found.take(&session);
     report::human(&mut anstream::stdout().lock(), &found, 110).unwrap();
 }

@@ -6,7 +6,7 @@ Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 8] [--quick] [--core N] 
 Without a block, all of them. A block is the text between <!-- measured: NAME --> and <!-- end: NAME -->. What is compared is
 measured in rounds that take turns, on one core, and of each the least time counts, so that a busy machine disturbs all alike; every
 participant compares its numbers with the truth before it is timed. --check only verifies that the marks in the documents and the blocks here
-are the same, and that each block was measured. Needs gcc and, for the first time, a network: the peers are installed under target/peers.
+are the same, and that each block tells when it was measured and of which commit. Needs gcc and, for the first time, a network: the peers are installed under target/peers.
 """
 
 import argparse
@@ -26,11 +26,15 @@ WORK = ROOT / "target" / "peers"
 DOCUMENTS = ("README.md", "docs/audit.md", "docs/performance.md")
 OPEN, CLOSE = "<!-- measured: {} -->", "<!-- end: {} -->"
 OURS = "pintle"
+# What those pay who hold the rows of 27 numbers that the peers read, and make tiles of them in every call; and who want dense rows back too.
+FROM_ROWS, ROWS_TO_ROWS = "pintle, from rows", "pintle, rows to rows"
 # The least speed over each peer that pintle aims at, and the batches for which it is compared.
 AIMS = {"JAX": 50, "JAX, relative": 10, "CasADi C": 4, "num-dual": 15}
 WHAT = {
-    OURS: "batch: four elements at a time, three relative derivatives",
-    "num-dual": "`DualSVec<f64, 12>`, a seed for each nodal degree of freedom",
+    OURS: "batch: four elements at a time, three relative derivatives; states and rows in tiles of four",
+    FROM_ROWS: "the same, tiles made in the call from the rows of 27 numbers that all others read, 32 states at a time",
+    ROWS_TO_ROWS: "the same, and dense rows of 12 written as all others write them",
+    "num-dual": "`DualSVec<f64, 12>`, a seed for each nodal degree of freedom; one unit of compilation, `target-cpu=native`",
     "CasADi C": "generated C, twelve derivatives, `gcc -O3 -march=native`",
     "JAX": "`jit(vmap(jacfwd))` by twelve degrees of freedom",
     "JAX, relative": "`jacfwd` by three relative ones, maps to twelve by hand",
@@ -59,6 +63,7 @@ def flags():
 
 def conditions(versions, rounds, loads):
     load = f"load {min(loads):.1f} to {max(loads):.1f} on {os.cpu_count()} cores"
+    versions = {**versions, "pintle": commit()}
     named = ", ".join(f"{name} {version}" for name, version in sorted(versions.items(), key=lambda item: item[0].lower()))
     return (
         f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), one core of {os.cpu_count()}, {load}; "
@@ -66,13 +71,31 @@ def conditions(versions, rounds, loads):
     )
 
 
+def commit():
+    """What is measured: the commit, and whether sources differ from it."""
+    name = run("git", "rev-parse", "--short=10", "HEAD").strip()
+    changed = run("git", "status", "--porcelain", "--untracked-files=no", "--", "Cargo.toml", "Cargo.lock", "build.rs", "src", "benches", "scripts")
+    return f"{name} with changes" if changed else name
+
+
+def stamp():
+    """When, on what and of which commit."""
+    return f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), pintle {commit()}"
+
+
 # Programs
+
+# num-dual's functions are compiled with the program that calls them. In one unit they are inlined, as in the best build of a user; in the
+# sixteen of the profile they are called, and take five times as long. That program is nothing else, and compiled for this processor.
+BEST = {"num_dual": ("-C", "codegen-units=1", "-C", "target-cpu=native")}
 
 
 def executable(bench):
     """Builds a bench; its program."""
     say(f"{bench}: cargo builds it, where that is still to be done")
-    messages = run("cargo", "bench", "--all-features", "--bench", bench, "--no-run", "--message-format=json")
+    flags = ("--", *BEST[bench]) if bench in BEST else ()
+    target = ("--profile", "bench", "--all-features", "--bench", bench)
+    messages = run("cargo", "rustc", *target, "--message-format=json", *flags)
     for message in map(json.loads, messages.splitlines()):
         if message["reason"] == "compiler-artifact" and message["target"]["name"] == bench and message["executable"]:
             return message["executable"]
@@ -139,13 +162,14 @@ def peers(arguments):
     """pintle beside what a user would take instead."""
     WORK.mkdir(parents=True, exist_ok=True)
     python = arguments.python or python_of_peers()
-    program, states = executable("peers"), WORK / "states.json"
+    program, num_dual, states = executable("peers"), executable("num_dual"), WORK / "states.json"
     run(program, "--export", states)
     folder = ROOT / "scripts" / "peers"
     participants = [
         Peer(command, arguments.core)
         for command in (
             [program, "--serve"],
+            [num_dual, "--peers", states],
             [python, folder / "with_casadi.py", states],
             [python, folder / "with_jax.py", states],
         )
@@ -214,23 +238,24 @@ def peer_tables(least, per_round, errors):
                 lines.append([variant, f"{int(batch):,}".replace(",", " "), *cells])
     times = table(["ns per state", "batch", *names], lines)
     lines = []
-    for variant, aim in AIMS.items():
-        for batch in batches:
-            if (variant, batch, names[0]) not in least:
-                continue
-            each = [least[variant, batch, name] / least[OURS, batch, name] for name in names]
-            found = mean(each)
-            rounds = [
-                mean(times[variant][batch][name] / times[OURS][batch][name] for name in names) for times in per_round
-            ]
-            lines.append([
-                variant,
-                f"{int(batch):,}".replace(",", " "),
-                *(f"{value:.3g}" for value in each),
-                f"**{found:.3g}**",
-                f"{min(rounds):.3g} … {max(rounds):.3g}",
-                outcome(aim, found, dict(zip(names, each)), rounds, beyond_cache(least, batch, names)),
-            ])
+    for own in (OURS, ROWS_TO_ROWS):
+        for variant, aim in AIMS.items():
+            for batch in batches:
+                if (variant, batch, names[0]) not in least:
+                    continue
+                each = [least[variant, batch, name] / least[own, batch, name] for name in names]
+                found = mean(each)
+                rounds = [
+                    mean(times[variant][batch][name] / times[own][batch][name] for name in names) for times in per_round
+                ]
+                lines.append([
+                    variant if own == OURS else f"{variant} ÷ {own}",
+                    f"{int(batch):,}".replace(",", " "),
+                    *(f"{value:.3g}" for value in each),
+                    f"**{found:.3g}**",
+                    f"{min(rounds):.3g} … {max(rounds):.3g}",
+                    outcome(aim, found, dict(zip(names, each)), rounds, beyond_cache(least, batch, names)) if own == OURS else "",
+                ])
     ratios = table(["times pintle's", "batch", *names, "geometric mean", "in single rounds", "aim"], lines)
     lines = [[variant, what, *(f"{errors[variant][name]:.0e}" for name in names)] for variant, what in WHAT.items()]
     accuracy = table(["largest error of 1000 states", "what it is", *names], lines)
@@ -258,15 +283,25 @@ def work_precision(arguments):
     """Time against error: the ways of the bench and JAX on the same states, in rounds that take turns."""
     WORK.mkdir(parents=True, exist_ok=True)
     python = arguments.python or python_of_peers()
-    program, states, merged = executable("work_precision"), WORK / "precision.json", WORK / "points.json"
+    program, num_dual = executable("work_precision"), executable("num_dual")
+    states, merged = WORK / "precision.json", WORK / "points.json"
     say("work-precision: states and their truth on 237 bits")
     run(program, "--export", states)
-    script = ROOT / "scripts" / "peers" / "with_jax_precision.py"
-    participants = [Peer([program, "--serve"], arguments.core), Peer([python, script, states], arguments.core)]
-    report = participants[0].greeting
+    folder = ROOT / "scripts" / "peers"
+    participants = [
+        Peer(command, arguments.core)
+        for command in (
+            [program, "--serve"],
+            [num_dual, "--precision"],
+            [python, folder / "with_casadi_precision.py", states],
+            [python, folder / "with_jax_precision.py", states],
+        )
+    ]
+    report, versions = participants[0].greeting, {"num-dual": locked("num-dual")}
     points = [point for peer in participants for point in peer.greeting["points"]]
+    untimed = [one for peer in participants for one in peer.greeting["untimed"]]
     for number in range(arguments.rounds):
-        shift = number % 2
+        shift = number % len(participants)
         times = {peer: peer.round() for peer in participants[shift:] + participants[:shift]}
         together = [time for peer in participants for time in times[peer]]
         for point, time in zip(points, together, strict=True):
@@ -275,11 +310,19 @@ def work_precision(arguments):
         say(f"work-precision: round {number + 1} of {arguments.rounds}, load {os.getloadavg()[0]:.1f}")
     for peer in participants:
         peer.end()
-    report |= {"points": points, "rounds": arguments.rounds}
+    for peer in participants[1:]:
+        versions |= peer.greeting["versions"]
+    report |= {"points": points, "untimed": untimed, "rounds": arguments.rounds}
     merged.write_text(json.dumps(report))
-    text = run(program, "--draw", merged, ROOT / "docs" / "work-precision").rstrip()
-    jax = participants[1].greeting["versions"]["JAX"]
-    return {"work-precision": f"{text}\n\nJAX {jax}: `jit(vmap(…))`, the same states in the same batches."}
+    folder = ROOT / "docs" / "work-precision"
+    for figure in folder.glob("*.svg"):
+        figure.unlink()
+    text = run(program, "--draw", merged, folder).rstrip()
+    named = ", ".join(f"{name} {version}" for name, version in versions.items())
+    return {
+        "work-precision": f"{text}\n\nMeasured of commit {commit()}, beside {named}. JAX: `jit(vmap(…))`, the same states in the same batches; CasADi:"
+        " C generated for twelve derivatives, `gcc -O3 -march=native`, one state after the other."
+    }
 
 
 def say(text):
@@ -296,7 +339,7 @@ def printed(bench):
         text = run(program, preexec_fn=pinned(arguments.core)).rstrip()
         load = f"load {before:.1f} to {os.getloadavg()[0]:.1f}"
         machine = f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), one core of {os.cpu_count()}, {load}"
-        return {bench: f"{machine}; rustc {rust_version()}.\n\n```text\n{text}\n```"}
+        return {bench: f"{machine}; rustc {rust_version()}, pintle {commit()}.\n\n```text\n{text}\n```"}
 
     return block
 
@@ -343,9 +386,11 @@ def documents():
 
 
 def unmeasured(text):
-    """The blocks that no measurement wrote: without a date."""
+    """The blocks that no measurement wrote: without a date or, but for sentences drawn from another block, without a commit."""
     blocks = {name: text.split(OPEN.format(name), 1)[1].split(CLOSE.format(name), 1)[0] for name in marks(text)[0]}
-    return [name for name, block in blocks.items() if not re.search(r"\b20\d\d-\d\d-\d\d\b", block)]
+    date, of_commit = re.compile(r"\b20\d\d-\d\d-\d\d\b"), re.compile(r"\b(pintle|commit) [0-9a-f]{7,40}\b")
+    is_complete = lambda name, block: date.search(block) and (name.endswith("-summary") or of_commit.search(block))
+    return [name for name, block in blocks.items() if not is_complete(name, block)]
 
 
 def check(complete):
@@ -390,7 +435,7 @@ def main():
     parser.add_argument("--quick", action="store_true", help="one round, to see that it works: the numbers mean little")
     parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
     parser.add_argument("--python", help="an interpreter that has what scripts/peers/requirements.txt names")
-    parser.add_argument("--check", action="store_true", help="verify the marks and that each block has a date; measure nothing")
+    parser.add_argument("--check", action="store_true", help="verify the marks and that each block has a date and a commit; measure nothing")
     arguments = parser.parse_args()
     arguments.rounds = arguments.rounds or (1 if arguments.quick else 8)
     if unknown := set(arguments.blocks) - set(known):
@@ -403,4 +448,5 @@ def main():
                 rewrite(measure(arguments))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -9,10 +9,11 @@ sines and cosines differ between machines.
 """
 
 import pathlib
-import platform
 import re
 import subprocess
 import sys
+
+from measure import stamp
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "audit.md"
@@ -67,8 +68,8 @@ def check():
 def main():
     head, _, tail = parts()
     table = measured()
-    stamp = f"Written by `scripts/peer_rules.py` on {platform.machine()}."
-    PAGE.write_text(f"{head}{BEGIN}\n{stamp}\n\n{table}\n{END}{tail}", encoding="utf-8")
+    written = f"Written by `scripts/peer_rules.py`: {stamp()}."
+    PAGE.write_text(f"{head}{BEGIN}\n{written}\n\n{table}\n{END}{tail}", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@
 //! freedom, so that Grübler's mobility is 6 bodies − 5 hinges, whatever the geometry.
 
 mod linkages;
+mod singular;
 
 use pintle::audit::assembly::{Assembly, Holds, analyse, analyse_steps};
 use pintle::evaluate::Model;
@@ -53,13 +54,17 @@ impl Deck {
         number
     }
 
-    /// A rigid link.
-    fn link(&mut self, a: usize, b: usize) -> usize {
+    /// A connector of a type that needs no directions.
+    fn plain(&mut self, kind: &str, a: usize, b: usize) {
         self.count += 1;
         let number = 100 + self.count;
         writeln!(self.elements, "*ELEMENT, TYPE=CONN3D2, ELSET=E{number}\n{number}, {a}, {b}").unwrap();
-        writeln!(self.sections, "*CONNECTOR SECTION, ELSET=E{number}\nBEAM").unwrap();
-        number
+        writeln!(self.sections, "*CONNECTOR SECTION, ELSET=E{number}\n{kind}").unwrap();
+    }
+
+    /// A rigid link.
+    fn link(&mut self, a: usize, b: usize) {
+        self.plain("BEAM", a, b);
     }
 
     /// A hinge between two new nodes at one place.
@@ -109,12 +114,19 @@ impl Deck {
 fn is(assembly: &Assembly, gruebler: i64, mobility: usize, redundant: usize, holds: &[(Holds, usize)]) {
     let position = &assembly.positions[0];
     let counted = |wanted: Holds| assembly.redundant.iter().filter(|one| one.holds == wanted).count();
-    let seen: Vec<(Holds, usize)> =
-        [Holds::Throughout, Holds::Rigid, Holds::Here, Holds::Isolated, Holds::Large, Holds::Unjudged]
-            .into_iter()
-            .map(|holds| (holds, counted(holds)))
-            .filter(|(_, count)| *count > 0)
-            .collect();
+    let seen: Vec<(Holds, usize)> = [
+        Holds::Throughout,
+        Holds::Rigid,
+        Holds::Here,
+        Holds::Isolated,
+        Holds::Loop,
+        Holds::Large,
+        Holds::Unjudged,
+    ]
+    .into_iter()
+    .map(|holds| (holds, counted(holds)))
+    .filter(|(_, count)| *count > 0)
+    .collect();
     assert_eq!(
         (assembly.gruebler, position.mobility, position.redundant, seen.as_slice()),
         (gruebler, Some(mobility), Some(redundant), holds),
@@ -201,9 +213,8 @@ fn times(a: &[[f64; 4]; 4], b: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-/// Bennett's linkage: four hinges, neither parallel nor through one point, that move: −2 by Grübler, 1 in truth.
-#[test]
-fn a_bennett_linkage() {
+/// Bennett's linkage: four hinges, neither parallel nor through one point, that move.
+fn bennett() -> Vec<(Point, Point)> {
     let (a, alpha, beta) = (1.0, 0.6_f64, 1.1_f64);
     let b = a * beta.sin() / alpha.sin();
     let theta = 0.9_f64;
@@ -224,6 +235,13 @@ fn a_bennett_linkage() {
             assert!((frame[i][j] - f64::from(u8::from(i == j))).abs() < 1e-14, "the loop is not closed");
         }
     }
+    hinges
+}
+
+/// −2 by Grübler, 1 in truth.
+#[test]
+fn a_bennett_linkage() {
+    let mut hinges = bennett();
     let mut deck = Deck::default();
     deck.closed(&hinges);
     is(&deck.analyse(), -2, 1, 3, &[(Holds::Throughout, 3)]);

@@ -1,7 +1,9 @@
 //! `pintle bench` and the library beneath it: errors are what they must be, a wrong number is not timed, every format says the same.
 
 use crate::cli::{file, pintle};
-use pintle::bench::{Method, Order, Place, Prepared, Report, Session, Settings, Subject, Unmeasured, Way};
+use pintle::bench::{
+    CLEAR, Cause, Method, Order, Place, Prepared, Report, Session, Settings, Subject, Unmeasured, Way,
+};
 use pintle::catalog::ConnectionType;
 use std::fs;
 use std::path::Path;
@@ -18,7 +20,9 @@ fn subject(name: &str, place: Place) -> Subject {
 /// The errors that theory gives: of each way at its best step, and of a difference at a large one.
 #[test]
 fn ways_have_the_errors_of_theory() {
-    for name in ["REVOLUTE", "CARDAN", "TRANSLATOR", "ROTATION", "AXIAL"] {
+    for name in
+        ["REVOLUTE", "CARDAN", "TRANSLATOR", "ROTATION", "AXIAL", "FLEXION-TORSION", "PROJECTION CARTESIAN"]
+    {
         let subject = [subject(name, Place::Far)];
         let ways = Way::all();
         let methods: Vec<&dyn Method> = ways.iter().map(|way| way as &dyn Method).collect();
@@ -43,13 +47,36 @@ fn ways_have_the_errors_of_theory() {
         let coarse =
             points.iter().find(|p| p.method == "forward differences" && p.step == Some(0.1)).unwrap();
         assert!(coarse.largest_error > 1e-3, "{name}: {coarse:?}");
+        // Im f(q + ih)/h = f′ − h² f‴/6 + …: a hundred times the error at ten times the step.
+        let complex = |step: f64| {
+            let of = points.iter().find(|p| p.method == "complex step" && p.step == Some(step));
+            of.unwrap().median_error
+        };
+        let slope = (complex(1e-1) / complex(1e-2)).log10();
+        assert!((1.9..2.1).contains(&slope), "{name}: {slope}");
+        assert!(complex(1e-2) > 1e-8 && complex(1e-8) < 1e-15, "{name}");
+        assert!(complex(1e-100) < 1e-15, "{name}: {:e}", complex(1e-100));
+    }
+}
+
+/// The complex step is right for every type that has functions, at every place.
+#[test]
+fn the_complex_step_exists_for_every_type() {
+    for connection in pintle::catalog::TABLE {
+        for place in Place::ALL {
+            let Ok(subject) = Subject::new(connection, place, 2, 1e-4) else { continue };
+            let subject = [subject];
+            let session = Session::new(&settings(), &subject, &[&Way::ComplexStep(1e-20)]).unwrap();
+            assert_eq!(session.untimed(), [], "{} {place:?}", connection.name);
+        }
     }
 }
 
 /// pintle's own way with a number that is wrong by a relative amount: which one, of how many before the last.
-struct Spoilt(Order, f64, usize);
+struct Spoilt(Order, f64, usize, Cause);
 
-struct SpoiltRun<'s>(Box<dyn Prepared + 's>, f64, usize);
+/// The states so many times.
+struct SpoiltRun<'s>(Box<dyn Prepared + 's>, f64, usize, usize);
 
 impl Method for Spoilt {
     fn name(&self) -> &'static str {
@@ -60,12 +87,13 @@ impl Method for Spoilt {
         self.0
     }
 
-    fn is_ours(&self) -> bool {
-        true
+    fn cause(&self) -> Cause {
+        self.3
     }
 
-    fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        Some(Box::new(SpoiltRun(Way::Pintle(self.0).prepare(subject)?, self.1, self.2)))
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        let repeated = subject.batch / subject.states();
+        Ok(Box::new(SpoiltRun(Way::Pintle(self.0).prepare(subject)?, self.1, self.2, repeated)))
     }
 }
 
@@ -74,8 +102,12 @@ impl Prepared for SpoiltRun<'_> {
         self.0.run();
     }
 
-    fn numbers(&self) -> Vec<f64> {
-        let mut numbers = self.0.numbers();
+    fn states(&self) -> usize {
+        self.0.states() * self.3
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        let mut numbers = self.0.numbers().repeat(self.3);
         let place = numbers.len() - 1 - self.2;
         numbers[place] += self.1;
         numbers
@@ -85,7 +117,7 @@ impl Prepared for SpoiltRun<'_> {
 #[test]
 fn a_wrong_number_is_not_timed() {
     let subject = [subject("ROTATION", Place::Near)];
-    let spoilt = Spoilt(Order::Jacobian, 1e-6, 1);
+    let spoilt = Spoilt(Order::Jacobian, 1e-6, 1, Cause::Ours);
     let wrong = Session::new(&settings(), &subject, &[&spoilt]).err().unwrap();
     assert!(wrong.to_string().contains("spoilt, Jacobian of ROTATION"), "{wrong}");
     assert!(wrong.error > 1e-8 && wrong.bound < 1e-9, "{wrong:?}");
@@ -97,10 +129,10 @@ fn a_wrong_number_is_not_timed() {
 fn values_near_singular_points_are_judged_by_their_own_condition() {
     for name in ["ROTATION", "CARDAN", "AXIAL", "EULER"] {
         let subject = [subject(name, Place::Near)];
-        let right = Spoilt(Order::Value, 0.0, 0);
+        let right = Spoilt(Order::Value, 0.0, 0, Cause::Ours);
         assert!(Session::new(&settings(), &subject, &[&right]).is_ok(), "{name}");
         let size = *subject[0].size_of_values().last().unwrap();
-        let off = Spoilt(Order::Value, 100.0 * f64::EPSILON * size, 0);
+        let off = Spoilt(Order::Value, 100.0 * f64::EPSILON * size, 0, Cause::Ours);
         let wrong = Session::new(&settings(), &subject, &[&off]).err().unwrap();
         assert!(wrong.bound == 1e-14 && wrong.error < 1e-13, "{name}: {wrong:?}");
     }
@@ -109,13 +141,80 @@ fn values_near_singular_points_are_judged_by_their_own_condition() {
 /// A batch has the same states over and over, and every one of its numbers is looked at.
 #[test]
 fn a_batch_repeats_its_states() {
-    let subject = [subject("REVOLUTE", Place::Far).repeated(7)];
-    assert_eq!((subject[0].states(), subject[0].elements.len()), (2, 7));
-    let [same, last] = [0, 6].map(|i| subject[0].elements[i].state.pair.b.triad);
-    assert_eq!(same, last);
-    let right = Spoilt(Order::Jacobian, 0.0, 0);
-    assert!(Session::new(&settings(), &subject, &[&right]).is_ok());
-    assert!(Session::new(&settings(), &subject, &[&Spoilt(Order::Jacobian, 1e-6, 1)]).is_err());
+    let subject = [subject("REVOLUTE", Place::Far).repeated(6)];
+    assert_eq!((subject[0].states(), subject[0].in_batch().count()), (2, 6));
+    let triads: Vec<_> = subject[0].in_batch().map(|element| element.state.pair.b.triad).collect();
+    assert_eq!(triads[0], triads[4]);
+    let of_last = |error: f64, before: usize| {
+        let spoilt = Spoilt(Order::Jacobian, error, before, Cause::Ours);
+        Session::new(&settings(), &subject, &[&spoilt]).is_ok()
+    };
+    assert!(of_last(0.0, 0) && !of_last(1e-6, 1) && !of_last(1e-6, 3 * 14 * 5));
+}
+
+/// Another's numbers that are wrong are not timed either, and that is said; the bound is that of what its errors come from.
+#[test]
+fn who_is_wrong_is_named_and_not_timed() {
+    let subject = [subject("ROTATION", Place::Near)];
+    let found = |error: f64, cause: Cause| {
+        let spoilt = Spoilt(Order::Jacobian, error, 1, cause);
+        let session = Session::new(&settings(), &subject, &[&spoilt]).unwrap();
+        (session.points().len(), session.untimed().to_vec())
+    };
+    assert_eq!(found(1e-8, Cause::NoBranches), (1, Vec::new()));
+    for (error, cause) in
+        [(1e-8, Cause::Rounding), (1e-3, Cause::NoBranches), (1e-1, Cause::ForwardDifference)]
+    {
+        let (points, untimed) = found(error, cause);
+        assert_eq!((points, untimed.len()), (0, 1));
+        assert!(untimed[0].method == "spoilt" && untimed[0].why.contains("is allowed"), "{untimed:?}");
+    }
+}
+
+/// All states of a subject have the rows of the type with its constraints met, and lie where they are said to.
+#[test]
+fn states_have_the_same_rows() {
+    for connection in pintle::catalog::TABLE {
+        for place in Place::ALL {
+            let Ok(subject) = Subject::new(connection, place, 9, 1e-4) else { continue };
+            for element in &subject.elements {
+                let own: Vec<_> = (0..6).filter_map(|k| element.connector.differentiated(k)).collect();
+                let own: Vec<_> = own.into_iter().filter(|measure| !measure.is_one_form()).collect();
+                assert_eq!(own, subject.measures, "{} {place:?}", connection.name);
+                let margins = element.connector.margins(&element.state, &element.branch, [true; 6]);
+                let of_rows = subject.components.iter().filter_map(|k| margins[*k]);
+                let least = of_rows.map(|margin| margin.distance).fold(f64::INFINITY, f64::min);
+                match place {
+                    Place::Far => assert!(least >= CLEAR, "{}: {least:e}", connection.name),
+                    // Rotation vectors are near half a turn, which is not singular.
+                    Place::Near => assert!(
+                        (least / 1e-4 - 1.0).abs() < 1e-6 || least > 3.0,
+                        "{}: {least:e}",
+                        connection.name
+                    ),
+                    Place::Rest => {}
+                }
+            }
+        }
+    }
+}
+
+/// Far states go through the regions: angles of b against a from small to nearly half a turn, all quadrants.
+#[test]
+fn far_states_cover_the_regions() {
+    for name in ["REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"] {
+        let subject =
+            Subject::new(&ConnectionType::named(name, None).unwrap(), Place::Far, 64, 1e-4).unwrap();
+        let q: Vec<_> = subject.elements.iter().map(|element| element.state.pair.relative().q).collect();
+        let angles: Vec<f64> = q.iter().map(|q| ((q[0][0] + q[1][1] + q[2][2] - 1.0) / 2.0).acos()).collect();
+        let count = |from: f64, to: f64| angles.iter().filter(|angle| (from..to).contains(*angle)).count();
+        assert!(count(0.0, 1.0) > 5 && count(1.0, 2.0) > 5 && count(2.0, 3.0) >= 3, "{name}: {angles:?}");
+        for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+            let in_quadrant =
+                q.iter().filter(|q| q[1][2] * signs[0] > 0.0 && q[2][2] * signs[1] > 0.0).count();
+            assert!(in_quadrant > 0, "{name} {signs:?}: {in_quadrant}");
+        }
+    }
 }
 
 /// What is left out is left out for the reason told.
@@ -126,6 +225,7 @@ fn reasons_are_what_happened() {
     };
     assert_eq!(why("SLIDE-PLANE", Place::Near, 1), Some(Unmeasured::NoSingularPoint));
     assert_eq!(why("SLIDE-PLANE", Place::Far, 0), Some(Unmeasured::NoState));
+    assert_eq!(why("SLIDE-PLANE", Place::Rest, 1), Some(Unmeasured::NothingAtRest));
     for place in Place::ALL {
         assert_eq!(why("FLOW-CONVERTER", place, 1), Some(Unmeasured::NoFunction));
         assert_eq!(why("ROTATION", place, 1), None);
@@ -149,20 +249,29 @@ fn the_command_measures_a_type() {
     assert_eq!((report.schema.as_ref(), report.rounds, report.states), ("pintle-bench/1", 1, 1));
     assert!(report.environment.rustc.starts_with("rustc 1."), "{:?}", report.environment);
     assert!(report.points.iter().all(|p| p.nanoseconds > 0.0 && p.slowest_round >= p.nanoseconds));
-    // SLIDE-PLANE has no singular point.
-    assert_eq!(report.omitted.len(), 1);
+    // SLIDE-PLANE has no singular point, and neither divides by an angle that is zero at rest.
+    assert_eq!(report.omitted.len(), 3);
     assert!(!report.points.iter().any(|p| p.connection == "SLIDE-PLANE" && p.place == Place::Near));
     assert_eq!(run("csv", &[]).lines().count(), 1 + report.points.len());
     for (format, head) in [("human", "REVOLUTE, far from singular points"), ("markdown", "**REVOLUTE**, far")]
     {
         let text = run(format, &[]);
         assert!(text.contains(head) && text.contains("forward differences"), "{text}");
-        assert!(text.contains("SLIDE-PLANE, near: not measured: it has no singular point"), "{text}");
+        assert!(text.contains("SLIDE-PLANE, near: not measured: its rows have no singular point"), "{text}");
         assert!(run(format, &["--near", "1.5e-3"]).contains("1.5e-3 from a singular point"), "{format}");
     }
     let figure = fs::read_to_string(folder.join("revolute-jacobian-near.svg")).unwrap();
     assert!(figure.contains("complex step") && figure.matches("<polyline").count() == 5, "{figure}");
-    assert_eq!(fs::read_dir(&folder).unwrap().count(), 6);
+    assert!(figure.contains(">REVOLUTE: Jacobian, time against error</text>"), "{figure}");
+    assert!(figure.contains(&format!("one core, {}</text>", report.environment.date)), "{figure}");
+    // Six diagrams, and both types together.
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 7);
+    let both = fs::read_to_string(folder.join("jacobian-far.svg")).unwrap();
+    assert!(
+        both.contains(">geometric mean of SLIDE-PLANE, REVOLUTE</text>")
+            && both.matches("<polyline").count() == 5,
+        "{both}"
+    );
 }
 
 #[test]

@@ -84,6 +84,11 @@ def compiled(folder, types):
     return ctypes.CDLL(str(library)), rows
 
 
+def versions():
+    gcc = subprocess.run(["gcc", "-dumpfullversion"], capture_output=True, text=True, check=True).stdout.strip()
+    return {"CasADi": ca.__version__, "gcc": gcc}
+
+
 def main():
     states = States(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
@@ -121,8 +126,8 @@ def main():
                 del kept
         return {"CasADi C": times}
 
-    gcc = subprocess.run(["gcc", "-dumpfullversion"], capture_output=True, text=True, check=True).stdout.strip()
-    serve({"CasADi C": errors}, {"CasADi": ca.__version__, "gcc": gcc}, measure)
+    serve({"CasADi C": errors}, versions(), measure)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -15,8 +15,10 @@ pub struct Environment {
     pub processor: String,
     /// The vector units that it has, of those that matter here.
     pub features: Vec<Cow<'static, str>>,
-    /// Its cores, as this program may use them.
+    /// Its cores that are online.
     pub cores: usize,
+    /// Those of them that this program may use.
+    pub usable: usize,
     /// What runs or waits on them, averaged over a minute, where the system tells it.
     pub load: Option<f64>,
     /// Operating system and architecture.
@@ -37,7 +39,8 @@ impl Environment {
             date: chrono::Utc::now().format("%Y-%m-%d").to_string(),
             processor: processor(),
             features: features(),
-            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            cores: online().unwrap_or_else(usable),
+            usable: usable(),
             load: fs::read_to_string("/proc/loadavg")
                 .ok()
                 .and_then(|text| text.split_whitespace().next()?.parse().ok()),
@@ -48,16 +51,43 @@ impl Environment {
         }
     }
 
+    /// Machine and day.
+    pub fn short(&self) -> String {
+        let features =
+            if self.features.is_empty() { String::new() } else { format!(" ({})", self.features.join("/")) };
+        format!("{}{features}, one core, {}", self.processor, self.date)
+    }
+
     /// In one line.
     pub fn line(&self) -> String {
         let load = self.load.map_or_else(String::new, |load| format!(", load {load:.1}"));
         let features =
             if self.features.is_empty() { String::new() } else { format!(" ({})", self.features.join("/")) };
-        let Self { date, processor, cores, system, rustc, pintle, .. } = self;
+        let Self { date, processor, cores, usable, system, rustc, pintle, .. } = self;
+        let bound = if usable < cores { format!(", bound to {usable} of them") } else { String::new() };
         format!(
-            "{date}, {processor}{features}, one of {cores} cores{load}, {system}; pintle {pintle}, {rustc}"
+            "{date}, {processor}{features}, one of {cores} cores{bound}{load}, {system}; pintle {pintle}, {rustc}"
         )
     }
+}
+
+/// The cores that this process may run on.
+fn usable() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// The cores of the machine, where the system tells them as ranges: `0-3,8`.
+fn online() -> Option<usize> {
+    let text = fs::read_to_string("/sys/devices/system/cpu/online").ok()?;
+    count(text.trim())
+}
+
+fn count(ranges: &str) -> Option<usize> {
+    let of = |range: &str| {
+        let (from, to) = range.split_once('-').unwrap_or((range, range));
+        to.parse::<usize>().ok()?.checked_sub(from.parse().ok()?).map(|more| more + 1)
+    };
+    ranges.split(',').map(of).sum()
 }
 
 fn processor() -> String {
@@ -80,4 +110,19 @@ fn features() -> Vec<Cow<'static, str>> {
 #[cfg(not(target_arch = "x86_64"))]
 fn features() -> Vec<Cow<'static, str>> {
     Vec::new()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cores_are_those_of_the_machine() {
+        assert_eq!(
+            ["0-3", "0-3,8,10-11", "0", "", "3-1"].map(count),
+            [Some(4), Some(7), Some(1), None, None]
+        );
+        let here = Environment::here();
+        assert!(here.usable <= here.cores, "{here:?}");
+    }
 }

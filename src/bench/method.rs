@@ -1,22 +1,26 @@
 //! Ways to get a value, a Jacobian or a Hessian.
 
-use super::complex::Complex;
+use super::bound::Cause;
+use super::complex::Still;
 use super::subject::{Element, Order, Subject};
 use crate::connector::{Connector, Linear, Mask, Request, Tally};
 use crate::measure::Measure;
-use crate::node::{DOFS, Node, Pair};
-use crate::scalar::Scalar;
+use crate::node::{DOFS, Pair};
 use crate::so3;
 use crate::vector::product;
 use std::f64::consts::{PI, TAU};
+use std::hint::black_box;
 
 /// A way to get numbers of one order, ready to be timed: what it reads and where it writes are its own.
 pub trait Prepared {
-    /// Computes the numbers of every element.
+    /// Computes the numbers of each of [`Prepared::states`].
     fn run(&mut self);
 
-    /// What the last run computed: element by element, row by row, in the order of [`crate::node::DOF`].
-    fn numbers(&self) -> Vec<f64>;
+    /// How many states a run goes through: those of the subject once or, where it takes a batch, over and over.
+    fn states(&self) -> usize;
+
+    /// What a run computes: state by state, row by row, in the order of [`crate::node::DOF`].
+    fn numbers(&mut self) -> Vec<f64>;
 }
 
 /// A way to get numbers of one order.
@@ -32,13 +36,14 @@ pub trait Method: Sync {
         None
     }
 
-    /// Whether it is pintle's own, which must be right to be timed.
-    fn is_ours(&self) -> bool {
-        false
-    }
+    /// What its errors come from, which tells how large they may be for it to be timed.
+    fn cause(&self) -> Cause;
 
-    /// The same for the elements of a subject; `None` where there is no such way.
-    fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>>;
+    /// The same for the elements of a subject.
+    ///
+    /// # Errors
+    /// Why there is no such way.
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str>;
 }
 
 /// The ways that the library has for every type.
@@ -50,7 +55,7 @@ pub enum Way {
     Forward(f64),
     /// (f(q + h) − f(q − h))/2h.
     Central(f64),
-    /// Im f(q + ih)/h.
+    /// Im f(q + ih)/h on complex numbers.
     ComplexStep(f64),
     /// num-dual's dual number with a direction for every degree of freedom of the nodes.
     NodalDual,
@@ -70,7 +75,7 @@ impl Way {
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = Order::ALL.map(Self::Pintle).to_vec();
         all.push(Self::NodalDual);
-        all.extend(powers([1, 2, 4, 6, 8, 12, 20, 100].into_iter()).map(Self::ComplexStep));
+        all.extend([1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-12, 1e-20, 1e-100].map(Self::ComplexStep));
         all.extend(powers(1..=13).map(Self::Central));
         all.extend(powers(1..=13).map(Self::Forward));
         all.push(Self::NestedDual);
@@ -106,49 +111,94 @@ impl Method for Way {
         }
     }
 
-    fn is_ours(&self) -> bool {
-        matches!(self, Self::Pintle(_))
+    fn cause(&self) -> Cause {
+        match self {
+            Self::Pintle(_) => Cause::Ours,
+            Self::ComplexStep(_) | Self::NodalDual | Self::NestedDual => Cause::Rounding,
+            Self::Forward(_) => Cause::ForwardDifference,
+            Self::Central(_) => Cause::CentralDifference,
+            Self::SecondCentral(_) => Cause::SecondDifference,
+        }
     }
 
-    fn prepare<'s>(&self, subject: &'s Subject) -> Option<Box<dyn Prepared + 's>> {
-        let mut wanted = [false; 6];
-        subject.components.iter().for_each(|k| wanted[*k] = true);
-        let numbers = vec![0.0; subject.elements.len() * subject.rows() * self.order().width()];
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        let connector = subject.elements.first().ok_or("there is no state")?.connector.clone();
+        // All that there are, unless one-forms are left out.
+        let is_all = (0..6).all(|k| connector.differentiated(k).is_none() || subject.components.contains(&k));
+        let wanted = [0, 1, 2, 3, 4, 5].map(|k| is_all || subject.components.contains(&k));
         let request = Request::new(&[], wanted, 2);
-        Some(Box::new(Run { way: *self, subject, wanted, request, numbers }))
+        let (rows, out) = ([Linear::default(); 6], vec![0.0; subject.rows() * self.order().width()]);
+        let still = match self {
+            Self::ComplexStep(_) => subject.elements.iter().map(still).collect(),
+            _ => Vec::new(),
+        };
+        Ok(Box::new(Run { way: *self, subject, wanted, request, still, rows, out }))
     }
 }
 
+fn still(element: &Element) -> Still {
+    Still::new(element.connector.section(), &element.branch.history())
+}
+
+/// One state after the other, into the same memory.
 struct Run<'s> {
     way: Way,
     subject: &'s Subject,
     wanted: Mask,
     request: Request,
-    numbers: Vec<f64>,
+    /// What does not move of each element, for the complex step.
+    still: Vec<Still>,
+    /// Of [`Connector::linearize`], which needs no other.
+    rows: [Linear<f64>; 6],
+    out: Vec<f64>,
+}
+
+impl Run<'_> {
+    #[inline(always)]
+    fn one(&mut self, i: usize) {
+        let Self { way, subject, wanted, request, still, rows, out } = self;
+        let Some(element) = subject.elements.get(i) else { return };
+        let at = Place { subject, element, wanted: *wanted };
+        match *way {
+            Way::Pintle(Order::Value) => at.values(&element.state.pair, out),
+            Way::Pintle(Order::Jacobian) => {
+                element.connector.linearize(&element.state.pair, &element.branch, *wanted, rows);
+            }
+            Way::Pintle(Order::Hessian) => at.second(request, out),
+            Way::Forward(h) => at.forward(h, out),
+            Way::Central(h) => at.central(h, out),
+            Way::ComplexStep(h) => at.complex_step(still.get(i), h, out),
+            Way::NodalDual => at.nodal_dual(out),
+            Way::SecondCentral(h) => at.second_central(h, out),
+            Way::NestedDual => at.nested_dual(out),
+        }
+    }
 }
 
 impl Prepared for Run<'_> {
     fn run(&mut self) {
-        let Self { way, subject, wanted, request, numbers } = self;
-        let width = subject.rows() * way.order().width();
-        for (element, out) in subject.elements.iter().zip(numbers.chunks_exact_mut(width)) {
-            let at = Place { subject, element, wanted: *wanted };
-            match *way {
-                Way::Pintle(Order::Value) => at.values(&element.state.pair, out),
-                Way::Pintle(Order::Jacobian) => at.rows(out),
-                Way::Pintle(Order::Hessian) => at.second(request, out),
-                Way::Forward(h) => at.forward(h, out),
-                Way::Central(h) => at.central(h, out),
-                Way::ComplexStep(h) => at.complex_step(h, out),
-                Way::NodalDual => at.nodal_dual(out),
-                Way::SecondCentral(h) => at.second_central(h, out),
-                Way::NestedDual => at.nested_dual(out),
-            }
+        for i in 0..self.subject.elements.len() {
+            self.one(i);
+            black_box((&mut self.rows, &mut self.out));
         }
     }
 
-    fn numbers(&self) -> Vec<f64> {
-        self.numbers.clone()
+    fn states(&self) -> usize {
+        self.subject.elements.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        let mut all = Vec::new();
+        for i in 0..self.subject.elements.len() {
+            self.one(i);
+            match self.way {
+                Way::Pintle(Order::Jacobian) => {
+                    all.extend(self.rows.iter().take(self.subject.rows()).flat_map(|row| row.row));
+                }
+                _ => all.extend(&self.out),
+            }
+        }
+        all
     }
 }
 
@@ -174,15 +224,6 @@ impl Place<'_> {
         let found = self.connector().values(pair, &self.element.branch, self.wanted);
         for (out, k) in out.iter_mut().zip(&self.subject.components) {
             *out = found[*k].unwrap_or(f64::NAN);
-        }
-    }
-
-    fn rows(&self, out: &mut [f64]) {
-        let mut rows = [Linear::default(); 6];
-        let pair = &self.element.state.pair;
-        self.connector().linearize(pair, &self.element.branch, self.wanted, &mut rows);
-        for (out, row) in out.chunks_exact_mut(DOFS).zip(&rows) {
-            out.copy_from_slice(&row.row);
         }
     }
 
@@ -261,13 +302,15 @@ impl Place<'_> {
         }
     }
 
-    fn complex_step(&self, h: f64, out: &mut [f64]) {
-        let Element { connector, state, branch } = self.element;
+    fn complex_step(&self, still: Option<&Still>, h: f64, out: &mut [f64]) {
+        let Some(still) = still else { return out.fill(f64::NAN) };
         for j in self.active() {
-            let values = connector.on_nodes(&stepped(&state.pair, j, h), &state.pair.a.triad, branch);
-            for (row, k) in out.chunks_exact_mut(DOFS).zip(&self.subject.components) {
-                row[j] = values[*k].map_or(f64::NAN, |value| value.im / h);
-            }
+            let put = |row: usize, entry: f64| {
+                if let Some(place) = out.get_mut(row * DOFS + j) {
+                    *place = entry;
+                }
+            };
+            still.derivatives(&self.element.state.pair, &self.subject.measures, j, h, put);
         }
     }
 
@@ -289,31 +332,4 @@ impl Place<'_> {
             }
         }
     }
-}
-
-/// The pair with a degree of freedom moved by ih: a rotation about a global axis e turns a triad C to C + ih e × C.
-fn stepped(pair: &Pair<f64>, dof: usize, h: f64) -> Pair<Complex> {
-    let end = |node: &Node<f64>, dof: Option<usize>| {
-        let mut moved = Node {
-            displacement: node.displacement.map(Complex::from_real),
-            triad: node.triad.map(|row| row.map(Complex::from_real)),
-            flow: Complex::from_real(node.flow),
-        };
-        match dof {
-            Some(i @ 0..3) => moved.displacement[i].im = h,
-            Some(i @ 3..6) => {
-                let (j, k) = ((i - 2) % 3, (i - 1) % 3);
-                for column in 0..3 {
-                    moved.triad[j][column].im = -h * node.triad[k][column];
-                    moved.triad[k][column].im = h * node.triad[j][column];
-                }
-            }
-            Some(_) => moved.flow.im = h,
-            None => {}
-        }
-        moved
-    };
-    let (own, of_b) = (dof % (DOFS / 2), dof >= DOFS / 2);
-    let (a, b) = (end(&pair.a, (!of_b).then_some(own)), end(&pair.b, of_b.then_some(own)));
-    Pair { reference: pair.reference, a, b }
 }

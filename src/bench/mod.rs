@@ -1,8 +1,9 @@
 //! What does a value, a Jacobian or a Hessian cost here, and at which error?
 //!
-//! A type ([`Subject`]) is measured at states far from its singular points and near them ([`Place`]), with every way to get the
+//! A type ([`Subject`]) is measured at states far from its singular points, near them and at rest ([`Place`]), with every way to get the
 //! numbers ([`Method`]) that the library has ([`Way`]) or the caller brings. The truth is the 237-bit scalar: values by it, derivatives by
-//! differences on it that have no step to tune. Errors come first, and pintle's own are asserted before anything is timed; then rounds
+//! differences on it that have no step to tune. Errors come first: those of every way must be within what they come from allows ([`Cause`]). One
+//! of pintle's own that is not ends the measurement; any other way is listed ([`Untimed`]), and neither timed nor drawn. Then rounds
 //! take turns, and of each way the least time counts, so that a machine with other work on it disturbs all alike.
 //!
 //! ```
@@ -16,14 +17,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bound;
 mod complex;
 mod environment;
 mod method;
+mod place;
 mod subject;
 
+pub use bound::Cause;
 pub use environment::Environment;
 pub use method::{Method, Prepared, Way};
-pub use subject::{Element, Order, Place, Subject, Unmeasured};
+pub use place::{CLEAR, Place, REST, Unmeasured};
+pub use subject::{Element, Order, Subject};
 
 use crate::catalog::ConnectionType;
 use serde::{Deserialize, Serialize};
@@ -38,7 +43,7 @@ pub struct Settings {
     pub rounds: usize,
     /// States of each type and place.
     pub states: usize,
-    /// How many elements a way goes through, the states over and over; no fewer than there are states.
+    /// How many elements a way that takes batches goes through, the states over and over; no fewer than there are states.
     pub batch: usize,
     /// How far the states near a singular point are from it (rad, or lengths of the connector).
     pub distance: f64,
@@ -101,6 +106,21 @@ pub struct Omitted {
     pub why: Cow<'static, str>,
 }
 
+/// A way that is not timed for a type at a place.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Untimed {
+    /// The type.
+    pub connection: String,
+    /// Which states.
+    pub place: Place,
+    /// What is computed.
+    pub order: Order,
+    /// The way.
+    pub method: Cow<'static, str>,
+    /// Why.
+    pub why: Cow<'static, str>,
+}
+
 /// What was measured, where and when.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -112,7 +132,7 @@ pub struct Report {
     pub rounds: usize,
     /// States of each type and place.
     pub states: usize,
-    /// How many elements each way went through: the states over and over.
+    /// How many elements ways that take batches went through: the states over and over.
     pub batch: usize,
     /// How far the states near a singular point are from it (rad, or lengths of the connector).
     pub distance: f64,
@@ -120,6 +140,8 @@ pub struct Report {
     pub points: Vec<Point>,
     /// What could not be measured.
     pub omitted: Vec<Omitted>,
+    /// Ways that are wrong somewhere, or do not exist.
+    pub untimed: Vec<Untimed>,
 }
 
 /// pintle's own numbers are not right, so that their time means nothing.
@@ -153,7 +175,9 @@ pub fn measure(
     for connection in types {
         progress(&connection.name);
         let subjects: Vec<Subject> = report.subjects(settings, connection);
-        report.points.extend(measure_subjects(settings, &subjects, &methods)?);
+        let mut session = Session::new(settings, &subjects, &methods)?;
+        (0..settings.rounds).for_each(|_| drop(session.round()));
+        report.take(&session);
     }
     Ok(report)
 }
@@ -171,10 +195,17 @@ impl Report {
             distance,
             points: Vec::new(),
             omitted: Vec::new(),
+            untimed: Vec::new(),
         }
     }
 
-    /// A type at both places; says where it cannot be measured.
+    /// What a session has found.
+    pub fn take(&mut self, session: &Session<'_>) {
+        self.points.extend(session.points());
+        self.untimed.extend_from_slice(session.untimed());
+    }
+
+    /// A type at all places; says where it cannot be measured.
     pub fn subjects(&mut self, settings: &Settings, connection: &ConnectionType) -> Vec<Subject> {
         let mut found = Vec::new();
         for place in Place::ALL {
@@ -191,31 +222,16 @@ impl Report {
     }
 }
 
-/// Measures subjects with methods: errors, then times in rounds that take turns.
-///
-/// # Errors
-/// [`Wrong`] where pintle's own numbers are not those of the 237-bit scalar.
-pub fn measure_subjects(
-    settings: &Settings,
-    subjects: &[Subject],
-    methods: &[&dyn Method],
-) -> Result<Vec<Point>, Wrong> {
-    let mut session = Session::new(settings, subjects, methods)?;
-    for _ in 0..settings.rounds {
-        session.round();
-    }
-    Ok(session.points())
-}
-
 /// Ways whose errors are known, timed round by round. Room for numbers is made for one way at a time: what is held between two turns does
 /// not grow with the number of ways.
 pub struct Session<'s> {
     trials: Vec<Trial<'s>>,
+    untimed: Vec<Untimed>,
     budget: Duration,
 }
 
 impl<'s> Session<'s> {
-    /// Every method for every subject that it is a way for.
+    /// Every method for every subject, as far as its errors are within their bounds, of a sweep of steps those of the best.
     ///
     /// # Errors
     /// [`Wrong`] where pintle's own numbers are not those of the 237-bit scalar.
@@ -224,14 +240,42 @@ impl<'s> Session<'s> {
         subjects: &'s [Subject],
         methods: &[&'s dyn Method],
     ) -> Result<Self, Wrong> {
-        let mut trials = Vec::new();
+        let (mut trials, mut untimed) = (Vec::new(), Vec::new());
         for subject in subjects {
+            let from = trials.len();
             for method in methods {
-                let Some(prepared) = method.prepare(subject) else { continue };
-                trials.push(Trial::new(settings, subject, *method, prepared)?);
+                match method.prepare(subject) {
+                    Ok(prepared) => trials.push(Trial::new(subject, *method, prepared)),
+                    Err(why) => untimed.push(Untimed::new(subject, *method, why.into())),
+                }
+            }
+            let of_subject = trials.split_off(from);
+            for trial in &of_subject {
+                let sweep = of_subject.iter().filter(|other| other.is_of_sweep(trial));
+                let error = sweep.map(|other| other.point.largest_error).fold(f64::INFINITY, f64::min);
+                let bound = trial.bound(settings);
+                if error <= bound {
+                    trials.push(trial.clone());
+                    continue;
+                }
+                let (method, order) = (trial.method, trial.point.order);
+                if method.cause() == Cause::Ours {
+                    let connection = subject.connection.name.to_string();
+                    return Err(Wrong { connection, order, method: method.name(), error, bound });
+                }
+                let why = format!("its error is {error:.1e} where {bound:.1e} is allowed");
+                let of = Untimed::new(subject, method, why.into());
+                if !untimed.contains(&of) {
+                    untimed.push(of);
+                }
             }
         }
-        Ok(Self { trials, budget: settings.budget })
+        Ok(Self { trials, untimed, budget: settings.budget })
+    }
+
+    /// The ways that are not timed.
+    pub fn untimed(&self) -> &[Untimed] {
+        &self.untimed
     }
 
     /// Times each way once; the times of this round (ns per state), in the order of the points.
@@ -261,7 +305,20 @@ impl<'s> Session<'s> {
     }
 }
 
+impl Untimed {
+    fn new(subject: &Subject, method: &dyn Method, why: Cow<'static, str>) -> Self {
+        Self {
+            connection: subject.connection.name.to_string(),
+            place: subject.place,
+            order: method.order(),
+            method: method.name().into(),
+            why,
+        }
+    }
+}
+
 /// One way for one subject.
+#[derive(Clone)]
 struct Trial<'s> {
     point: Point,
     subject: &'s Subject,
@@ -269,22 +326,12 @@ struct Trial<'s> {
 }
 
 impl<'s> Trial<'s> {
-    fn new(
-        settings: &Settings,
-        subject: &'s Subject,
-        method: &'s dyn Method,
-        mut prepared: Box<dyn Prepared + 's>,
-    ) -> Result<Self, Wrong> {
+    fn new(subject: &'s Subject, method: &'s dyn Method, mut prepared: Box<dyn Prepared + 's>) -> Self {
         prepared.run();
         let order = method.order();
         let [median_error, largest_error] = subject.errors(order, &prepared.numbers());
-        let (error, bound) = (largest_error, subject.bound(order, settings.distance));
-        let connection = subject.connection.name.to_string();
-        if method.is_ours() && error > bound {
-            return Err(Wrong { connection, order, method: method.name(), error, bound });
-        }
         let point = Point {
-            connection,
+            connection: subject.connection.name.to_string(),
             place: subject.place,
             order,
             method: method.name().into(),
@@ -294,12 +341,27 @@ impl<'s> Trial<'s> {
             nanoseconds: f64::INFINITY,
             slowest_round: 0.0,
         };
-        Ok(Self { point, subject, method })
+        Self { point, subject, method }
+    }
+
+    /// The largest error with which this way is timed.
+    fn bound(&self, settings: &Settings) -> f64 {
+        self.method.cause().bound(
+            self.point.order,
+            self.subject.place,
+            self.subject.place.distance(settings.distance),
+        )
+    }
+
+    /// Whether another way differs in its step alone, if at all.
+    fn is_of_sweep(&self, other: &Self) -> bool {
+        let (own, other) = (&self.point, &other.point);
+        own.is_beside(other) && own.method == other.method && own.step.is_some() == other.step.is_some()
     }
 
     /// The least time of a state, ns. The first run, into memory that is new, is not timed.
     fn time(&self, budget: Duration) -> f64 {
-        let Some(mut prepared) = self.method.prepare(self.subject) else { return f64::INFINITY };
+        let Ok(mut prepared) = self.method.prepare(self.subject) else { return f64::INFINITY };
         prepared.run();
         let (begin, mut least) = (Instant::now(), f64::INFINITY);
         loop {
@@ -307,7 +369,7 @@ impl<'s> Trial<'s> {
             black_box(&mut prepared).run();
             least = least.min(start.elapsed().as_secs_f64());
             if begin.elapsed() >= budget {
-                return 1e9 * least / self.subject.elements.len() as f64;
+                return 1e9 * least / prepared.states() as f64;
             }
         }
     }

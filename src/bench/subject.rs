@@ -1,42 +1,16 @@
 //! Where a type is measured: states far from its singular points and near them, with the truth.
 
-use crate::audit::atlas::near;
-use crate::audit::case::{dof_size, exact_branch, exact_pair, turn};
-use crate::audit::sample::{Draw, Region, definition, draw_case, pair};
+use super::place::{Place, Unmeasured, draw, rows_of};
+use crate::audit::Case;
+use crate::audit::case::{dof_size, exact_branch, exact_pair};
 use crate::audit::truth::Truth;
-use crate::audit::{Case, Step};
 use crate::catalog::ConnectionType;
 use crate::connector::{Branch, Connector, State};
 use crate::measure::Measure;
 use crate::node::DOFS;
 use crate::scalar::Wide;
-use crate::vector::{self, scale};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
-
-/// Which states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Place {
-    /// At least 0.15 rad or lengths of the connector from every singular point.
-    Far,
-    /// Near a singular point of the type or, where a rotation vector is measured, near half a turn: where formulas lose digits.
-    Near,
-}
-
-impl Place {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Far, Self::Near];
-
-    /// The name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Far => "far",
-            Self::Near => "near",
-        }
-    }
-}
 
 /// What is computed of each component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -84,29 +58,6 @@ pub struct Element {
     pub branch: Branch<f64>,
 }
 
-/// Why a type is not measured at a place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Unmeasured {
-    /// Its components are one-forms, or it has none.
-    #[error("it has no function of the nodes")]
-    NoFunction,
-    /// There is nothing to be near to.
-    #[error("it has no singular point")]
-    NoSingularPoint,
-    /// None of the states drawn is clear of the singular points.
-    #[error("no state was found that is clear of its singular points")]
-    NotClear,
-    /// The distance from the singular set of a measure cannot be had.
-    #[error("no state was found at this distance from: {0}")]
-    NotNear(&'static str),
-    /// There is nothing to measure at.
-    #[error("no states are asked for")]
-    NoState,
-    /// The 237-bit scalar cannot tell what is right at one of the states.
-    #[error("the 237-bit scalar has no derivatives at one of the states")]
-    NoTruth,
-}
-
 /// A type at the states of one place, with the truth.
 pub struct Subject {
     /// The type.
@@ -117,20 +68,19 @@ pub struct Subject {
     pub components: Vec<usize>,
     /// What each of them is.
     pub measures: Vec<Measure>,
-    /// The connectors and states: those of [`Subject::states`], over and over where a batch is larger.
+    /// The connectors and states.
     pub elements: Vec<Element>,
+    /// How many elements a batch has: those of the subject, over and over.
+    pub batch: usize,
     /// By order, then state by state and row by row, on 237 bits.
     truth: [Vec<Wide>; 3],
     /// What a value is compared with, state by state and row by row ([`Subject::errors`]).
     size_of_values: Vec<f64>,
 }
 
-/// How far a number may be from the truth, relative to what it is compared with ([`Subject::errors`]), to be timed; derivatives near a
-/// singular point over the distance from it.
-const BOUND: [f64; 3] = [1e-14, 1e-14, 1e-13];
-
 impl Subject {
-    /// A type at `count` states, always the same; those near a singular point are `distance` (rad, lengths of the connector) away.
+    /// A type at `count` states, always the same ones, all with the same rows; those near a singular point are `distance` (rad, lengths of the
+    /// connector) away.
     ///
     /// # Errors
     /// Why there is nothing to measure.
@@ -143,22 +93,13 @@ impl Subject {
         if connection.positions().all(Measure::is_one_form) {
             return Err(Unmeasured::NoFunction);
         }
-        let near: Vec<Measure> = connection.singular_measures().collect();
-        let mut draw = Draw::new(&format!("bench {} {}", connection.name, place.name()));
-        let case = |i: usize| match place {
-            Place::Far => draw_case(connection, Region::Aligned, &mut draw).ok_or(Unmeasured::NotClear),
-            Place::Near => {
-                let measure = near.get(i % near.len().max(1)).ok_or(Unmeasured::NoSingularPoint)?;
-                let at = measure.singular_set().map(|set| set.at).unwrap_or_default();
-                case_near(connection, *measure, distance, &mut draw).ok_or(Unmeasured::NotNear(at))
-            }
-        };
-        let cases: Vec<Case> = (0..count).map(case).collect::<Result<_, _>>()?;
+        let cases = draw(connection, place, count, distance)?;
         let elements: Vec<Element> =
             cases.iter().map(Element::of).collect::<Option<_>>().ok_or(Unmeasured::NoState)?;
         let connector = &elements.first().ok_or(Unmeasured::NoState)?.connector;
         let (components, measures): (Vec<usize>, Vec<Measure>) = (0..6)
-            .filter_map(|k| Some((k, connector.differentiated(k)?)))
+            .zip(rows_of(connector))
+            .filter_map(|(k, measure)| Some((k, measure?)))
             .filter(|(_, measure)| !measure.is_one_form())
             .unzip();
         let truths: Vec<[Vec<Wide>; 3]> = cases
@@ -179,22 +120,25 @@ impl Subject {
             truth.iter_mut().zip(of).for_each(|(all, numbers)| all.extend(numbers));
         }
         let connection = connection.clone();
-        Ok(Self { connection, place, components, measures, elements, truth, size_of_values })
+        let batch = elements.len();
+        Ok(Self { connection, place, components, measures, elements, batch, truth, size_of_values })
     }
 
-    /// The same states over and over, until there are as many elements as in a batch; no fewer than the states.
+    /// The same, with batches of so many elements; no fewer than there are states.
     #[must_use]
     pub fn repeated(mut self, batch: usize) -> Self {
-        let states = self.states();
-        for i in states..batch {
-            self.elements.push(self.elements[i % states].clone());
-        }
+        self.batch = batch.max(self.states());
         self
+    }
+
+    /// The elements of a batch: those of the subject, over and over.
+    pub fn in_batch(&self) -> impl Iterator<Item = &Element> {
+        self.elements.iter().cycle().take(self.batch)
     }
 
     /// The number of states that differ.
     pub fn states(&self) -> usize {
-        self.size_of_values.len() / self.rows().max(1)
+        self.elements.len()
     }
 
     /// The number of rows of an element.
@@ -213,7 +157,7 @@ impl Subject {
         &self.size_of_values
     }
 
-    /// The median and the largest error over the elements: of a value over [`Subject::size_of_values`], of a derivative over the largest
+    /// The median and the largest error of numbers element by element, row by row, of the states over and over: of a value over [`Subject::size_of_values`], of a derivative over the largest
     /// number of its row, the first ones counting among those of a second. What is not a number is an infinite error.
     pub fn errors(&self, order: Order, found: &[f64]) -> [f64; 2] {
         let (width, rows, states) = (order.width(), self.rows(), self.states());
@@ -226,7 +170,8 @@ impl Subject {
             }
         };
         let scales: Vec<f64> = (0..states * rows).map(scale).collect();
-        let mut each: Vec<f64> = (0..self.elements.len())
+        let count = (found.len() / (rows * width).max(1)).max(states);
+        let mut each: Vec<f64> = (0..count)
             .map(|i| {
                 (0..rows).fold(0.0, |worst: f64, r| {
                     let (row, known) = (i * rows + r, i % states * rows + r);
@@ -244,15 +189,6 @@ impl Subject {
             .collect();
         each.sort_by(f64::total_cmp);
         [each.get(each.len() / 2), each.last()].map(|error| error.copied().unwrap_or(f64::INFINITY))
-    }
-
-    /// The error beyond which pintle's own numbers are wrong, and are not timed. Values have their condition in what they are compared with.
-    pub fn bound(&self, order: Order, distance: f64) -> f64 {
-        let condition = match (self.place, order) {
-            (Place::Far, _) | (_, Order::Value) => 1.0,
-            (Place::Near, _) => distance.recip().max(1.0),
-        };
-        BOUND[order as usize] * condition
     }
 }
 
@@ -277,18 +213,4 @@ fn truth(case: &Case, element: &Element, components: &[usize]) -> Option<[Vec<Wi
         Some(rows.into_iter().flatten().copied().collect())
     };
     Some([values, all(&first.0)?, all(&second.0)?])
-}
-
-/// A state near a singular point of a measure or, of a rotation vector, near half a turn.
-fn case_near(connection: &ConnectionType, measure: Measure, distance: f64, draw: &mut Draw) -> Option<Case> {
-    if matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_)) {
-        let a0 = draw.triad();
-        let definition = definition(connection, pair([0.5, -0.25, 1.0], a0, &vector::identity()), 1.0);
-        let spin = turn(scale(draw.direction(), PI - distance));
-        let after = pair([0.5, -0.25, 1.0], a0, &spin);
-        let step = Step::between(&definition.initial, after);
-        let name = format!("{} {distance:e} from half a turn", connection.name);
-        return Some(Case { name, definition, start: None, path: vec![step], length: 1.0 });
-    }
-    near(connection, measure, distance, draw.between(-PI, PI), draw)
 }

@@ -27,7 +27,8 @@ A type, connector or MPC passes where every number agrees with an independent
 oracle within a tolerance that follows from the conditioning of the state, and
 where mutants of the same numbers were noticed. Other verdicts: ill-conditioned
 point, kink, singular point, undecided (no independent oracle), unstable
-formula, wrong, invalid. docs/audit.md tells how it judges.
+formula, wrong, invalid. docs/audit.md tells how it judges, and what it does
+not: forces under given motion, stops, locks and failure among them.
 
 Of each scene the model is looked at besides: rules, orientations, singular
 points along the states, stops, frictions, duplicates; mobility, redundant

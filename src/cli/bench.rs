@@ -11,14 +11,17 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 const HELP: &str = "\
-For each type, far from its singular points and near one (or near half a turn,
-where a rotation vector is measured): the time of one state with all its rows,
+For each type, far from its singular points, near one (or near half a turn,
+where a rotation vector is measured) and where almost nothing is turned (1e-8
+rad): the time of one state with all its rows,
 and the error against 237-bit numbers, of pintle one connector at a time, of
 finite differences over a sweep of steps, of the complex step, and of num-dual's
 dual numbers with a direction for every degree of freedom of the nodes. The
 error of a value is over |f| + Σ |∂f/∂q| s, s = 1 rad or the length of the
-connector, that of a derivative over the largest number of its row; those of
-pintle are asserted before anything is timed. The ways take turns in rounds, on one thread,
+connector, that of a derivative over the largest number of its row. Before
+anything is timed each is asserted, of a sweep of steps the best: a wrong number of
+pintle ends the run, any other way is listed as wrong and not timed. The ways
+take turns in rounds, on one thread,
 and of each the least time counts, so that other work on the machine disturbs
 all alike; the column × pintle is the ratio to trust. Tables show of a sweep the
 step with the smallest error; JSON and CSV have all.

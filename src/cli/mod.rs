@@ -57,7 +57,7 @@ pub(crate) enum Command {
         #[arg(value_enum, default_value_t)]
         of: Described,
     },
-    /// Audit the catalogue, or scenes: is every number right, and would an error have been noticed?
+    /// Audit the catalogue, or scenes: are kinematics, forces and slopes right, and would an error have been noticed?
     Audit(Box<audit::Audit>),
     /// Judge the state of a counter-example again
     Replay(replay::Replay),

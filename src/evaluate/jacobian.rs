@@ -17,10 +17,10 @@ use crate::mpc::{self, Kind};
 use crate::node::{DOF_NUMBER, DOFS};
 use crate::scene::{Boundary, ConditionKind, Diagnostic, Label, MotionType, Scene, Target};
 use crate::vector::{Matrix, Vector, dot};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// The numbers of the degrees of freedom of a node, in the order of its columns.
-const NUMBERS: [u8; 7] = [1, 2, 3, 4, 5, 6, 10];
+pub(crate) const NUMBERS: [u8; 7] = [1, 2, 3, 4, 5, 6, 10];
 
 /// A column: a degree of freedom of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
@@ -32,7 +32,7 @@ pub struct Freedom {
 }
 
 /// What an equation belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Source {
     /// A connector, by its index in the model.
     Connector(usize),
@@ -175,6 +175,15 @@ impl Fixed {
             }
         }
         Ok(fixed)
+    }
+
+    /// The same of some nodes alone, and these besides.
+    pub(crate) fn restricted(&self, nodes: &BTreeSet<Label>, besides: &[Freedom]) -> Self {
+        let all = nodes.iter().flat_map(|node| NUMBERS.map(|number| Freedom { node: *node, number }));
+        Self {
+            freedoms: all.filter(|freedom| self.contains(*freedom)).chain(besides.iter().copied()).collect(),
+            axes: nodes.iter().filter_map(|node| Some((*node, *self.axes.get(node)?))).collect(),
+        }
     }
 
     /// The degrees of freedom.
@@ -450,8 +459,8 @@ impl Jacobian {
         Some(*self.offsets.get(i)?..*self.offsets.get(i + 1)?)
     }
 
-    /// The same matrix in compressed columns (CSC): the offsets of the columns, and for each entry its row and its place among the
-    /// entries by rows, so that `values[place]` is its value.
+    /// The same matrix in compressed columns (CSC), for [`Sequence::assemble_columns`](super::Sequence::assemble_columns): offsets and rows, and
+    /// where the entries by rows stand among those by columns.
     pub fn by_columns(&self) -> CompressedColumns {
         let mut offsets = vec![0; self.freedoms.len() + 1];
         for column in &self.columns {
@@ -463,9 +472,9 @@ impl Jacobian {
         let mut next = offsets.clone();
         let (mut rows, mut places) = (vec![0; self.entries()], vec![0; self.entries()]);
         for row in 0..self.rows() {
-            for place in self.range(row).unwrap_or_default() {
-                let at = &mut next[self.columns[place] as usize];
-                (rows[*at], places[*at]) = (row as u32, place);
+            for entry in self.range(row).unwrap_or_default() {
+                let at = &mut next[self.columns[entry] as usize];
+                (rows[*at], places[entry]) = (row as u32, *at);
                 *at += 1;
             }
         }
@@ -497,10 +506,15 @@ impl Jacobian {
         lengths.map(|length| values.split_off_mut(..length).unwrap_or_default()).collect()
     }
 
-    /// Writes the entries of a connector. A row that is not there has entries that are no numbers: the others keep their places.
-    pub(super) fn write(&self, at: usize, rows: &Components<CompactRow<f64>>, values: &mut [f64]) {
+    /// Where the entries of a connector begin.
+    pub(super) fn first_entry(&self, at: usize) -> usize {
+        self.blocks[at].first
+    }
+
+    /// Gives the entries of a connector in the order of the rows. A row that is not there has entries that are no numbers: the others keep their
+    /// places.
+    pub(super) fn write(&self, at: usize, rows: &Components<CompactRow<f64>>, mut put: impl FnMut(f64)) {
         let block = &self.blocks[at];
-        let mut values = values.iter_mut();
         for k in 0..6 {
             let row = rows[k].as_ref();
             let bits = block.columns[k];
@@ -516,13 +530,11 @@ impl Jacobian {
                     if bits >> from & 0b111 != 0 {
                         let entries = row.map_or([f64::NAN; 3], |row| self.turned(axes, row.group(group)));
                         let columns = (0..3).filter(|i| bits >> (from + i) & 1 != 0);
-                        columns.zip(&mut values).for_each(|(i, value)| *value = entries[i]);
+                        columns.for_each(|i| put(entries[i]));
                     }
                 }
-                if bits >> (at + 6) & 1 != 0
-                    && let Some(value) = values.next()
-                {
-                    *value = row.map_or(f64::NAN, |row| row.flow()[usize::from(is_b)]);
+                if bits >> (at + 6) & 1 != 0 {
+                    put(row.map_or(f64::NAN, |row| row.flow()[usize::from(is_b)]));
                 }
             };
             end(block.is_swapped);
@@ -530,25 +542,25 @@ impl Jacobian {
         }
     }
 
-    /// Writes the entries of an MPC.
-    pub(super) fn write_mpc(&self, at: usize, rows: &mpc::Rows<mpc::Dofs<f64>>, values: &mut [f64]) {
+    /// Gives the entries of an MPC in the order of the rows.
+    pub(super) fn write_mpc(&self, at: usize, rows: &mpc::Rows<mpc::Dofs<f64>>, mut put: impl FnMut(f64)) {
         let MpcBlock { entries, axes } = &self.mpcs[at];
-        for ((row, j), value) in entries.iter().zip(values) {
+        for (row, j) in entries {
             let Some(row) = &rows[usize::from(*row)] else {
-                *value = f64::NAN;
+                put(f64::NAN);
                 continue;
             };
             let j = usize::from(*j);
             let (place, number) = Kind::column_dof(j);
             let axes = axes.get(place).copied().flatten();
-            *value = match (axes, number, place) {
+            put(match (axes, number, place) {
                 (Some(_), 1..=6, 0 | 1) => {
                     let component = (usize::from(number) - 1) % 3;
                     let from = j - component;
                     self.turned(axes, [row[from], row[from + 1], row[from + 2]])[component]
                 }
                 _ => row[j],
-            };
+            });
         }
     }
 
@@ -568,8 +580,20 @@ pub struct CompressedColumns {
     pub offsets: Vec<usize>,
     /// The row of each entry; in each column they increase.
     pub rows: Vec<u32>,
-    /// The place of each entry among those by rows.
+    /// Where the entries by rows, in their order, stand among those by columns.
     pub places: Vec<usize>,
+}
+
+impl CompressedColumns {
+    /// Writes entries by rows, from the `first` on, to their places among the values by columns.
+    pub(super) fn writer<'a>(&'a self, first: usize, values: &'a mut [f64]) -> impl FnMut(f64) + 'a {
+        let mut places = self.places.iter().skip(first);
+        move |entry| {
+            if let Some(value) = places.next().and_then(|place| values.get_mut(*place)) {
+                *value = entry;
+            }
+        }
+    }
 }
 
 /// The degrees of freedom of a connector in the order of its columns.
@@ -650,11 +674,12 @@ mod tests {
         let branch = element.connector.initial_branch();
         let mut tally = Tally::default();
         let mut rows = element.connector.compact_rows(&still, &branch, jacobian.wanted(0), &mut tally);
-        let mut whole = vec![0.0; jacobian.entries()];
-        jacobian.write(0, &rows, &mut whole);
+        let mut whole = Vec::new();
+        jacobian.write(0, &rows, |entry| whole.push(entry));
         rows[0] = None;
-        let mut lacking = vec![0.0; jacobian.entries()];
-        jacobian.write(0, &rows, &mut lacking);
+        let mut lacking = Vec::new();
+        jacobian.write(0, &rows, |entry| lacking.push(entry));
+        assert_eq!((whole.len(), lacking.len()), (jacobian.entries(), jacobian.entries()));
         let first = jacobian.offsets()[1];
         assert!(first > 0 && whole.iter().all(|x| x.is_finite()));
         assert!(lacking[..first].iter().all(|x| x.is_nan()), "{lacking:?}");

@@ -22,6 +22,7 @@ mod shared;
 
 pub use belt::Ring;
 pub use forces::{ForceCheck, ForceResult};
+pub(crate) use jacobian::NUMBERS;
 pub use jacobian::{CompressedColumns, Equation, Fixed, ForeignPattern, Freedom, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};

@@ -2,7 +2,7 @@
 
 use super::audit::figure::{Curve, LogPlot, Place as On};
 use super::layout;
-use crate::bench::{Order, Place, Point, Report};
+use crate::bench::{Order, Place, Point, REST, Report};
 use std::io::{self, Write};
 
 /// The version of the JSON form.
@@ -86,6 +86,7 @@ fn where_(place: Place, distance: f64) -> String {
     match place {
         Place::Far => "far from singular points".into(),
         Place::Near => format!("{distance:e} from a singular point or half a turn"),
+        Place::Rest => format!("{REST:e} rad from no rotation"),
     }
 }
 
@@ -127,11 +128,31 @@ fn sections(report: &Report) -> Vec<(&str, Place)> {
     found
 }
 
+/// The ways that are not timed somewhere, and why.
+fn untimed(report: &Report) -> Vec<String> {
+    let line = |of: &crate::bench::Untimed| {
+        format!(
+            "{}, {}: {} of {} is not timed: {}",
+            of.connection,
+            of.place.name(),
+            of.order.name(),
+            of.method,
+            of.why
+        )
+    };
+    report.untimed.iter().map(line).collect()
+}
+
 /// What the numbers are.
 fn legend(report: &Report) -> String {
     let Report { rounds, states, batch, .. } = report;
-    let repeated =
-        if batch > states { format!(", over and over to a batch of {batch}") } else { String::new() };
+    let repeated = if batch > states {
+        format!(
+            ", for ways that take batches over and over to {batch} and into as much memory, for all others into the same"
+        )
+    } else {
+        String::new()
+    };
     format!(
         "times: the least of {rounds} rounds that took turns, of one state with all its rows, one thread, {states} states{repeated}; \
          errors against 237 bits: of values over |f| + Σ |∂f/∂q| s, s = 1 rad or the length of the connector, of derivatives over the \
@@ -172,6 +193,9 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<(
     for omitted in &report.omitted {
         writeln!(out, "{}, {}: not measured: {}", omitted.connection, omitted.place.name(), omitted.why)?;
     }
+    for line in untimed(report).iter().flat_map(|line| layout::wrap(line, width)) {
+        writeln!(out, "{line}")?;
+    }
     for line in layout::wrap(&legend(report), width) {
         writeln!(out, "{}", layout::styled(layout::DIM, line))?;
     }
@@ -196,6 +220,9 @@ pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     }
     for omitted in &report.omitted {
         writeln!(out, "\n{}, {}: not measured: {}.", omitted.connection, omitted.place.name(), omitted.why)?;
+    }
+    for line in untimed(report) {
+        writeln!(out, "\n{line}.")?;
     }
     writeln!(out, "\nIn the table {}.", legend(report))
 }
@@ -244,49 +271,116 @@ pub fn csv(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     writer.flush()
 }
 
-/// Time against error on log axes, a figure for each type, place and order, by file name.
+/// The colour of a way, the same in every figure of an order.
+fn colour(name: &str, order: Order, report: &Report) -> u8 {
+    let mut names: Vec<&str> = Vec::new();
+    for point in report.points.iter().filter(|point| point.order == order) {
+        if !names.contains(&point.method.as_ref()) {
+            names.push(&point.method);
+        }
+    }
+    let at = names.iter().position(|known| *known == name).unwrap_or_default();
+    (at % 12) as u8 + 1
+}
+
+/// A way, its error and its time.
+type Named<'a> = (&'a str, [f64; 2]);
+
+/// Curves of points with a way, an error and a time: one for each way.
+fn curves<'a>(points: &[Named<'a>], order: Order, report: &Report) -> Vec<Curve<'a>> {
+    let mut curves: Vec<Curve<'_>> = Vec::new();
+    for (name, at) in points.iter().copied().filter(|(_, [error, _])| error.is_finite()) {
+        match curves.iter_mut().find(|curve| curve.name == name) {
+            Some(curve) => curve.points.push(at),
+            None => {
+                let is_main = name.starts_with("pintle");
+                curves.push(Curve { name, is_main, colour: colour(name, order, report), points: vec![at] });
+            }
+        }
+    }
+    curves
+}
+
+/// The order of the legend: that of the least times.
+fn fastest_first(mut curves: Vec<Curve<'_>>) -> Vec<Curve<'_>> {
+    let least = |curve: &Curve<'_>| curve.points.iter().fold(f64::INFINITY, |least, [_, ns]| least.min(*ns));
+    curves.sort_by(|a, b| least(a).total_cmp(&least(b)));
+    curves
+}
+
+/// Time against error on log axes, a figure for each type, place and order, by file name; of several types together, the geometric mean of
+/// their Jacobians too.
 pub fn figures(report: &Report) -> Vec<(String, String)> {
-    Diagram::all(report)
-        .iter()
-        .filter_map(|diagram| {
-            let Point { connection, place, order, .. } = diagram.first()?;
-            if *order == Order::Value && diagram.points.len() < 2 {
-                return None;
-            }
-            let mut names: Vec<&str> = Vec::new();
-            for point in &diagram.points {
-                if !names.contains(&point.method.as_ref()) {
-                    names.push(&point.method);
-                }
-            }
-            let curves = names.iter().enumerate().map(|(i, name)| Curve {
-                name,
-                colour: (i % 11) as u8 + 1,
-                points: diagram
-                    .points
-                    .iter()
-                    .filter(|point| point.method == *name && point.largest_error.is_finite())
-                    .map(|point| [point.largest_error, point.nanoseconds])
-                    .collect(),
-            });
-            let plot = LogPlot {
-                title: &format!("{connection}, {}, {}", order.name(), where_(*place, report.distance)),
-                x_name: match order {
-                    Order::Value => "largest error / (|f| + Σ |∂f/∂q| s)",
-                    _ => "largest error / largest number of the row",
-                },
-                y_name: "ns per state",
-                curves: curves.collect(),
-                levels: Vec::new(),
-                has_legend: true,
-            };
-            let words = format!("{connection} {} {}", order.name(), place.name());
-            let name: Vec<String> = words
-                .split(|c: char| !c.is_ascii_alphanumeric())
-                .filter(|word| !word.is_empty())
-                .map(str::to_ascii_lowercase)
-                .collect();
-            Some((format!("{}.svg", name.join("-")), plot.svg(On::File)))
-        })
-        .collect()
+    let machine = report.environment.short();
+    let states = |place| format!("states {}; {machine}", where_(place, report.distance));
+    let each = Diagram::all(report).into_iter().filter_map(|diagram| {
+        let Point { connection, place, order, .. } = diagram.first()?;
+        if *order == Order::Value && diagram.points.len() < 2 {
+            return None;
+        }
+        let points: Vec<Named<'_>> = diagram
+            .points
+            .iter()
+            .map(|point| (point.method.as_ref(), [point.largest_error, point.nanoseconds]))
+            .collect();
+        let plot = LogPlot {
+            title: &format!("{connection}: {}, time against error", order.name()),
+            heading: vec![states(*place)],
+            x_name: match order {
+                Order::Value => "largest error / (|f| + Σ |∂f/∂q| s)",
+                _ => "largest error / largest number of the row",
+            },
+            y_name: "ns per state",
+            curves: fastest_first(curves(&points, *order, report)),
+            levels: Vec::new(),
+            has_legend: true,
+        };
+        let words = format!("{connection} {} {}", order.name(), place.name());
+        let name: Vec<String> = words
+            .split(|c: char| !c.is_ascii_alphanumeric())
+            .filter(|word| !word.is_empty())
+            .map(str::to_ascii_lowercase)
+            .collect();
+        Some((format!("{}.svg", name.join("-")), plot.svg(On::File)))
+    });
+    let together = Place::ALL.into_iter().filter_map(|place| {
+        let (points, types) = means(report, place)?;
+        let plot = LogPlot {
+            title: &format!("Value and Jacobian, time against error: mean of {} types", types.len()),
+            heading: vec![format!("geometric mean of {}", types.join(", ")), states(place)],
+            x_name: "largest error / largest number of the row",
+            y_name: "ns per state",
+            curves: fastest_first(curves(&points, Order::Jacobian, report)),
+            levels: Vec::new(),
+            has_legend: true,
+        };
+        Some((format!("jacobian-{}.svg", place.name()), plot.svg(On::File)))
+    });
+    each.chain(together).collect()
+}
+
+/// The geometric means of errors and times, over all types with Jacobians at a place, of the ways that all of them have; `None` for
+/// less than two.
+fn means(report: &Report, place: Place) -> Option<(Vec<Named<'_>>, Vec<&str>)> {
+    let own = || report.points.iter().filter(move |p| p.place == place && p.order == Order::Jacobian);
+    let mut types: Vec<&str> = Vec::new();
+    for point in own() {
+        if !types.contains(&point.connection.as_str()) {
+            types.push(&point.connection);
+        }
+    }
+    let first = *types.get(1).and(types.first())?;
+    let of = |point: &Point| {
+        let same = own().filter(|other| other.method == point.method && other.step == point.step);
+        let same: Vec<&Point> = same.collect();
+        let mean = |x: fn(&Point) -> f64| {
+            // What is exact is compared as one rounding.
+            let logarithms = same.iter().map(|point| x(point).max(f64::EPSILON / 2.0).ln());
+            (logarithms.sum::<f64>() / same.len() as f64).exp()
+        };
+        (same.len() == types.len()).then(|| [mean(|p| p.largest_error), mean(|p| p.nanoseconds)])
+    };
+    let points = own().filter(|point| point.connection == first);
+    let points = points.filter_map(|point| Some((point.method.as_ref(), of(point)?))).collect();
+    Some((points, types))
 }

@@ -72,11 +72,18 @@ fn assert_same(scene: &Scene, model: &Model, fixed: &Fixed, all: bool) -> usize 
         false => Jacobian::of_constraints(model, &plan, fixed),
     };
     let (mut sparse, mut dense) = (Sequence::new(model, &plan), Sequence::new(model, &plan));
-    let mut values = Vec::new();
+    let (columns, mut by_columns) = (jacobian.by_columns(), Sequence::new(model, &plan));
+    let (mut values, mut in_columns) = (Vec::new(), Vec::new());
     let mut compared = 0;
     for number in 0..6 {
         let state = chain::state(number, scene.nodes.len().min(CONNECTORS + 1));
-        sparse.assemble(&state, &jacobian, &mut values).unwrap();
+        let care = sparse.assemble(&state, &jacobian, &mut values).unwrap();
+        let same_care = by_columns.assemble_columns(&state, &jacobian, &columns, &mut in_columns).unwrap();
+        assert_eq!((care, by_columns.branches()), (same_care, sparse.branches()));
+        assert_eq!(in_columns.len(), values.len());
+        for (value, place) in values.iter().zip(&columns.places) {
+            assert_eq!(value.to_bits(), in_columns[*place].to_bits());
+        }
         let step = dense.step(&state);
         assert_eq!(sparse.branches(), dense.branches());
         let mut wanted = of_elements(model, &jacobian, &step, fixed);
@@ -112,18 +119,19 @@ fn assert_same(scene: &Scene, model: &Model, fixed: &Fixed, all: bool) -> usize 
 /// The matrix by columns has every entry once, in its column, rows increasing.
 fn assert_by_columns(jacobian: &Jacobian) {
     let by_columns = jacobian.by_columns();
-    let mut seen = vec![false; jacobian.entries()];
+    let mut entry_at = vec![None; jacobian.entries()];
+    for (entry, place) in by_columns.places.iter().enumerate() {
+        assert_eq!(entry_at[*place].replace(entry), None);
+    }
     for column in 0..jacobian.columns() {
         let range = by_columns.offsets[column]..by_columns.offsets[column + 1];
         assert!(by_columns.rows[range.clone()].is_sorted_by(|a, b| a < b));
         for at in range {
-            let place = by_columns.places[at];
-            assert!(!std::mem::replace(&mut seen[place], true));
-            assert_eq!(jacobian.column_indices()[place] as usize, column);
-            assert!(jacobian.range(by_columns.rows[at] as usize).unwrap().contains(&place));
+            let entry = entry_at[at].unwrap();
+            assert_eq!(jacobian.column_indices()[entry] as usize, column);
+            assert!(jacobian.range(by_columns.rows[at] as usize).unwrap().contains(&entry));
         }
     }
-    assert!(seen.into_iter().all(|seen| seen));
 }
 
 /// Free, fixed, and fixed along turned axes; constraints alone, and the rows of every component.

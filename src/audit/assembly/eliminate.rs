@@ -15,11 +15,12 @@
 //! What rounding leaves is put to zero where it arises ([`REMAINS`]): it would come back multiplied by other remains, with an uncertainty of
 //! second order, of which the first says nothing. By how much an entry was changed is added to its uncertainty.
 
+use super::krylov::Named;
 use super::noise::{self, NONE, Probes, Roundings, mix, random};
 pub(super) use super::sparse::Sparse;
 use rayon::prelude::*;
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 
 /// Rounding unit.
@@ -39,6 +40,10 @@ const CANCELS: f64 = 1e3;
 /// than one grow with the number of nodes that are eliminated one after the other, and with them the condition of the pivots.
 const PREFERRED: f64 = 0.99;
 
+/// What is zero where entries do not know how uncertain they are, of rows whose largest entries are about one; and what rounding leaves.
+const PLAIN: f64 = 1e-10;
+const LEFT: f64 = 1e-14;
+
 /// Where a pivot row is taken from rows of so many entries in all, threads share them.
 const SHARED: usize = 30_000;
 /// Pivot rows are kept that have no more entries, in all.
@@ -46,7 +51,7 @@ pub(super) const KEPT: usize = 20_000_000;
 
 /// A row that became a pivot.
 #[derive(Clone, Debug)]
-struct Pivot {
+pub(super) struct Pivot {
     column: u32,
     entry: f64,
     /// Where the other entries of the row are.
@@ -61,6 +66,9 @@ pub(super) struct Outcome {
     pub(super) rank: usize,
     /// Rows that depend on others.
     pub(super) dependent: Vec<u32>,
+    /// Whether one of them had been taken from others that do not: these then stand for it, too, and the rows that are not named need not
+    /// be independent ([`super::naming`]).
+    pub(super) misnames: bool,
     /// Columns without pivot.
     pub(super) free: Vec<u32>,
     /// Rows whose independence is not certain.
@@ -81,8 +89,16 @@ pub(super) struct Outcome {
     pub(super) overflows: bool,
     /// Whether the elimination was given up, for it would have cost too much: nothing is then known but `front`, at which that was.
     pub(super) exhausted: bool,
-    pivots: Vec<Pivot>,
-    others: Vec<(u32, f64)>,
+    /// The number of rows and columns.
+    pub(super) size: [usize; 2],
+    /// Where nothing was eliminated: bounds of the smallest singular value that is not zero, and of the largest that is, over the largest.
+    pub(super) singular_values: Option<[f64; 2]>,
+    /// Where nothing was eliminated: what moves, by the column that stands for it, of some free motions or all.
+    pub(super) motions: Vec<Named>,
+    /// Where nothing was eliminated: the rows that dependent ones are made of.
+    pub(super) made_of: Vec<(u32, Vec<u32>)>,
+    pub(super) pivots: Vec<Pivot>,
+    pub(super) others: Vec<(u32, f64)>,
 }
 
 /// What an elimination may cost; more, and it is given up.
@@ -109,6 +125,9 @@ pub(super) struct Task<'a> {
     pub(super) right: Option<&'a [f64]>,
     /// Whether pivot rows are kept, for solutions and null vectors.
     pub(super) keep: bool,
+    /// Whether only the rank of rows is asked that are known to be well apart from what is zero: no entry then knows how uncertain it is, which is
+    /// most of the work, and one below [`PLAIN`] is zero.
+    pub(super) plain: bool,
     /// What it may cost.
     pub(super) most: Most,
 }
@@ -158,6 +177,8 @@ struct Elimination<'a> {
     work: usize,
     roundings: Roundings,
     spare: Vec<Entry>,
+    /// Rows that were taken from others before they were pivots.
+    taken: HashSet<u32>,
 }
 
 /// The number of entries of rows.
@@ -186,11 +207,16 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
         zero,
         decided: (GAP * ROUNDINGS * U).max(3.0 * zero),
         place,
-        outcome: Outcome { gap: [0.0, f64::INFINITY], ..Outcome::default() },
+        outcome: Outcome {
+            gap: [0.0, f64::INFINITY],
+            size: [matrix.rows(), matrix.width()],
+            ..Outcome::default()
+        },
         waiting: 0,
         work: 0,
         roundings: Roundings::new(),
         spare: Vec::new(),
+        taken: HashSet::new(),
         columns,
     };
     // Rows of the matrix, and rows on their way, by the first group that they hold.
@@ -247,8 +273,12 @@ impl Elimination<'_> {
         let entry = |place: usize| Entry {
             at: self.place[self.matrix.columns[place] as usize],
             value: self.matrix.values[place],
-            probes: random(place as u64)
-                .map(|number| number * if self.matrix.values[place] == 0.0 { zero } else { other }),
+            probes: if self.task.plain {
+                NONE
+            } else {
+                let uncertain = if self.matrix.values[place] == 0.0 { zero } else { other };
+                random(place as u64).map(|number| number * uncertain)
+            },
         };
         let mut entries: Vec<Entry> = self.matrix.range(row).map(entry).collect();
         entries.sort_unstable_by_key(|entry| entry.at);
@@ -265,6 +295,9 @@ impl Elimination<'_> {
         if !(entry.value.is_finite() && noise.is_finite()) {
             self.outcome.overflows = true;
             return None;
+        }
+        if self.task.plain {
+            return Some(entry.value.abs()).filter(|size| *size > PLAIN);
         }
         let ratio = entry.value.abs() / noise;
         (ratio > self.zero).then_some(ratio)
@@ -303,6 +336,12 @@ impl Elimination<'_> {
         Some((row, at))
     }
 
+    /// Notes a row of which nothing is left.
+    fn depends(&mut self, name: u32) {
+        self.outcome.misnames |= self.taken.contains(&name);
+        self.outcome.dependent.push(name);
+    }
+
     /// Notes how certain a pivot is.
     fn judge(&mut self, row: &Row, at: u32) {
         let Some(ratio) = row.entry(at).and_then(|entry| self.certain(entry)) else { return };
@@ -317,7 +356,7 @@ impl Elimination<'_> {
 
     /// Takes multiples of a pivot row from rows of which nothing is left then at a place.
     fn reduce_all(&mut self, rows: &mut [Row], pivot: &Row, at: u32) {
-        let roundings = &self.roundings;
+        let roundings = (!self.task.plain).then_some(&self.roundings);
         self.work += rows.len() * pivot.entries.len();
         self.outcome.exhausted |= self.work > self.task.most.work;
         let largest = if rows.len() * pivot.entries.len() < SHARED {
@@ -352,7 +391,7 @@ impl Elimination<'_> {
             self.leave(row.name, &of_group);
             if row.entries.iter().all(|entry| self.certain(entry).is_none()) {
                 self.leave(row.name, &row.entries);
-                self.outcome.dependent.push(row.name);
+                self.depends(row.name);
                 continue;
             }
             if row.entries.capacity() > 2 * row.entries.len() {
@@ -398,6 +437,9 @@ impl Elimination<'_> {
         while let Some((at, mut rows)) = waiting.pop_first().filter(|_| !self.outcome.exhausted) {
             if let Some((pivot, _)) = self.choose(&rows, 0, &[at]) {
                 let pivot = rows.swap_remove(pivot);
+                if !rows.is_empty() {
+                    self.taken.insert(pivot.name);
+                }
                 self.reduce_all(&mut rows, &pivot, at);
                 independent.push(pivot);
             }
@@ -407,7 +449,7 @@ impl Elimination<'_> {
                     Some(next) => waiting.entry(next.at).or_default().push(row),
                     None => {
                         self.leave(row.name, &row.entries);
-                        self.outcome.dependent.push(row.name);
+                        self.depends(row.name);
                     }
                 }
             }
@@ -417,7 +459,7 @@ impl Elimination<'_> {
 }
 
 /// Takes the multiple of a pivot row from a row of which nothing is left then at a place, and gives the largest |s|/n of what was put to zero.
-fn reduce(row: &mut Row, pivot: &Row, at: u32, roundings: &Roundings, spare: &mut Vec<Entry>) -> f64 {
+fn reduce(row: &mut Row, pivot: &Row, at: u32, roundings: Option<&Roundings>, spare: &mut Vec<Entry>) -> f64 {
     let (Some(of_row), Some(of_pivot)) = (row.entry(at).copied(), pivot.entry(at).copied()) else {
         return 0.0;
     };
@@ -473,7 +515,7 @@ struct Taking<'a> {
     slope: Probes,
     common: Probes,
     step: u64,
-    roundings: &'a Roundings,
+    roundings: Option<&'a Roundings>,
 }
 
 impl Taking<'_> {
@@ -481,6 +523,12 @@ impl Taking<'_> {
     fn take(&self, entry: &mut Entry, by: &Entry, largest: &mut f64) {
         let product = self.factor * by.value;
         entry.value -= product;
+        let Some(roundings) = self.roundings else {
+            if entry.value.abs() <= LEFT {
+                entry.value = 0.0;
+            }
+            return;
+        };
         let (value, size) = (by.value as f32, (product as f32).abs());
         noise::add(&mut entry.probes, -value, &self.slope);
         noise::add(&mut entry.probes, -self.narrow, &by.probes);
@@ -493,11 +541,11 @@ impl Taking<'_> {
         noise::add(
             &mut entry.probes,
             size + left as f32,
-            self.roundings.of((self.step >> 16).wrapping_add(place)),
+            roundings.of((self.step >> 16).wrapping_add(place)),
         );
         if left > 0.0 && left * CANCELS < product.abs() && left <= REMAINS * U * noise::size(&entry.probes) {
             *largest = largest.max(left / noise::size(&entry.probes));
-            let dropped = self.roundings.of((self.step >> 40).wrapping_add(place));
+            let dropped = roundings.of((self.step >> 40).wrapping_add(place));
             noise::add(&mut entry.probes, (left / U) as f32, dropped);
             entry.value = 0.0;
         }
@@ -508,6 +556,21 @@ impl Outcome {
     /// Whether what counts as zero and what does not are well apart.
     pub(super) fn is_decided(&self) -> bool {
         self.doubtful.is_empty() && !self.remains && !self.overflows && !self.exhausted
+    }
+
+    /// The number of rows that depend on others: as many as are named, or more where nothing was eliminated.
+    pub(super) fn redundant(&self) -> usize {
+        self.size[0] - self.rank
+    }
+
+    /// The number of free motions, as [`Outcome::redundant`].
+    pub(super) fn mobility(&self) -> usize {
+        self.size[1] - self.rank
+    }
+
+    /// Whether all rows that depend on others are named.
+    pub(super) fn names_all(&self) -> bool {
+        self.dependent.len() == self.redundant()
     }
 
     /// Whether pivot rows were kept.

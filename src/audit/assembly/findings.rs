@@ -22,7 +22,9 @@ pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Find
     found.extend(at_states(scene, assembly));
     found.extend(overdriven(scene, assembly));
     found.extend(skipped(scene, assembly));
+    found.extend(without_derivative(scene, assembly));
     found.extend(undecided(scene, assembly));
+    found.extend(off(scene, assembly));
     found.extend(not_assembled(scene, assembly));
     found.extend(mechanism(scene, assembly));
     found.extend(mechanism_at(scene, assembly));
@@ -137,7 +139,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
         };
         let code = match holds {
             Holds::Throughout | Holds::Rigid => Code::AssemblyRedundant,
-            Holds::Here | Holds::Isolated => Code::AssemblyRedundantHere,
+            Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => Code::AssemblyRedundantHere,
             Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
         };
         let verb = if components.len() == 1 { "follows" } else { "follow" };
@@ -153,7 +155,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
         );
         let reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice";
         let remedy = match holds {
-            Holds::Here | Holds::Isolated => {
+            Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"
             }
             _ => remedy(scene, &first.constraint, &makers, &redundant),
@@ -170,8 +172,26 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             owners - MOST
         )));
     }
+    found.extend(unnamed(scene, assembly));
     found
 }
+
+/// Redundant constraints of which no name is known.
+fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let all = assembly.positions.first()?.redundant?;
+    let more = all.checked_sub(assembly.redundant.len()).filter(|more| *more > 0)?;
+    let message = format!(
+        "{} more {} redundant, which are not named: their part fills when it is eliminated, and its rank was found without",
+        count(more, "constraint"),
+        agree(more, ["is", "are"])
+    );
+    let reason = "the rank of the constraint Jacobian";
+    let remedy = "audit smaller pieces of the part as scenes of their own to have them named";
+    Some(Finding::new(scene, Code::AssemblyRedundantUnjudged, Span::default(), message, reason, remedy))
+}
+
+/// Constraints, where they hold, and the states.
+type AtStates<'a> = (Vec<&'a Constraint>, Holds, Vec<u64>);
 
 /// A constraint that another follows from, by number; with the line where the two have the same title.
 fn name(scene: &Scene, one: &Constraint, follows: &Redundant) -> String {
@@ -217,15 +237,15 @@ fn remedy(scene: &Scene, of: &Constraint, makers: &[&Constraint], redundant: &[&
 
 /// Constraints that are redundant at a given state and not at others: a finding for each set of them, with its states.
 fn at_states(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
-    let mut by_state: BTreeMap<u64, Vec<&Constraint>> = BTreeMap::new();
-    for (state, constraint) in &assembly.redundant_at {
-        by_state.entry(*state).or_default().push(constraint);
+    let mut by_state: BTreeMap<(u64, Holds), Vec<&Constraint>> = BTreeMap::new();
+    for (state, constraint, holds) in &assembly.redundant_at {
+        by_state.entry((*state, *holds)).or_default().push(constraint);
     }
-    let mut sets: Vec<(Vec<&Constraint>, Vec<u64>)> = Vec::new();
-    for (state, set) in by_state {
-        match sets.iter_mut().find(|(other, _)| *other == set) {
-            Some((_, states)) => states.push(state),
-            None => sets.push((set, vec![state])),
+    let mut sets: Vec<AtStates<'_>> = Vec::new();
+    for ((state, holds), set) in by_state {
+        match sets.iter_mut().find(|(other, of, _)| *other == set && *of == holds) {
+            Some((.., states)) => states.push(state),
+            None => sets.push((set, holds, vec![state])),
         }
     }
     let more = sets.len().saturating_sub(SETS);
@@ -239,7 +259,7 @@ fn at_states(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     found
 }
 
-fn redundant_at(scene: &Scene, assembly: &Assembly, (at, states): &(Vec<&Constraint>, Vec<u64>)) -> Finding {
+fn redundant_at(scene: &Scene, assembly: &Assembly, (at, holds, states): &AtStates<'_>) -> Finding {
     let names: Vec<String> = at.iter().map(ToString::to_string).collect();
     /// What a change of the matrix by more than this makes zero is not zero to rounding, but to the digits of the state.
     const ROUNDING: f64 = 1e-12;
@@ -252,7 +272,7 @@ fn redundant_at(scene: &Scene, assembly: &Assembly, (at, states): &(Vec<&Constra
              state given it does not"
         )
     } else {
-        Holds::Here.meaning().to_string()
+        holds.meaning().to_string()
     };
     let message = format!(
         "at {}, {} {} on other constraints; {holds}",
@@ -314,7 +334,9 @@ fn skipped(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
 fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     // Parts that were not looked at are told by themselves.
     let is_open = |position: &&Position| {
-        !position.decided && (position.rank.is_some() || !position.doubtful.is_empty() || !position.finite)
+        !position.decided
+            && position.without_derivative.is_empty()
+            && (position.rank.is_some() || !position.doubtful.is_empty() || !position.finite)
     };
     let position = assembly.positions.iter().find(is_open)?;
     // Where all is certain elsewhere, and the rank no smaller, it is the position that is near one of smaller rank.
@@ -344,6 +366,57 @@ fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     let place = first.map(|one| place(scene, one)).unwrap_or_default();
     let about = About { state: position.state, ..about(&position.doubtful.iter().collect::<Vec<_>>()) };
     Some(Finding::new(scene, Code::AssemblyUndecided, place, message, reason, remedy).about(about))
+}
+
+/// Constraints that do not show in the Jacobian, for they have no derivative: at the first such state.
+fn without_derivative(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let is_one = |position: &&Position| !position.without_derivative.is_empty();
+    let mut all = assembly.positions.iter().filter(is_one);
+    let position = all.next()?;
+    let names: Vec<String> = position.without_derivative.iter().map(ToString::to_string).collect();
+    let also = match all.count() {
+        0 => String::new(),
+        more => format!(" (and the like at {})", count(more, "more state")),
+    };
+    let message = format!(
+        "the rank of the constraints is not certain {}: {} {} at a singular point, where derivatives do not exist or lose their digits: what is constrained \
+         there does not show in the Jacobian{also}",
+        when(position.state),
+        listed(&names),
+        agree(names.len(), ["is", "are"]),
+    );
+    let reason = "a constraint whose row is reported as zero, or along one direction, still holds: it is neither redundant nor does it leave a motion";
+    let remedy = "correct the orientations or the position, so that the component is off its singular point";
+    let place = position.without_derivative.first().map(|one| place(scene, one)).unwrap_or_default();
+    let about =
+        About { state: position.state, ..about(&position.without_derivative.iter().collect::<Vec<_>>()) };
+    Some(Finding::new(scene, Code::AssemblyUndecided, place, message, reason, remedy).about(about))
+}
+
+/// States given that were not looked at.
+fn off(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+    let of = |states: &[u64], why: &str, remedy: &str| {
+        let first = *states.first()?;
+        let message = format!(
+            "{} {} not looked at, for {why}",
+            ranges("state", states),
+            agree(states.len(), ["was", "were"])
+        );
+        let reason = "a state that the assembly cannot come to says nothing of its rank";
+        let finding = Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy);
+        Some(finding.about(About { state: Some(first), ..About::default() }))
+    };
+    let constraints = of(
+        &assembly.off,
+        "not satisfying the constraints (beyond 1e-4 rad, or 1e-4 of the length of a connector)",
+        "give states with more digits, or correct them",
+    );
+    let boundary = of(
+        &assembly.off_boundary,
+        "moving what boundary conditions hold (by more than 1e-4 rad, or 1e-4 of the length of a connector)",
+        "correct the states, or the boundary conditions of the step that they belong to",
+    );
+    constraints.into_iter().chain(boundary).collect()
 }
 
 /// Under the condition that what was taken for zero is zero.

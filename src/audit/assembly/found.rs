@@ -1,7 +1,9 @@
 //! What is found of the parts of an assembly at one state, and of the whole.
 
 use super::dense;
-use super::eliminate::{Outcome, Sparse, Task, eliminate};
+use super::eliminate::{Outcome, Sparse, Task};
+use super::krylov;
+use super::naming::named;
 use super::system::{Origin, Part, Role, System};
 use super::{Constraint, Gap, Position};
 use crate::audit::bound::U;
@@ -9,10 +11,13 @@ use crate::catalog::COMPONENT;
 use crate::evaluate::Source;
 use rayon::prelude::*;
 
-/// A singular value below this part of the largest that is not zero by rounding is decided by digits that decks do not have.
-const DIGITS: f64 = 1e-7;
+/// Constraints hold to rounding: a hundred units u, say. At a singular position they allow √(100 u) = 1e-7 to second order, so that a singular value below
+/// this part of the largest does not tell whether that is met.
+pub(super) const SECOND_ORDER: f64 = 1e-7;
 /// By so many rounding units an entry is off that was computed: directions, levers, and what a deck was written from.
 const COMPUTED: f64 = 1e3;
+/// Entries are taken for uncertain by so many times the largest residual of the constraints.
+pub(super) const TIMES: f64 = 30.0;
 /// By so many rounding units of itself a coordinate is off.
 const ROUNDED: f64 = 4.0;
 /// The size (the smaller of rows and columns) up to which singular values of a part are looked at at every state given, not only initially.
@@ -28,6 +33,10 @@ pub(super) struct Found {
     singular_values: Option<[f64; 2]>,
     /// Whether the singular values that count as zero are no larger than rounding makes them: by Weyl, no change moves one by more than its norm.
     zero_is_zero: bool,
+    /// Whether what is not zero is so whatever the digits are that the scene does not give.
+    digits_suffice: bool,
+    /// Rows of the matrix of constraints without derivative: what they constrain does not show.
+    without_derivative: Vec<u32>,
     pub(super) matrix: Option<Sparse>,
 }
 
@@ -42,13 +51,23 @@ impl Found {
     }
 
     pub(super) fn is_decided(&self) -> bool {
-        let digits = self.singular_values.is_none_or(|[nonzero, _]| nonzero > DIGITS);
-        self.constraints.is_decided() && self.undriven().is_decided() && digits && self.zero_is_zero
+        let is_beyond = self.singular_values.is_none_or(|[nonzero, _]| nonzero > SECOND_ORDER);
+        self.constraints.is_decided()
+            && self.undriven().is_decided()
+            && is_beyond
+            && self.zero_is_zero
+            && self.digits_suffice
+            && self.without_derivative.is_empty()
+    }
+
+    /// Whether the rank is certain, and all redundant rows are named.
+    pub(super) fn names_certainly(&self) -> bool {
+        self.is_decided() && self.constraints.names_all()
     }
 
     /// The rank, and the number of motions that nothing drives.
     pub(super) fn numbers(&self) -> [usize; 2] {
-        [self.constraints.rank, self.undriven().free.len()]
+        [self.constraints.rank, self.undriven().mobility()]
     }
 
     /// Dependent rows, of the system.
@@ -56,8 +75,22 @@ impl Found {
         self.constraints.dependent.iter().map(|row| self.rows[*row as usize]).collect()
     }
 
+    /// Whether a dependent row may be called so: one without derivative may not.
+    pub(super) fn may_depend(&self, row: &u32) -> bool {
+        !self.without_derivative.contains(row)
+    }
+
+    /// The number of redundant constraints.
+    fn redundant(&self) -> usize {
+        let without = self.constraints.dependent.iter().filter(|row| !self.may_depend(row)).count();
+        self.constraints.redundant() - without
+    }
+
     /// Rows of the matrix of constraints whose independence, or dependence, is not certain.
     fn doubtful(&self) -> &[u32] {
+        if !self.without_derivative.is_empty() {
+            return &self.without_derivative;
+        }
         if !self.constraints.doubtful.is_empty() {
             return &self.constraints.doubtful;
         }
@@ -66,12 +99,25 @@ impl Found {
     }
 }
 
-/// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system). Of those whose elimination would
+/// The norm of what rounding, and a relative uncertainty of the entries, can change of a matrix.
+pub(super) fn allowed(matrix: &Sparse, uncertainty: f64) -> f64 {
+    let [computed, rounded] = matrix.changes();
+    U * (COMPUTED * computed + ROUNDED * rounded) + uncertainty * computed
+}
+
+/// The rank of the matrix of a part: by elimination, but of one that fills first by products with it.
+fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>) -> Outcome {
+    let by_products = if part.fills { krylov::rank(matrix, task.uncertainty) } else { None };
+    by_products.unwrap_or_else(|| named(matrix, &part.order, task))
+}
+
+/// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system), and of which these rows have no
+/// derivative there. Of those whose elimination would
 /// cost too much, the columns of the front where that was.
 pub(super) fn look(
     system: &System<'_>,
     values: &[f64],
-    residuals: &[f64],
+    (residuals, without_derivative): (&[f64], &[u32]),
     keep: bool,
 ) -> Vec<Result<Found, usize>> {
     let of_part = |part: &Part| {
@@ -79,32 +125,61 @@ pub(super) fn look(
         let worst = super::largest(worst);
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, values, |role| role != Role::Driven);
-        let task = Task { uncertainty: 30.0 * worst, keep, right: None, most: part.most };
-        let constraints = eliminate(&matrix, &part.order, task);
+        let task = Task { uncertainty: TIMES * worst, keep, most: part.most, ..Task::default() };
+        let constraints = outcome(part, &matrix, task);
         if constraints.exhausted {
             return Err(constraints.front);
         }
         let driven = has_drives.then(|| {
             let (rows, matrix) = system.matrix(part, values, |_| true);
-            (eliminate(&matrix, &part.order, task), rows)
+            (outcome(part, &matrix, task), rows)
         });
         if let Some((driven, _)) = driven.as_ref().filter(|(driven, _)| driven.exhausted) {
             return Err(driven.front);
         }
         let is_small = dense::is_small(&matrix, if keep { dense::LARGEST } else { EVERYWHERE });
         let values = if is_small { dense::singular_values(&matrix) } else { Vec::new() };
-        let [computed, rounded] = matrix.changes();
-        let allowed = U * (COMPUTED * computed + ROUNDED * rounded) + task.uncertainty * computed;
+        let allowed = allowed(&matrix, task.uncertainty);
         let zero_is_zero = values.get(constraints.rank).is_none_or(|zero| *zero <= allowed);
-        let singular_values = (!values.is_empty()).then_some(values).and_then(|values| {
+        let largest_value = values.first().copied();
+        let of_small = (!values.is_empty()).then_some(values).and_then(|values| {
             let largest = values.first().copied().filter(|largest| *largest > 0.0)?;
             let nonzero = values.get(constraints.rank.checked_sub(1)?)?;
             let zero = values.get(constraints.rank).copied().unwrap_or_default();
             Some([nonzero / largest, zero / largest])
         });
+        let singular_values = of_small.or(constraints.singular_values);
+        let most_open = (0..matrix.rows()).map(|row| matrix.openness(row)).fold(0.0, f64::max);
+        let digits_suffice = match (of_small, largest_value, constraints.rank.checked_sub(1)) {
+            _ if most_open == 0.0 => true,
+            (_, _, None) => true,
+            (Some([nonzero, _]), Some(largest), Some(at)) => {
+                dense::openness(&matrix, at).is_some_and(|open| nonzero * largest > open)
+            }
+            // Of larger ones by the relative change that makes the smallest pivot zero.
+            _ => {
+                let nonzero = singular_values
+                    .map_or(constraints.gap[1], |[nonzero, _]| nonzero.min(constraints.gap[1]));
+                nonzero > most_open
+            }
+        };
+        let without_derivative: Vec<u32> = (0..)
+            .zip(&rows)
+            .filter(|(_, row)| without_derivative.binary_search(row).is_ok())
+            .map(|(at, _)| at)
+            .collect();
         let is_wanted = keep && is_small && !constraints.dependent.is_empty();
         let matrix = is_wanted.then_some(matrix);
-        Ok(Found { constraints, rows, driven, singular_values, zero_is_zero, matrix })
+        Ok(Found {
+            constraints,
+            rows,
+            driven,
+            singular_values,
+            zero_is_zero,
+            digits_suffice,
+            without_derivative,
+            matrix,
+        })
     };
     system.parts.par_iter().map(of_part).collect()
 }
@@ -129,21 +204,26 @@ pub(super) fn position(
     let doubtful = known()
         .filter(|found| !found.is_decided())
         .flat_map(|found| found.doubtful().iter().map(|row| constraint(system, found.rows[*row as usize])));
+    let named = |found: &Found| -> Vec<Constraint> {
+        found.without_derivative.iter().map(|row| constraint(system, found.rows[*row as usize])).collect()
+    };
+    let without_derivative = known().flat_map(named);
     Position {
         state,
         rank: sum(|found| found.constraints.rank),
-        mobility: sum(|found| found.constraints.free.len()),
-        undriven: sum(|found| found.undriven().free.len()),
-        redundant: sum(|found| found.constraints.dependent.len()).map(|redundant| redundant + fixed),
+        mobility: sum(|found| found.constraints.mobility()),
+        undriven: sum(|found| found.undriven().mobility()),
+        redundant: sum(Found::redundant).map(|redundant| redundant + fixed),
         undriven_undecided: known()
             .filter(|found| !found.is_decided())
-            .map(|found| found.undriven().free.len())
+            .map(|found| found.undriven().mobility())
             .sum(),
         overdriven: sum(Found::overdriven),
         decided: found.iter().all(|found| found.as_ref().is_ok_and(Found::is_decided)),
         finite: outcomes().all(|outcome| !outcome.overflows),
         gap: Gap { zero, nonzero, singular_values },
         doubtful: doubtful.take(100).collect(),
+        without_derivative: without_derivative.take(100).collect(),
         differs: false,
         dependent: Vec::new(),
         modes: Vec::new(),

@@ -1,17 +1,22 @@
 //! What holds at the states given? They are followed one after the other, for some constraints count turns, and those looked at that satisfy
 //! the constraints. Where the rank or the motions are others than initially, they are named.
 
-use super::found::{Found, constraint, look, position};
+use super::found::{Found, TIMES, constraint, look, position};
 use super::modes::modes;
 use super::redundant::made_of;
 use super::system::System;
 use super::{Assembly, Holds, LISTED, NotAssembled, Position, Redundant, largest};
+use crate::audit::bound::U;
 use crate::evaluate::Sequence;
 use crate::scene::State;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The residual (rad, or lengths of the connectors) beyond which a state does not satisfy the constraints, so that their rank says nothing.
 const SATISFIED: f64 = 1e-4;
+/// The residual up to which constraints hold to rounding, so that a rank proves something of other states.
+const PROVES: f64 = 1e-12;
+/// At a singular position constraints that hold to ε allow motions of √ε: a rank that is larger by less than this multiple of it is not certain to be so.
+const SECOND_ORDER: f64 = 10.0;
 /// The work, in degrees of freedom times states, that given states may cost; beyond, some are left out, evenly.
 const WORK: usize = 3_000_000;
 
@@ -34,14 +39,17 @@ pub(super) fn along(
     let mut sequence = Sequence::new(system.model, system.plan);
     let mut values = Vec::new();
     let rows = |found: &Result<Found, usize>| {
-        found.as_ref().ok().filter(|found| found.is_decided()).map(Found::dependent)
+        found.as_ref().ok().filter(|found| found.names_certainly()).map(Found::dependent)
     };
     let mut least: Dependent = initial.iter().map(rows).collect();
     least.resize(system.parts.len(), None);
+    let mut proven = vec![true; least.len()];
     let (mut all, mut listed): (Vec<(usize, Dependent)>, usize) = (Vec::new(), 0);
     for (index, state) in states.iter().enumerate() {
         let is_looked_at = is_of(state) && (index % stride == 0 || index + 1 == states.len());
         let residuals = if is_looked_at { system.all_residuals(&sequence, state) } else { Vec::new() };
+        let without_derivative =
+            if is_looked_at { system.without_derivative(&sequence, state) } else { Vec::new() };
         let number = state.number.unwrap_or(index as u64);
         if let Err(error) = sequence.assemble(state, &system.jacobian, &mut values) {
             assembly.not_assembled = Some(NotAssembled { state: Some(number), why: error.to_string() });
@@ -55,12 +63,17 @@ pub(super) fn along(
             assembly.off.push(number);
             continue;
         }
-        let found = look(system, &values, &residuals, false);
+        let moved = system.moves_held(state);
+        if moved.is_nan() || moved > SATISFIED {
+            assembly.off_boundary.push(number);
+            continue;
+        }
+        let found = look(system, &values, (&residuals, &without_derivative), false);
         let mut position = position(system, Some(number), &found, fixed);
         let numbers = |found: &Result<Found, usize>| found.as_ref().ok().map(Found::numbers);
         position.differs = initial.iter().zip(&found).any(|(initial, now)| numbers(initial) != numbers(now));
         if position.differs && listed < LISTED {
-            let kept = look(system, &values, &residuals, true);
+            let kept = look(system, &values, (&residuals, &without_derivative), true);
             position.modes = modes(system, &kept);
             position.dependent = dependent(system, &kept);
             position.modes.truncate(LISTED - listed);
@@ -69,17 +82,27 @@ pub(super) fn along(
             listed += position.dependent.len();
         }
         let now: Dependent = found.iter().map(rows).collect();
-        for (least, now) in least.iter_mut().zip(&now) {
-            let is_less = |now: &Vec<u32>| least.as_ref().is_none_or(|least| now.len() < least.len());
-            if let Some(now) = now.as_ref().filter(|now| is_less(now)) {
-                *least = Some(now.clone());
+        let is_less = |least: &Option<Vec<u32>>, now: &Vec<u32>| {
+            least.as_ref().is_none_or(|least| now.len() < least.len())
+        };
+        if least.iter().zip(&now).any(|(least, now)| now.as_ref().is_some_and(|now| is_less(least, now))) {
+            let open: Vec<f64> = residuals
+                .iter()
+                .map(|residual| SECOND_ORDER / TIMES * residual.abs().max(U).sqrt())
+                .collect();
+            let strictly = look(system, &values, (&open, &without_derivative), false);
+            for ((least, proven), now) in least.iter_mut().zip(&mut proven).zip(strictly.iter().map(rows)) {
+                if let Some(now) = now.filter(|now| is_less(least, now)) {
+                    *least = Some(now);
+                    *proven = worst <= PROVES;
+                }
             }
         }
         all.push((assembly.positions.len(), now));
         assembly.positions.push(position);
     }
     let throughout = throughout(initial, &assembly.redundant);
-    compare(system, &least, &throughout, &all, assembly);
+    compare(system, (&least, &proven), &throughout, &all, assembly);
 }
 
 /// The redundant constraints at one state, which are not yet judged.
@@ -93,7 +116,8 @@ fn dependent(system: &System<'_>, found: &[Result<Found, usize>]) -> Vec<Redunda
             held: false,
             from: made_of(system, found, *row),
         };
-        found.constraints.dependent.iter().take(LISTED).map(one).collect()
+        let rows = found.constraints.dependent.iter().filter(|row| found.may_depend(row));
+        rows.take(LISTED).map(one).collect()
     };
     found.iter().flatten().flat_map(of_part).collect()
 }
@@ -116,7 +140,7 @@ fn throughout(initial: &[Result<Found, usize>], redundant: &[Redundant]) -> Vec<
 /// What is redundant at one state and not where the fewest are, holds there only; the rest throughout, where initially as many do.
 fn compare(
     system: &System<'_>,
-    least: &Dependent,
+    (least, proven): (&Dependent, &[bool]),
     throughout: &[usize],
     all: &[(usize, Dependent)],
     assembly: &mut Assembly,
@@ -130,9 +154,10 @@ fn compare(
             let (Some(rows), Some(least)) = (rows, least) else { continue };
             let usual: BTreeSet<&u32> = least.iter().collect();
             let count = rows.len().saturating_sub(usual.len());
+            let only = if proven.get(part) == Some(&true) { Holds::Here } else { Holds::Differs };
             let here: Vec<&u32> = rows.iter().filter(|row| !usual.contains(row)).take(count).collect();
             if assembly.redundant_at.len() < LISTED {
-                let named = here.iter().map(|row| (*state, constraint(system, **row)));
+                let named = here.iter().map(|row| (*state, constraint(system, **row), only));
                 assembly.redundant_at.extend(named);
             }
             if dependent.is_empty() {
@@ -140,7 +165,7 @@ fn compare(
             }
             let is_usual = throughout.get(part) == Some(&usual.len());
             let rest = if is_usual { Holds::Throughout } else { Holds::Unjudged };
-            let holds = |row: &u32| if here.contains(&row) { Holds::Here } else { rest };
+            let holds = |row: &u32| if here.contains(&row) { only } else { rest };
             of.extend(rows.iter().map(|row| (constraint(system, *row), holds(row))));
         }
         for one in dependent {

@@ -27,26 +27,36 @@
 //! | `steps` | in which steps are they others, and which states belong to those? |
 //! | `order` | in which order are nodes eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
+//! | `naming` | … and which rows may be named? |
+//! | `krylov` | what are they where elimination would fill the matrix? |
 //! | `noise` | what of that is rounding? |
+//! | `digits` | what of that do the digits of the scene leave open? |
 //! | `dense` | singular values of small parts |
 //! | `found` | what has each part, and the whole, at one state? |
 //! | `redundant` | which constraints are redundant, and where? |
 //! | `modes` | which motions are left? |
 //! | `given` | what holds at the states given? |
 //! | `moving` | does a redundancy hold elsewhere? |
+//! | `second` | … which of the free motions does second order exclude? |
+//! | `local` | … where the part is too large to be moved as a whole? |
 //! | `unread` | which constraints of the deck were not read? |
 //! | `findings` | what is said of it? |
 
 mod dense;
+mod digits;
 mod eliminate;
 pub(super) mod findings;
 mod found;
 mod given;
+mod krylov;
+mod local;
 mod modes;
 mod moving;
+mod naming;
 mod noise;
 mod order;
 mod redundant;
+mod second;
 mod sparse;
 mod steps;
 mod system;
@@ -75,9 +85,14 @@ pub enum Holds {
     Rigid,
     /// At this state, and not at another admissible one: proven, to rounding.
     Here,
-    /// The part can move to first order, and no admissible state near by was found: judged a singular position.
+    /// At this state, and not at another one given, to the digits of these states.
+    Differs,
+    /// At a singular position: motions that are free to first order because of it are excluded to second order.
     Isolated,
-    /// It was not judged, for the part is too large to be moved.
+    /// At this state, and not at others that its neighbourhood, cut out of a part that is too large to be moved, can go to: at this one only, unless
+    /// the rest of the assembly keeps it here.
+    Loop,
+    /// It was not judged: the part is too large to be moved, and no neighbourhood was found that has all it follows from.
     Large,
     /// It could not be judged.
     Unjudged,
@@ -94,12 +109,19 @@ impl Holds {
             Self::Here => {
                 "it holds at this state only (proven to rounding: at another admissible state it does not)"
             }
+            Self::Differs => {
+                "it holds at this state and not at another one given, to the digits of these (they satisfy the constraints to no more)"
+            }
             Self::Isolated => {
-                "it holds at this state (judged a singular position: motions that are free to first order lead nowhere)"
+                "it holds at this singular position (second order excludes the motions that are free to first order because of it)"
+            }
+            Self::Loop => {
+                "it holds at this state, and not at others that the connectors about it can go to (proven to rounding; the whole is too large to be \
+                 moved): at this one only, unless the rest of the assembly keeps them here"
             }
             Self::Large => {
-                "whether it holds at other states was not judged, for what belongs to it has more than 20 000 degrees of freedom, or fills when it \
-                 is eliminated: audit its loop as a scene of its own"
+                "whether it holds at other states was not judged: the part is too large to be moved, and what it follows from was not found among the \
+                 connectors about it, of up to 20 000 degrees of freedom"
             }
             Self::Unjudged => "whether it holds at other states was not judged",
         }
@@ -210,6 +232,10 @@ pub struct Position {
     pub gap: Gap,
     /// The constraints whose independence, or dependence, is not certain; at most a hundred.
     pub doubtful: Vec<Constraint>,
+    /// The constraints that have no derivative at this state, or one without digits: they may hold, and do not show in the Jacobian. Not called redundant; at
+    /// most a hundred.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub without_derivative: Vec<Constraint>,
     /// Whether, of a given state, the rank or the number of motions of a part is another than initially: what is redundant and what moves
     /// is named then, up to a thousand in all.
     pub differs: bool,
@@ -253,9 +279,11 @@ pub struct Assembly {
     pub modes: Vec<Mode>,
     /// Given states that were not looked at, because they do not satisfy the constraints.
     pub off: Vec<u64>,
+    /// Given states that were not looked at, because they move what boundary conditions hold.
+    pub off_boundary: Vec<u64>,
     /// Constraints that are redundant at a given state and not at the state where the rank is largest, which may be the initial one, with the number
-    /// of the state.
-    pub redundant_at: Vec<(u64, Constraint)>,
+    /// of the state, and whether that is proven ([`Holds::Here`]) or so to the digits of the states ([`Holds::Differs`]).
+    pub redundant_at: Vec<(u64, Constraint, Holds)>,
     /// Constraints of the deck that are not read: where there are any, what is certain is so of what was read.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unread: Vec<Unread>,
@@ -352,7 +380,9 @@ fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bo
         assembly.not_assembled = Some(NotAssembled { state: None, why: error.to_string() });
         return;
     }
-    let found = look(system, &values, &[], true);
+    let without_derivative =
+        system.without_derivative(&Sequence::new(system.model, system.plan), &State::default());
+    let found = look(system, &values, (&[], &without_derivative), true);
     let skipped =
         system.parts.iter().zip(&found).filter_map(|(part, found)| Some((part, found.as_ref().err()?)));
     assembly.skipped = skipped.filter_map(|(part, front)| system.skipped(part, *front)).collect();
@@ -368,9 +398,11 @@ fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bo
 }
 
 impl Assembly {
-    /// Whether the assembly was looked at as a whole, and all ranks are certain.
+    /// Whether the assembly was looked at as a whole and at all states given, and all ranks are certain.
     pub fn is_decided(&self) -> bool {
         self.not_assembled.is_none()
+            && self.off.is_empty()
+            && self.off_boundary.is_empty()
             && !self.positions.is_empty()
             && self.positions.iter().all(|position| position.decided)
     }
@@ -391,6 +423,7 @@ impl Assembly {
             overdriven: Vec::new(),
             modes: Vec::new(),
             off: Vec::new(),
+            off_boundary: Vec::new(),
             redundant_at: Vec::new(),
             unread: Vec::new(),
             not_assembled: None,

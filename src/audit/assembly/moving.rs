@@ -4,72 +4,164 @@
 //! Rank is lower semicontinuous and, where the functions are analytic, as large at almost every state of a branch of motion as
 //! anywhere on it. So a rank that is *larger* at another admissible state proves, to rounding, that the dependence there was one of a
 //! singular position. A rank that is the same at several random states is *judged* to be the one of all.
+//!
+//! *What is admissible?* At a singular position constraints that hold to ε allow motions of √ε, and a rank that is larger by singular
+//! values of that size. So a larger rank counts only where it is well beyond √ε, and beyond what the next correction would still move: ε is
+//! brought down to rounding first.
+//!
+//! *Where can it go?* Small parts are looked at to second order ([`mod@super::second`]), and moved along what that leaves. Of others a state counts
+//! as one where the rank is the same only where none of the free motions was taken back.
 
 use super::eliminate::{Outcome, Sparse, Task, eliminate};
+use super::naming::named;
+use super::redundant::only_here;
+use super::second::{Second, mixed, second};
 use super::system::{Part, Role, System};
-use super::{Holds, dense, largest as largest_of};
+use super::{Holds, dense, krylov, largest as largest_of};
+use crate::audit::bound::U;
 use crate::evaluate::Sequence;
 use crate::scene::State;
 
+/// The states that a part is moved to at most.
+pub(super) const SAMPLES: usize = STEPS.len();
 /// How far the part is moved (rad, or lengths of a connector): a small and a larger step.
 const STEPS: [f64; 4] = [0.05, 0.2, 0.3, 0.1];
+/// The same along each motion to which second order narrows them down.
+const BRANCH: [f64; 3] = [0.1, -0.1, 0.02];
 /// The residual at which constraints hold again.
 const HOLDS: f64 = 1e-11;
-/// The largest number of corrections.
-const CORRECTIONS: usize = 20;
+/// The largest number of corrections: at a singular position each takes a quarter of the residual.
+const CORRECTIONS: usize = 40;
 /// A motion that gets less far than this part of its step is none.
 const MOVED: f64 = 0.1;
+/// Free columns that begin with less than this part of the largest are not looked at when it is asked whether they moved.
+const BEGINS: f64 = 0.25;
+/// A singular value is well beyond √ε, and beyond what a correction moves, by this factor.
+const BEYOND: f64 = 100.0;
 
-/// What became of the dependent rows elsewhere.
-pub(super) struct Elsewhere {
-    pub(super) holds: Holds,
-    /// The rows (of the part's matrix) that depend on others elsewhere too.
-    pub(super) dependent: Vec<u32>,
-}
-
-/// Follows the free motions of a part from the state to which the sequence comes next.
+/// Where the dependences of a part hold, by dependent row: follows its free motions from the state to which the sequence comes next, to so many
+/// states at which the rank is certain, besides those to which second order leads.
 pub(super) fn elsewhere(
     system: &System<'_>,
     part: &Part,
     sequence: &Sequence<'_>,
     state: &State,
     here: &Outcome,
-) -> Elsewhere {
-    let unjudged = |holds| Elsewhere { holds, dependent: here.dependent.clone() };
+    samples: usize,
+) -> Vec<Holds> {
+    let all = |holds| vec![holds; here.dependent.len()];
     if here.free.is_empty() {
-        return unjudged(Holds::Rigid);
+        return all(Holds::Rigid);
     }
-    let (mut best, mut stuck): (Option<Outcome>, usize) = (None, 0);
-    for (sample, step) in STEPS.into_iter().enumerate() {
-        let corrected = |by| reach(system, part, sequence, state, here, (sample, step, by));
+    let second = second(system, part, sequence, state, here);
+    let restrained = second.as_ref().filter(|second| !second.restraining.is_empty());
+    if restrained.is_some_and(|second| second.excludes && second.open.is_empty()) {
+        return all(Holds::Isolated);
+    }
+    let [narrowed, open] = motions(part, here, restrained);
+    let seen = seen(system, part, sequence, state, here, (&narrowed, &open, samples));
+    let is_whole = second.is_some() || seen.is_whole;
+    let others = if seen.best.is_some() && is_whole && !seen.is_doubtful {
+        Holds::Throughout
+    } else {
+        Holds::Unjudged
+    };
+    if let Some(best) = seen.best.filter(|best| best.rank > here.rank) {
+        let only = only_here(&here.dependent, &best.dependent);
+        return here
+            .dependent
+            .iter()
+            .map(|row| if only.contains(row) { Holds::Here } else { others })
+            .collect();
+    }
+    let of_restrained = |second: &Second| if second.excludes { Holds::Isolated } else { Holds::Unjudged };
+    let one = |row: &u32| match restrained {
+        Some(second) if second.restraining.contains(row) => of_restrained(second),
+        _ => others,
+    };
+    here.dependent.iter().map(one).collect()
+}
+
+/// The motions that are tried: those to which second order narrows them down, and mixtures of the others.
+fn motions(part: &Part, here: &Outcome, restrained: Option<&Second>) -> [Vec<Vec<f64>>; 2] {
+    let steps = || STEPS.into_iter().enumerate();
+    let Some(second) = restrained else {
+        return [Vec::new(), steps().filter_map(|(sample, step)| spread(part, here, sample, step)).collect()];
+    };
+    let along = |zero: &Vec<f64>| -> Vec<Vec<f64>> {
+        BRANCH.into_iter().filter_map(|step| mixed(std::slice::from_ref(zero), 0, step)).collect()
+    };
+    let open = steps().filter_map(|(sample, step)| mixed(&second.open, sample, step)).collect();
+    [second.zeros.iter().flat_map(along).collect(), open]
+}
+
+/// All free motions at once, by well spread numbers: multiples of the golden ratio.
+fn spread(part: &Part, here: &Outcome, sample: usize, step: f64) -> Option<Vec<f64>> {
+    let free = |column: u32| {
+        let turn = f64::from(column + 1) * 0.618_033_988_749_894_9 + sample as f64 * 0.414_213_562_373_095;
+        2.0 * turn.fract() - 1.0
+    };
+    let mut change = here.solve(part.columns.len(), free, true);
+    let largest = largest_of(&change);
+    if largest.is_nan() || largest == 0.0 {
+        return None;
+    }
+    change.iter_mut().for_each(|x| *x *= step / largest);
+    Some(change)
+}
+
+/// What was seen elsewhere.
+struct Seen {
+    /// The largest rank of all states whose rank is certain.
+    best: Option<Outcome>,
+    /// Whether the rank of a state may be larger.
+    is_doubtful: bool,
+    /// Whether there was a state to which no free motion was taken back.
+    is_whole: bool,
+}
+
+fn seen(
+    system: &System<'_>,
+    part: &Part,
+    sequence: &Sequence<'_>,
+    state: &State,
+    here: &Outcome,
+    (narrowed, open, samples): (&[Vec<f64>], &[Vec<f64>], usize),
+) -> Seen {
+    let mut seen = Seen { best: None, is_doubtful: false, is_whole: false };
+    let mut reached = 0;
+    for (at, motion) in narrowed.iter().chain(open).enumerate() {
+        if reached == samples {
+            break;
+        }
         let mut got = Reached::Lost;
-        for by in [Correction::Least, Correction::Gauged, Correction::Basic] {
+        for by in [Correction::Least, Correction::Nearest, Correction::Gauged, Correction::Basic] {
             if matches!(got, Reached::Lost) {
-                got = corrected(by);
+                got = reach(system, part, sequence, state, here, (motion, by));
             }
         }
         match got {
             // One whose rank is not certain tells nothing.
-            Reached::There(outcome) if !outcome.is_decided() => {}
-            Reached::There(outcome) => {
-                if best.as_ref().is_none_or(|best| outcome.rank > best.rank) {
-                    best = Some(outcome);
+            Reached::There(outcome, _) if !outcome.is_decided() => {}
+            Reached::There(outcome, is_whole) => {
+                seen.is_whole |= is_whole;
+                reached += usize::from(at >= narrowed.len());
+                if seen.best.as_ref().is_none_or(|best| outcome.rank > best.rank) {
+                    seen.best = Some(*outcome);
                 }
             }
-            Reached::Stuck => stuck += 1,
-            Reached::Lost => {}
+            Reached::Doubtful => seen.is_doubtful = true,
+            Reached::Stuck | Reached::Lost => {}
         }
     }
-    match best {
-        Some(best) if best.rank > here.rank => Elsewhere { holds: Holds::Here, dependent: best.dependent },
-        Some(best) => Elsewhere { holds: Holds::Throughout, dependent: best.dependent },
-        None if stuck == STEPS.len() => unjudged(Holds::Isolated),
-        None => unjudged(Holds::Unjudged),
-    }
+    seen
 }
 
 enum Reached {
-    There(Outcome),
+    /// At an admissible state; whether all free motions led there.
+    There(Box<Outcome>, bool),
+    /// Where the rank may be larger, which is no more than what the constraints leave open.
+    Doubtful,
     /// Only where it was.
     Stuck,
     Lost,
@@ -80,6 +172,8 @@ enum Reached {
 enum Correction {
     /// The shortest; of small parts.
     Least,
+    /// The same of others, to some digits: what is left of the constraints then shrinks no less than by those.
+    Nearest,
     /// The one that leaves what the motion began with: the columns that were free.
     Gauged,
     /// The one that leaves the columns that are free now.
@@ -96,23 +190,12 @@ fn reach(
     sequence: &Sequence<'_>,
     from: &State,
     here: &Outcome,
-    (sample, step, by): (usize, f64, Correction),
+    (motion, by): (&[f64], Correction),
 ) -> Reached {
-    let width = part.columns.len();
-    // Well spread numbers: multiples of the golden ratio.
-    let free = |column: u32| {
-        let turn = f64::from(column + 1) * 0.618_033_988_749_894_9 + sample as f64 * 0.414_213_562_373_095;
-        2.0 * turn.fract() - 1.0
-    };
-    let mut change = here.solve(width, free, true);
-    let largest = largest_of(&change);
-    if largest.is_nan() || largest == 0.0 {
-        return Reached::Lost;
-    }
-    change.iter_mut().for_each(|x| *x *= step / largest);
-    let mut total = change.clone();
-    let mut state = system.moved(part, from, &change);
-    let mut values = Vec::new();
+    let step = largest_of(motion);
+    let mut total = motion.to_vec();
+    let mut state = system.moved(part, from, motion);
+    let (mut values, mut before) = (Vec::new(), f64::INFINITY);
     for _ in 0..CORRECTIONS {
         let residuals = system.residuals(part, sequence, &state);
         let worst = largest_of(&residuals);
@@ -123,13 +206,16 @@ fn reach(
             return Reached::Lost;
         }
         let (rows, matrix) = system.matrix(part, &values, is_constraint);
-        if worst < HOLDS {
-            let moved = largest_of(&total);
-            if moved < MOVED * step {
+        let rank = |uncertainty: f64| named(&matrix, &part.order, Task { uncertainty, ..Task::default() });
+        let is_there = worst < HOLDS;
+        if is_there {
+            if largest_of(&total) < MOVED * step {
                 return Reached::Stuck;
             }
-            let task = Task { uncertainty: 100.0 * worst, ..Task::default() };
-            return Reached::There(eliminate(&matrix, &part.order, task));
+            let outcome = rank(BEYOND * worst);
+            if outcome.rank <= here.rank {
+                return Reached::There(Box::new(outcome), is_whole(here, motion, &total));
+            }
         }
         let place = |row: &u32| part.rows.binary_search(row).ok();
         let right: Vec<f64> =
@@ -139,6 +225,16 @@ fn reach(
         if !largest.is_finite() {
             return Reached::Lost;
         }
+        if is_there && worst > before / 4.0 {
+            let outcome = rank(BEYOND * worst.max(U).sqrt().max(largest));
+            let is_certain = outcome.is_decided();
+            return if is_certain {
+                Reached::There(Box::new(outcome), is_whole(here, motion, &total))
+            } else {
+                Reached::Doubtful
+            };
+        }
+        before = worst;
         if largest > step {
             change.iter_mut().for_each(|x| *x *= step / largest);
         }
@@ -150,6 +246,14 @@ fn reach(
     Reached::Lost
 }
 
+/// Whether none of the free motions was taken back.
+fn is_whole(here: &Outcome, motion: &[f64], total: &[f64]) -> bool {
+    let of = |column: &u32| Some((motion.get(*column as usize)?.abs(), total.get(*column as usize)?.abs()));
+    let free: Vec<(f64, f64)> = here.free.iter().filter_map(of).collect();
+    let largest = free.iter().map(|(began, _)| *began).fold(0.0, f64::max);
+    free.iter().all(|(began, now)| *began < BEGINS * largest || *now >= MOVED * began)
+}
+
 /// A solution of J δ = right; `None` where the matrix is too large for it.
 fn solution(
     matrix: &Sparse,
@@ -158,6 +262,9 @@ fn solution(
     here: &Outcome,
     by: Correction,
 ) -> Option<Vec<f64>> {
+    if by == Correction::Nearest {
+        return (!dense::is_small(matrix, dense::LARGEST)).then(|| krylov::least(matrix, &right)).flatten();
+    }
     if by == Correction::Least {
         return dense::is_small(matrix, dense::LARGEST).then(|| dense::least(matrix, &right)).flatten();
     }

@@ -1,10 +1,11 @@
 //! Which constraints are redundant, and where?
 
-use super::eliminate::{self, Task, eliminate};
+use super::eliminate::{self, Task};
 use super::found::{Found, constraint};
-use super::moving::elsewhere;
+use super::moving::{SAMPLES, elsewhere};
+use super::naming::named;
 use super::system::{Part, Role, System, request};
-use super::{Constraint, Holds, Redundant, dense};
+use super::{Constraint, Holds, Redundant, dense, local};
 use crate::evaluate::{Plan, Sequence};
 use crate::scene::State;
 use rayon::prelude::*;
@@ -38,19 +39,17 @@ pub(super) fn redundant(
                 return Vec::new();
             }
             let decided = found.is_decided();
-            // Of what may not be redundant nothing is to be found elsewhere.
-            let (elsewhere, rows) =
-                if decided { judge(system, part, found) } else { (Vec::new(), Holds::Unjudged) };
             let dependent = &found.constraints.dependent;
-            let here = only_here(dependent, &elsewhere);
+            // Of what may not be redundant nothing is to be found elsewhere.
+            let holds =
+                if decided { judge(system, part, found) } else { vec![Holds::Unjudged; dependent.len()] };
             dependent
                 .iter()
-                .map(|row| Redundant {
+                .zip(holds)
+                .filter(|(row, _)| found.may_depend(row))
+                .map(|(row, holds)| Redundant {
                     constraint: constraint(system, found.rows[*row as usize]),
-                    holds: match rows {
-                        Holds::Here if !here.contains(row) => Holds::Throughout,
-                        holds => holds,
-                    },
+                    holds,
                     decided,
                     held: false,
                     from: made_of(system, found, *row),
@@ -63,7 +62,13 @@ pub(super) fn redundant(
 
 /// What a dependent row of a part follows from, where the part is small enough to say it.
 pub(super) fn made_of(system: &System<'_>, found: &Found, row: u32) -> Vec<Constraint> {
+    /// More are not said: nobody reads them.
+    const MOST: usize = 200;
     let dependent = &found.constraints.dependent;
+    if let Some((_, made)) = found.constraints.made_of.iter().find(|(of, _)| *of == row) {
+        let named = if made.len() > MOST { &[] } else { made.as_slice() };
+        return named.iter().map(|row| constraint(system, found.rows[*row as usize])).collect();
+    }
     let Some(matrix) = found.matrix.as_ref().filter(|_| dependent.len() <= EXPLAINED) else {
         return Vec::new();
     };
@@ -78,13 +83,21 @@ pub(super) fn only_here(dependent: &[u32], elsewhere: &[u32]) -> Vec<u32> {
     dependent.iter().rev().filter(is_gone).take(count).copied().collect()
 }
 
-/// Where the redundancies of a part hold, and the rows that are dependent elsewhere too.
-fn judge(system: &System<'_>, part: &Part, found: &Found) -> (Vec<u32>, Holds) {
-    if found.constraints.free.is_empty() {
-        return (found.constraints.dependent.clone(), Holds::Rigid);
+/// Where the redundancies of a part hold, in their order.
+fn judge(system: &System<'_>, part: &Part, found: &Found) -> Vec<Holds> {
+    let is_large = part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT || part.fills;
+    if is_large && found.constraints.mobility() > 0 {
+        return local::judge(system, part, found, &local::SIZES);
     }
-    if part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT {
-        return (Vec::new(), Holds::Large);
+    judge_whole(system, part, found)
+}
+
+/// The same, of a part that is moved as a whole.
+pub(super) fn judge_whole(system: &System<'_>, part: &Part, found: &Found) -> Vec<Holds> {
+    let dependent = &found.constraints.dependent;
+    let all = |holds| vec![holds; dependent.len()];
+    if found.constraints.mobility() == 0 {
+        return all(Holds::Rigid);
     }
     // The part by itself: its connectors, constraints and nodes.
     let mut nodes = BTreeSet::new();
@@ -98,15 +111,17 @@ fn judge(system: &System<'_>, part: &Part, found: &Found) -> (Vec<u32>, Holds) {
     let mpcs = part.mpcs.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
     let plan = Plan { connectors, mpcs, nodes, request: request() };
     let own = System::new(system.model, &plan, system.prescribed);
-    let [part] = own.parts.as_slice() else { return (Vec::new(), Holds::Unjudged) };
+    let [part] = own.parts.as_slice() else { return all(Holds::Unjudged) };
     let sequence = Sequence::new(system.model, &plan);
     let mut values = Vec::new();
     let start = State::default();
     if sequence.clone().assemble(&start, &own.jacobian, &mut values).is_err() {
-        return (Vec::new(), Holds::Unjudged);
+        return all(Holds::Unjudged);
     }
     let (_, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
-    let here = eliminate(&matrix, &part.order, Task { keep: true, ..Task::default() });
-    let elsewhere = elsewhere(&own, part, &sequence, &start, &here);
-    (elsewhere.dependent, elsewhere.holds)
+    let here = named(&matrix, &part.order, Task { keep: true, ..Task::default() });
+    if here.dependent != *dependent {
+        return all(Holds::Unjudged);
+    }
+    elsewhere(&own, part, &sequence, &start, &here, SAMPLES)
 }

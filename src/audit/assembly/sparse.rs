@@ -15,6 +15,9 @@ pub(super) struct Sparse {
     pub(super) values: Vec<f64>,
     /// By how much the entries of each row that are not zero are uncertain besides by rounding, in rounding units; nothing where left out.
     pub(super) rough: Vec<f32>,
+    /// By how much the digits of what is given leave the entries of each row that are not zero open, relative to the largest of the row; nothing where
+    /// left out.
+    pub(super) open: Vec<f32>,
 }
 
 impl Sparse {
@@ -28,6 +31,13 @@ impl Sparse {
 
     pub(super) fn range(&self, row: usize) -> Range<usize> {
         self.offsets[row]..self.offsets[row + 1]
+    }
+
+    /// By how much an entry may be another one, for what is given has so many digits.
+    pub(super) fn openness(&self, row: usize) -> f64 {
+        let Some(open) = self.open.get(row).copied().filter(|open| *open > 0.0) else { return 0.0 };
+        let largest = self.values[self.range(row)].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        f64::from(open) * largest
     }
 
     /// The columns of a group.

@@ -1,18 +1,20 @@
 //! The equations of an assembly: what is enforced, held and driven, without dimensions, and what belongs together.
 
 use super::Skipped;
+use super::digits::Digits;
 use super::eliminate::{Most, Sparse};
 use super::order::{Union, dissection, minimum_degree};
-use crate::connector::{Mask, Output, Request};
-use crate::evaluate::{Equation, Fixed, Freedom, Item, Jacobian, Model, Plan, Sequence, Source};
-use crate::measure::Unit;
+use crate::catalog::COMPONENT;
+use crate::connector::{Flag, Mask, Output, Request};
+use crate::evaluate::{Equation, Fixed, Freedom, Item, Jacobian, Model, NUMBERS, Plan, Sequence, Source};
+use crate::measure::{SingularClass, Unit};
 use crate::mpc::Kind;
 use crate::scalar::elementary::norm;
 use crate::scene::{
     ConditionKind, Diagnostic, Label, MotionType, NodeMotion, Rotation, Scene, State, Target,
 };
 use crate::so3;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::convert::Infallible;
 
 /// Why an equation holds.
@@ -50,6 +52,8 @@ pub(super) struct Part {
     pub(super) mpcs: Vec<usize>,
     /// What its elimination may cost.
     pub(super) most: Most,
+    /// Whether its nodes are joined so densely that elimination fills the matrix.
+    pub(super) fills: bool,
 }
 
 /// What is enforced and held, by whether it is of a connector, and the index of that or of the MPC.
@@ -84,6 +88,8 @@ pub(super) struct Prescribed {
     pub(super) driven: HashSet<Freedom>,
     /// The largest coordinate of each node that has rounded ones.
     rounded: HashMap<Label, f64>,
+    /// How exact the numbers are that the scene gives.
+    digits: Digits,
 }
 
 /// Whether a coordinate is taken for rounded: it has digits down to the last. Of rounded numbers one in a million ends in so many zeros.
@@ -97,6 +103,11 @@ fn rounded(scene: &Scene) -> HashMap<Label, f64> {
     let largest = |[x, y, z]: [f64; 3]| x.abs().max(y.abs()).max(z.abs());
     let nodes = scene.nodes.iter().map(|(label, node)| (*label, node.coordinates));
     nodes.filter(|(_, x)| x.iter().any(|x| is_rounded(*x))).map(|(label, x)| (label, largest(x))).collect()
+}
+
+/// Every degree of freedom that nodes may have.
+fn freedoms_of(nodes: &BTreeSet<Label>) -> impl Iterator<Item = Freedom> {
+    nodes.iter().flat_map(|node| NUMBERS.map(|number| Freedom { node: *node, number }))
 }
 
 impl Prescribed {
@@ -131,7 +142,19 @@ impl Prescribed {
                 put(motion, &mut motions);
             }
         }
-        Ok(Self { held, motions, driven, rounded: rounded(scene) })
+        Ok(Self { held, motions, driven, rounded: rounded(scene), digits: Digits::of(scene) })
+    }
+
+    /// The same for some nodes and elements alone, with degrees of freedom that are held besides.
+    pub(super) fn restricted(&self, nodes: &BTreeSet<Label>, elements: &[Label], held: &[Freedom]) -> Self {
+        let of_elements = elements.iter().flat_map(|label| (0..6).map(move |k| (*label, k)));
+        Self {
+            held: self.held.restricted(nodes, held),
+            motions: of_elements.filter_map(|key| Some((key, *self.motions.get(&key)?))).collect(),
+            driven: freedoms_of(nodes).filter(|freedom| self.driven.contains(freedom)).collect(),
+            rounded: nodes.iter().filter_map(|node| Some((*node, *self.rounded.get(node)?))).collect(),
+            digits: self.digits.restricted(nodes.iter(), elements),
+        }
     }
 }
 
@@ -215,6 +238,22 @@ impl<'a> System<'a> {
         (sum / length.min(part.length)) as f32
     }
 
+    /// By how much the digits of the scene leave the entries of a row that are not zero open, relative to the largest.
+    fn open(&self, part: &Part, row: usize) -> f32 {
+        let Origin::Equation(equation) = self.origins[row] else { return 0.0 };
+        let digits = &self.prescribed.digits;
+        let length = self.length(row).map(|length| length.min(part.length));
+        let of = |node: &Label| length.map_or(0.0, |length| digits.of_node(node, length) / length);
+        let all: f64 = match equation.source {
+            Source::Connector(index) => {
+                let element = &self.model.connectors[index];
+                digits.of_directions(&element.label) + element.nodes.iter().flatten().map(of).sum::<f64>()
+            }
+            Source::Mpc(index) => self.model.mpcs[index].nodes.iter().map(of).sum(),
+        };
+        all as f32
+    }
+
     /// Finds what belongs together.
     fn divide(&mut self) {
         let freedoms = self.jacobian.freedoms();
@@ -293,11 +332,26 @@ impl<'a> System<'a> {
                 .into_iter()
                 .map(|clique| clique.into_iter().filter_map(|node| local.get(&node).copied()).collect())
                 .collect();
-            part.order = minimum_degree(local.len(), &cliques, NEIGHBOURS)
-                .unwrap_or_else(|_| dissection(local.len(), &cliques));
+            part.order = minimum_degree(local.len(), &cliques, NEIGHBOURS).unwrap_or_else(|_| {
+                part.fills = true;
+                dissection(local.len(), &cliques)
+            });
         }
         self.parts = parts;
         self.fixed_rows = fixed_rows;
+    }
+
+    /// Gives all parts a length, and the order of elimination in which nodes have these turns.
+    pub(super) fn put_in_order(&mut self, length: f64, turn: &dyn Fn(Label) -> usize) {
+        let freedoms = self.jacobian.freedoms();
+        for part in &mut self.parts {
+            part.length = length;
+            let mut nodes: Vec<Label> =
+                part.columns.iter().map(|column| freedoms[*column as usize].node).collect();
+            nodes.dedup();
+            part.order = (0..nodes.len() as u32).collect();
+            part.order.sort_by_key(|group| turn(nodes[*group as usize]));
+        }
     }
 
     /// A part that was not looked at, for a front of so many columns would be too large.
@@ -368,6 +422,7 @@ impl<'a> System<'a> {
             }
             matrix.offsets.push(matrix.columns.len());
             matrix.rough.push(self.rough(part, row));
+            matrix.open.push(self.open(part, row));
         }
         (rows, matrix)
     }
@@ -388,6 +443,72 @@ impl<'a> System<'a> {
     pub(super) fn residuals(&self, part: &Part, sequence: &Sequence<'_>, state: &State) -> Vec<f64> {
         let of_source = self.evaluated(sequence, state);
         part.rows.iter().map(|row| self.residual(part, *row as usize, &of_source)).collect()
+    }
+
+    /// Rows whose derivatives do not exist, or have lost their digits, at the state that a sequence of the same plan comes to, ascending.
+    pub(super) fn without_derivative(&self, sequence: &Sequence<'_>, state: &State) -> Vec<u32> {
+        let mut flagged: HashSet<(Source, &'static str)> = HashSet::new();
+        let mut note = |source: Source, flags: &[Flag]| {
+            let is_one = |flag: &&Flag| match flag {
+                Flag::Singular { class, .. } | Flag::IllConditioned { class, .. } => {
+                    matches!(class, SingularClass::Kink | SingularClass::TrueSingularity)
+                }
+                flag => matches!(flag, Flag::NotFinite { .. }),
+            };
+            flagged.extend(flags.iter().filter(is_one).map(|flag| (source, flag.component())));
+        };
+        let Ok(()) = sequence.clone().visit(state, |item| -> Result<(), Infallible> {
+            match item {
+                Item::Connector(result) => note(Source::Connector(result.index), &result.flags),
+                Item::Mpc(result) => note(Source::Mpc(result.index), &result.flags),
+            }
+            Ok(())
+        });
+        if flagged.is_empty() {
+            return Vec::new();
+        }
+        let is_flagged = |origin: &Origin| match origin {
+            Origin::Boundary(_) => false,
+            Origin::Equation(Equation { source, component }) => {
+                let name = match source {
+                    Source::Connector(_) => COMPONENT[*component],
+                    Source::Mpc(index) => self.model.mpcs[*index].constraint.kind().row_name(*component),
+                };
+                flagged.contains(&(*source, name))
+                    // The three equations of rotation of a constraint share their set, which is named once.
+                    || matches!(source, Source::Mpc(_)) && name.starts_with('ρ') && flagged.contains(&(*source, "ρ1"))
+            }
+        };
+        (0..).zip(&self.origins).filter(|(_, origin)| is_flagged(origin)).map(|(row, _)| row).collect()
+    }
+
+    /// By how much a state moves what boundary conditions hold: rotations (rad), and displacements over the mean length of the parts.
+    pub(super) fn moves_held(&self, state: &State) -> f64 {
+        let held = &self.prescribed.held;
+        let lengths: f64 = self.parts.iter().map(|part| part.length).sum();
+        let length = if self.parts.is_empty() { 1.0 } else { lengths / self.parts.len() as f64 };
+        let mut largest = 0.0_f64;
+        for (node, motion) in &state.nodes {
+            let is_held = |number: u8| held.contains(Freedom { node: *node, number });
+            let along =
+                |vector: [f64; 3]| held.axes(*node).map_or(vector, |axes| crate::vector::apply(axes, vector));
+            let rotation = match motion.rotation {
+                Rotation::Vector(vector) => vector,
+                Rotation::Quaternion(q) => so3::log_quaternion(q),
+            };
+            let displacement = along(motion.displacement).map(|x| x / length);
+            // Of a rotation of which one component alone is held, that component is not zero by what turns about the others.
+            let turns = if (4..=6).filter(|number| is_held(*number)).count() > 1 {
+                along(rotation)
+            } else {
+                [0.0; 3]
+            };
+            let amounts = displacement.into_iter().chain(turns).chain([motion.flow / length]);
+            for (_, amount) in NUMBERS.into_iter().zip(amounts).filter(|(number, _)| is_held(*number)) {
+                largest = super::largest(&[largest, amount]);
+            }
+        }
+        largest
     }
 
     /// What is enforced and held, by connector (true) or MPC and index.

@@ -1,16 +1,19 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
-use super::dense::{least, made_of, singular_values};
+use super::dense::{dependent, least, made_of, singular_values};
 use super::eliminate::{Most, Sparse, Task, eliminate};
 use super::findings::findings;
+use super::found::look;
 use super::given::along;
+use super::local::judge;
+use super::naming::{exchange, named};
 use super::order::{dissection, minimum_degree};
-use super::redundant::only_here;
+use super::redundant::{judge_whole, only_here};
 use super::system::{Prescribed, System, request};
-use super::{Assembly, Position};
+use super::{Assembly, Holds, Position};
 use crate::audit::model::Finding;
 use crate::audit::sample::Draw;
-use crate::evaluate::{Fixed, Jacobian, Model, Plan};
+use crate::evaluate::{Fixed, Jacobian, Model, Plan, Sequence};
 use crate::scene::{Code, Scene, State};
 
 /// Rows over two or three groups of three columns each; of the last `dependent` rows each is a sum of multiples of three others that
@@ -102,6 +105,47 @@ fn rank_is_that_of_singular_values() {
             assert!(!made.is_empty() && !made.contains(row), "case {case}");
         }
     }
+}
+
+/// Without the rows that are named the rank is the same: always where elimination says so, and where it does not after an exchange, as here of
+/// a tenth of the cases.
+#[test]
+fn what_is_named_can_be_left_out() {
+    let mut draw = Draw::new("names");
+    let (mut misnamed, mut unnamed) = (0, 0);
+    for case in 0..200 {
+        let groups = 3 + draw.below(8);
+        let matrix = random(groups, 2 * groups + draw.below(2 * groups), 1 + draw.below(9), &mut draw);
+        let order = order(&matrix);
+        let rank_without = |dependent: &[u32]| {
+            let rest = (0..matrix.rows()).filter(|row| !dependent.contains(&(*row as u32)));
+            let mut some = Sparse { groups: matrix.groups.clone(), offsets: vec![0], ..Sparse::default() };
+            for row in rest {
+                some.columns.extend_from_slice(&matrix.columns[matrix.range(row)]);
+                some.values.extend_from_slice(&matrix.values[matrix.range(row)]);
+                some.offsets.push(some.columns.len());
+            }
+            let values = singular_values(&some);
+            values.iter().filter(|value| **value > 1e-11 * values[0]).count()
+        };
+        let mut outcome = eliminate(&matrix, &order, Task::default());
+        let is_right = rank_without(&outcome.dependent) == outcome.rank;
+        assert!(is_right || outcome.misnames, "case {case}");
+        misnamed += usize::from(!is_right);
+        exchange(&matrix, &order, Task::default(), &mut outcome);
+        unnamed += usize::from(outcome.dependent.is_empty());
+        assert!(
+            outcome.dependent.is_empty() || rank_without(&outcome.dependent) == outcome.rank,
+            "case {case}"
+        );
+        let last = dependent(&matrix);
+        assert_eq!(
+            (last.len(), rank_without(&last)),
+            (matrix.rows() - outcome.rank, outcome.rank),
+            "case {case}"
+        );
+    }
+    assert!(misnamed > 0 && unnamed == 0, "{misnamed} {unnamed}");
 }
 
 /// The order does not matter to what is found, but for which rows and columns are named.
@@ -314,6 +358,9 @@ fn sheared_grids_are_decided() {
         assert_eq!(outcome.free.len(), 2 * n - 3);
         assert_eq!(outcome.dependent.len(), matrix.rows() + 2 * n - 3 - matrix.width());
         assert!(outcome.is_decided());
+        // What it names is so, or is exchanged.
+        let all = named(&matrix, &order(&matrix), Task::default());
+        assert_eq!((all.rank, all.dependent.len()), (outcome.rank, outcome.dependent.len()));
         assert!(outcome.gap[0] < 1e-13 && outcome.gap[1] > 1e-4, "{n}: {:?}", outcome.gap);
         // Rows stay as sparse as they are.
         assert!(outcome.fill < 3 * matrix.rows(), "{n}: {} of {}", outcome.fill, matrix.rows());
@@ -369,4 +416,151 @@ fn what_is_not_assembled_is_told() {
     let first = Plan { connectors: vec![0], ..plan.clone() };
     system.jacobian = Jacobian::new(&model, &first, &Fixed::none(), |_, _| true);
     assert_eq!(told(&system), (0, Some(7), vec![Code::AssemblyNotAssembled]));
+}
+
+/// A chain of planar four-bars with bars between them, hinged about z, the first bar on the ground; those whose number is in `flat` are
+/// parallelograms folded flat, where there is one motion more.
+fn four_bars(count: usize, flat: &[usize]) -> String {
+    let (mut nodes, mut bars, mut hinges) = (Vec::<[f64; 2]>::new(), Vec::new(), Vec::new());
+    let mut last = None;
+    for n in 0..count {
+        let x = 5.0 * n as f64;
+        let at = if flat.contains(&n) {
+            [[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [2.0, 0.0]]
+        } else {
+            [[0.0, 0.0], [0.125, 1.0], [1.5, 1.25], [2.0, 0.0]]
+        };
+        let mut ends: Vec<Vec<usize>> = vec![Vec::new(); 4];
+        let mut bar = |from: [f64; 2], to: [f64; 2]| {
+            bars.push([nodes.len() + 1, nodes.len() + 2]);
+            nodes.extend([from, to]);
+            [nodes.len() - 1, nodes.len()]
+        };
+        let point = |k: usize| [at[k][0] + x, at[k][1]];
+        for k in 0..4 {
+            let [from, to] = bar(point(k), point((k + 1) % 4));
+            ends[k].push(from);
+            ends[(k + 1) % 4].push(to);
+        }
+        ends[0].extend(last);
+        let [from, to] = bar(point(3), [x + 5.0, 0.0]);
+        ends[3].push(from);
+        last = Some(to);
+        hinges.extend(
+            ends.iter().flat_map(|of| of.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>()),
+        );
+    }
+    let lines = |all: &[[usize; 2]], first: usize| -> String {
+        all.iter().enumerate().map(|(n, [a, b])| format!("{}, {a}, {b}\n", n + first)).collect()
+    };
+    let nodes: String =
+        nodes.iter().enumerate().map(|(n, [x, y])| format!("{}, {x:?}, {y:?}, 0.\n", n + 1)).collect();
+    format!(
+        "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{}*ELEMENT, TYPE=CONN3D2, ELSET=H\n{}*ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n\
+         *CONNECTOR SECTION, ELSET=H\nHINGE\nZ,\n*CONNECTOR SECTION, ELSET=L\nBEAM\n*BOUNDARY\n1, 1, 6\n",
+        lines(&bars, 1),
+        lines(&hinges, bars.len() + 1)
+    )
+}
+
+/// Neighbourhoods tell of each redundant constraint what the whole tells when it is moved, whatever their size; what is at this state only they do
+/// not know of the rest.
+#[test]
+fn neighbourhoods_tell_what_the_whole_tells() {
+    let (text, here) = (four_bars(4, &[1]), 1);
+    let scene = Scene::parse("scene.inp", &text).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let prescribed = Prescribed::of(&scene, 1).unwrap();
+    let plan = Plan::everything(&model, request());
+    let system = System::new(&model, &plan, &prescribed);
+    let mut values = Vec::new();
+    Sequence::new(&model, &plan).assemble(&State::default(), &system.jacobian, &mut values).unwrap();
+    let found = look(&system, &values, (&[], &[]), true);
+    let (part, found) = (&system.parts[0], found[0].as_ref().unwrap_or_else(|_| panic!()));
+    let count = |all: &[Holds], of: Holds| all.iter().filter(|holds| **holds == of).count();
+    let whole = judge_whole(&system, part, found);
+    assert_eq!(count(&whole, Holds::Here), here);
+    assert_eq!(count(&whole, Holds::Throughout), whole.len() - here);
+    let sizes = [30, 240];
+    let local = judge(&system, part, found, &sizes);
+    let as_local = |holds: &Holds| if *holds == Holds::Here { Holds::Loop } else { *holds };
+    assert_eq!(local, whole.iter().map(as_local).collect::<Vec<_>>(), "{sizes:?}");
+    // Neighbourhoods without the loop do not tell.
+    let none = judge(&system, part, found, &[20]);
+    assert_eq!(count(&none, Holds::Large), none.len());
+}
+
+/// A cubic lattice of n³ nodes moved off it, with LINKs between neighbours and, `besides`, some between next neighbours; the first node is held.
+fn lattice(n: usize, besides: &[[usize; 2]]) -> String {
+    let at = |i: usize, j: usize, k: usize| (i * n + j) * n + k + 1;
+    let mut draw = Draw::new("lattice");
+    let (mut nodes, mut links) = (String::new(), Vec::new());
+    for (i, j, k) in (0..n * n * n).map(|v| (v / n / n, v / n % n, v % n)) {
+        let [x, y, z] = [i, j, k].map(|x| x as f64 + draw.between(-0.1, 0.1));
+        nodes += &format!("{}, {x:?}, {y:?}, {z:?}\n", at(i, j, k));
+        for (p, q, r) in [(i + 1, j, k), (i, j + 1, k), (i, j, k + 1)] {
+            if p.max(q).max(r) < n {
+                links.push([at(i, j, k), at(p, q, r)]);
+            }
+        }
+    }
+    links.extend(besides);
+    let links: String =
+        links.iter().enumerate().map(|(m, [a, b])| format!("{}, {a}, {b}\n", m + 1)).collect();
+    format!(
+        "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{links}*CONNECTOR SECTION, ELSET=L\nLINK\n*BOUNDARY\n1, 1, 3\n"
+    )
+}
+
+/// A part that fills has its rank from products with its matrix: the same as by elimination, with a redundant link named that closes what was rigid.
+#[test]
+fn products_find_what_elimination_finds() {
+    // All of the first cell is braced: 8 nodes with 3 held, 12 + 9 links and one too many.
+    let n = 6;
+    let at = |i: usize, j: usize, k: usize| (i * n + j) * n + k + 1;
+    let braces = [
+        [at(0, 0, 0), at(1, 1, 0)],
+        [at(0, 0, 0), at(1, 0, 1)],
+        [at(0, 0, 0), at(0, 1, 1)],
+        [at(1, 1, 1), at(0, 0, 1)],
+        [at(1, 1, 1), at(0, 1, 0)],
+        [at(1, 1, 1), at(1, 0, 0)],
+        [at(1, 1, 0), at(0, 1, 1)],
+    ];
+    for (besides, redundant) in [(&braces[..6], 0), (&braces[..], 1)] {
+        let scene = Scene::parse("scene.inp", &lattice(n, besides)).unwrap();
+        let model = Model::compile(&scene).unwrap();
+        let prescribed = Prescribed::of(&scene, 1).unwrap();
+        let plan = Plan::everything(&model, request());
+        let mut system = System::new(&model, &plan, &prescribed);
+        let analysed = |system: &System<'_>| {
+            let mut assembly = Assembly::none(1);
+            super::of_system(system, &[], &|_| true, &mut assembly);
+            assembly
+        };
+        assert!(!system.parts[0].fills);
+        let by_elimination = analysed(&system);
+        system.parts[0].fills = true;
+        let by_products = analysed(&system);
+        assert!(by_products.largest_front == 0 && by_elimination.largest_front > 0);
+        assert!(by_elimination.is_decided() && by_products.is_decided());
+        let numbers = |of: &Assembly| {
+            let Position { rank, mobility, undriven, redundant, .. } = of.positions[0];
+            [rank, mobility, undriven, redundant]
+        };
+        assert_eq!(numbers(&by_products), numbers(&by_elimination));
+        assert_eq!(by_products.positions[0].redundant, Some(redundant));
+        // It follows from the other 18 links of its cell, or some of them; that by elimination is one of those.
+        assert_eq!(by_products.redundant.len(), redundant);
+        for (one, other) in by_products.redundant.iter().zip(&by_elimination.redundant) {
+            assert!((12..=18).contains(&one.from.len()), "{:?}", one.from);
+            assert!(
+                one.constraint == other.constraint || one.from.contains(&other.constraint),
+                "{one:?} {other:?}"
+            );
+        }
+        // Of many motions some are named, each with all that moves.
+        assert_eq!(by_products.modes.len(), 8);
+        assert!(by_products.modes.iter().all(|mode| mode.moving.is_some() && mode.decided));
+    }
 }

@@ -127,6 +127,15 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         let states = count(assembly.off.len(), "state");
         paragraph(out, &format!("{states} not looked at, for not satisfying the constraints"), 2, width)?;
     }
+    if !assembly.off_boundary.is_empty() {
+        let states = count(assembly.off_boundary.len(), "state");
+        paragraph(
+            out,
+            &format!("{states} not looked at, for moving what boundary conditions hold"),
+            2,
+            width,
+        )?;
+    }
     Ok(())
 }
 

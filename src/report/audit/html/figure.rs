@@ -27,6 +27,8 @@ impl Place {
 /// A curve on log axes.
 pub(crate) struct Curve<'a> {
     pub(crate) name: &'a str,
+    /// Whether it is what the plot is about.
+    pub(crate) is_main: bool,
     /// 1, 2, 3 …: colour and dashes.
     pub(crate) colour: u8,
     pub(crate) points: Vec<[f64; 2]>,
@@ -35,6 +37,8 @@ pub(crate) struct Curve<'a> {
 /// What a plot on log axes shows.
 pub(crate) struct LogPlot<'a> {
     pub(crate) title: &'a str,
+    /// What stands above the axes, below the title: where that is none, the title does not either.
+    pub(crate) heading: Vec<String>,
     pub(crate) x_name: &'a str,
     pub(crate) y_name: &'a str,
     pub(crate) curves: Vec<Curve<'a>>,
@@ -63,6 +67,7 @@ struct Dot {
 
 struct Drawn {
     colour: u8,
+    radius: f64,
     line: String,
     dots: Vec<Dot>,
 }
@@ -72,6 +77,8 @@ struct Drawn {
 struct PlotTemplate<'a> {
     title: &'a str,
     style: Option<&'static str>,
+    head: f64,
+    heading: Vec<Line<'a>>,
     width: f64,
     height: f64,
     axis_name: f64,
@@ -86,6 +93,13 @@ struct PlotTemplate<'a> {
     levels: Vec<Level<'a>>,
     curves: Vec<Drawn>,
     names: Vec<Name<'a>>,
+}
+
+/// A line above the axes.
+struct Line<'a> {
+    class: &'static str,
+    y: f64,
+    text: &'a str,
 }
 
 /// A curve in the legend.
@@ -148,7 +162,9 @@ fn rounded(x: f64) -> f64 {
 impl LogPlot<'_> {
     /// The plot as SVG.
     pub(crate) fn svg(&self, place: Place) -> String {
-        let (width, mut height, left, right, top, bottom) = (420.0, 250.0, 48.0, 408.0, 26.0, 206.0);
+        let (width, left, right, top) = (420.0, 48.0, 408.0, 26.0);
+        let mut height = if self.has_legend { 330.0 } else { 250.0 };
+        let bottom = height - 44.0;
         let names: Vec<Name<'_>> = if self.has_legend {
             let each = self.curves.iter().enumerate();
             each.map(|(i, curve)| Name {
@@ -176,11 +192,18 @@ impl LogPlot<'_> {
                 let title = format!("{}: {h:.1e}, {error:.3e}", curve.name);
                 dots.push(Dot { x: at[0], y: at[1], clamped: error == 0.0, title });
             }
-            Drawn { colour: curve.colour, line: line.trim_end().to_string(), dots }
+            let radius = if curve.is_main { 4.0 } else { 2.4 };
+            Drawn { colour: curve.colour, radius, line: line.trim_end().to_string(), dots }
         });
+        let head = if self.heading.is_empty() { 0.0 } else { 20.0 + 12.0 * self.heading.len() as f64 };
+        let title = (!self.heading.is_empty()).then_some(Line { class: "label", y: 15.0, text: self.title });
+        let below = self.heading.iter().enumerate();
+        let below = below.map(|(i, text)| Line { class: "tiny", y: 28.0 + 12.0 * i as f64, text });
         let page = PlotTemplate {
             title: self.title,
             style: place.style(),
+            head,
+            heading: title.into_iter().chain(below).collect(),
             width,
             height,
             axis_name,
@@ -209,11 +232,22 @@ pub(super) fn rendered(template: &impl Template) -> String {
 pub(super) fn steps(shown: &Illustration, place: Place) -> String {
     let plot = LogPlot {
         title: &format!("{}: error of ∂f·v against the step", shown.subject),
+        heading: Vec::new(),
         x_name: "step h",
         y_name: "error, tolerances",
         curves: vec![
-            Curve { name: "Taylor remainder / h", colour: 1, points: shown.steps.remainder.clone() },
-            Curve { name: "central difference", colour: 2, points: shown.steps.differences.clone() },
+            Curve {
+                name: "Taylor remainder / h",
+                is_main: false,
+                colour: 1,
+                points: shown.steps.remainder.clone(),
+            },
+            Curve {
+                name: "central difference",
+                is_main: false,
+                colour: 2,
+                points: shown.steps.differences.clone(),
+            },
         ],
         levels: vec![(1.0, "tolerance")],
         has_legend: false,

@@ -563,11 +563,13 @@ fn step_cards(supplement: &Supplement<'_>) -> Vec<StepCard> {
 pub(super) fn approach(found: &Approach, place: Place) -> String {
     let curve = |name, colour, of: fn(&crate::audit::atlas::Rung) -> f64| Curve {
         name,
+        is_main: false,
         colour,
         points: found.rungs.iter().map(|rung| [rung.distance, of(rung)]).collect(),
     };
     let plot = LogPlot {
         title: &format!("{} {}: {}", found.connection, found.component, found.at),
+        heading: Vec::new(),
         x_name: "distance to the singular set",
         y_name: "roundings; size",
         curves: vec![

@@ -1,0 +1,70 @@
+//! What the programs of time against error have in common.
+
+use pintle::bench::{Element, Settings, Subject};
+use pintle::measure::Measure;
+use pintle::node::{DOFS, Pair};
+
+/// States that differ, and how many elements a batch has.
+const STATES: usize = 64;
+const BATCH: usize = 1024;
+/// The columns x_a, θ_a, x_b, θ_b in a row of all nodal degrees of freedom.
+const PLACE: [usize; 12] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12];
+
+pub(crate) fn settings() -> Settings {
+    Settings { states: STATES, batch: BATCH, ..Settings::default() }
+}
+
+/// X_b − X_a, U_a, U_b, A and B by rows.
+fn numbers(pair: &Pair<f64>) -> [f64; 27] {
+    let vectors = [pair.reference, pair.a.displacement, pair.b.displacement];
+    let triads = [pair.a.triad, pair.b.triad];
+    let mut all = vectors.iter().flatten().chain(triads.as_flattened().as_flattened());
+    std::array::from_fn(|_| *all.next().unwrap())
+}
+
+/// The states as the others read them.
+pub(crate) fn flat(subject: &Subject) -> Vec<[f64; 27]> {
+    subject.elements.iter().map(|element| numbers(&element.state.pair)).collect()
+}
+
+/// Whether the rows of a subject are those that are written in this folder, where misalignment is measured from Q₀ = I.
+pub(crate) fn is_written(subject: &Subject) -> Result<(), &'static str> {
+    use Measure::{Cardan, Cosine, Misalignment, Position, RotationVector};
+    let three = |of: fn(usize) -> Measure| [1, 2, 3].map(of);
+    let rows: Vec<Measure> = match subject.connection.name.as_ref() {
+        "SLIDE-PLANE" => three(Position).to_vec(),
+        "REVOLUTE" => vec![Cardan(1), Cosine(1, 3), Cosine(1, 2)],
+        "TRANSLATOR" => [three(Position), three(Misalignment)].concat(),
+        "ROTATION" => three(RotationVector).to_vec(),
+        "CARDAN" => three(Cardan).to_vec(),
+        _ => return Err("its rows are not written"),
+    };
+    // Two triads that are one have a product that is I but for rounding.
+    let is_misaligned = |element: &Element| {
+        let q0 = element.connector.section().initial_orientation;
+        let off = |i: usize, j: usize| (q0[i][j] - f64::from(u8::from(i == j))).abs();
+        (0..3).any(|i| (0..3).any(|j| off(i, j) > 4.0 * f64::EPSILON))
+    };
+    if subject.measures != rows {
+        Err("its rows here are not those that are written")
+    } else if rows.contains(&Misalignment(1)) && subject.elements.iter().any(is_misaligned) {
+        Err("it is misaligned initially")
+    } else {
+        Ok(())
+    }
+}
+
+/// A row of twelve columns among all degrees of freedom.
+pub(crate) fn spread(columns: &[f64; 12]) -> [f64; DOFS] {
+    let mut row = [0.0; DOFS];
+    PLACE.iter().zip(columns).for_each(|(j, x)| row[*j] = *x);
+    row
+}
+
+pub(crate) fn spread_matrix(matrix: &[[f64; 12]; 12]) -> [f64; DOFS * DOFS] {
+    let mut all = [0.0; DOFS * DOFS];
+    for (i, line) in PLACE.iter().zip(matrix) {
+        PLACE.iter().zip(line).for_each(|(j, x)| all[i * DOFS + j] = *x);
+    }
+    all
+}

@@ -1,0 +1,238 @@
+//! num-dual as it comes, with a seed for each nodal degree of freedom, beside which pintle is measured.
+//!
+//! A program of its own, so that it can have its best build whatever the build of pintle costs: its functions are compiled with their
+//! caller, and `scripts/measure.py` compiles this in one unit and for the processor at hand,
+//! `cargo rustc --profile bench --all-features --bench num_dual -- -C codegen-units=1 -C target-cpu=native`. In the sixteen units of the profile they are
+//! called instead of inlined, and take five times as long.
+//!
+//! It takes part in what the script measures, as the peers in Python do: with `--peers FILE` on the states that `benches/peers.rs` exports, with
+//! `--precision` on those of `benches/work_precision.rs`. Without either it prints one round of the latter.
+#![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
+
+mod hand {
+    pub(crate) mod common;
+    pub(crate) mod naive;
+    pub(crate) mod types;
+}
+
+use hand::common::{flat, is_written, settings, spread, spread_matrix};
+use hand::naive;
+use hand::types::TYPES;
+use num_dual::{Dual2SVec, DualSVec};
+use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Subject};
+use pintle::catalog::ConnectionType;
+use pintle::report::bench as report;
+use pintle::scalar::Seeded;
+use serde_json::{Map, Value, json};
+use std::hint::black_box;
+use std::io::{BufRead, Write};
+use std::time::{Duration, Instant};
+
+/// States per call, as in `peers.rs`.
+const BATCHES: [usize; 4] = [32, 1000, 4096, 100_000];
+/// The time of one measurement, of which the least call counts.
+const BUDGET: Duration = Duration::from_millis(25);
+/// The largest error over the largest entry of the row, by formulas without branches as close to half a turn as the states come.
+const BOUND: f64 = 1e-6;
+
+/// num-dual as it comes, a seed for each degree of freedom.
+struct NumDual(Order);
+
+impl Method for NumDual {
+    fn name(&self) -> &'static str {
+        "num-dual, 12 seeds"
+    }
+
+    fn order(&self) -> Order {
+        self.0
+    }
+
+    fn cause(&self) -> Cause {
+        Cause::NoBranches
+    }
+
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        is_written(subject)?;
+        Ok(Box::new(ByNumDual {
+            order: self.0,
+            name: &subject.connection.name,
+            flat: flat(subject),
+            count: subject.rows(),
+            rows: [[0.0; 12]; 6],
+            hessians: [[[0.0; 12]; 12]; 6],
+        }))
+    }
+}
+
+struct ByNumDual<'s> {
+    order: Order,
+    name: &'s str,
+    flat: Vec<[f64; 27]>,
+    count: usize,
+    rows: [[f64; 12]; 6],
+    hessians: [[[f64; 12]; 12]; 6],
+}
+
+impl ByNumDual<'_> {
+    #[inline(always)]
+    fn one(&mut self, i: usize) {
+        let (state, first, second) = (&self.flat[i], &mut self.rows, &mut self.hessians);
+        match self.order {
+            Order::Jacobian => naive::rows(self.name, state, &mut |r, x: DualSVec<f64, 12>| {
+                first[r] = Seeded::gradient(x);
+            }),
+            _ => naive::rows(self.name, state, &mut |r, x: Dual2SVec<f64, 12>| {
+                second[r] = Seeded::hessian(x);
+            }),
+        }
+    }
+}
+
+impl Prepared for ByNumDual<'_> {
+    fn run(&mut self) {
+        for i in 0..self.flat.len() {
+            self.one(i);
+            black_box((&mut self.rows, &mut self.hessians));
+        }
+    }
+
+    fn states(&self) -> usize {
+        self.flat.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        let mut all = Vec::new();
+        for i in 0..self.flat.len() {
+            self.one(i);
+            match self.order {
+                Order::Jacobian => all.extend(self.rows[..self.count].iter().flat_map(spread)),
+                _ => all.extend(self.hessians[..self.count].iter().flat_map(spread_matrix)),
+            }
+        }
+        all
+    }
+}
+
+/// A value and its derivatives by x_a, θ_a, x_b, θ_b.
+type Entry = (f64, [f64; 12]);
+
+/// The rows of a state.
+fn rows(name: &str, state: &[f64], put: &mut impl FnMut(usize, Entry)) {
+    naive::rows(name, state, &mut |r, x: DualSVec<f64, 12>| put(r, (x.re, Seeded::gradient(x))));
+}
+
+/// The states that others read, and the truth of each type.
+struct Peers {
+    states: Vec<[f64; 27]>,
+    truth: Map<String, Value>,
+}
+
+impl Peers {
+    fn read(path: &str) -> Self {
+        let content: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+        let states = content["states"].as_array().unwrap().iter();
+        let states = states.map(|state| numbers(state).try_into().unwrap()).collect();
+        Self { states, truth: content["types"].as_object().unwrap().clone() }
+    }
+
+    /// The largest errors by type; panics where one is not small.
+    fn errors(&self) -> Value {
+        let of = self.truth.iter().map(|(name, truth)| {
+            let mut worst: f64 = 0.0;
+            for (i, state) in self.states.iter().enumerate() {
+                rows(name, state, &mut |r, (value, columns)| {
+                    let (known, exact) =
+                        (truth["values"][i][r].as_f64().unwrap(), numbers(&truth["jacobian"][i][r]));
+                    let scale = exact.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+                    let entries = columns.iter().zip(exact).map(|(x, y)| (x - y).abs() / scale);
+                    for error in entries.chain([(value - known).abs() / scale.max(known.abs())]) {
+                        worst = worst.max(if error.is_nan() { f64::INFINITY } else { error });
+                    }
+                });
+            }
+            assert!(worst < BOUND, "{name}: {worst:e} where {BOUND:e} is allowed");
+            (name.clone(), json!(worst))
+        });
+        json!({ "num-dual": of.collect::<Map<String, Value>>() })
+    }
+
+    /// ns per state, by batch and type.
+    fn round(&self) -> Value {
+        let mut times = Map::new();
+        for count in BATCHES {
+            let states: Vec<f64> = self.states.iter().cycle().take(count).flatten().copied().collect();
+            let of = self.truth.iter().map(|(name, truth)| {
+                let n = truth["values"][0].as_array().unwrap().len();
+                let mut found = vec![(0.0, [0.0; 12]); n * count];
+                let ns = time(count, || {
+                    for (state, found) in black_box(&states).chunks_exact(27).zip(found.chunks_exact_mut(n)) {
+                        rows(name, state, &mut |r, row| found[r] = row);
+                    }
+                    black_box(&mut found);
+                });
+                (name.clone(), json!(ns / count as f64))
+            });
+            times.insert(count.to_string(), Value::Object(of.collect()));
+        }
+        json!({ "num-dual": times })
+    }
+}
+
+fn numbers(of: &Value) -> Vec<f64> {
+    of.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+/// The least time of one call within the budget, in ns.
+fn time(count: usize, mut call: impl FnMut()) -> f64 {
+    let calls = 2048 / count.min(2048);
+    let (begin, mut least) = (Instant::now(), f64::INFINITY);
+    let mut samples = 0;
+    while samples < 3 || begin.elapsed() < BUDGET {
+        let start = Instant::now();
+        (0..calls).for_each(|_| call());
+        least = least.min(start.elapsed().as_secs_f64() / calls as f64);
+        samples += 1;
+    }
+    1e9 * least
+}
+
+/// What is known first, then a round for each line read.
+fn serve(greeting: &Value, mut round: impl FnMut() -> Value) {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{greeting}").unwrap();
+    out.flush().unwrap();
+    for line in std::io::stdin().lock().lines() {
+        line.unwrap();
+        writeln!(out, "{}", round()).unwrap();
+        out.flush().unwrap();
+    }
+}
+
+fn main() {
+    let words: Vec<String> = std::env::args().collect();
+    if let Some(at) = words.iter().position(|word| word == "--peers") {
+        let peers = Peers::read(&words[at + 1]);
+        serve(&json!({ "errors": peers.errors(), "versions": {} }), || peers.round());
+        return;
+    }
+    let settings = settings();
+    let mut found = Report::new(&settings);
+    let types = TYPES.map(|name| ConnectionType::named(name, None).unwrap());
+    let subjects: Vec<Subject> =
+        types.iter().flat_map(|connection| found.subjects(&settings, connection)).collect();
+    let methods = [NumDual(Order::Jacobian), NumDual(Order::Hessian)];
+    let methods: Vec<&dyn Method> = methods.iter().map(|method| method as &dyn Method).collect();
+    let mut session = Session::new(&settings, &subjects, &methods).unwrap();
+    if words.iter().any(|word| word == "--precision") {
+        found.take(&session);
+        let mut greeting = json!({ "points": found.points, "untimed": found.untimed, "versions": {} });
+        for point in greeting["points"].as_array_mut().unwrap() {
+            point["nanoseconds"] = json!(0.0);
+        }
+        serve(&greeting, || json!(session.round()));
+        return;
+    }
+    drop(session.round());
+    found.take(&session);
+    report::human(&mut anstream::stdout().lock(), &found, 110).unwrap();
+}

@@ -1,0 +1,225 @@
+//! Where do the redundancies of a part hold that is too large to be moved as a whole?
+//!
+//! What a constraint follows from lies in its neighbourhood, as a rule: in the loops that go through its connector. So a neighbourhood is cut
+//! out, with what holds it to the ground, and moved by itself; where it does not have all that the constraint follows from, a larger one. Cut out,
+//! it can go wherever it can go in the whole, and further:
+//! what depends on others wherever the neighbourhood goes does so in the whole, and what cannot move by itself cannot move there. What does not
+//! depend on others elsewhere holds at this state only, unless the rest keeps the neighbourhood here ([`Holds::Loop`]).
+//!
+//! A neighbourhood that nothing holds is held by one node, for it is not to be moved as a rigid body. Its nodes are eliminated in the order of the whole,
+//! so that of constraints that depend on each other the same are named.
+
+use super::Holds;
+use super::eliminate::Task;
+use super::found::Found;
+use super::moving::elsewhere;
+use super::naming::named;
+use super::system::{Origin, Part, Role, System, request};
+use crate::evaluate::{Equation, Freedom, NUMBERS, Plan, Sequence, Source};
+use crate::scene::{Label, State};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
+
+/// The degrees of freedom of neighbourhoods, which are tried one after the other.
+pub(super) const SIZES: [usize; 4] = [600, 2_400, 9_600, 20_000];
+/// The degrees of freedom of all neighbourhoods of a part together: some minutes of processor.
+const WORK: usize = 8_000_000;
+/// The states that a neighbourhood is moved to.
+const SAMPLES: usize = 2;
+/// Neighbourhoods that are looked at at once.
+const BATCH: usize = 16;
+
+/// What is where in a part.
+struct Surroundings<'a> {
+    system: &'a System<'a>,
+    part: &'a Part,
+    /// Its nodes that are not held: the number of their degrees of freedom, and their turn in the order of elimination.
+    nodes: HashMap<Label, (usize, usize)>,
+    /// Connectors and MPCs by those nodes.
+    sources: HashMap<Label, Vec<Source>>,
+    /// The redundant constraints.
+    wanted: HashMap<Equation, u32>,
+}
+
+/// What was found in a neighbourhood.
+struct Looked {
+    /// Its degrees of freedom.
+    size: usize,
+    /// Redundant rows, and where they hold.
+    rows: Vec<(u32, Holds)>,
+}
+
+/// Where the redundant rows of a part hold, in their order, from neighbourhoods of these sizes.
+pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found, sizes: &[usize]) -> Vec<Holds> {
+    let around = Surroundings::new(system, part, found);
+    let mut open: BTreeMap<Source, Vec<u32>> = BTreeMap::new();
+    for (equation, row) in &around.wanted {
+        open.entry(equation.source).or_default().push(*row);
+    }
+    let mut holds: HashMap<u32, Holds> = HashMap::new();
+    let mut work = 0;
+    for size in sizes {
+        let mut later = BTreeMap::new();
+        while !open.is_empty() && work < WORK {
+            let stride = open.len().div_ceil(BATCH);
+            let seeds: Vec<Source> = open.keys().step_by(stride).copied().collect();
+            let looked: Vec<Looked> = seeds.par_iter().map(|seed| around.look(*seed, *size)).collect();
+            for one in looked {
+                work += one.size;
+                for (row, is) in one.rows {
+                    holds.entry(row).or_insert(is);
+                }
+            }
+            open.retain(|_, rows| {
+                rows.retain(|row| !holds.contains_key(row));
+                !rows.is_empty()
+            });
+            // Of what its own neighbourhood does not tell a larger one is looked at.
+            for seed in seeds {
+                later.extend(open.remove_entry(&seed));
+            }
+        }
+        open.extend(later);
+    }
+    let of = |row: &u32| holds.get(row).copied().unwrap_or(Holds::Large);
+    found.constraints.dependent.iter().map(of).collect()
+}
+
+impl<'a> Surroundings<'a> {
+    fn new(system: &'a System<'a>, part: &'a Part, found: &Found) -> Self {
+        let freedoms = system.jacobian.freedoms();
+        let mut labels: Vec<(Label, usize)> = Vec::new();
+        for column in &part.columns {
+            let node = freedoms[*column as usize].node;
+            match labels.last_mut() {
+                Some((last, count)) if *last == node => *count += 1,
+                _ => labels.push((node, 1)),
+            }
+        }
+        let turns = part.order.iter().enumerate();
+        let nodes: HashMap<Label, (usize, usize)> = turns
+            .filter_map(|(turn, group)| {
+                let (label, count) = labels.get(*group as usize)?;
+                Some((*label, (*count, turn)))
+            })
+            .collect();
+        let mut sources: HashMap<Label, Vec<Source>> = HashMap::new();
+        let connectors = part.connectors.iter().map(|index| Source::Connector(*index));
+        let all: BTreeSet<Source> =
+            connectors.chain(part.mpcs.iter().map(|index| Source::Mpc(*index))).collect();
+        for source in all {
+            for node in nodes_of(system, source).filter(|node| nodes.contains_key(node)) {
+                sources.entry(node).or_default().push(source);
+            }
+        }
+        let wanted = found.constraints.dependent.iter().filter_map(|row| {
+            match system.origins[found.rows[*row as usize] as usize] {
+                Origin::Equation(equation) => Some((equation, *row)),
+                Origin::Boundary(_) => None,
+            }
+        });
+        Self { system, part, nodes, sources, wanted: wanted.collect() }
+    }
+
+    /// The nodes about a connector or MPC, by their distance, up to a number of degrees of freedom; and the connectors and MPCs of which no other node
+    /// is free.
+    fn neighbourhood(&self, seed: Source, size: usize) -> (BTreeSet<Label>, BTreeSet<Source>) {
+        let is_free = |node: &Label| self.nodes.contains_key(node);
+        // Where more meet, others lead to them.
+        let at = |node: &Label| {
+            self.sources.get(node).map(Vec::as_slice).filter(|all| all.len() <= size).unwrap_or_default()
+        };
+        let mut queue: VecDeque<Label> = nodes_of(self.system, seed).filter(is_free).collect();
+        let mut inside: BTreeSet<Label> = queue.iter().copied().collect();
+        let count = |node: &Label| self.nodes.get(node).map_or(0, |(count, _)| *count);
+        let mut total: usize = inside.iter().map(count).sum();
+        while let Some(node) = queue.pop_front().filter(|_| total < size) {
+            for other in at(&node).iter().flat_map(|source| nodes_of(self.system, *source)).filter(is_free) {
+                if inside.insert(other) {
+                    total += count(&other);
+                    queue.push_back(other);
+                }
+            }
+        }
+        let is_inside = |source: &Source| {
+            nodes_of(self.system, *source).all(|node| !is_free(&node) || inside.contains(&node))
+        };
+        let mut sources: BTreeSet<Source> = inside.iter().flat_map(at).copied().filter(is_inside).collect();
+        sources.insert(seed);
+        (inside, sources)
+    }
+
+    /// Moves the neighbourhood of a connector or MPC.
+    fn look(&self, seed: Source, size: usize) -> Looked {
+        let (inside, sources) = self.neighbourhood(seed, size);
+        let model = self.system.model;
+        let mut looked = Looked { size: inside.len() * 6, rows: Vec::new() };
+        let (mut connectors, mut mpcs) = (Vec::new(), Vec::new());
+        for source in &sources {
+            match source {
+                Source::Connector(index) => connectors.push(*index),
+                Source::Mpc(index) => mpcs.push(*index),
+            }
+        }
+        let nodes: BTreeSet<Label> = sources
+            .iter()
+            .flat_map(|source| nodes_of(self.system, *source))
+            .chain(inside.iter().copied())
+            .collect();
+        let elements: Vec<Label> = connectors.iter().map(|index| model.connectors[*index].label).collect();
+        let given = self.system.prescribed;
+        let mut prescribed = given.restricted(&nodes, &elements, &[]);
+        let is_grounded = connectors.iter().any(|index| model.connectors[*index].nodes.contains(&None));
+        if !is_grounded && prescribed.held.iter().next().is_none() {
+            let last = inside.iter().max_by_key(|node| self.nodes.get(node).map_or(0, |(_, turn)| *turn));
+            let held: Vec<Freedom> = last
+                .iter()
+                .flat_map(|node| NUMBERS.map(|number| Freedom { node: **node, number }))
+                .filter(|freedom| freedom.number <= 6)
+                .collect();
+            prescribed = given.restricted(&nodes, &elements, &held);
+        }
+        let plan = Plan { connectors, mpcs, nodes, request: request() };
+        let mut own = System::new(model, &plan, &prescribed);
+        own.put_in_order(self.part.length, &|node| self.nodes.get(&node).map_or(0, |(_, turn)| *turn));
+        let sequence = Sequence::new(model, &plan);
+        let (start, mut values) = (State::default(), Vec::new());
+        if sequence.clone().assemble(&start, &own.jacobian, &mut values).is_err() {
+            return looked;
+        }
+        for part in &own.parts {
+            let (rows, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
+            let here = named(&matrix, &part.order, Task { keep: true, ..Task::default() });
+            let known: Vec<(u32, u32)> = here
+                .dependent
+                .iter()
+                .filter_map(|row| match own.origins[rows[*row as usize] as usize] {
+                    Origin::Equation(equation) => Some((*row, *self.wanted.get(&equation)?)),
+                    Origin::Boundary(_) => None,
+                })
+                .collect();
+            if known.is_empty() || !here.is_decided() {
+                continue;
+            }
+            let there = elsewhere(&own, part, &sequence, &start, &here, SAMPLES);
+            let there: HashMap<u32, Holds> = here.dependent.iter().copied().zip(there).collect();
+            looked.rows.extend(known.iter().filter_map(|(row, of_whole)| match *there.get(row)? {
+                Holds::Here => Some((*of_whole, Holds::Loop)),
+                Holds::Unjudged => None,
+                holds => Some((*of_whole, holds)),
+            }));
+        }
+        looked
+    }
+}
+
+/// The nodes of a connector or MPC.
+fn nodes_of<'a>(system: &System<'a>, source: Source) -> impl Iterator<Item = Label> + use<'a> {
+    let model = system.model;
+    let (of_connector, of_mpc) = match source {
+        Source::Connector(index) => (Some(&model.connectors[index].nodes), None),
+        Source::Mpc(index) => (None, Some(&model.mpcs[index].nodes)),
+    };
+    let of_connector = of_connector.into_iter().flatten().flatten();
+    of_connector.chain(of_mpc.into_iter().flatten()).copied()
+}
