@@ -5,6 +5,8 @@
 //! exception is a *one-form* ([`Measure::FlowConversion`]): its rate is given, its value is what the rate accumulates.
 
 pub(crate) mod formula;
+#[cfg(test)]
+mod tests;
 
 use crate::node::{self, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::elementary::{norm, recip};

@@ -399,6 +399,10 @@ fn gradients_and_hessians() {
     let x = Wide::moving(Wide::integer(1), zero, Wide::integer(-4));
     let y = Wide::moving(zero, Wide::integer(2), zero);
     assert_eq!(Wide::rates(elementary::atan2(y, x)), (Wide::integer(2), zero));
+    // Of second derivatives given whole, those on and below the diagonal count, for others are not filled in.
+    let [two, five, eleven, unused] = [2, 5, 11, 99].map(Wide::integer);
+    let given = Dual2SVec::<Wide, 2>::assemble(zero, [zero; 2], [[two, unused], [five, eleven]]);
+    assert_eq!(given.hessian(), [[two, five], [five, eleven]]);
     let single = elementary::recip(Dual::new(Wide::integer(3), Wide::integer(1)));
     assert!(near(single.eps, Wide::ratio(-1, 9)));
 }
@@ -487,9 +491,13 @@ fn numbers_obey_their_traits() {
         (quarter.re(), Wide::from_inner(&quarter), <Wide as DualNum>::from_re(quarter)),
         (0.25, quarter, quarter)
     );
+    assert_eq!((Wide::from(-7.0), Wide::from(0.25)), (seven, quarter));
     assert_eq!(DualNum::scale(quarter, &seven) * 4.0, seven);
     assert_eq!(Scalar::scale(quarter, seven) * 4.0, seven);
     assert_eq!((Scalar::real(quarter), Scalar::nilpotent(quarter)), (quarter, none));
+    assert_eq!(Scalar::with_real(quarter, seven), seven);
+    let nearest = [2.5, -2.5, 0.25, -7.75].map(|x| Wide::from_f64(x).nearest_integer());
+    assert_eq!(nearest, [3, -3, 0, -8].map(Wide::integer));
     assert_eq!(DualNum::sin_cos(&quarter), quarter.sine_cosine());
     assert_eq!(DualNum::atan2(&quarter, seven), quarter.arctangent(seven));
     // Far out, where eˣ overflows, the hyperbolic tangent is 1.

@@ -323,7 +323,7 @@ impl<'a, L: Ord + Copy> InStep<'a, L> {
 }
 
 fn index(component: u8) -> Option<usize> {
-    usize::from(component).checked_sub(1).filter(|k| *k < 6)
+    (1..=6).position(|known| known == component)
 }
 
 /// A step that is added to drives.

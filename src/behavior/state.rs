@@ -453,7 +453,7 @@ impl Behavior {
     ) -> Components<Prescribed<Dual2_64>> {
         let time = now.time.map(|time| Dual2_64::new(time, 1.0, 0.0));
         [0, 1, 2, 3, 4, 5].map(|k| {
-            let drive = drives.motions[k].as_ref().filter(|_| self.available[k] && !history.failed[k])?;
+            let drive = drives.motions[k].as_ref().filter(|_| self.available[k])?;
             drive.at(schedule, time, |step| {
                 let found = history.beginnings.iter().find(|(known, _)| *known == step);
                 found.and_then(|(_, displacement)| displacement[k])

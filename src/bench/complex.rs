@@ -110,6 +110,11 @@ impl Scalar for Complex {
     }
 
     #[inline(always)]
+    fn with_real(self, value: Self) -> Self {
+        value
+    }
+
+    #[inline(always)]
     fn scale(self, factor: Self) -> Self {
         self * factor
     }
@@ -153,6 +158,11 @@ impl Real for Complex {
     /// √z² with the sign that makes the real part positive.
     fn magnitude(self) -> Self {
         if self.re < 0.0 { -self } else { self }
+    }
+
+    fn with_sign_of(self, sign: Self) -> Self {
+        let magnitude = self.magnitude();
+        if sign.re < 0.0 { -magnitude } else { magnitude }
     }
 
     fn reciprocal_or_zero(self) -> Self {

@@ -92,6 +92,8 @@ fn linearized_is_evaluated() {
                     let k = row.component;
                     assert_eq!(Some(row.row), found.jacobian[k], "{} {k}", entry.name);
                     assert_eq!(Some(row.value), values[k], "{} {k}", entry.name);
+                    let fixed = row.row.iter().zip(connector.active()).filter(|(_, active)| !**active);
+                    assert!(fixed.map(|(part, _)| *part).all(|part| part == 0.0), "{} {k}", entry.name);
                     if connector.differentiated(k) == connector.position_measure(k) {
                         assert_eq!(Some(row.value), found.position[k], "{} {k}", entry.name);
                     } else {

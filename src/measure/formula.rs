@@ -11,7 +11,7 @@ pub(crate) trait Formula<const M: usize> {
     const MEASURES: [Measure; M];
 
     /// What any of them depends on.
-    const NEEDED: Dependence = needed(&Self::MEASURES);
+    const NEEDED: Dependence;
 
     /// Their principal values.
     fn evaluate<S: Scalar>(shared: &mut Shared<'_, S>) -> [S; M];
@@ -29,16 +29,8 @@ pub(crate) struct Pass {
     pub(crate) rows: [usize; 3],
 }
 
-/// What any of the measures depends on.
-const fn needed<const M: usize>(measures: &[Measure; M]) -> Dependence {
-    let mut sum = measures[0].dependence();
-    let mut i = 1;
-    while i < M {
-        sum = sum.or(measures[i].dependence());
-        i += 1;
-    }
-    sum
-}
+/// What no measure depends on.
+const NOTHING: Dependence = Dependence { translation: false, rotation: false, flow: false };
 
 macro_rules! formulas {
     ($($module:ident: $count:literal: $($measure:ident $(($($index:literal),+))? by $method:ident),+;)*) => {
@@ -47,12 +39,14 @@ macro_rules! formulas {
 
         // Each in a module, which is what the compiler makes units of, and works on side by side.
         $(mod $module {
-            use super::{Formula, Measure, Scalar, Shared};
+            use super::{Dependence, Formula, Measure, NOTHING, Scalar, Shared};
 
             pub(super) struct Evaluated;
 
             impl Formula<$count> for Evaluated {
                 const MEASURES: [Measure; $count] = [$(formulas!(@measure $measure $($($index)+)?)),+];
+                const NEEDED: Dependence =
+                    NOTHING$(.or(formulas!(@measure $measure $($($index)+)?).dependence()))+;
 
                 #[inline(always)]
                 fn evaluate<S: Scalar>(shared: &mut Shared<'_, S>) -> [S; $count] {
@@ -137,7 +131,51 @@ pub(crate) fn alone(measure: Measure, row: usize) -> Option<Pass> {
 
 #[cfg(test)]
 mod tests {
-    use super::FORMULAS;
+    use super::Measure::{self, Cardan, Cosine, Position, PositionAtB, RotationVector};
+    use super::{FORMULAS, Pass, alone, cover};
+
+    const NONE: usize = usize::MAX;
+
+    fn told(pass: Pass) -> (&'static [Measure], [usize; 3]) {
+        (FORMULAS[pass.number], pass.rows)
+    }
+
+    /// What is wanted whole goes first, wherever its rows stand; then formulas of which a part is wanted.
+    #[test]
+    fn measures_are_covered_by_few_formulas() {
+        let of = |measures: &[Measure]| {
+            let (passes, left) = cover(measures);
+            assert!(left.is_empty(), "{measures:?}: {left:?}");
+            passes.into_iter().map(told).collect::<Vec<_>>()
+        };
+        let cross: &[Measure] = &[Cardan(1), Cosine(1, 3), Cosine(1, 2)];
+        assert_eq!(of(&[Cosine(1, 3), Cardan(1), Cosine(1, 2)]), [(cross, [1, 0, 2])]);
+        assert_eq!(of(&[Cardan(2)]), [(&[Cardan(2)] as &[_], [0, NONE, NONE])]);
+        let all: &[Measure] = &[Position(1), Position(2), Position(3)];
+        assert_eq!(of(&[PositionAtB(3), Position(1), Position(2)]), [(all, [1, 2, 0])]);
+        let mixed = of(&[Cardan(3), RotationVector(2)]);
+        assert_eq!(
+            mixed.iter().map(|(_, rows)| rows.iter().filter(|row| **row != NONE).count()).sum::<usize>(),
+            2
+        );
+        for formula in FORMULAS {
+            let [part, ..] = formula else { panic!("an empty formula") };
+            let passes = of(&[*part]);
+            assert!(passes.len() == 1 && passes[0].0.contains(part), "{part:?}: {passes:?}");
+        }
+    }
+
+    #[test]
+    fn one_measure_has_a_formula_of_its_own() {
+        let pass = alone(Cardan(2), 5).map(told);
+        assert_eq!(pass, Some((&[Cardan(2)] as &[_], [5, NONE, NONE])));
+        for formula in FORMULAS {
+            for one in *formula {
+                let pass = alone(*one, 0);
+                assert!(pass.is_none_or(|pass| FORMULAS[pass.number] == [*one]), "{one:?}");
+            }
+        }
+    }
 
     /// A formula that stands before one of which it is a part would take its measures away from it.
     #[test]

@@ -27,6 +27,11 @@ impl Scalar for f64 {
     }
 
     #[inline(always)]
+    fn with_real(self, value: Self) -> Self {
+        value
+    }
+
+    #[inline(always)]
     fn scale(self, factor: Self) -> Self {
         self * factor
     }

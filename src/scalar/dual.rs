@@ -115,7 +115,7 @@ impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for Dual2SVec<R, N> {
 
     #[inline(always)]
     fn assemble(value: R, first: [R; N], second: [[R; N]; N]) -> Self {
-        let symmetric = SMatrix::from_fn(|i, j| if i < j { second[j][i] } else { second[i][j] });
+        let symmetric = SMatrix::from_fn(|i, j| second[i.max(j)][i.min(j)]);
         Self::new(value, Derivative::some(SMatrix::from_fn(|_, j| first[j])), Derivative::some(symmetric))
     }
 

@@ -92,10 +92,7 @@ pub trait Scalar:
     fn scale(self, factor: Self::Real) -> Self;
 
     /// value + e: the number with another real part.
-    #[inline(always)]
-    fn with_real(self, value: Self::Real) -> Self {
-        Self::from_real(value) + self.nilpotent()
-    }
+    fn with_real(self, value: Self::Real) -> Self;
 
     /// The product of two numbers whose real parts are zero.
     #[inline(always)]
@@ -220,11 +217,7 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     fn magnitude(self) -> Self;
 
     /// |x| with the sign of another number, that of −0 included where the type has one.
-    #[inline(always)]
-    fn with_sign_of(self, sign: Self) -> Self {
-        let magnitude = self.magnitude();
-        Self::choose(sign.less(Self::integer(0)), || -magnitude, || magnitude)
-    }
+    fn with_sign_of(self, sign: Self) -> Self;
 
     /// 1 / x, or 0 where x = 0 or, in a type of narrow range, 1 / x would overflow (`f64`: |x| < 2⁻¹⁰²⁴).
     ///

@@ -157,6 +157,11 @@ impl Scalar for Wide {
     }
 
     #[inline]
+    fn with_real(self, value: Self) -> Self {
+        value
+    }
+
+    #[inline]
     fn scale(self, factor: Self) -> Self {
         self * factor
     }

@@ -240,6 +240,10 @@ impl Scalar for Symbol {
         Self::integer(0)
     }
 
+    fn with_real(self, value: Self) -> Self {
+        value
+    }
+
     fn scale(self, factor: Self) -> Self {
         self * factor
     }
@@ -277,6 +281,11 @@ impl Real for Symbol {
 
     fn magnitude(self) -> Self {
         Self::build(|graph| graph.magnitude(self.0))
+    }
+
+    fn with_sign_of(self, sign: Self) -> Self {
+        let magnitude = self.magnitude();
+        Self::choose(sign.less(Self::integer(0)), || -magnitude, || magnitude)
     }
 
     fn reciprocal_or_zero(self) -> Self {

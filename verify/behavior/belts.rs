@@ -207,6 +207,11 @@ fn the_angle_of_wrap_is_that_of_the_solver() {
     assert_eq!(first.behavior.as_ref().unwrap().slips[0].beyond.unwrap().wrap, Wrap::Kink);
     assert_eq!(first.tangent.as_ref().unwrap().unknown[1], Some(Unknown::WrapAngle));
     assert!(first.forces.as_ref().unwrap().tangent.is_none());
+    // Slack, nothing would hold to any side.
+    let results = walk(&model, &["CSF", "TANGENT"], &[state(0.0, 0.0, [0.0; 2])]);
+    let first = of(&model, &results[0], FIRST);
+    assert_eq!(first.behavior.as_ref().unwrap().slips[0].beyond.unwrap().wrap, Wrap::Kink);
+    assert_eq!(first.tangent.as_ref().unwrap().unknown[1], None);
     let model = Model::compile(&deck("", "0.06, 1.25")).unwrap();
     let results = walk(&model, &["CSF", "TANGENT", "KT"], &states);
     let first = of(&model, &results[1], FIRST);
@@ -252,6 +257,47 @@ fn segments_know_one_another() {
     states[..2].iter().for_each(|state| assert!(sequence.step(state).connectors[2].behavior.is_none()));
     let refused = sequence.branches().check(&model, &plan).unwrap_err();
     assert!(refused.contains("history of connector 103"), "{refused}");
+}
+
+/// A tension that is not known holds nothing back, on neither side; a friction that is not followed is a part that is missing.
+#[test]
+fn unknown_tensions_are_not_guessed() {
+    let model = |laws: [&str; 2]| {
+        let text = format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n\
+             *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*ELEMENT, TYPE=CONN3D2, ELSET=D\n8, 2, 3\n\
+             *CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nSLIPRING\n\n0.06, 1.5\n\
+             *CONNECTOR SECTION, ELSET=D, BEHAVIOR=E\nSLIPRING\n\n0.06\n\
+             *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=1{}\n\
+             *CONNECTOR FRICTION, PREDEFINED\n*FRICTION\n0.2\n\
+             *CONNECTOR BEHAVIOR, NAME=E\n*CONNECTOR ELASTICITY, COMPONENT=1{}\n",
+            laws[0], laws[1]
+        );
+        Model::compile(
+            &Scene::parse("belts.inp", &text).unwrap_or_else(|e| panic!("{}", e.render(100, false))),
+        )
+        .unwrap()
+    };
+    let pulled = NodeMotion { displacement: [0.0, 0.5, 0.0], ..NodeMotion::default() };
+    let aside = NodeMotion { displacement: [-0.5, 0.0, 0.0], ..NodeMotion::default() };
+    let nodes = [(3.into(), pulled), (1.into(), aside)];
+    let state = State { time: Some(1.0), nodes: nodes.into(), ..State::default() };
+    let (known, unknown) = ("\n10.", ", DEPENDENCIES=1\n10., , 1.\n20., , 2.");
+    let label = Label::of(None, 7);
+    for (laws, why) in [
+        ([known, known], None),
+        ([unknown, known], Some(Unknown::ContactForce)),
+        ([known, unknown], Some(Unknown::Part)),
+    ] {
+        let model = model(laws);
+        let results = walk(&model, &["CSF"], std::slice::from_ref(&state)).remove(0);
+        let outcome = of(&model, &results, label).behavior.as_ref().unwrap().clone();
+        assert_eq!(outcome.slips[0].outcome.as_ref().err().copied(), why, "{laws:?}");
+        let results = walk(&model, &["CEF"], std::slice::from_ref(&state)).remove(0);
+        let outcome = of(&model, &results, label).behavior.as_ref().unwrap().clone();
+        assert!(outcome.slips.is_empty());
+        assert_eq!(outcome.friction.unknown[1], Some(Unknown::Part));
+    }
 }
 
 /// Two belts that both end at the ring, and a friction over it: told, not guessed.

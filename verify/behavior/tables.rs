@@ -4,6 +4,7 @@ use super::behavior;
 use pintle::behavior::ground::Ground;
 use pintle::behavior::table::{Table, Variable};
 use pintle::behavior::{Conditions, Motion, Unknown};
+use pintle::evaluate::Model;
 use pintle::scalar::Seeded;
 use pintle::scene::{Extrapolation, Row};
 
@@ -168,6 +169,46 @@ fn springs_to_ground_need_their_conditions() {
         [-0.5, 0.5, 1.0].map(|x| spring(1).spring(x, &Conditions::default())),
         [Ok(-1.0), Ok(1.5), Ok(3.0)]
     );
+}
+
+/// A coefficient over frequency is that of frequency zero, wherever the spring is.
+#[test]
+fn coefficients_to_ground_are_not_asked_for_displacements() {
+    let deck =
+        "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=SPRING1, ELSET=S\n9, 1\n*SPRING, ELSET=S\n1\n4., 0.\n8., 2.\n";
+    let scene = pintle::scene::Scene::parse("deck.inp", deck).unwrap();
+    let mut ground = Ground::default();
+    ground.add_spring(&scene.springs[0]).unwrap();
+    for x in [-0.5, 0.5, 1.0, 3.0] {
+        assert_eq!(ground.spring(x, &Conditions::default()), Ok(4.0 * x));
+        assert_eq!(ground.energy(x, &Conditions::default()), Ok(2.0 * x * x));
+    }
+}
+
+/// Of the upper triangle CYLINDRICAL takes D11, D14 and D44: what stands between others does nothing, whatever they do, and may be
+/// left open by a library's caller.
+#[test]
+fn terms_of_absent_components_do_nothing() {
+    let law = "*CONNECTOR ELASTICITY\n100., 9., 9., 9., 9., 9., 5., 9.\n9., 30., 9., 9., 9., 9., 9., 9.\n9., 9., 9., 9., 9.";
+    let given = super::scene("CYLINDRICAL", law, "");
+    let mut open = given.clone();
+    let pintle::scene::Law::Coupled { rows, .. } = &mut open.behaviors[0].elasticity[0].law else {
+        panic!("a coupled law")
+    };
+    for (n, value) in rows[0].values.iter_mut().enumerate() {
+        *value = value.filter(|_| [0, 6, 9].contains(&n));
+    }
+    let motion = Motion {
+        position: [0.0; 6],
+        constitutive: [0.5, 0.75, -0.25, 0.25, 0.125, -0.5],
+        velocity: [0.0; 6],
+    };
+    for scene in [given, open] {
+        let model = Model::compile(&scene).unwrap();
+        let elasticity = &model.connectors[0].behavior.behavior.elasticity;
+        let forces = elasticity.forces(&motion, &Conditions::default());
+        assert_eq!((forces.value[0], forces.value[3]), (Some(51.25), Some(10.0)));
+    }
 }
 
 /// A law that depends on a field variable needs that one, by its number.

@@ -4,7 +4,7 @@
 use crate::tolerance::{NODAL_TANGENT, TANGENT};
 use pintle::behavior::friction::{Branch, Context, Friction, Input, State as FrictionState};
 use pintle::behavior::state::Velocities;
-use pintle::behavior::{Conditions, Motion};
+use pintle::behavior::{Conditions, Motion, Unknown};
 use pintle::connector::{Components, Connector, Increment, Output, Request, State, Tally};
 use pintle::evaluate::{ConnectorElement, ConnectorResult, Model, Plan, Selection, Sequence, request};
 use pintle::force::Want;
@@ -432,4 +432,10 @@ fn slopes_of_friction_need_those_of_what_presses() {
     assert!(known.unknown[0].is_none() && known.displacement[0][1] != 0.0, "{known:?}");
     let unknown = slopes(&behavior(", DEPENDENCIES=1", "8., , 1.\n9., , 2."));
     assert!(unknown.unknown[0].is_some() && unknown.displacement[0] == [0.0; 6], "{unknown:?}");
+    // What does not press may be unknown; a rigid component has no slope that one could miss.
+    let beside = |law: &str| slopes(&format!("*CONNECTOR ELASTICITY, {law}\n{}", behavior("", "8.")));
+    let heated = beside("COMPONENT=3\n8., , 10.\n9., , 30.");
+    assert_eq!((heated.unknown[0], heated.unknown[2]), (None, Some(Unknown::Temperature)));
+    assert_eq!((heated.displacement[0], heated.displacement[2]), (known.displacement[0], [0.0; 6]));
+    assert_eq!(beside("RIGID\n3").unknown, [None; 6]);
 }

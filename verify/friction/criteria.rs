@@ -326,3 +326,21 @@ fn a_belt_slips_at_the_ratio_of_tensions() {
     near(point.criterion / -2e-13, 1.0);
     assert_eq!(point.criterion.real(), point.criterion);
 }
+
+/// Written and read back, a criterion is the same; a load that no friction of the catalogue has is refused.
+#[test]
+fn criteria_are_read_back() {
+    let mut draw = Draw::new("written criteria");
+    let mut refused = 0;
+    for (name, place, _, criterion) in predefined(&mut draw, false) {
+        let text = serde_json::to_string(&criterion).unwrap();
+        let back: Criterion = serde_json::from_str(&text).unwrap();
+        assert_eq!(Criterion { output: criterion.output, ..back }, criterion, "{name} {place}");
+        if text.contains("norm of components") {
+            let other = text.replace("norm of components", "none of components");
+            assert!(serde_json::from_str::<Criterion>(&other).is_err(), "{name} {place}");
+            refused += 1;
+        }
+    }
+    assert!(refused > 0);
+}

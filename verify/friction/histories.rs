@@ -220,6 +220,42 @@ fn a_held_component_presses_with_what_holds_it() {
     let told = walk(&held, Label::of(None, 7), &["ALL"], &states);
     // CTF2 = 30 presses, of which the spring gives 20.
     assert!(is_near(told[0].behavior.as_ref().unwrap().friction.value[0].unwrap(), 15.0, 15.0));
+    // A load on it presses too: CTF = CEF + CRF − CCF.
+    let loaded = user(
+        friction,
+        "*STEP\n*STATIC\n1., 1.\n*CONNECTOR MOTION\nC, 2, 0.2\n*CONNECTOR LOAD\nC, 2, 4.\n*END STEP",
+    );
+    let told = walk(&loaded, Label::of(None, 7), &["ALL"], &states);
+    let outcome = told[0].behavior.as_ref().unwrap();
+    let load = outcome.load.value[1].unwrap();
+    assert!(load == 4.0, "{load}");
+    assert!(is_near(outcome.friction.value[0].unwrap(), 17.0, 17.0), "{:?}", outcome.friction);
+}
+
+/// The total force of a component that is held and slides itself holds its own friction: what presses of it is not known.
+#[test]
+fn a_held_component_that_slides_does_not_tell_what_presses() {
+    let frictions = "*CONNECTOR FRICTION, COMPONENT=1, CONTACT FORCE=3, STICK STIFFNESS=1.E4\n, 5.\n*FRICTION\n0.5\n\
+                     *CONNECTOR FRICTION, COMPONENT=2, CONTACT FORCE=1, STICK STIFFNESS=1.E4\n, 0.\n*FRICTION\n0.5";
+    let held = user(frictions, "*STEP\n*STATIC\n1., 1.\n*CONNECTOR MOTION\nC, 1, 0.5\n*END STEP");
+    let mut states = [state(2, [0.5, 0.2, 0.0], 1.0)];
+    let total = [10.0, 30.0, 0.0, 0.0, 0.0, 0.0].map(Some);
+    states[0].forces.insert(Label::of(None, 7), ElementForces { total, ..ElementForces::default() });
+    let results = walk(&held, Label::of(None, 7), &["ALL"], &states);
+    let slips = &results[0].behavior.as_ref().unwrap().slips;
+    assert!(slips[0].outcome.is_ok());
+    assert_eq!(slips[1].outcome.as_ref().err(), Some(&Unknown::ContactForce));
+}
+
+/// A coefficient over temperature is not known without one, and nothing stands in for it.
+#[test]
+fn a_coefficient_needs_its_temperature() {
+    let friction = "*CONNECTOR FRICTION, COMPONENT=1, STICK STIFFNESS=1.E4\n, 20.\n*FRICTION\n0.25, , , 10.\n0.5, , , 30.";
+    let model = user(friction, "");
+    let results = walk(&model, Label::of(None, 7), &["ALL"], &[state(2, [0.5, 0.0, 0.0], 1.0)]);
+    let outcome = results[0].behavior.as_ref().unwrap();
+    assert_eq!(outcome.slips[0].outcome.as_ref().err(), Some(&Unknown::Temperature));
+    assert_eq!((outcome.friction.value[0], outcome.friction.unknown[0]), (None, Some(Unknown::Temperature)));
 }
 
 /// A friction that several components share has one slip: CSFC, CNFC, CASUC, CIVC.

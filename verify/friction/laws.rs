@@ -5,11 +5,13 @@ use crate::states::Draw;
 use crate::tolerance::friction as gate;
 use pintle::behavior::Conditions;
 use pintle::behavior::friction::{
-    Belt, BeltInput, Branch, Coefficient, Context, Criterion, FLOW, Flag, Input, State, Status,
-    StickStiffness,
+    Belt, BeltInput, Branch, Coefficient, Context, Contribution, Criterion, FLOW, Flag, Input, Internal,
+    Potential, Pressing, State, Status, StickStiffness, Tangential,
 };
+use pintle::behavior::table::Table;
 use pintle::catalog::ConnectionType;
 use pintle::scalar::Wide;
+use pintle::scene::Extrapolation;
 
 fn slot() -> Criterion {
     let slot = ConnectionType::named("SLOT", None).unwrap().friction.unwrap();
@@ -232,7 +234,7 @@ fn forces_of_any_size_update_alike() {
                 let scaled = Numbers { forces: numbers.forces.map(|f| f * factor), ..numbers };
                 // The internal contact force is a force too.
                 let mut friction = friction;
-                friction.criterion.internal = pintle::behavior::friction::Internal::Constant(0.5 * factor);
+                friction.criterion.internal = Internal::Constant(0.5 * factor);
                 friction.tangent(&State::default(), &scaled.input(), Branch::Decided)
             };
             let (base, slope) = of(1.0);
@@ -303,11 +305,11 @@ fn the_slip_rate_is_that_of_the_increment() {
 fn the_first_slip_is_taken() {
     let row =
         |mu: f64, rate: f64| pintle::scene::Row { values: vec![Some(mu), Some(rate)], ..Default::default() };
-    let table = pintle::behavior::table::Table::new(
+    let table = Table::new(
         &[row(1.0, 0.0), row(1.0, 1.0), row(0.1, 1.1), row(0.1, 9.0)],
         1,
         &["rate"],
-        pintle::scene::Extrapolation::Constant,
+        Extrapolation::Constant,
     )
     .unwrap();
     let friction = friction(&slot(), &Coefficient::Table(table), StickStiffness::Given(1.0));
@@ -316,6 +318,57 @@ fn the_first_slip_is_taken() {
     // 1.9 − Δγ = μ(Δγ): at 0.9 with μ = 1, and at 1.8 with μ = 0.1.
     let outcome = friction.update(&State::default(), &increment, Branch::Decided);
     assert!((outcome.slip_increment - 0.9).abs() < 1e-15, "{outcome:?}");
+}
+
+/// The same over a ring: T (e^(μα) − 1) at its rows is 1, 0.91, 0.91, 0.41, 0.41, so that 1.04 − Δγ meets it at 0.13 and at 0.63.
+#[test]
+fn the_first_slip_over_a_ring_is_taken() {
+    let row = |limit: f64, slip: f64| pintle::scene::Row {
+        values: vec![Some(limit.ln_1p()), Some(slip / 0.5)],
+        ..Default::default()
+    };
+    let rows = [row(1.0, 0.0), row(0.91, 0.1), row(0.91, 0.2), row(0.41, 0.25), row(0.41, 9.0)];
+    let table = Table::new(&rows, 1, &["rate"], Extrapolation::Constant).unwrap();
+    let belt = Belt {
+        coefficient: Coefficient::Table(table),
+        maximum: None,
+        stick_stiffness: StickStiffness::Given(1.0),
+    };
+    let conditions = Conditions::default();
+    let input = BeltInput {
+        flow: 1.04,
+        tension: [1.0, 9.0],
+        angle: 1.0,
+        duration: Some(0.5),
+        conditions: &conditions,
+    };
+    let outcome = belt.update(&State::default(), &input, Branch::Decided);
+    assert!((outcome.slip_increment - 0.13).abs() < 1e-14, "{outcome:?}");
+}
+
+/// Let go, a cylinder slides by the motion of its surface and by what was stored in stick: f/K along, m/(K R²) around.
+#[test]
+fn what_is_let_go_slides_with_what_was_stored() {
+    let cylindrical = ConnectionType::named("CYLINDRICAL", None).unwrap().friction.unwrap();
+    let criterion = Criterion::predefined(&cylindrical, &[Some(0.25)], &[], false).unwrap().remove(0);
+    let friction = friction(&criterion, &Coefficient::Constant(0.5), StickStiffness::Given(8.0));
+    let mut state = State::default();
+    (state.force[0], state.force[3]) = (1.0, 0.5);
+    let outcome = friction.update(&state, &input([0.25, 0.0, 0.0, 3.0, 0.0, 0.0], [0.0; 6]), Branch::Decided);
+    assert_eq!((outcome.status, outcome.force), (Status::Free, [0.0; 6]));
+    assert_eq!((outcome.slip[0], outcome.slip[3]), (0.375, 4.0));
+    assert!((outcome.slip_increment - 0.375_f64.hypot(1.0)).abs() < 1e-15);
+    assert_eq!((outcome.stored, outcome.dissipation), (0.0, 0.0));
+    // In stick the same forces store f²/(2K) + m²/(2 K R²).
+    let held = friction.update(&state, &input([0.0; 6], [0.0, 40.0, 0.0, 0.0, 0.0, 0.0]), Branch::Decided);
+    assert_eq!((held.status, held.stored, held.dissipation), (Status::Stick, 0.0625 + 0.25, 0.0));
+    // The surface moves by (1.5, 2), which would take (12, 16); 4 of these 20 hold, and the rest slips.
+    let forces = [0.0, 8.0, 0.0, 0.0, 0.0, 0.0];
+    let slid =
+        friction.update(&State::default(), &input([1.5, 0.0, 0.0, 8.0, 0.0, 0.0], forces), Branch::Decided);
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-14, "{a} {b}");
+    near(slid.dissipation, 4.0 * 2.0);
+    near(slid.stored, 4.0 * 4.0 / (2.0 * 8.0));
 }
 
 /// An ellipsoid is returned to along its normal in the metric of the stiffness: compared with its scalar equation.
@@ -350,6 +403,159 @@ fn an_edge_is_told() {
     assert!(outcome.flags.contains(&Flag::ReturnedAlongTraction));
     assert!(outcome.criterion.abs() <= 8.0 * U && outcome.dissipation > 0.0);
     assert!((outcome.force[0] / outcome.force[1] - 0.01 / 5.0).abs() < 1e-17);
+}
+
+/// Along the traction f = s f_tr with s = L/P(f_tr), where P is linear; what is not held slips, and the tangent is that of the
+/// formula. Of P = |f1|/1.5 + m1/0.8, K = 10 and K R² = 6.4.
+#[test]
+fn a_return_along_the_traction_is_its_formula() {
+    use super::component;
+    use pintle::scene::{PotentialFunction::Abs, PotentialFunction::None as Plain, PotentialOperator};
+    let terms = |shift| {
+        vec![
+            Contribution { shift, ..component(0, 1.0, Abs) },
+            Contribution { scale: 0.8, ..component(3, 1.0, Plain) },
+        ]
+    };
+    let of = |shift| {
+        let potential = Potential::new(PotentialOperator::Sum, 1.0, terms(shift)).unwrap();
+        let pressing = Pressing::Component(4);
+        let criterion = super::criterion(Tangential::Potential(potential), pressing, Internal::Constant(0.0));
+        friction(&criterion, &Coefficient::Constant(0.5), StickStiffness::Given(10.0))
+    };
+    let near = |a: f64, b: f64| assert!((a - b).abs() <= 8.0 * U * (1.0 + b.abs()), "{a} {b}");
+    let edge = input([0.01, 0.0, 0.0, 5.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
+    let (outcome, tangent) = of(0.0).tangent(&State::default(), &edge, Branch::Decided);
+    assert!(outcome.flags.contains(&Flag::ReturnedAlongTraction));
+    let (trial, stiffness) = ([0.1, 32.0], [10.0, 6.4]);
+    let p = trial[0] / 1.5 + trial[1] / 0.8;
+    let elastic = trial[0] * trial[0] / stiffness[0] + trial[1] * trial[1] / stiffness[1];
+    near(outcome.slip_increment, (1.0 - 1.0 / p) * elastic / p);
+    for (i, k) in [0, 3].into_iter().enumerate() {
+        near(outcome.force[k], trial[i] / p);
+        near(outcome.slip[k], [0.01, 5.0][i] * (1.0 - 1.0 / p));
+        near(tangent.force[k].forces[4], 0.5 * trial[i] / p);
+        for (j, l) in [0, 3].into_iter().enumerate() {
+            let own = if i == j { 1.0 / p } else { 0.0 };
+            let slope = stiffness[j] * (own - trial[i] / (p * p) / [1.5, 0.8][j]);
+            near(tangent.force[k].displacement[l], slope);
+        }
+    }
+    // Where zero traction lies beyond the limit there is nothing to return to: no force is left, and all is slip.
+    let outcome = of(8.0).update(&State::default(), &edge, Branch::Decided);
+    assert!(outcome.flags.contains(&Flag::NoAdmissibleTraction), "{outcome:?}");
+    assert_eq!(outcome.force, [0.0; 6]);
+    [0.01, 0.0, 0.0, 5.0, 0.0, 0.0].into_iter().zip(outcome.slip).for_each(|(u, slip)| near(slip, u));
+    near(outcome.slip_increment, elastic / (8.0 - trial[0] / 1.5 + trial[1] / 0.8));
+}
+
+/// Near the threshold the slip keeps its digits: it is the excess over the stiffness, and the limit it is measured by is as large as
+/// the forces are. A hair is a hair at every size.
+#[test]
+fn slips_near_the_threshold_are_exact() {
+    let conditions = Conditions::default();
+    for size in [-40, 0, 40].map(|power| 2f64.powi(power)) {
+        for (hair, is_near) in [(1e-13, true), (1e-11, false), (1e-6, false)] {
+            let friction = friction(&slot(), &Coefficient::Constant(0.5), StickStiffness::Given(3.0 * size));
+            let mut state = State::default();
+            state.force[0] = 2.5 * size;
+            let increment = input(
+                [2.5 * hair / 3.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                [0.0, 3.0 * size, 4.0 * size, 0.0, 0.0, 0.0],
+            );
+            let outcome = friction.update(&state, &increment, Branch::Decided);
+            let exact = outcome.trial / (3.0 * size);
+            assert_eq!((outcome.status, outcome.force[0]), (Status::Slip, 2.5 * size));
+            assert!((outcome.slip_increment - exact).abs() <= 2.0 * U * exact, "{hair}: {outcome:?}");
+            assert_eq!(outcome.flags.contains(&Flag::Threshold), is_near, "{size} {hair}");
+
+            let belt = Belt {
+                coefficient: Coefficient::Constant(0.5),
+                maximum: None,
+                stick_stiffness: StickStiffness::Given(3.0 * size),
+            };
+            let held = size * (0.5_f64).exp_m1();
+            state.force[FLOW] = held;
+            for (sign, status) in [(1.0, Status::Slip), (-1.0, Status::Stick)] {
+                let flow = sign * held / size * hair / 3.0;
+                let input = BeltInput {
+                    flow,
+                    tension: [size, 9.0 * size],
+                    angle: 1.0,
+                    duration: None,
+                    conditions: &conditions,
+                };
+                let outcome = belt.update(&state, &input, Branch::Decided);
+                assert_eq!(outcome.status, status);
+                assert_eq!(outcome.flags.contains(&Flag::Threshold), is_near, "{size} {hair}");
+                let exact = outcome.trial.max(0.0) / (3.0 * size);
+                assert!((outcome.slip_increment - exact).abs() <= 2.0 * U * exact, "{hair}: {outcome:?}");
+            }
+        }
+    }
+    // Nothing that is free is near a threshold.
+    let belt = Belt {
+        coefficient: Coefficient::Constant(0.5),
+        maximum: None,
+        stick_stiffness: StickStiffness::Given(3.0),
+    };
+    let slack =
+        BeltInput { flow: 0.0, tension: [0.0, 1.0], angle: 1.0, duration: None, conditions: &conditions };
+    assert_eq!(belt.update(&State::default(), &slack, Branch::Decided).flags, vec![Flag::Slack]);
+    let free = friction(&slot(), &Coefficient::Constant(0.5), StickStiffness::Given(3.0));
+    let outcome = free.update(&State::default(), &input([0.0; 6], [0.0; 6]), Branch::Decided);
+    assert!(!outcome.flags.contains(&Flag::Threshold), "{outcome:?}");
+}
+
+/// Without a duration, or with none that is positive, a slip rate is not formed: zero stands in, and that is told where μ needs it.
+#[test]
+fn a_slip_rate_needs_a_duration() {
+    let conditions = Conditions::default();
+    for (coefficient, needs) in [
+        (Coefficient::Constant(0.5), false),
+        (Coefficient::Exponential { at_rest: 0.5, kinetic: 0.25, decay: 2.0 }, true),
+    ] {
+        let friction = friction(&slot(), &coefficient, StickStiffness::Given(1e3));
+        let belt = Belt {
+            coefficient: coefficient.clone(),
+            maximum: None,
+            stick_stiffness: StickStiffness::Given(1e3),
+        };
+        for duration in [None, Some(0.0), Some(-1.0), Some(1.0)] {
+            let mut increment = input([0.5, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 3.0, 4.0, 0.0, 0.0, 0.0]);
+            increment.duration = duration;
+            let over_ring =
+                BeltInput { flow: 0.5, tension: [2.0, 9.0], angle: 1.0, duration, conditions: &conditions };
+            for outcome in [
+                friction.update(&State::default(), &increment, Branch::Decided),
+                belt.update(&State::default(), &over_ring, Branch::Decided),
+            ] {
+                let has = duration == Some(1.0);
+                assert_eq!(outcome.status, Status::Slip);
+                assert_eq!(outcome.flags.contains(&Flag::NoDuration), needs && !has, "{duration:?}");
+                let (rate, at_rest) = if has { (outcome.slip_increment, !needs) } else { (0.0, true) };
+                assert_eq!(outcome.slip_rate, rate, "{duration:?}");
+                assert_eq!(outcome.coefficient == 0.5, at_rest, "{duration:?}");
+            }
+        }
+    }
+}
+
+/// The tension that holds is the one on the side from which the material comes: the side of the trial force, with what was carried.
+#[test]
+fn a_belt_is_held_from_where_it_comes() {
+    let conditions = Conditions::default();
+    let mut state: State<f64> = State::default();
+    (state.force[FLOW], state.stick_stiffness) = (1.0, Some(0.25));
+    for stick_stiffness in [StickStiffness::Given(0.25), StickStiffness::ElasticSlip(1e-3)] {
+        let belt = Belt { coefficient: Coefficient::Constant(0.5), maximum: None, stick_stiffness };
+        for (flow, held) in [(-0.0625, 3.0), (-3.75, 3.0), (-4.25, 7.0), (-32.0, 7.0), (1.0, 3.0)] {
+            let input =
+                BeltInput { flow, tension: [3.0, 7.0], angle: 1.0, duration: None, conditions: &conditions };
+            let outcome = belt.update(&state, &input, Branch::Decided);
+            assert_eq!((outcome.contact, outcome.normal), (held, held), "{stick_stiffness:?} {flow}");
+        }
+    }
 }
 
 /// The belt of the guide's example over a ring, α = π/2 and μ = 0.2: the second segment pulls 1.3691 times the first.

@@ -148,6 +148,60 @@ fn potentials_are_their_formulas() {
     println!("worst: {worst:?}");
 }
 
+/// A linear potential is the sum itself, rounded once; and powers of what is tiny beside the rest do no harm.
+#[test]
+fn linear_potentials_are_sums() {
+    let at = |beta, own, f: [f64; 6]| {
+        let term = |k| Contribution { scale: 1.0, ..component(k, own, PotentialFunction::Abs) };
+        let potential = Potential::new(PotentialOperator::Sum, beta, vec![term(0), term(1)]).unwrap();
+        let criterion =
+            criterion(Tangential::Potential(potential), Pressing::Nothing, Internal::Constant(1.0));
+        criterion.derivatives(&f, 0.3, None, &Context::default()).0.tangential
+    };
+    for (x, y) in [(0.3, 0.1), (0.7, 0.1), (5.0, 0.3), (1e-3, 0.9), (0.1, 0.2), (1.1, 2.3), (0.6, 0.7)] {
+        assert_eq!(at(1.0, 1.0, [-x, y, 0.0, 0.0, 0.0, 0.0]).value, x + y, "{x} {y}");
+    }
+    // |f1|² + |f2|² with |f2|² below the normal numbers, whose reciprocal overflows.
+    let point = at(1.0, 2.0, [1.0, 1e-160, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!((point.value, point.gradient[0]), (1.0, 2.0));
+    assert!(point.hessian.as_flattened().iter().all(|h| h.is_finite()), "{point:?}");
+}
+
+/// A sum that is negative has no root: the potential is zero, which is told, of squares as of other powers.
+#[test]
+fn negative_sums_are_told() {
+    for beta in [1.0, 2.0, 3.0] {
+        let term = |k| Contribution { sign: -1.0, ..component(k, beta, PotentialFunction::Abs) };
+        let potential = Potential::new(PotentialOperator::Sum, beta, vec![term(0), term(1)]).unwrap();
+        let criterion =
+            criterion(Tangential::Potential(potential), Pressing::Nothing, Internal::Constant(1.0));
+        let (point, flags) =
+            criterion.derivatives(&[3.0, 4.0, 0.0, 0.0, 0.0, 0.0], 0.3, None, &Context::default());
+        assert_eq!((point.tangential.value, point.tangential.gradient), (0.0, [0.0; 6]), "{beta}");
+        assert!(flags.contains(&Flag::NegativePotential), "{beta}: {flags:?}");
+    }
+}
+
+/// √(f1² − f2²) on 237 bits, where f1 or f2 is negative: squares have no sign.
+#[test]
+fn squares_of_negative_forces_on_237_bits() {
+    let term = |k, sign| Contribution { scale: 1.0, sign, ..component(k, 2.0, PotentialFunction::Abs) };
+    let potential = Potential::new(PotentialOperator::Sum, 2.0, vec![term(0, 1.0), term(1, -1.0)]).unwrap();
+    let criterion = criterion(Tangential::Potential(potential), Pressing::Nothing, Internal::Constant(1.0));
+    for [x, y] in [[5.0, 4.0], [-5.0, 4.0], [5.0, -4.0], [-5.0, -4.0]] {
+        let f = [x, y, 0.0, 0.0, 0.0, 0.0].map(Wide::from_f64);
+        let (point, _) = criterion.derivatives(&f, Wide::ratio(1, 2), None, &Context::default());
+        let p = point.tangential;
+        let near = |a: Wide, b: Wide| assert!((a - b).abs() < 1e-68, "{x} {y}: {a} {b}");
+        near(p.value, Wide::integer(3));
+        near(p.gradient[0], Wide::from_f64(x) / 3.0);
+        near(p.gradient[1], Wide::from_f64(-y) / 3.0);
+        near(p.hessian[0][0], Wide::ratio(1, 3) - Wide::ratio(25, 27));
+        near(p.hessian[1][1], Wide::ratio(-1, 3) - Wide::ratio(16, 27));
+        near(p.hessian[0][1], Wide::from_f64(x * y) / 27.0);
+    }
+}
+
 /// Where a contribution vanishes its derivatives do, and nothing is infinite, though powers of it would be.
 #[test]
 fn vanishing_contributions_have_no_slope() {

@@ -1,14 +1,16 @@
 //! The consistent tangent of an increment against differences on 237 bits, in stick, slip and freedom.
 
-use super::{Numbers, U, coefficients, friction, predefined, users, widened};
+use super::{Numbers, U, coefficients, component, criterion, friction, predefined, scales, users, widened};
 use crate::states::Draw;
 use crate::tolerance::friction as gate;
 use pintle::behavior::Conditions;
 use pintle::behavior::friction::{
-    Belt, BeltInput, Branch, Coefficient, Context, Criterion, FLOW, Flag, Friction, Input, State, Status,
-    StickStiffness, wrap_angle,
+    Belt, BeltInput, Branch, Coefficient, Context, Contribution, Criterion, Derived, DerivedPart, FLOW, Flag,
+    Form, Friction, Input, Internal, Outcome, Potential, Pressing, State, Status, StickStiffness, Tangential,
+    wrap_angle,
 };
 use pintle::scalar::Wide;
+use pintle::scene::{Basis, Operator, PotentialFunction, PotentialOperator};
 use std::collections::BTreeMap;
 
 /// The quantities that a tangent is given of.
@@ -33,6 +35,55 @@ fn moved(numbers: &Numbers, input: usize, h: f64) -> Input<'static, Wide> {
     moved
 }
 
+/// The tangent of an increment against differences, and its forces against those on 237 bits; what the increment does.
+fn agree(
+    name: &str,
+    friction: &Friction,
+    state: &State<f64>,
+    numbers: &Numbers,
+    worst: &mut (f64, String),
+) -> Outcome<f64> {
+    let (outcome, tangent) = friction.tangent(state, &numbers.input(), Branch::Decided);
+    let wide = widened(state);
+    assert!(outcome.force.iter().all(|x| x.is_finite()), "{name}: {outcome:?}");
+    let [f1, f2, f3, m1, m2, m3] = tangent.force;
+    let partials = [f1, f2, f3, m1, m2, m3, tangent.slip_increment, tangent.normal, tangent.limit];
+    let truth = results(friction, &wide, &numbers.input());
+    // Forces and slips in their own units; the largest of each is the scale of all.
+    let force_size = outcome.limit.abs().max(outcome.tangential.abs()).max(0.1);
+    for j in 0..13 {
+        let h = 1e-25;
+        let [above, below] = [h, -h].map(|h| results(friction, &wide, &moved(numbers, j, h)));
+        for (i, partial) in partials.iter().enumerate() {
+            let exact = ((above[i] - below[i]) / (2.0 * h)).to_f64();
+            let given = match j {
+                0..6 => partial.displacement[j],
+                6..12 => partial.forces[j - 6],
+                _ => partial.duration,
+            };
+            let row = partials[i]
+                .displacement
+                .iter()
+                .chain(&partials[i].forces)
+                .fold(partials[i].duration.abs() * 0.1, |most: f64, x| most.max(x.abs()));
+            let scale = row + force_size + if j == 12 { 10.0 * exact.abs() } else { 0.0 };
+            let error = (given - exact).abs() / (U * scale);
+            if error > worst.0 {
+                *worst = (error, format!("{name}: ∂{i}/∂{j} {:?}", outcome.flags));
+            }
+            assert!(
+                error <= gate("tangents"),
+                "{name}: ∂{i}/∂{j} = {given} not {exact} ({error} u)\n{outcome:?}"
+            );
+        }
+    }
+    for (i, value) in outcome.force.iter().enumerate() {
+        let error = (value - truth[i].to_f64()).abs() / (U * (force_size + value.abs()));
+        assert!(error <= gate("forces"), "{name}: force {i} {value} {} ({error} u)", truth[i]);
+    }
+    outcome
+}
+
 #[test]
 fn tangents_are_those_of_differences() {
     let mut draw = Draw::new("friction tangents");
@@ -51,66 +102,13 @@ fn tangents_are_those_of_differences() {
                 let mut state: State<f64> = State::default();
                 for step in 0..3 {
                     let numbers = Numbers::drawn(&mut draw, [0.1, 0.01, 0.03][step]);
-                    let (outcome, tangent) = friction.tangent(&state, &numbers.input(), Branch::Decided);
-                    let wide = widened(&state);
+                    let of = format!("{name}, {law}, {stiffness:?}, step {step}");
+                    let outcome = agree(&of, &friction, &state, &numbers, &mut worst);
                     let status = format!("{:?}", outcome.status);
                     let kind = if name.contains(char::is_lowercase) { "user" } else { "predefined" };
                     *met.entry(format!("{kind} {status}")).or_default() += 1;
                     if outcome.flags.contains(&Flag::ReturnedAlongTraction) {
                         *met.entry("along traction".into()).or_default() += 1;
-                    }
-                    assert!(outcome.force.iter().all(|x| x.is_finite()), "{name} {law}: {outcome:?}");
-                    let partials = [
-                        tangent.force[0],
-                        tangent.force[1],
-                        tangent.force[2],
-                        tangent.force[3],
-                        tangent.force[4],
-                        tangent.force[5],
-                        tangent.slip_increment,
-                        tangent.normal,
-                        tangent.limit,
-                    ];
-                    let truth = results(&friction, &wide, &numbers.input());
-                    // Forces and slips in their own units; the largest of each is the scale of all.
-                    let force_size = outcome.limit.abs().max(outcome.tangential.abs()).max(0.1);
-                    for j in 0..13 {
-                        let h = 1e-25;
-                        let [above, below] =
-                            [h, -h].map(|h| results(&friction, &wide, &moved(&numbers, j, h)));
-                        for (i, partial) in partials.iter().enumerate() {
-                            let exact = ((above[i] - below[i]) / (2.0 * h)).to_f64();
-                            let given = match j {
-                                0..6 => partial.displacement[j],
-                                6..12 => partial.forces[j - 6],
-                                _ => partial.duration,
-                            };
-                            let row = partials[i]
-                                .displacement
-                                .iter()
-                                .chain(&partials[i].forces)
-                                .fold(partials[i].duration.abs() * 0.1, |most: f64, x| most.max(x.abs()));
-                            let scale = row + force_size + if j == 12 { 10.0 * exact.abs() } else { 0.0 };
-                            let error = (given - exact).abs() / (U * scale);
-                            if error > worst.0 {
-                                worst = (
-                                    error,
-                                    format!("{name}, {law}, {stiffness:?}: ∂{i}/∂{j} {:?}", outcome.flags),
-                                );
-                            }
-                            assert!(
-                                error <= gate("tangents"),
-                                "{name}, {law}, {stiffness:?}, step {step}: ∂{i}/∂{j} = {given} not {exact} ({error} u)\n{outcome:?}"
-                            );
-                        }
-                    }
-                    for (i, value) in outcome.force.iter().enumerate() {
-                        let error = (value - truth[i].to_f64()).abs() / (U * (force_size + value.abs()));
-                        assert!(
-                            error <= gate("forces"),
-                            "{name} {law}: force {i} {value} {} ({error} u)",
-                            truth[i]
-                        );
                     }
                     state = outcome.state();
                 }
@@ -120,6 +118,82 @@ fn tangents_are_those_of_differences() {
     println!("worst {worst:?}; {met:?}");
     for kind in ["predefined Stick", "predefined Slip", "user Stick", "user Slip", "along traction"] {
         assert!(met.contains_key(kind), "no {kind}: {met:?}");
+    }
+}
+
+/// √(f1²/R² + X²/R²) with X the norm of moments that constitutive motions scale.
+fn scaled_by_motion() -> Criterion {
+    let part = DerivedPart {
+        operator: Operator::Norm,
+        sign: 1.0,
+        components: vec![3, 4],
+        scale: Some(scales()),
+        independent: Some((Basis::ConstitutiveMotion, vec![0, 1])),
+    };
+    let own = component(0, 2.0, PotentialFunction::Abs);
+    let moving = Contribution { of: Form::Derived(Derived { parts: vec![part] }), ..own.clone() };
+    let potential = Potential::new(PotentialOperator::Sum, 2.0, vec![own, moving]).unwrap();
+    criterion(Tangential::Potential(potential), Pressing::Component(5), Internal::Constant(0.2))
+}
+
+/// The same in a hurry: potentials whose scale factors move, exponents of every kind and edges, while μ changes with the slip rate.
+#[test]
+fn tangents_of_potentials_while_coefficients_fall() {
+    let mut draw = Draw::new("friction tangents of potentials");
+    let coefficient = Coefficient::Exponential { at_rest: 0.45, kinetic: 0.15, decay: 2.0 };
+    let mut worst = (0.0_f64, String::new());
+    let (mut slips, mut along) = (0, 0);
+    let named = ["norm scaled by position", "mixed exponents", "cubic", "linear", "scaled by position"];
+    let mut criteria: Vec<_> = users().into_iter().filter(|(name, _)| named.contains(name)).collect();
+    criteria.push(("norm scaled by motion", scaled_by_motion()));
+    for (name, criterion) in criteria {
+        let friction = friction(&criterion, &coefficient, StickStiffness::Given(40.0));
+        let mut numbers = Numbers { duration: Some(0.4), ..Numbers::drawn(&mut draw, 0.5) };
+        if name == "linear" {
+            // Towards an edge, where there is no normal.
+            numbers.displacement = [0.01, 5.0, 0.0, 0.0, 0.0, 0.0];
+        }
+        let outcome = agree(name, &friction, &State::default(), &numbers, &mut worst);
+        slips += usize::from(outcome.status == Status::Slip);
+        along += usize::from(outcome.flags.contains(&Flag::ReturnedAlongTraction));
+    }
+    println!("worst {worst:?}");
+    assert_eq!(slips, 6);
+    assert!(along > 0);
+}
+
+/// F_C = α √(m1² + 4 m2²) with α = 1 + 0.3 u1 − 0.2 u2, by positions or by constitutive motions: sliding along u1 changes what presses.
+#[test]
+fn scale_factors_that_move_have_their_slopes() {
+    for basis in [Basis::Position, Basis::ConstitutiveMotion] {
+        let part = DerivedPart {
+            operator: Operator::Norm,
+            sign: 1.0,
+            components: vec![3, 4],
+            scale: Some(scales()),
+            independent: Some((basis, vec![0, 1])),
+        };
+        let pressing = Pressing::Derived(Derived { parts: vec![part] });
+        let criterion = criterion(Tangential::Norm(vec![(0, 1.0)]), pressing, Internal::Constant(0.1));
+        let friction = friction(&criterion, &Coefficient::Constant(0.5), StickStiffness::Given(1e3));
+        let place = [0.7, 0.4, 0.0, 0.0, 0.0, 0.0];
+        let elsewhere = [-0.3, 0.9, 0.0, 0.0, 0.0, 0.0];
+        let (position, motion) =
+            if basis == Basis::Position { (place, elsewhere) } else { (elsewhere, place) };
+        let input = Input {
+            displacement: [0.5, 0.0, 0.0, 0.0, 0.0, 0.0],
+            forces: [0.0, 0.0, 0.0, 3.0, 2.0, 0.0],
+            duration: None,
+            context: Context { position, motion, ..Context::default() },
+        };
+        let (outcome, tangent) = friction.tangent(&State::default(), &input, Branch::Decided);
+        assert_eq!(outcome.status, Status::Slip);
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 4e-15, "{basis:?}: {a} {b}");
+        near(outcome.force[0], 0.5 * (5.0 * 1.13 + 0.1));
+        near(tangent.force[0].displacement[0], 0.5 * 5.0 * 0.3);
+        near(tangent.force[0].displacement[1], 0.5 * 5.0 * -0.2);
+        near(tangent.force[0].forces[3], 0.5 * 1.13 * 0.6);
+        near(tangent.force[0].forces[4], 0.5 * 1.13 * 1.6);
     }
 }
 

@@ -20,6 +20,28 @@ fn path(step: f64) -> Vec<f64> {
     samples
 }
 
+/// Half a turn is π n or −π n; which one does not hang on the signs of zeros in the matrix: the largest part of n is positive.
+#[test]
+fn the_sign_of_a_zero_chooses_no_axis() {
+    for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.0, -0.8], [-0.6, 0.8, 0.0]] {
+        let largest =
+            axis.into_iter().fold(0.0, |most: f64, x: f64| if x.abs() > most.abs() { x } else { most });
+        let expected = axis.map(|x| PI * x * largest.signum());
+        for signs in 0..1 << 9 {
+            let entry = |i: usize, j: usize| {
+                let exact = 2.0 * axis[i] * axis[j] - f64::from(u8::from(i == j));
+                let is_negative = signs >> (3 * i + j) & 1 == 1;
+                if exact == 0.0 && is_negative { -0.0 } else { exact + 0.0 }
+            };
+            let r = [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)));
+            let wide = so3::log(&r.map(|row| row.map(Wide::from_f64))).map(Wide::to_f64);
+            for phi in [so3::log(&r), wide, so3::continuous_log(&r, [0.0; 3]).phi] {
+                assert!((0..3).all(|i| (phi[i] - expected[i]).abs() < 4e-15), "{axis:?} {r:?}: {phi:?}");
+            }
+        }
+    }
+}
+
 fn size(v: Vector<f64>) -> f64 {
     vector::dot(v, v).sqrt()
 }

@@ -4,8 +4,9 @@
 use super::{chain, model};
 use pintle::catalog::COMPONENT;
 use pintle::connector::{Mask, Output, Request, Tally};
-use pintle::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence};
+use pintle::evaluate::{Fixed, Freedom, Item, Jacobian, Model, Plan, Selection, Sequence};
 use pintle::scene::{Label, NodeMotion, Rotation, Scene, State};
+use std::convert::Infallible;
 use std::fmt::Write;
 
 const STATES: u64 = 20;
@@ -90,6 +91,28 @@ fn a_lock_is_passed_alike() {
         })
     };
     assert_eq!(run(only(5)), run([true; 6]));
+}
+
+/// Results that are handed on in room that is used again are those that are owned: nothing of another type, or of the state before, is left.
+#[test]
+fn results_hold_nothing_of_those_before() {
+    let connectors = 2 * chain::types().len();
+    let (_, model) = model(connectors, "");
+    let plan = Plan::compile(&model, &Selection::All, Request::everything(2)).unwrap();
+    let (mut owning, mut visiting) = (Sequence::new(&model, &plan), Sequence::new(&model, &plan));
+    for number in 0..3 {
+        let state = state(number, connectors + 1);
+        let owned = owning.step(&state);
+        let mut owned = owned.connectors.iter();
+        let Ok(()) = visiting.visit(&state, |item| -> Result<(), Infallible> {
+            let Item::Connector(result) = item else { panic!("a chain has no MPC") };
+            let title = model.connectors[result.index].title();
+            let own = owned.next().map(|own| format!("{own:?}"));
+            assert!(own == Some(format!("{result:?}")), "state {number}, {title}");
+            Ok(())
+        });
+        assert!(owned.next().is_none());
+    }
 }
 
 /// Twice the connectors, twice the work, to the last count; orders that are not asked for are not computed.

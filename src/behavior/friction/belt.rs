@@ -14,7 +14,8 @@
 use super::coefficient::Coefficient;
 use super::criterion::{Derivatives, Point, parts};
 use super::flags::{Flag, Flags};
-use super::update::{Branch, Outcome, State, Status, StickStiffness, THRESHOLD, first_root, sorted};
+use super::root::slip_increment;
+use super::update::{Branch, Outcome, State, Status, StickStiffness, THRESHOLD};
 use super::{Context, Ordered, capped, is_finite, is_zero};
 use crate::behavior::Conditions;
 use crate::scalar::elementary::{abs, atan2, direction, exp_m1, norm, recip};
@@ -283,25 +284,11 @@ impl Belt {
                 self.limit(constant(held), &fixed, Slope::<S::Real>::seed(slip, 0), &mut Flags::default());
             (limit.real(), limit.gradient()[0])
         };
-        let (p, k) = (trial.real(), stiffness.real());
-        let root = if self.coefficient.depends_on_rate() {
-            let duration = input.duration.map_or_else(|| S::Real::integer(0), Scalar::real);
-            let rates = self.coefficient.rates().into_iter();
-            let breaks = sorted(rates.map(|rate| S::Real::from_f64(rate) * duration), p / k);
-            first_root(&breaks, p / k, |slip| {
-                let (limit, slope) = along(slip);
-                (p - k * slip - limit, -(k + slope))
-            })
-        } else {
-            (p - along(S::Real::integer(0)).0) / k
-        };
-        let fall = k + along(root).1;
-        if !S::Real::integer(0).less(fall) {
-            flags.add(Flag::Unstable);
-        }
-        let there = S::from_real(root);
-        let [_, limit, _] = self.limit(held, input, there, &mut Flags::default());
-        there + (trial - stiffness.scale(root) - limit).scale(fall.reciprocal_or_zero())
+        let duration = input.duration.map(Scalar::real);
+        let rates = self.coefficient.rates().into_iter();
+        let breaks = rates.filter_map(|rate| Some(S::Real::from_f64(rate) * duration?));
+        let limit = |slip: S| self.limit(held, input, slip, &mut Flags::default())[1];
+        slip_increment(trial, stiffness, breaks, along, limit, flags)
     }
 }
 

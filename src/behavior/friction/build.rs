@@ -4,6 +4,7 @@ use super::belt::Belt;
 use super::coefficient::Coefficient;
 use super::criterion::{Criterion, Internal, ParameterError, Pressing, Tangential, output_of};
 use super::derived::{Contribution, Derived, DerivedPart, Form, Potential};
+use super::is_divisor;
 use super::update::{ELASTIC_SLIP, Friction, StickStiffness};
 use crate::behavior::law;
 use crate::behavior::table::Table;
@@ -185,9 +186,8 @@ impl Builder<'_> {
     }
 
     fn stick_stiffness(&self, law: &Law, is_rotational: bool) -> Result<StickStiffness, Diagnostic> {
-        let is_positive = |x: f64| x > 0.0 && x.is_finite() && x.recip().is_finite();
         match self.friction.stick_stiffness {
-            Some(stiffness) if is_positive(stiffness) => Ok(StickStiffness::Given(stiffness)),
+            Some(stiffness) if is_divisor(stiffness) => Ok(StickStiffness::Given(stiffness)),
             Some(stiffness) => {
                 let message = format!("STICK STIFFNESS={stiffness} is not positive");
                 Err(self.error(Code::NumberOutOfRange, message, "give a positive stiffness, or none"))
@@ -195,7 +195,7 @@ impl Builder<'_> {
             None => {
                 let length = if is_rotational { 1.0 } else { self.characteristic_length };
                 let slip = law.elastic_slip.unwrap_or(law.tolerance * length);
-                if is_positive(slip) {
+                if is_divisor(slip) {
                     return Ok(StickStiffness::ElasticSlip(slip));
                 }
                 let message = match law.elastic_slip {

@@ -78,7 +78,8 @@ impl Coefficient {
             }
         }
         let decay = -ratio.ln() / rate;
-        if !(ratio > 0.0 && ratio <= 1.0 && rate > 0.0 && decay.is_finite()) {
+        // A ratio that is negative or zero has no finite logarithm, and through zero nothing can be divided.
+        if !(ratio <= 1.0 && rate.is_sign_positive() && decay.is_finite()) {
             return Err(CoefficientError::TestData { first, second, rate, limit: kinetic });
         }
         Ok(Self::Exponential { at_rest: first, kinetic, decay })

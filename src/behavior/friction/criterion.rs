@@ -2,7 +2,7 @@
 
 use super::derived::{Derived, Potential};
 use super::flags::{Flag, Flags};
-use super::{Context, Ordered, is_zero};
+use super::{Context, Ordered, is_divisor, is_zero};
 use crate::behavior::table::{Table, Variable};
 use crate::catalog::{
     Contact, CrossAxis, FORCE, Factor, Friction as Catalogued, FrictionCriterion, Load, PLANE, Quantity,
@@ -360,7 +360,7 @@ impl Criterion {
         for (i, parameter) in friction.parameters.iter().enumerate() {
             let is_internal = friction.criteria.iter().any(|criterion| criterion.internal == Some(i));
             let value = number(Quantity::Parameter(i));
-            let is_length = value > 0.0 && value.is_finite() && value.recip().is_finite();
+            let is_length = is_divisor(value);
             let may_be_zero = !parameter.required;
             let is_left_out = may_be_zero && value == 0.0;
             if !(is_internal || is_length || is_left_out) {

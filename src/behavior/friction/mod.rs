@@ -22,6 +22,10 @@ mod coefficient;
 mod criterion;
 mod derived;
 mod flags;
+mod root; // where a limit is met first; linear systems
+mod slip; // the slip equations, solved and lifted
+#[cfg(test)]
+mod tests;
 mod update;
 
 pub use belt::{Belt, BeltInput, BeltTangent, FLOW, wrap_angle};
@@ -107,6 +111,11 @@ where
         return S::from_real(maximum);
     }
     limit
+}
+
+/// Whether a number is positive, and it and its reciprocal are finite.
+fn is_divisor(x: f64) -> bool {
+    x.is_sign_positive() && x.is_finite() && x.recip().is_finite()
 }
 
 fn is_zero<R: Ordered>(x: R) -> bool {

@@ -3,9 +3,9 @@
 use super::super::coefficients::{ARCTANGENT, LONG_LOG_0, LONG_LOG_1, LONG_LOG_2};
 use super::{Lanes, MAX_ORDER, Real, Scalar, Series};
 
-/// A quarter of π in two parts. The first has three zero bits at its end, so that up to eight of it are exact.
-const QUARTER: f64 = f64::from_bits(std::f64::consts::FRAC_PI_4.to_bits() & !7);
-const QUARTER_REST: f64 = 6.123_233_995_736_766e-17 / 2.0 + (std::f64::consts::FRAC_PI_4 - QUARTER);
+/// A quarter of π in two parts. The first happens to have three zero bits at its end, so that up to eight of it are exact.
+const QUARTER: f64 = std::f64::consts::FRAC_PI_4;
+const QUARTER_REST: f64 = 3.061_616_997_868_383e-17;
 
 /// The smallest number above 0, by which 0 may be divided.
 const SMALLEST: f64 = f64::from_bits(1);
@@ -62,7 +62,7 @@ fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) 
 /// the octant as a multiple of π/4.
 #[inline(always)]
 pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) -> Lanes<FUSED> {
-    let (one, two) = (Lanes::splat(1.0), Lanes::splat(2.0));
+    let (one, two, four) = (Lanes::splat(1.0), Lanes::splat(2.0), Lanes::splat(4.0));
     let (across, along) = (y.magnitude(), x.magnitude());
     let (smaller, larger) = (across.lesser(along), along.greater(across));
     // Negative beyond π/8, and beyond π/4.
@@ -76,7 +76,7 @@ pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) ->
     // The angle is quarters π/4 ± angle; each mirror is exact.
     let quarters = Lanes::by_sign(eighth, one, Lanes::splat(0.0));
     let quarters = Lanes::by_sign(quarter, two - quarters, quarters);
-    let quarters = Lanes::by_sign(x, two + two - quarters, quarters);
+    let quarters = Lanes::by_sign(x, four - quarters, quarters);
     let angle = angle.mirrored_by(quarter).mirrored_by(x);
     let rest = quarters.multiply_add(Lanes::splat(QUARTER_REST), angle);
     quarters.multiply_add(Lanes::splat(QUARTER), rest).with_sign_of(y)

@@ -153,6 +153,11 @@ impl<const FUSED: bool> Scalar for Lanes<FUSED> {
     }
 
     #[inline(always)]
+    fn with_real(self, value: Self) -> Self {
+        value
+    }
+
+    #[inline(always)]
     fn scale(self, factor: Self) -> Self {
         self * factor
     }

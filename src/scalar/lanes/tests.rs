@@ -37,7 +37,8 @@ fused_and_not!(
     rates_in_time,
     errors_of_angles_and_sines,
     derivatives_of_angles_and_norms,
-    rotations_are_those_of_doubles
+    rotations_are_those_of_doubles,
+    the_sign_of_a_zero_chooses_no_axis
 );
 
 type Second<const FUSED: bool, const N: usize> = SecondOrder<Lanes<FUSED>, N>;
@@ -225,6 +226,7 @@ fn products_and_sums<const FUSED: bool>() {
     let expected = |[x, z]: [f64; 2]| if FUSED { x.mul_add(factor, z) } else { x * factor + z };
     lane_by_lane(&points, |[x, z]: [Lanes<FUSED>; 2]| x.multiply_add(Lanes::splat(factor), z), expected, 0.0);
     lane_by_lane(&points, |[x, z]: [Lanes<FUSED>; 2]| x.scale_add(Lanes::splat(factor), z), expected, 0.0);
+    lane_by_lane(&points, |[x, z]: [Lanes<FUSED>; 2]| x.with_real(z), |[_, z]| z, 0.0);
 }
 
 /// Sums, products and functions of numbers with every derivative, in integers, as num-dual's arithmetic has them.
@@ -410,6 +412,30 @@ fn rotations_are_those_of_doubles<const FUSED: bool>() {
                         );
                     }
                 }
+            }
+        }
+    }
+}
+
+/// Half a turn about each axis, with zeros of either sign in its matrix: the same rotation vector.
+fn the_sign_of_a_zero_chooses_no_axis<const FUSED: bool>() {
+    for axis in 0..3 {
+        for signs in 0..1 << 9 {
+            let mut r = [[Lanes::<FUSED>::splat(0.0); 3]; 3];
+            for i in 0..3 {
+                for j in 0..3 {
+                    let zero = if signs >> (3 * i + j) & 1 == 1 { -0.0 } else { 0.0 };
+                    let turned = if i == axis { 1.0 } else { -1.0 };
+                    r[i][j] = Lanes::splat(if i == j { turned } else { zero });
+                }
+            }
+            let phi = so3::log(&r);
+            for k in 0..3 {
+                let expected = if k == axis { std::f64::consts::PI } else { 0.0 };
+                assert!(
+                    phi[k].0.iter().all(|x| close(*x, expected, 4.0) || *x == expected),
+                    "{axis}: {phi:?}"
+                );
             }
         }
     }

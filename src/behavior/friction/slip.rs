@@ -1,0 +1,301 @@
+//! The slip equations of an increment: f and Δγ on real numbers, then their derivatives.
+
+use super::derived::Potential;
+use super::flags::{Flag, Flags};
+use super::root::{Equations, SLOTS, slip_increment};
+use super::update::{Friction, Input};
+use super::{Ordered, is_zero, largest};
+use crate::behavior::table::Variable;
+use crate::scalar::elementary::{direction, recip};
+use crate::scalar::{Differentiable, Real, Scalar, Seeded};
+
+/// A solution of the slip equations.
+pub(super) struct Slip<S> {
+    pub(super) force: [S; 6],
+    pub(super) increment: S,
+    pub(super) slip: [S; 6],
+}
+
+/// An increment that slips.
+pub(super) struct Problem<'a, 'b, S: Scalar> {
+    pub(super) friction: &'a Friction,
+    /// The slip accumulated before.
+    pub(super) before: S::Real,
+    pub(super) input: &'a Input<'b, S>,
+    pub(super) contact: S,
+    pub(super) trial: [S; 6],
+    /// P of the trial traction.
+    pub(super) magnitude: S,
+    pub(super) stiffness: S,
+    pub(super) radii: &'a [(usize, S::Real)],
+}
+
+impl<S> Problem<'_, '_, S>
+where
+    S: Scalar,
+    S::Real: Ordered + Differentiable,
+{
+    /// The limit after the slip Δγ.
+    fn limit(&self, increment: S, flags: &mut Flags) -> S {
+        self.friction.limit(self.contact, self.before, self.input, increment, flags).limit
+    }
+
+    /// The limit after a real slip and its derivative, everything else being fixed.
+    fn limit_and_slope(&self, increment: S::Real) -> (S::Real, S::Real) {
+        type Slope<R> = <R as Differentiable>::Gradient<1>;
+        let constant = |x: S| Slope::<S::Real>::from_real(x.real());
+        let input = self.input.map(constant);
+        let seeded = Slope::<S::Real>::seed(increment, 0);
+        let limit = self
+            .friction
+            .limit(constant(self.contact), self.before, &input, seeded, &mut Flags::default())
+            .limit;
+        (limit.real(), limit.gradient()[0])
+    }
+
+    /// The slips at which the slope of the limit may change.
+    fn breaks(&self) -> impl Iterator<Item = S::Real> {
+        let duration = self.input.duration.map(Scalar::real);
+        let rates = self.friction.coefficient.rates().into_iter();
+        let of_rates = rates.filter_map(move |rate| Some(S::Real::from_f64(rate) * duration?));
+        let before = self.before;
+        let column = self.friction.criterion.internal.slip_column().into_iter();
+        let rows = column.flat_map(|(table, column)| table.rows(Variable::Column(column)));
+        of_rates.chain(rows.map(move |row| S::Real::from_f64(row) - before))
+    }
+
+    /// P is a norm: f = (L/P(f_tr)) f_tr and P(f_tr) − K Δγ = L(Δγ).
+    pub(super) fn radial(&self, flags: &mut Flags) -> Slip<S> {
+        let increment = slip_increment(
+            self.magnitude,
+            self.stiffness,
+            self.breaks(),
+            |slip| self.limit_and_slope(slip),
+            |slip| self.limit(slip, &mut Flags::default()),
+            flags,
+        );
+        let limit = self.limit(increment, flags);
+        let mut scaled = [S::zero(); 6];
+        for (k, radius) in self.radii {
+            scaled[*k] = self.trial[*k].scale(S::Real::integer(1) / *radius);
+        }
+        let along = direction(scaled);
+        let (mut force, mut slip) = ([S::zero(); 6], [S::zero(); 6]);
+        for (k, radius) in self.radii {
+            force[*k] = (along[*k] * limit).scale(*radius);
+            slip[*k] = (along[*k] * increment).scale(S::Real::integer(1) / *radius);
+        }
+        Slip { force, increment, slip }
+    }
+
+    /// P is a potential: f against its gradient at f, by Newton's method on f and Δγ together.
+    pub(super) fn against(&self, potential: &Potential, limit: S::Real, flags: &mut Flags) -> Slip<S> {
+        let size = largest(&self.trial.map(Scalar::real));
+        match self.newton(potential, size, limit) {
+            Some((force, increment)) => self.lifted(potential, size, limit, force, increment, flags),
+            None => {
+                flags.add(Flag::ReturnedAlongTraction);
+                self.along_traction(potential, flags)
+            }
+        }
+    }
+
+    /// The unknowns f_k/size and K Δγ/size, K_k/K = R_k²; the residuals of the flow, over size, and of P = L, over the limit.
+    fn residual(
+        &self,
+        potential: &Potential,
+        (size, scale): (S::Real, S::Real),
+        force: &[S::Real; 6],
+        increment: S::Real,
+    ) -> (Equations<S::Real>, [S::Real; SLOTS]) {
+        let n = self.radii.len();
+        let (zero, one) = (S::Real::integer(0), S::Real::integer(1));
+        let stiffness = self.stiffness.real();
+        let seeded = [0, 1, 2, 3, 4, 5].map(|k| <S::Real as Differentiable>::Hessian::<6>::seed(force[k], k));
+        let context = self.input.context.map(|x| Scalar::from_real(x.real()));
+        let p = potential.evaluate(&seeded, &context, &mut Flags::default());
+        let (gradient, hessian) = (p.gradient(), p.hessian());
+        let (limit, slope) = self.limit_and_slope(increment);
+        let flow = increment * stiffness / size;
+        let mut jacobian = [[zero; SLOTS]; SLOTS];
+        let mut residual = [zero; SLOTS];
+        for (i, (k, radius)) in self.radii.iter().enumerate() {
+            let square = *radius * *radius;
+            residual[i] = (force[*k] - self.trial[*k].real()) / size + flow * square * gradient[*k];
+            for (j, (l, _)) in self.radii.iter().enumerate() {
+                let unit = if i == j { one } else { zero };
+                jacobian[i][j] = unit + flow * square * hessian[*k][*l] * size;
+            }
+            jacobian[i][n] = square * gradient[*k];
+            jacobian[n][i] = gradient[*k] * (size / scale);
+        }
+        residual[n] = (p.real() - limit) / scale;
+        jacobian[n][n] = -(slope / stiffness) * (size / scale);
+        (Equations { jacobian, n: n + 1 }, residual)
+    }
+
+    /// f and Δγ, as real numbers; none where Newton's method with backtracking ends short of a solution.
+    fn newton(
+        &self,
+        potential: &Potential,
+        size: S::Real,
+        scale: S::Real,
+    ) -> Option<([S::Real; 6], S::Real)> {
+        /// A residual this small is a solution, to rounding.
+        const SOLVED: f64 = 1e-11;
+        const STEPS: usize = 60;
+        const HALVINGS: usize = 40;
+        let (zero, stiffness) = (S::Real::integer(0), self.stiffness.real());
+        let (mut force, mut increment) = (self.trial.map(Scalar::real), zero);
+        let (mut equations, mut residual) = self.residual(potential, (size, scale), &force, increment);
+        let size_of = |residual: &[S::Real; SLOTS]| residual.iter().fold(zero, |sum, x| sum + x.magnitude());
+        let mut error = size_of(&residual);
+        for _ in 0..STEPS {
+            let step = equations.solve(&residual)?;
+            let mut fraction = S::Real::integer(1);
+            let mut found = None;
+            for _ in 0..HALVINGS {
+                let mut tried = force;
+                for (i, (k, _)) in self.radii.iter().enumerate() {
+                    tried[*k] = tried[*k] - fraction * step[i] * size;
+                }
+                let slip = increment - fraction * step[self.radii.len()] * size / stiffness;
+                let (next, left) = self.residual(potential, (size, scale), &tried, slip);
+                let size_left = size_of(&left);
+                if size_left.less(error) {
+                    found = Some((tried, slip, next, left, size_left));
+                    break;
+                }
+                fraction = fraction * S::Real::ratio(1, 2);
+            }
+            let Some(found) = found else { break };
+            (force, increment, equations, residual, error) = found;
+            if is_zero(error) {
+                break;
+            }
+        }
+        let is_solved = error.less(S::Real::from_f64(SOLVED)) && !increment.less(zero);
+        is_solved.then_some((force, increment))
+    }
+
+    /// One Newton step on the scalar at the real solution: derivatives of f and Δγ.
+    fn lifted(
+        &self,
+        potential: &Potential,
+        size: S::Real,
+        scale: S::Real,
+        force: [S::Real; 6],
+        increment: S::Real,
+        flags: &mut Flags,
+    ) -> Slip<S> {
+        let n = self.radii.len();
+        let constant = force.map(S::from_real);
+        let p = potential.evaluate(&constant, &self.input.context, flags);
+        let limit = self.limit(S::from_real(increment), flags);
+        let gradient = self.gradient(potential, &force);
+        let (equations, _) = self.residual(potential, (size, scale), &force, increment);
+        let mut residual = [S::zero(); SLOTS];
+        for (i, (k, radius)) in self.radii.iter().enumerate() {
+            let flow = (self.stiffness * gradient[*k]).scale(*radius * *radius * increment / size);
+            residual[i] = (constant[*k] - self.trial[*k]).scale(S::Real::integer(1) / size) + flow;
+        }
+        residual[n] = (p - limit).scale(S::Real::integer(1) / scale);
+        let step = equations.solve(&residual).unwrap_or([S::zero(); SLOTS]);
+        let (mut end, mut slip) = ([S::zero(); 6], [S::zero(); 6]);
+        for (i, (k, radius)) in self.radii.iter().enumerate() {
+            end[*k] = constant[*k] - step[i].scale(size);
+            slip[*k] = (self.trial[*k] - end[*k]) * recip(self.stiffness.scale(*radius * *radius));
+        }
+        let increment = S::from_real(increment) - step[n].scale(size / self.stiffness.real());
+        Slip { force: end, increment, slip }
+    }
+
+    /// ∂P/∂f at real forces, as the scale factors of derived components move with the context.
+    fn gradient(&self, potential: &Potential, force: &[S::Real; 6]) -> [S; 6] {
+        type First<R> = <R as Differentiable>::Gradient<6>;
+        type Mixed<R> = <R as Differentiable>::Hessian<2>;
+        let seeded = [0, 1, 2, 3, 4, 5].map(|k| First::<S::Real>::seed(force[k], k));
+        let context = &self.input.context;
+        let still = context.map(|x| First::<S::Real>::from_real(x.real()));
+        let p = potential.evaluate(&seeded, &still, &mut Flags::default());
+        let mut lifted = p.gradient().map(S::from_real);
+        if S::ORDER == 0 || !potential.moves() {
+            return lifted;
+        }
+        for (k, _) in self.radii {
+            let mut forces = force.map(Mixed::<S::Real>::from_real);
+            forces[*k] = Mixed::<S::Real>::seed(force[*k], 0);
+            for j in 0..6 {
+                let mut moving = context.map(|x| Mixed::<S::Real>::from_real(x.real()));
+                moving.position[j] = Mixed::<S::Real>::seed(context.position[j].real(), 1);
+                let by_position = potential.evaluate(&forces, &moving, &mut Flags::default()).hessian()[0][1];
+                moving.position[j] = Mixed::<S::Real>::from_real(context.position[j].real());
+                moving.motion[j] = Mixed::<S::Real>::seed(context.motion[j].real(), 1);
+                let by_motion = potential.evaluate(&forces, &moving, &mut Flags::default()).hessian()[0][1];
+                lifted[*k] = lifted[*k]
+                    + context.position[j].nilpotent().scale(by_position)
+                    + context.motion[j].nilpotent().scale(by_motion);
+            }
+        }
+        lifted
+    }
+
+    /// f = s f_tr with P(f) = L and the slip that this takes, Δγ = (1 − s) Σ f_tr,k²/(K_k P(f_tr)): by bisection, which cannot
+    /// fail.
+    fn along_traction(&self, potential: &Potential, flags: &mut Flags) -> Slip<S> {
+        let (zero, one) = (S::Real::integer(0), S::Real::integer(1));
+        // Σ f_tr,k²/(K_k P), formed without squaring large numbers.
+        let inverse = recip(self.magnitude);
+        let mut whole = S::zero();
+        for (k, radius) in self.radii {
+            let elastic = self.trial[*k] * recip(self.stiffness.scale(*radius * *radius));
+            whole = whole + elastic * (self.trial[*k] * inverse);
+        }
+        let excess = |share: S, flags: &mut Flags| {
+            let increment = (S::one() - share) * whole;
+            let p = potential.evaluate(&self.trial.map(|x| x * share), &self.input.context, flags);
+            p - self.limit(increment, flags)
+        };
+        let mut unseen = Flags::default();
+        let (mut low, mut high) = (zero, one);
+        if zero.less(excess(S::zero(), &mut unseen).real()) {
+            flags.add(Flag::NoAdmissibleTraction);
+            high = zero;
+        } else {
+            loop {
+                let middle = low + (high - low) * S::Real::ratio(1, 2);
+                if !(low.less(middle) && middle.less(high)) {
+                    break;
+                }
+                if zero.less(excess(S::from_real(middle), &mut unseen).real()) {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+        }
+        let share = low;
+        let mut lifted = S::from_real(share);
+        if zero.less(high) {
+            type Slope<R> = <R as Differentiable>::Gradient<1>;
+            let constant = |x: S| Slope::<S::Real>::from_real(x.real());
+            let seeded = Slope::<S::Real>::seed(share, 0);
+            let slip = (Slope::<S::Real>::one() - seeded).scale(whole.real());
+            let context = self.input.context.map(constant);
+            let p = potential.evaluate(&self.trial.map(constant).map(|x| x * seeded), &context, &mut unseen);
+            let limit = self
+                .friction
+                .limit(constant(self.contact), self.before, &self.input.map(constant), slip, &mut unseen)
+                .limit;
+            let slope = (p - limit).gradient()[0];
+            lifted = lifted - excess(lifted, flags).scale(slope.reciprocal_or_zero());
+        }
+        let lost = S::one() - lifted;
+        let (mut force, mut slip) = ([S::zero(); 6], [S::zero(); 6]);
+        for (k, radius) in self.radii {
+            force[*k] = self.trial[*k] * lifted;
+            slip[*k] = self.trial[*k] * recip(self.stiffness.scale(*radius * *radius)) * lost;
+        }
+        Slip { force, increment: whole * lost, slip }
+    }
+}

@@ -1,0 +1,103 @@
+//! What a friction says of itself to the rest of the crate.
+
+use super::criterion::FactorMistake::{self, Multiplied, NumberLeftOut};
+use super::{
+    Context, Contribution, Criterion, Derived, DerivedPart, Form, Potential, Tangential, is_divisor,
+    wrap_angle,
+};
+use crate::behavior::Wrap;
+use crate::behavior::table::Table;
+use crate::catalog::ConnectionType;
+use crate::scalar::Wide;
+use crate::scene::{Basis, Extrapolation, Operator, PotentialFunction, PotentialOperator};
+use crate::vector::sub;
+
+#[test]
+fn divisors_are_positive_and_have_a_reciprocal() {
+    for x in [1.0, -0.0 + 1e300, f64::MIN_POSITIVE] {
+        assert!(is_divisor(x), "{x}");
+    }
+    for x in [0.0, -0.0, -1.0, 5e-324, f64::INFINITY, f64::NAN] {
+        assert!(!is_divisor(x), "{x}");
+    }
+}
+
+fn mistakes(name: &str, numbers: &[f64], forces: [f64; 6]) -> Vec<(FactorMistake, f64, f64)> {
+    let friction = ConnectionType::named(name, None).unwrap().friction.unwrap();
+    let numbers: Vec<Option<f64>> = numbers.iter().copied().map(Some).collect();
+    let criterion = Criterion::predefined(&friction, &numbers, &[], false).unwrap().remove(0);
+    let found = criterion.factor_mistakes();
+    let at = |wrong: &Criterion| wrong.at(&forces, 0.5, None, &Context::default()).0;
+    found.iter().map(|(mistake, wrong)| (*mistake, at(wrong).contact, at(wrong).tangential)).collect()
+}
+
+/// TRANSLATOR: |m1|/R_r + √(f2² + f3²) + 2 √(m2² + m3²)/L with R_r = 0.5, L = 0.25; CYLINDRICAL: √(f1² + (m1/R)²) with R = 0.25.
+#[test]
+fn mistakes_are_made_in_every_factor() {
+    let forces = [3.0, 3.0, 4.0, 2.0, 0.0, 1.0];
+    let right = 2.0 / 0.5 + 5.0 + 2.0 / 0.25;
+    let wrong = |term: f64, instead: f64| right - term + instead;
+    assert_eq!(
+        mistakes("TRANSLATOR", &[0.5, 0.25], forces),
+        [
+            (Multiplied, wrong(4.0, 2.0 * 0.5), 3.0),
+            (NumberLeftOut, wrong(8.0, 1.0 / 0.25), 3.0),
+            (Multiplied, wrong(8.0, 2.0 * 0.25), 3.0),
+        ]
+    );
+    // Nothing is wrong with a radius of 1, multiplied or divided by.
+    assert!(mistakes("CYLINDRICAL", &[1.0], forces).is_empty());
+    let [(mistake, contact, tangential)] = mistakes("CYLINDRICAL", &[0.25], forces)[..] else {
+        panic!("one factor, one mistake")
+    };
+    assert_eq!((mistake, contact), (Multiplied, 5.0));
+    assert!((tangential - 3.0_f64.hypot(2.0 * 0.25)).abs() < 1e-15);
+}
+
+/// A potential is formed from its shifts too, and moves where a scale factor depends on the position.
+#[test]
+fn shifts_and_moving_factors_are_known() {
+    let contribution = |of, shift| Contribution {
+        of,
+        scale: 1.0,
+        exponent: 2.0,
+        function: PotentialFunction::Abs,
+        shift,
+        sign: 1.0,
+    };
+    let potential = |contributions| Potential::new(PotentialOperator::Sum, 2.0, contributions).unwrap();
+    let plain = vec![contribution(Form::Component(0), 0.5), contribution(Form::Component(1), -0.25)];
+    let still = potential(plain.clone());
+    assert_eq!((still.shift(), still.moves()), (0.75, false));
+    let part = |independent| {
+        let scale = Some(Table::curve(&[(0.0, 1.0), (1.0, 2.0)], Extrapolation::Linear).unwrap());
+        let part =
+            DerivedPart { operator: Operator::Sum, sign: 1.0, components: vec![2], scale, independent };
+        contribution(Form::Derived(Derived { parts: vec![part] }), 0.0)
+    };
+    let with = |part| potential(plain.iter().cloned().chain([part]).collect());
+    assert!(!with(part(None)).moves());
+    assert!(with(part(Some((Basis::Position, vec![0])))).moves());
+    assert!(matches!(Tangential::Potential(still).components()[..], [0, 1]));
+}
+
+/// How an angle of wrap changes as the nodes of both segments move: differences on 237 bits, by node and direction.
+#[test]
+fn angles_of_wrap_change_with_every_node() {
+    let points = [[0.1, -0.2, 0.3], [0.4, 1.1, 0.2], [1.3, 0.9, -0.5]];
+    let (angle, wrap) = Wrap::measured(sub(points[1], points[0]), sub(points[2], points[1]));
+    let at = |node: usize, direction: usize, h: f64| {
+        let mut moved = points.map(|point| point.map(Wide::from_f64));
+        moved[node][direction] += h;
+        wrap_angle(moved[0], moved[1], moved[2]).0
+    };
+    assert!((angle - at(0, 0, 0.0).to_f64()).abs() < 1e-15);
+    let Wrap::Measured(gradient) = wrap else { panic!("{wrap:?}") };
+    for node in 0..3 {
+        for direction in 0..3 {
+            let exact = ((at(node, direction, 1e-25) - at(node, direction, -1e-25)) / 2e-25).to_f64();
+            assert!((gradient[node][direction] - exact).abs() < 2e-15, "{node} {direction}: {exact}");
+        }
+    }
+    assert_eq!(Wrap::measured([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]), (0.0, Wrap::Kink));
+}
