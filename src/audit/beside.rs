@@ -159,18 +159,12 @@ pub fn beside(
     Some(Case { name, definition, start: None, path: vec![step], length: 1.0 })
 }
 
-/// The part of the states near singular points that have structure, as models have it.
-const STRUCTURED: f64 = 0.25;
-
 /// Random states near the singular points of a type, removable ones among them: 1e-1 to 1e-12 away, from either side, from any
-/// direction, with both nodes turned besides; or, one in four, with the structure of models: one axis turns, the nodes lie along one, and
-/// nothing moves but one degree of freedom. Nothing for a type that has no singular point.
+/// direction, with both nodes turned besides. A draw with structure ([`Draw::structured`]) gives states as models have them: one axis turns, the
+/// nodes lie along one, and nothing moves but one degree of freedom. Nothing for a type that has no singular point.
 pub fn random_near(connection: &ConnectionType, draw: &mut Draw) -> Option<Case> {
     let sites = sites(connection);
     let (_, site) = sites.get(draw.below(sites.len()))?;
-    if draw.unit() < STRUCTURED {
-        draw.structured();
-    }
     let sign = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
     let distance = sign * 10.0_f64.powf(-draw.between(1.0, 12.0));
     // A strain has no other side.

@@ -92,7 +92,7 @@ impl Truth {
                 let settles = Sides::of([half, at(fine), at(coarse)].map(|x| [x; 2]), scale);
                 let of = if n == 0 { Quantity::FirstDerivatives } else { Quantity::NodalForces };
                 let jumps = |j: usize| jumps(first[n], bound, (of, k, j));
-                if jumps(i / DOFS) || jumps(i % DOFS) || has_none(first[n], k) {
+                if jumps(i / DOFS) || jumps(i % DOFS) || has_none(first[n]) {
                     settles.of_none()
                 } else {
                     settles
@@ -136,7 +136,7 @@ impl Truth {
             let of = Quantity::FirstDerivatives;
             let jumps = (0..DOFS).any(|j| moves(j) && jumps(first, bound, (of, k, j)));
             acceleration.0[k] =
-                Some(vec![if jumps || has_none(first, k) { settles.of_none() } else { settles }]);
+                Some(vec![if jumps || has_none(first) { settles.of_none() } else { settles }]);
         }
         [rate, acceleration]
     }
@@ -147,9 +147,10 @@ fn jumps(first: &Entries<Sides>, bound: &Bound, (of, k, j): (Quantity, usize, us
     first.get(k, j).is_some_and(|sides| sides.differ(bound.tolerance(of, k, j)))
 }
 
-/// Whether a side of a first derivative of a component lacks a derivative: then there is no gradient whose derivatives could be.
-fn has_none(first: &Entries<Sides>, k: usize) -> bool {
-    (0..DOFS).any(|j| first.get(k, j).is_some_and(|sides| sides.exist != [true; 2]))
+/// Whether a side of a first derivative lacks a derivative: then there is no gradient whose derivatives could be, of no component that shares
+/// the set.
+fn has_none(first: &Entries<Sides>) -> bool {
+    first.iter().any(|(_, _, sides)| sides.exist != [true; 2])
 }
 
 /// The values of one component.

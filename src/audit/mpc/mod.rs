@@ -6,7 +6,7 @@
 
 mod mistakes;
 
-use super::bound::{C, U, scales};
+use super::bound::scales;
 use super::case::turn;
 use super::engine::Settings;
 use super::failing::Failing;
@@ -61,42 +61,6 @@ struct Truth {
 struct BothSides {
     first: [Rows<Sides>; DOFS],
     rate: Rows<Sides>,
-    /// The units of the equations, and of the degrees of freedom.
-    extents: [f64; ROWS],
-    sizes: Dofs<f64>,
-    /// The degrees of freedom that move.
-    moves: [bool; DOFS],
-    second: [Rows<Vec<Wide>>; 3],
-    accelerations: [Rows<Wide>; 3],
-}
-
-impl BothSides {
-    /// Whether a first derivative has two sides, or none.
-    fn jumps(&self, row: usize, j: usize) -> bool {
-        let tolerance = C * U * self.extents[row] / self.sizes[j];
-        self.first[j][row].is_some_and(|sides| sides.differ(tolerance))
-    }
-
-    /// Whether a side of a first derivative of a row lacks a derivative: then there is no gradient whose derivatives could be.
-    fn has_none(&self, row: usize) -> bool {
-        self.first.iter().any(|along| along[row].is_some_and(|sides| sides.exist != [true; 2]))
-    }
-
-    /// A second derivative: it exists where second differences settle and no first derivative of which it is formed jumps.
-    fn second(&self, row: usize, i: usize, scale: f64) -> Option<Sides> {
-        let [half, fine, coarse] = self.second.each_ref().map(|of| of[row].as_ref()?.get(i).copied());
-        let settles = Sides::of([half?, fine?, coarse?].map(|x| [x; 2]), scale);
-        let jumps = self.jumps(row, i / DOFS) || self.jumps(row, i % DOFS) || self.has_none(row);
-        Some(if jumps { settles.of_none() } else { settles })
-    }
-
-    /// The same of the acceleration.
-    fn acceleration(&self, row: usize, scale: f64) -> Option<Sides> {
-        let [half, fine, coarse] = self.accelerations.map(|of| of[row]);
-        let settles = Sides::of([half?, fine?, coarse?].map(|x| [x; 2]), scale);
-        let jumps = self.has_none(row) || (0..DOFS).any(|j| self.moves[j] && self.jumps(row, j));
-        Some(if jumps { settles.of_none() } else { settles })
-    }
 }
 
 impl MpcCase {
@@ -284,9 +248,11 @@ impl MpcCase {
                     entry.error = truth.own_error(sheet.quantity, value_scale, row);
                     let of_entry = sides.and_then(|sides| match sheet.quantity {
                         Quantity::FirstDerivatives => sides.first[i][row],
-                        Quantity::SecondDerivatives => sides.second(row, i, scale),
+                        // The equations of one vector share their singular set: none of them has a gradient there.
+                        Quantity::SecondDerivatives | Quantity::Acceleration => {
+                            Some(Sides::known([zero; 2]).of_none())
+                        }
                         Quantity::Rate => sides.rate[row],
-                        Quantity::Acceleration => sides.acceleration(row, scale),
                         _ => None,
                     });
                     if let Some(sides) = of_entry {
@@ -349,8 +315,7 @@ impl Truth {
         self.nearness.into_iter().filter(|near| *near > 0.0).fold(1.0, f64::min)
     }
 
-    /// What exists of the equations on a singular set: derivatives from both sides by each degree of freedom and along the velocities,
-    /// and second differences at steps that shrink.
+    /// What exists of the equations on a singular set: derivatives from both sides by each degree of freedom and along the velocities.
     fn sides(&self) -> BothSides {
         let still = self.values(&[Wide::zero(); DOFS]);
         let of = |along: &dyn Fn(Wide) -> Dofs<Wide>, size: f64, scale: &dyn Fn(usize) -> f64| {
@@ -376,19 +341,7 @@ impl Truth {
         });
         let along = |t: Wide| self.state.velocity.map(|velocity| velocity * t);
         let time = self.time();
-        let moves = |j: usize| {
-            [&self.state.velocity, &self.state.acceleration].iter().any(|rates| rates[j] != Wide::zero())
-        };
-        const STEPS: [f64; 3] = [SECOND_STEP / 2.0, SECOND_STEP, Sides::COARSE];
-        BothSides {
-            first,
-            rate: of(&along, time, &|row| extent(row) / time),
-            extents: std::array::from_fn(extent),
-            sizes: self.sizes,
-            moves: std::array::from_fn(moves),
-            second: STEPS.map(|step| self.second_at(step)),
-            accelerations: STEPS.map(|step| self.acceleration_at(Wide::from_f64(step * time))),
-        }
+        BothSides { first, rate: of(&along, time, &|row| extent(row) / time) }
     }
 
     /// How far differences are off by rounding on 237 bits, of an equation with such a scale: next to nothing but very close to singular
