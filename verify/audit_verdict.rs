@@ -182,13 +182,13 @@ fn a_link_of_coincident_nodes_has_two_sides() {
     ] {
         let mut given = sheet.clone();
         given.entries[0].got = got;
-        assert_eq!(given.check(0.0, false, "", None).verdict, verdict, "{got}");
+        assert_eq!(given.check(false, "", None).verdict, verdict, "{got}");
     }
     // An entry that has a derivative is judged by it.
     let mut given = sheet.clone();
     let smooth = given.entries.iter_mut().find(|entry| entry.sides.is_none()).unwrap();
     smooth.got += 1e-9;
-    assert_eq!(given.check(0.0, false, "", None).verdict, Verdict::Wrong);
+    assert_eq!(given.check(false, "", None).verdict, Verdict::Wrong);
 }
 
 /// At half a turn of violation the angles jump: the derivative of the side that the state is on is the one that counts.
@@ -276,7 +276,10 @@ fn a_true_singularity_is_no_kink() {
         match check.verdict {
             Verdict::Kink => {
                 assert!(worst.one_sided.is_some_and(|sides| sides.iter().all(|side| side.is_finite())));
-                assert_eq!((check.quantity, worst.lack), (Some(Quantity::FirstDerivatives), None));
+                let both = [Quantity::FirstDerivatives, Quantity::NodalForces, Quantity::Rate];
+                assert!(
+                    check.quantity.is_some_and(|quantity| both.contains(&quantity)) && worst.lack.is_none()
+                );
             }
             Verdict::Singular => assert!(worst.lack.is_some(), "{check:?}"),
             verdict => assert!(!verdict.is_mismatch(), "{check:?}"),
@@ -331,4 +334,21 @@ fn the_order_of_a_remainder_is_judged() {
     }
     println!("{clear} orders, largest {most}");
     assert!(clear > 300, "{clear}");
+}
+
+/// Where the angles of a constraint are on a singular set, second derivatives of its positions are judged as ever.
+#[test]
+fn second_derivatives_beside_a_singular_row_are_judged() {
+    let half_turn = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+    let sheets = constraint(Kind::Beam, [0.0; 3], half_turn).sheets();
+    let sheet = sheets.iter().find(|sheet| sheet.quantity == Quantity::SecondDerivatives).unwrap();
+    assert!(!sheet.check(false, "", None).verdict.is_mismatch());
+    let is_open: Vec<bool> = sheet.entries.chunks(sheet.width()).map(|row| row[5].sides.is_some()).collect();
+    assert!(is_open.contains(&true) && is_open.contains(&false), "{is_open:?}");
+    for (row, is_open) in is_open.into_iter().enumerate() {
+        let mut given = sheet.clone();
+        given.entries[row * sheet.width() + 5].got += 1e-3;
+        let expected = if is_open { Verdict::Singular } else { Verdict::Wrong };
+        assert_eq!(given.check(false, "", None).verdict, expected, "{}", sheet.rows[row]);
+    }
 }

@@ -1,5 +1,6 @@
 //! Slopes of elastic and viscous forces of a scene's connector, against differences of the forces on 237-bit numbers.
 
+use super::bound::{C, U};
 use super::case::Case;
 use super::engine::Settings;
 use super::failing::Failing;
@@ -8,13 +9,14 @@ use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sheet::{Change, Entry, Sheet};
+use super::sides::Sides;
 use crate::behavior::damping::Damping;
 use crate::behavior::elasticity::Elasticity;
 use crate::behavior::state::Behavior;
 use crate::behavior::{Conditions, Motion, Unknown};
 use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{Output, Request};
-use crate::scalar::Wide;
+use crate::scalar::{Real, Wide};
 
 /// The step of differences, in sizes of the motion.
 const STEP: f64 = 1e-25;
@@ -95,13 +97,20 @@ pub(super) fn audit_behavior(
     SlopesCase::of(case, behavior)?.audit(settings, proves)
 }
 
-/// The slopes at the end of a case; `None` where nothing acts or all of it is rigid, or on a kink of a table, where there are two
-/// slopes.
+/// The slopes at the end of a case; `None` where nothing acts. On a kink of a table there are two slopes.
 pub fn slopes(case: &Case, behavior: &Behavior) -> Option<Slopes> {
     SlopesCase::of(case, behavior)?.slopes()
 }
 
 impl SlopesCase {
+    /// Whether forces have slopes: springs or dampers that are not all rigid.
+    pub(super) fn acts(behavior: &Behavior) -> bool {
+        let rigid = behavior.elasticity.rigid();
+        let springs =
+            behavior.elasticity.components().into_iter().zip(rigid).any(|(acts, rigid)| acts && !rigid);
+        springs || behavior.damping.components().contains(&true)
+    }
+
     /// The end of a case; `None` where nothing acts.
     fn of(case: &Case, behavior: &Behavior) -> Option<Self> {
         let acts = [behavior.elasticity.components(), behavior.damping.components()];
@@ -133,7 +142,7 @@ impl SlopesCase {
         }
         let mut check = Check::new(Some(Quantity::BehaviorTangent), Against::Oracle(Oracle::WideDifferences));
         if !sheet.entries.is_empty() {
-            check = sheet.check(1.0, proves, &self.name, None);
+            check = sheet.check(proves, &self.name, None);
             check.fails_at(|| Failing::Slopes(Box::new(self.clone())));
         }
         if lacks {
@@ -146,11 +155,9 @@ impl SlopesCase {
         let Self { motion, conditions, .. } = self;
         let mut behavior = Behavior::default();
         (behavior.elasticity, behavior.damping) = (self.elasticity.clone(), self.damping.clone());
+        // On a row of a table there are two slopes, and next to it rounding decides which.
         let on_kink = !behavior.elasticity.kinks(motion, conditions).is_empty()
             || !behavior.damping.kinks(motion, conditions).is_empty();
-        if on_kink {
-            return None;
-        }
         // Without temperature and fields some forces are not known: their slopes are not judged, and that is said.
         let laws =
             [behavior.elasticity.forces(motion, conditions), behavior.damping.forces(motion, conditions)];
@@ -183,27 +190,39 @@ impl SlopesCase {
             .iter()
             .map(|(of_velocity, j)| format!("{}({})", if *of_velocity { "v" } else { "u" }, COMPONENT[*j]))
             .collect();
+        let mut scales = [[[0.0; 6]; 6]; 2];
+        behavior.elasticity.add_slope_scales(motion, conditions, &mut scales);
+        behavior.damping.add_slope_scales(motion, conditions, &mut scales);
         let of = |(of_velocity, j): (bool, usize)| {
             let size = size(j, if of_velocity { motion.velocity[j] } else { motion.constitutive[j] });
+            let both = |h: Wide| [forces(of_velocity, j, -h), forces(of_velocity, j, h)];
             let h = Wide::from_f64(STEP * size);
-            let (plus, minus) = (forces(of_velocity, j, h), forces(of_velocity, j, -h));
-            (size, [0, 1, 2, 3, 4, 5].map(|i| (plus[i] - minus[i]) / (h + h)))
+            let [minus, plus] = both(h);
+            let slope = [0, 1, 2, 3, 4, 5].map(|i| (plus[i] - minus[i]) / (h + h));
+            if !on_kink {
+                return (size, slope, [None; 6]);
+            }
+            let steps = [h / Wide::integer(2), h, Wide::from_f64(Sides::COARSE * size)];
+            let moved = steps.map(both);
+            let sides = |i: usize| {
+                let moved = moved.each_ref().map(|both| both.each_ref().map(|forces| Some(forces[i])));
+                let scale = scales[usize::from(of_velocity)][i][j];
+                Sides::along(still[i], &moved, &steps, scale).filter(|sides| sides.differ(C * U * scale))
+            };
+            (size, slope, [0, 1, 2, 3, 4, 5].map(sides))
         };
-        let wanted: Vec<(f64, [Wide; 6])> = motions.iter().map(|motion| of(*motion)).collect();
+        let wanted: Vec<(f64, [Wide; 6], [Option<Sides>; 6])> =
+            motions.iter().map(|motion| of(*motion)).collect();
         for i in (0..6).filter(|i| is_known(*i)) {
             sheet.rows.push(format!("∂{}", FORCE[i]));
-            for (column, ((of_velocity, j), (size, want))) in motions.iter().zip(&wanted).enumerate() {
+            for (column, ((of_velocity, j), (size, want, sides))) in motions.iter().zip(&wanted).enumerate() {
                 let slopes = if *of_velocity { &tangent.velocity } else { &tangent.displacement };
-                sheet.entries.push(Entry {
-                    name: format!("∂{}/∂{}", FORCE[i], sheet.columns[column]),
-                    got: slopes[i][*j],
-                    want: want[i],
-                    scale: still[i].to_f64().abs() / size + want[i].to_f64().abs(),
-                    class: (i / 3, column / 3, 0),
-                    error: 0.0,
-                    sides: None,
-                    is_open: false,
-                });
+                let name = format!("∂{}/∂{}", FORCE[i], sheet.columns[column]);
+                let scale = still[i].to_f64().abs() / size
+                    + want[i].to_f64().abs()
+                    + scales[usize::from(*of_velocity)][i][*j];
+                let entry = Entry::new(name, slopes[i][*j], want[i], scale, (i / 3, column / 3, 0));
+                sheet.entries.push(Entry { sides: sides[i], ..entry });
             }
         }
         let rows: Vec<usize> = (0..6).filter(|i| is_known(*i)).collect();

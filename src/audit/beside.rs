@@ -89,15 +89,20 @@ pub fn beside(
     let a0 = cubes[draw.below(cubes.len())];
     let axis = draw.direction();
     let direction = apply(&turn([0.0, azimuth, 0.0]), axis);
-    let [alpha, gamma] = [draw.between(0.3, 0.9), draw.between(-0.9, -0.3)];
+    // With structure the nodes turn about one axis, and lie along one.
+    let is_structured = draw.is_structured();
+    let [alpha, gamma] =
+        if is_structured { [0.0; 2] } else { [draw.between(0.3, 0.9), draw.between(-0.9, -0.3)] };
+    let azimuth = if is_structured { 0.0 } else { azimuth };
+    let offset = if is_structured { draw.direction() } else { [0.5, -0.25, 1.0] };
     let about_2 = |angle: f64| turn([0.0, angle, 0.0]);
     let between = |first: &Matrix<f64>, middle: &Matrix<f64>, last: &Matrix<f64>| {
         matrix_product(&matrix_product(first, middle), last)
     };
-    let mut reference = apply(&a0, [0.5, -0.25, 1.0]);
+    let mut reference = apply(&a0, offset);
     let mut flow = [0.0; 2];
     // Q at the start, which is regular, and at the end.
-    let still = turn([0.2, -0.3, 0.1]);
+    let still = if is_structured { vector::identity() } else { turn([0.2, -0.3, 0.1]) };
     let (start, end) = match measure {
         Measure::Distance => {
             reference = scale(direction, distance);
@@ -106,6 +111,10 @@ pub fn beside(
         Measure::Strain => {
             reference = apply(&a0, [1.0, 0.0, 0.0]);
             flow = [0.0, 1.0 - distance];
+            (still, still)
+        }
+        Measure::RadialDistance if is_structured => {
+            reference = apply(&a0, [distance, 0.0, 1.0]);
             (still, still)
         }
         Measure::RadialDistance => {
@@ -151,7 +160,8 @@ pub fn beside(
 }
 
 /// Random states near the singular points of a type, removable ones among them: 1e-1 to 1e-12 away, from either side, from any
-/// direction, with both nodes turned besides. Nothing for a type that has no singular point.
+/// direction, with both nodes turned besides. A draw with structure ([`Draw::structured`]) gives states as models have them: one axis turns, the
+/// nodes lie along one, and nothing moves but one degree of freedom. Nothing for a type that has no singular point.
 pub fn random_near(connection: &ConnectionType, draw: &mut Draw) -> Option<Case> {
     let sites = sites(connection);
     let (_, site) = sites.get(draw.below(sites.len()))?;
@@ -180,7 +190,8 @@ fn beside_a_turn(
     distance: f64,
     draw: &mut Draw,
 ) -> Case {
-    let reference = apply(&a0, [0.5, -0.25, 1.0]);
+    let offset = if draw.is_structured() { draw.direction() } else { [0.5, -0.25, 1.0] };
+    let reference = apply(&a0, offset);
     let definition = definition(connection, pair(reference, a0, &vector::identity()), 1.0);
     let still = [0.0; 3];
     let spin = if site.angle == 0.0 {

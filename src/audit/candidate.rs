@@ -196,7 +196,7 @@ impl<'a> Candidate<'a> {
         let trusted = answers.as_ref().map_or(product, |answers| answers.trusted(&is_smooth));
         let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
         let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, &of_components);
-        let sides = (nearness == 0.0).then(|| truth.sides());
+        let sides = (nearness == 0.0).then(|| truth.sides(&bound));
         let connector = case.connector();
         let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
         // A routine's numbers are not all there: what must be noticed of its derivatives is told of the product's.

@@ -303,7 +303,7 @@ impl Golden {
             checks.push(check);
         }
         for sheet in self.force_sheets(&numbers, &bound) {
-            checks.push(sheet.check_against(Oracle::Jax, 1.0, true, &case.name, Some(case)));
+            checks.push(sheet.check_against(Oracle::Jax, true, &case.name, Some(case)));
         }
         checks
     }

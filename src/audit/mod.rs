@@ -43,12 +43,14 @@ mod outcome;
 mod planted;
 pub mod quantity;
 mod recorded;
+mod referee;
 pub mod sample;
 mod scene;
 mod second;
 pub mod sheet;
 pub mod shrink;
 mod sides;
+mod singular;
 mod slopes;
 mod stage;
 #[cfg(feature = "proptest")]

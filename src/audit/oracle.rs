@@ -6,7 +6,7 @@ use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::Truth;
 use super::verdict::Wanted;
 use crate::connector::{Branch, Components, Connector, Increment, Output, Request, State, Tally};
-use crate::measure::{Margin, Unit};
+use crate::measure::{LOCK, Margin, Unit};
 use crate::node::{DOFS, Pair};
 use crate::scalar::{Differentiable, Wide};
 use crate::symbolic::{Model, nodal_inputs};
@@ -160,6 +160,22 @@ impl Answer {
     pub fn rounded(oracle: Oracle, quantity: Quantity, numbers: &Entries<f64>, bound: &Bound) -> Self {
         let error = numbers.map(|k, i, _| bound.tolerance(quantity, k, i));
         Self { error, ..Self::of(oracle, numbers) }
+    }
+
+    /// The same of a straight-line program of traced formulas, which does not go around what cancels near singular sets: its own error is
+    /// larger by the distance to them, and on one it has no answer.
+    pub(super) fn traced(
+        quantity: Quantity,
+        numbers: &Entries<f64>,
+        bound: &Bound,
+        nearness: &[f64; 6],
+    ) -> Self {
+        let mut answer = Self::rounded(Oracle::Symbolic, quantity, numbers, bound);
+        answer.error = answer.error.map(|k, _, error| error / nearness[k]);
+        for k in (0..6).filter(|k| nearness[*k] == 0.0) {
+            (answer.numbers.0[k], answer.error.0[k]) = (None, None);
+        }
+        answer
     }
 
     /// 45 digits or more, against a tolerance of 16.
@@ -334,19 +350,34 @@ impl Narrow {
 
     /// The same of each component by itself; 1 where it has no singular set.
     pub fn nearness_of_components(&self) -> [f64; 6] {
-        let margins = self.connector.margins(&self.state, &self.branch, [true; 6]);
-        margins.map(|margin| {
-            let distance = |margin: Margin| match margin.set.unit {
-                Unit::Length => margin.distance / self.length,
-                Unit::Angle | Unit::None => margin.distance,
-            };
-            margin.map_or(1.0, distance).min(1.0)
-        })
+        self.margins().map(|margin| nearness(margin, self.length))
+    }
+
+    /// The distance of each component to its singular sets.
+    pub(super) fn margins(&self) -> Components<Margin> {
+        self.connector.margins(&self.state, &self.branch, [true; 6])
+    }
+
+    /// Where displacements count from what rounding decided, that.
+    pub(super) fn undetermined_origins(&self) -> [Option<f64>; 6] {
+        let sets = self.connector.undetermined_origins();
+        [0, 1, 2, 3, 4, 5].map(|k| sets[k].and_then(|_| self.connector.counts_from(k)))
     }
 
     /// The nodal degrees of freedom that the connector has.
     pub fn active(&self) -> &[bool; DOFS] {
         self.connector.active()
+    }
+}
+
+/// min(1, distance to a singular set, in radians and lengths of the connector); 1 where there is none. An angle that only rounding holds
+/// off a set is on it.
+pub(super) fn nearness(margin: Option<Margin>, length: f64) -> f64 {
+    let Some(Margin { distance, set }) = margin else { return 1.0 };
+    match set.unit {
+        Unit::Length => (distance / length).min(1.0),
+        Unit::Angle | Unit::None if distance < LOCK => 0.0,
+        Unit::Angle | Unit::None => distance.min(1.0),
     }
 }
 

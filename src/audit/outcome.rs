@@ -219,6 +219,11 @@ impl Expected {
         Self { quantities: quantities.to_vec(), laws: Vec::new() }
     }
 
+    /// Adds numbers.
+    pub(super) fn add(&mut self, quantity: Quantity) {
+        self.quantities.push(quantity);
+    }
+
     /// Of a connector: its numbers, those of forces where it has any; and the laws of a state that say something of it.
     pub(super) fn of(connector: &Connector<f64>) -> Self {
         let has_forces = (0..6).any(|k| connector.has_force(k));
@@ -300,7 +305,7 @@ impl Subject {
         let witnessed = !judged.is_empty() && without_witness.is_empty();
         let of = |wanted: &dyn Fn(&Check) -> bool| {
             let chosen = checks.iter().filter(|check| wanted(check));
-            chosen.map(|check| check.verdict).max()
+            chosen.map(Check::claim).max()
         };
         let is_declared = |check: &Check| check.against == Against::Law(Invariant::Sparsity);
         // JAX has formulas of its own: what it says of numbers whose derivatives somebody else has judged is about formulas.

@@ -1,6 +1,6 @@
 //! A scene: every connector and every multi-point constraint at its states.
 
-use super::behavior::audit_behavior;
+use super::behavior::{SlopesCase, audit_behavior};
 use super::case::{Case, Step};
 use super::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
 use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread_of};
@@ -124,9 +124,7 @@ fn judge(settings: &Settings, pieces: Vec<Piece>, gathered: &mut [Gathered]) {
                         .into_iter()
                         .flat_map(|slips| audit_slipping(&slips, &element, settings, (is_wide, proves))),
                 );
-                if is_wide {
-                    checks.extend(audit_behavior(&case, &element.behavior, settings, true));
-                }
+                checks.extend(audit_behavior(&case, &element.behavior, settings, proves));
                 (place, checks)
             }
             Work::Mpc(case) if is_wide => (place, case.audit(settings, true)),
@@ -245,7 +243,11 @@ fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
         let element = model.connectors.get(*at)?;
         let connection = element.connector.connection();
         let slips = certifies_frictions(connection, &element.behavior.behavior.friction);
-        Some((element.title(), certificate(connection), slips, Expected::of(&element.connector)))
+        let mut expected = Expected::of(&element.connector);
+        if SlopesCase::acts(&element.behavior.behavior) {
+            expected.add(Quantity::BehaviorTangent);
+        }
+        Some((element.title(), certificate(connection), slips, expected))
     });
     let mpcs = plan.mpcs.iter().filter_map(|at| {
         let element = model.mpcs.get(*at)?;

@@ -70,6 +70,11 @@ fn together(
 impl Truth {
     /// Second derivatives of what is measured, and, where forces are asked for, how the rows of virtual work change.
     pub fn second(&self, forces: bool) -> [Entries<Wide>; 2] {
+        self.second_at(forces, self.second_step())
+    }
+
+    /// The same with a step, in sizes of the degrees of freedom.
+    pub(super) fn second_at(&self, forces: bool, step: f64) -> [Entries<Wide>; 2] {
         let connector = self.connector();
         let mut matrices: [Components<Vec<Wide>>; 2] = [
             self.empty(DOFS * DOFS),
@@ -77,12 +82,12 @@ impl Truth {
                 (forces && connector.has_force(k)).then(|| vec![Wide::zero(); DOFS * DOFS])
             }),
         ];
-        self.second_of_functions(forces, &mut matrices);
+        self.second_of_functions(forces, step, &mut matrices);
         for k in 0..6 {
             let is_form = connector.differentiated(k).is_some_and(|m| m.is_one_form());
             if let Some(matrix) = matrices[0][k].as_mut().filter(|_| is_form) {
                 let columns: Vec<usize> = self.active().collect();
-                self.change_of_row(&columns, &|from, by| self.accumulated_from(from, by), matrix);
+                self.change_of_row(&columns, step, &|from, by| self.accumulated_from(from, by), matrix);
             }
             let Some(matrix) = matrices[1][k].as_mut() else { continue };
             let columns: Vec<usize> = self.reach().collect();
@@ -94,12 +99,12 @@ impl Truth {
                         let axis = connector.moment_axis(k, &from.a.triad);
                         axis.map_or_else(Wide::zero, |axis| dot(axis, turned(from, &moved(from, by))))
                     };
-                    self.change_of_row(&turns, &work, matrix);
+                    self.change_of_row(&turns, step, &work, matrix);
                 }
                 Some(Loading::Conjugate)
                     if connector.position_measure(k).is_some_and(|m| m.is_one_form()) =>
                 {
-                    self.change_of_row(&columns, &|from, by| self.accumulated_from(from, by), matrix);
+                    self.change_of_row(&columns, step, &|from, by| self.accumulated_from(from, by), matrix);
                 }
                 _ => {}
             }
@@ -114,8 +119,8 @@ impl Truth {
         Sample { pair, value, conjugate }
     }
 
-    fn second_of_functions(&self, forces: bool, matrices: &mut [Components<Vec<Wide>>; 2]) {
-        let step = |j: usize| self.second_step(j);
+    fn second_of_functions(&self, forces: bool, step: f64, matrices: &mut [Components<Vec<Wide>>; 2]) {
+        let step = |j: usize| self.sized(j, step);
         let both = |j: usize, l: usize, sign: i32| -> NodalRow<Wide> {
             let mut by = Self::along(j, step(j) * Wide::integer(sign));
             by[l] = step(l) * Wide::integer(sign);
@@ -169,10 +174,11 @@ impl Truth {
     fn change_of_row(
         &self,
         columns: &[usize],
+        step: f64,
         accumulated: &dyn Fn(&Pair<Wide>, &NodalRow<Wide>) -> Wide,
         matrix: &mut [Wide],
     ) {
-        let step = |j: usize| self.second_step(j);
+        let step = |j: usize| self.sized(j, step);
         let pair = &self.state().pair;
         for l in columns.iter().copied() {
             let [plus, minus] = [step(l), -step(l)].map(|h| moved(pair, &Self::along(l, h)));

@@ -3,13 +3,16 @@
 
 use super::bound::{C, U};
 use super::case::Case;
+use super::conditioned::NOTICED;
 use super::diagnosis::{Cause, diagnose_sheet};
 use super::mutant::{Mistake, of_number};
 use super::oracle::Oracle;
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sides::Sides;
-use super::verdict::{COARSE, Finding, HIGHER, Judgement, SIGNIFICANT, Score, Verdict, Wanted, units};
+use super::verdict::{
+    COARSE, Finding, Judgement, Point, SIGNIFICANT, Score, Verdict, Wanted, moved_by, units, verdict_of_entry,
+};
 use crate::scalar::Wide;
 
 /// One number.
@@ -29,14 +32,15 @@ pub struct Entry {
     pub error: f64,
     /// On a kink: the derivatives from below and from above.
     pub sides: Option<Sides>,
-    /// Whether it is formed of derivatives that do not exist on a singular set, as second ones are.
-    pub is_open: bool,
+    /// Whether a relative error of a billionth must be noticed on it, whatever is allowed: a significant entry where nothing is
+    /// ill-conditioned.
+    pub is_demanded: bool,
 }
 
 impl Entry {
     /// A number that has a reference without an error of its own.
     pub const fn new(name: String, got: f64, want: Wide, scale: f64, class: (usize, usize, usize)) -> Self {
-        Self { name, got, want, scale, class, error: 0.0, sides: None, is_open: false }
+        Self { name, got, want, scale, class, error: 0.0, sides: None, is_demanded: false }
     }
 
     /// C u times the conditioned scale, and the error of the reference.
@@ -108,58 +112,56 @@ impl Sheet {
         self.entries.get(row * self.width() + column).map_or(0.0, |entry| entry.want.to_f64())
     }
 
-    fn tolerance(&self, i: usize) -> f64 {
-        self.entries.get(i).map_or(0.0, Entry::tolerance)
-    }
-
-    /// Judges every number, each by itself: the severest verdict is that of all.
+    /// Judges every number by itself: the severest verdict is that of the sheet. A tolerance that lets errors through which matter makes
+    /// the point ill-conditioned, on a kink too.
     pub fn judge(&self) -> Judgement {
-        let mut worst: Option<Finding> = None;
-        let largest = self.entries.iter().fold(0.0_f64, |most, entry| most.max(entry.got.abs()));
-        let mut coarse = false;
-        // The entry without a derivative that is told: a singular point before a kink.
-        let mut open: Option<(Verdict, Finding)> = None;
-        for (i, entry) in self.entries.iter().enumerate() {
-            let Entry { name, got, scale, sides, .. } = entry;
-            let (tolerance, want) = (self.tolerance(i), entry.target(*got));
+        // By the severity of its verdict, and how clearly: the width of a kink, or the error in units.
+        let mut worst: Option<(Verdict, f64, Finding)> = None;
+        let mut coarse: Option<(f64, Finding)> = None;
+        let sizes =
+            self.entries.iter().map(|entry| entry.got.abs().max(entry.sides.map_or(0.0, |of| of.gap())));
+        let largest = sizes.fold(0.0_f64, f64::max);
+        for entry in &self.entries {
+            let Entry { name, got, sides, .. } = entry;
+            let (tolerance, want) = (entry.tolerance(), entry.target(*got));
             let units = units(*got, want, tolerance);
-            coarse |= self.quantity != Quantity::Value && largest > 0.0 && C * U * scale > COARSE * largest;
-            let one_sided = sides.and_then(|sides| sides.to_f64());
-            let lack = sides.and_then(|sides| sides.lack());
-            let found = || {
-                let (entry, want) = (name.clone(), want.to_f64());
-                Finding { entry, at: None, got: *got, want, tolerance, units, one_sided, lack }
+            let at = Point { is_open: false, sides: sides.as_ref().map(Sides::lack) };
+            let (verdict, lack) =
+                verdict_of_entry(self.quantity, (*got, want.to_f64()), tolerance, units, at);
+            let finding = || Finding {
+                entry: name.clone(),
+                at: None,
+                got: *got,
+                want: want.to_f64(),
+                tolerance,
+                units,
+                one_sided: sides.and_then(|sides| sides.to_f64()),
+                lack,
             };
-            // Values exist on a singular set, and first derivatives and rates from each side; second ones may not.
-            if entry.is_open && units > 1.0 && got.is_finite() {
-                if open.as_ref().is_none_or(|(known, _)| Verdict::Singular > *known) {
-                    open = Some((Verdict::Singular, Finding { lack: Some(HIGHER), ..found() }));
-                }
-                continue;
+            let allowed = C * U * entry.scale;
+            let is_coarse = self.quantity != Quantity::Value && largest > 0.0 && allowed > COARSE * largest;
+            if is_coarse && coarse.as_ref().is_none_or(|(most, _)| allowed > *most) {
+                coarse = Some((allowed, finding()));
             }
-            let is_worse = worst.as_ref().is_none_or(|worst| units > worst.units || !got.is_finite());
-            let verdict = if lack.is_some() { Verdict::Singular } else { Verdict::Kink };
-            if sides.is_some() && open.as_ref().is_none_or(|(known, _)| verdict > *known) {
-                open = Some((verdict, found()));
-            }
-            if is_worse {
-                worst = Some(found());
-            }
-            if !got.is_finite() {
-                return Judgement { verdict: Verdict::Invalid, worst, compared: self.entries.len() };
+            let is_open = matches!(verdict, Verdict::Kink | Verdict::Singular);
+            let clearly = sides.as_ref().filter(|_| is_open).map_or(units, Sides::gap);
+            let is_worse = |(most, least, _): &(Verdict, f64, Finding)| {
+                verdict > *most || verdict == *most && clearly > *least
+            };
+            if worst.as_ref().is_none_or(is_worse) {
+                worst = Some((verdict, clearly, finding()));
             }
         }
-        let is_right = worst.as_ref().is_none_or(|worst| worst.units <= 1.0);
-        if let Some((verdict, open)) = open.filter(|_| is_right) {
-            return Judgement { verdict, worst: Some(open), compared: self.entries.len() };
-        }
-        let verdict = match &worst {
-            None => Verdict::Undecided,
-            Some(worst) if worst.units > 1.0 => Verdict::Wrong,
-            Some(_) if coarse => Verdict::IllConditioned,
-            Some(_) => Verdict::Pass,
+        let compared = self.entries.len();
+        let Some((verdict, _, worst)) = worst else {
+            return Judgement { verdict: Verdict::Undecided, worst: None, compared };
         };
-        Judgement { verdict, worst, compared: self.entries.len() }
+        match coarse {
+            Some((_, finding)) if matches!(verdict, Verdict::Pass | Verdict::Kink) => {
+                Judgement { verdict: Verdict::IllConditioned, worst: Some(finding), compared }
+            }
+            _ => Judgement { verdict, worst: Some(worst), compared },
+        }
     }
 
     /// Every mistake: those of single entries, and those that it knows besides.
@@ -174,15 +176,14 @@ impl Sheet {
     }
 
     /// Judges the numbers, with mutants of them where `proves`, and says why where they are wrong.
-    pub fn check(&self, nearness: f64, proves: bool, state: &str, case: Option<&Case>) -> Check {
-        self.check_against(Oracle::WideDifferences, nearness, proves, state, case)
+    pub fn check(&self, proves: bool, state: &str, case: Option<&Case>) -> Check {
+        self.check_against(Oracle::WideDifferences, proves, state, case)
     }
 
     /// The same, where what the numbers must be is what an oracle says.
     pub(super) fn check_against(
         &self,
         oracle: Oracle,
-        nearness: f64,
         proves: bool,
         state: &str,
         case: Option<&Case>,
@@ -194,8 +195,9 @@ impl Sheet {
         }
         let judgement = self.judge();
         // A check that speaks has proved that it can; mutants are made of right numbers.
-        let proves = proves && nearness > 0.0 && !judgement.verdict.is_mismatch();
-        let score = if proves { self.try_mistakes(&self.all_mistakes()) } else { Score::default() };
+        let proves = proves && !judgement.verdict.is_mismatch();
+        let score =
+            if proves { self.try_mistakes_of(oracle, &self.all_mistakes()) } else { Score::default() };
         let mut check = Check::new(Some(self.quantity), Against::Oracle(oracle));
         check.add_at(judgement, score, state, case);
         check.name_stage(|| Some(self.quantity.name()));
@@ -207,32 +209,42 @@ impl Sheet {
 
     /// Tries mistakes on the same comparison.
     pub fn try_mistakes(&self, mistakes: &[Change]) -> Score {
+        self.try_mistakes_of(Oracle::WideDifferences, mistakes)
+    }
+
+    /// The same where what the numbers must be is what an oracle says. What has two sides is left as it is: it has no single number that
+    /// a mistake could spoil. By an oracle on 237 bits a relative error of [`NOTICED`] must be noticed wherever that is demanded.
+    fn try_mistakes_of(&self, oracle: Oracle, mistakes: &[Change]) -> Score {
         let mut score = Score::default();
         let (mut missed, mut smallest) = (0.0_f64, f64::INFINITY);
         let wanted: Vec<Wanted> = self.entries.iter().map(|entry| entry.want.into()).collect();
         for Change { mistake, changes } in mistakes {
-            let noticed = changes.iter().any(|(i, x)| match (self.entries.get(*i), wanted.get(*i)) {
-                (Some(entry), _) if entry.sides.is_some() => {
-                    units(*x, entry.target(*x), self.tolerance(*i)) > 1.0
-                }
-                (_, Some(want)) => want.units(*x, self.tolerance(*i)) > 1.0,
-                _ => false,
-            });
-            let change = |(i, x): &(usize, f64)| {
-                let moved = self.entries.get(*i).map_or(0.0, |entry| (x - entry.got).abs());
-                if moved == 0.0 { 0.0 } else { moved / self.tolerance(*i) }
+            let changes = || {
+                let known =
+                    changes.iter().filter_map(|(i, x)| Some((*x, self.entries.get(*i)?, wanted.get(*i)?)));
+                known.filter(|(_, entry, _)| entry.sides.is_none())
             };
-            if let (Mistake::Scaled(delta), Some((i, _))) = (mistake, changes.first())
-                && let Some(entry) = self.entries.get(*i)
-            {
+            let Some((_, first, _)) = changes().next() else { continue };
+            let noticed = changes().any(|(x, entry, want)| want.units(x, entry.tolerance()) > 1.0);
+            if let Mistake::Scaled(delta) = mistake {
                 smallest = smallest.min(*delta);
-                if !noticed && entry.got.abs() >= SIGNIFICANT * entry.scale {
+                if !noticed && first.got.abs() >= SIGNIFICANT * first.scale {
                     missed = missed.max(*delta);
                 }
             }
-            let entry = changes.first().and_then(|(i, _)| self.entries.get(*i));
-            let change = || changes.iter().map(change).fold(0.0_f64, f64::max);
-            score.count(*mistake, noticed, change, || entry.map(|e| e.name.clone()).unwrap_or_default());
+            let is_demanded = || {
+                matches!(mistake, Mistake::Scaled(delta) if *delta >= NOTICED)
+                    && first.is_demanded
+                    && oracle.is_wide()
+            };
+            let change = || {
+                let of = |(x, entry, _): (f64, &Entry, _)| moved_by((x - entry.got).abs(), entry.tolerance());
+                match changes().map(of).fold(0.0, f64::max) {
+                    small if small > 0.0 && small < 2.0 && is_demanded() => f64::INFINITY,
+                    change => change,
+                }
+            };
+            score.count(*mistake, noticed, change, || first.name.clone());
         }
         if smallest.is_finite() {
             score.detectable_at.push(if missed > 0.0 { missed * 10.0 } else { smallest });

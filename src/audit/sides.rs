@@ -5,6 +5,10 @@
 
 use crate::scalar::Wide;
 
+/// What is formed of derivatives that do not exist.
+const HIGHER: &str =
+    "first derivatives have two sides there, or none: what is formed of them is judged by nobody";
+
 /// What both sides say of one derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sides {
@@ -14,12 +18,14 @@ pub struct Sides {
     pub exist: [bool; 2],
     /// Whether the state is off a singular set by rounding alone, where derivatives at fine steps are not those beyond.
     pub is_beside: bool,
+    /// Whether it is formed of derivatives that have two sides, or none.
+    pub is_formed_of_none: bool,
 }
 
 impl Sides {
     /// Two quotients that are derivatives.
     pub const fn known(quotients: [Wide; 2]) -> Self {
-        Self { quotients, exist: [true; 2], is_beside: false }
+        Self { quotients, exist: [true; 2], is_beside: false, is_formed_of_none: false }
     }
 
     /// From difference quotients from below and above: at half a fine step, at that step, and at a coarse one, far above the rounding of
@@ -38,7 +44,12 @@ impl Sides {
         if is_beside {
             exist = [false; 2];
         }
-        Self { quotients: half, exist, is_beside }
+        Self { quotients: half, exist, is_beside, is_formed_of_none: false }
+    }
+
+    /// Of what is formed of derivatives that do not exist.
+    pub(super) const fn of_none(self) -> Self {
+        Self { exist: [false; 2], is_formed_of_none: true, ..self }
     }
 
     /// The coarse step, in sizes of a degree of freedom.
@@ -101,6 +112,7 @@ impl Sides {
             [false, true] => Some(
                 "a derivative from above only: from below, difference quotients do not settle as steps shrink",
             ),
+            [false, false] if self.is_formed_of_none => Some(HIGHER),
             [false, false] if self.is_beside => Some(
                 "rounding alone holds the state off a singular set: the derivatives there and beyond differ",
             ),

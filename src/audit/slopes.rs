@@ -1,13 +1,14 @@
 //! Slopes of a function of a few numbers, judged by every oracle that can answer: differences on 237 bits, the product's dual
 //! numbers there, differences on doubles.
 
-use super::bound::U;
+use super::bound::{C, U};
 use super::engine::Settings;
 use super::mutant::Mistake;
 use super::oracle::Oracle;
 use super::quantity::Quantity;
 use super::sheet::{Change, Entry, Sheet};
 use super::sides::Sides;
+use super::verdict::Verdict;
 use crate::scalar::{Scalar, Wide};
 
 /// The step of differences on 237 bits, in sizes of an input.
@@ -25,6 +26,10 @@ pub(in crate::audit) struct Slopes<'a> {
     pub(in crate::audit) inputs: Vec<String>,
     /// What an input is measured by, positive.
     pub(in crate::audit) sizes: Vec<f64>,
+    /// What each input is rounded by, in units of rounding: the number itself where it is given, its size where it is formed of others.
+    pub(in crate::audit) rounded: Vec<f64>,
+    /// Which slopes must show a relative error of a billionth, whatever is allowed; none where that is not known.
+    pub(in crate::audit) demanded: Vec<Vec<bool>>,
     /// As if by how much an input were rounded besides, in units of rounding: what it is combined with may be larger than it is. Nothing
     /// where it is combined with nothing.
     pub(in crate::audit) beside: Vec<f64>,
@@ -98,7 +103,14 @@ impl Slopes<'_> {
                 let (slope, error) = estimates[i][j];
                 (Wide::from_f64(slope), error, None)
             };
-            found.push(self.sheet(Oracle::Differences, &scales, None, at));
+            let sheet = self.sheet(Oracle::Differences, &scales, None, at);
+            // What differences on doubles call wrong is put before those on 237 bits.
+            if !wide && asked(Oracle::WideDifferences) && sheet.1.judge().verdict == Verdict::Wrong {
+                let truth = self.truth(&scales);
+                let at = |i: usize, j: usize| (truth.slopes[i][j], 0.0, truth.sides[i][j]);
+                found.push(self.sheet(Oracle::WideDifferences, &scales, None, at));
+            }
+            found.push(sheet);
         }
         found
     }
@@ -117,7 +129,13 @@ impl Slopes<'_> {
                 let name = format!("∂{output}{}∂{input}", self.over);
                 let (got, scale) = (self.got[i][j], scales.entries[i][j]);
                 let class = (self.class)(i, j);
-                entries.push(Entry { error, sides, ..Entry::new(name, got, want, scale, class) });
+                let is_demanded = self.demanded.get(i).and_then(|row| row.get(j)) == Some(&true);
+                entries.push(Entry {
+                    error,
+                    sides,
+                    is_demanded,
+                    ..Entry::new(name, got, want, scale, class)
+                });
             }
         }
         let mut sheet = Sheet::new(self.quantity);
@@ -168,24 +186,39 @@ impl Slopes<'_> {
         slopes
     }
 
+    /// The slopes along an input by differences with a step, in its size, and both sides.
+    fn along(&self, still: &[Wide], j: usize, step: f64) -> Vec<(Wide, Sides)> {
+        let h = Wide::from_f64(step * self.sizes[j]);
+        let (plus, minus) = ((self.wide)(j, h), (self.wide)(j, -h));
+        let sides = |i: usize| Sides::known([(still[i] - minus[i]) / h, (plus[i] - still[i]) / h]);
+        (0..self.outputs.len()).map(|i| ((plus[i] - minus[i]) / (h + h), sides(i))).collect()
+    }
+
+    /// The slopes along an input, and which of them have two sides: sides that are apart by more than `least`, and do not come nearer to
+    /// each other as the step shrinks, as they do wherever the function is smooth.
+    fn kinked(&self, still: &[Wide], j: usize, least: &dyn Fn(usize) -> f64) -> Vec<(Wide, Option<Sides>)> {
+        /// A shorter step.
+        const SHORTER: f64 = 1e-3;
+        let found = self.along(still, j, self.step);
+        let is_apart = |i: usize, sides: &Sides| sides.gap() > least(i);
+        let needs = found.iter().enumerate().any(|(i, (_, sides))| is_apart(i, sides));
+        let shorter = if needs { self.along(still, j, SHORTER * self.step) } else { Vec::new() };
+        let with = |(i, (slope, sides)): (usize, (Wide, Sides))| {
+            let stays = shorter.get(i).is_some_and(|(_, shorter)| shorter.gap() > 0.5 * sides.gap());
+            (slope, Some(sides).filter(|sides| is_apart(i, sides) && stays))
+        };
+        found.into_iter().enumerate().map(with).collect()
+    }
+
     fn truth(&self, scales: &Scales) -> Truth {
-        /// Sides that differ by more than this part of a usual slope are two; where the function is smooth they agree to the step.
-        const APART: f64 = 1e-12;
-        const BEND: f64 = 1e6;
         let still = (self.wide)(0, Wide::zero());
         let (m, n) = (self.outputs.len(), self.inputs.len());
         let mut truth = Truth { slopes: vec![vec![Wide::zero(); n]; m], sides: vec![vec![None; n]; m] };
         for j in 0..n {
-            let h = Wide::from_f64(self.step * self.sizes[j]);
-            let (plus, minus) = ((self.wide)(j, h), (self.wide)(j, -h));
-            for i in 0..m {
-                truth.slopes[i][j] = (plus[i] - minus[i]) / (h + h);
-                let sides = Sides::known([(still[i] - minus[i]) / h, (plus[i] - still[i]) / h]);
-                // A smooth function bends by the step times the scale of its slope, which is far less, near a kink too.
-                let bend = BEND * self.step * scales.entries[i][j];
-                if sides.gap() > APART * scales.values[i] / self.sizes[j] + bend {
-                    truth.sides[i][j] = Some(sides);
-                }
+            // What is less than a tolerance apart is one slope.
+            let found = self.kinked(&still, j, &|i| C * U * scales.entries[i][j]);
+            for (i, (slope, sides)) in found.into_iter().enumerate() {
+                (truth.slopes[i][j], truth.sides[i][j]) = (slope, sides);
             }
         }
         truth
@@ -209,13 +242,17 @@ impl Slopes<'_> {
         let mut entries: Vec<Vec<f64>> =
             values.iter().map(|f| self.sizes.iter().map(|size| f / size).collect()).collect();
         for l in 0..n {
+            let rounded = self.rounded[l] + self.beside.get(l).copied().unwrap_or(0.0);
+            if rounded == 0.0 {
+                continue;
+            }
             let h = STEP * self.reach[l];
             let (plus, minus) = ((self.slopes)(l, h), (self.slopes)(l, -h));
             for i in 0..m {
                 for j in 0..n {
                     let bent = (value(&plus, i, j) - value(&minus, i, j)).abs() / (2.0 * h);
                     if bent.is_finite() {
-                        entries[i][j] += bent * (self.sizes[l] + self.beside.get(l).copied().unwrap_or(0.0));
+                        entries[i][j] += bent * rounded;
                     }
                 }
             }
@@ -270,10 +307,20 @@ impl Slopes<'_> {
         self.scales().values
     }
 
-    /// Which of the outputs have no kink along any input, whatever oracles are asked.
+    /// Which of the outputs have no kink along any input, whatever oracles are asked: none at all, however small.
     pub(in crate::audit) fn are_smooth(&self) -> Vec<bool> {
-        let sides = self.truth(&self.scales()).sides;
-        sides.iter().map(|along| along.iter().all(Option::is_none)).collect()
+        /// A hundred thousand roundings of 237 bits.
+        const NOISE: f64 = 1e-66;
+        let values = self.value_scales();
+        let still = (self.wide)(0, Wide::zero());
+        let mut smooth = vec![true; self.outputs.len()];
+        for j in 0..self.inputs.len() {
+            let noise = |i: usize| NOISE * values[i] / (self.step * self.sizes[j]);
+            for (smooth, (_, sides)) in smooth.iter_mut().zip(self.kinked(&still, j, &noise)) {
+                *smooth &= sides.is_none();
+            }
+        }
+        smooth
     }
 }
 

@@ -2,23 +2,26 @@
 //! differences whose step is so small that nothing is left to tune.
 //!
 //! First derivatives: h = s·1e-25, error of the difference about 1e-50, of rounding 1e-45. Second derivatives of values, as
-//! accelerations are: h = s·1e-18. s is the size of the degree of freedom, or the distance to the nearest singular set where
-//! that is less. Values alone are differenced: no dual number enters, and no map from relative to nodal degrees of freedom.
+//! accelerations are: h = s·1e-18·√δ, δ the distance to the nearest singular set. s is the size of the degree of freedom, or the
+//! distance where that is less. Values alone are differenced: no dual number enters, and no map from relative to nodal degrees of
+//! freedom. What is left of rounding is told with the answer ([`Truth::own_error`]).
 
+use super::bound::Bound;
 use super::case::{Case, dof_size, exact_branch, exact_state, moved};
 use super::quantity::{Entries, Numbers, Quantity, request};
-use super::sides::Sides;
 use crate::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
 };
-use crate::measure::Unit;
+use crate::measure::{Margin, SingularClass};
 use crate::node::{self, DOFS, Pair};
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
 use crate::vector::{product, sub, transpose, transposed_product};
 use std::sync::OnceLock;
 
-const FIRST_STEP: f64 = 1e-25;
-const SECOND_STEP: f64 = 1e-18;
+pub(super) const FIRST_STEP: f64 = 1e-25;
+pub(super) const SECOND_STEP: f64 = 1e-18;
+/// A hundred roundings of 237 bits.
+const NOISE: f64 = 6e-70;
 
 /// A case on 237-bit numbers, from the same doubles.
 pub struct Truth {
@@ -38,21 +41,25 @@ pub struct Truth {
     places: OnceLock<[[Place; 2]; DOFS]>,
 }
 
-/// The components at a lock of successive angles, where the first of them keeps the value that it had before, and the third takes what
-/// is known of both.
+/// The components of which something is not determined: at a lock of successive angles the first of them keeps the value that it had before,
+/// and the third takes what is known of both.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Locked {
     /// Those whose rows are no gradients: along the lock they have derivatives, across it what rounding makes of them.
     pub rows: [bool; 6],
     /// Those of which rounding decides whether they are locked: on 237 bits their values may be others.
     pub values: [bool; 6],
+    /// Those of which nothing is determined: at a true singularity, or so close to where a value changes its sign that rounding decides.
+    pub everything: [bool; 6],
 }
 
 impl Locked {
     /// As it is on doubles, and with 237 bits.
     fn of(narrowly: [bool; 6], exactly: [bool; 6]) -> Self {
         let all = [0, 1, 2, 3, 4, 5];
-        Self { rows: all.map(|k| narrowly[k] || exactly[k]), values: all.map(|k| narrowly[k] != exactly[k]) }
+        let rows = all.map(|k| narrowly[k] || exactly[k]);
+        let values = all.map(|k| narrowly[k] != exactly[k]);
+        Self { rows, values, everything: [false; 6] }
     }
 }
 
@@ -92,9 +99,25 @@ impl Truth {
         }
         let connector = Connector::new(&case.definition);
         let (narrowly, exactly) = (at_end.locks(), locks(&connector, &state.pair));
-        let locked = Locked::of(narrowly, exactly);
+        let margins = at_end.margins();
+        let mut locked = Locked::of(narrowly, exactly);
+        locked.everything = [0, 1, 2, 3, 4, 5].map(|k| {
+            let is_undetermined = |Margin { distance, set }: Margin| match set.class {
+                SingularClass::TrueSingularity => true,
+                SingularClass::BranchCut => distance > 0.0,
+                SingularClass::Kink | SingularClass::Removable => false,
+            };
+            of_components[k] == 0.0 && margins[k].is_some_and(is_undetermined)
+        });
         for (near, locks) in of_components.iter_mut().zip(locked.rows) {
             *near = if locks { 0.0 } else { *near };
+        }
+        let mut connector = connector;
+        for (k, origin) in at_end.undetermined_origins().into_iter().enumerate() {
+            // What rounding decided is taken as it is: what has happened since is judged.
+            if let Some(origin) = origin {
+                connector = connector.counting_from(k, Wide::from_f64(origin));
+            }
         }
         Some(Self {
             connector,
@@ -143,6 +166,11 @@ impl Truth {
         self.locked
     }
 
+    /// The connector's own length.
+    pub(super) const fn length(&self) -> f64 {
+        self.length
+    }
+
     fn clear(&self) -> f64 {
         if self.nearness > 0.0 { self.nearness } else { 1.0 }
     }
@@ -151,9 +179,14 @@ impl Truth {
         Wide::from_f64(size * self.clear()) * Wide::from_f64(dof_size(j, self.length))
     }
 
-    /// The step of second differences of values.
-    pub(super) fn second_step(&self, j: usize) -> Wide {
-        Wide::from_f64(SECOND_STEP * self.clear().sqrt()) * Wide::from_f64(dof_size(j, self.length))
+    /// A step of so many sizes of a degree of freedom.
+    pub(super) fn sized(&self, j: usize, step: f64) -> Wide {
+        Wide::from_f64(step) * Wide::from_f64(dof_size(j, self.length))
+    }
+
+    /// The step of second differences of values, in sizes of the degrees of freedom.
+    pub(super) fn second_step(&self) -> f64 {
+        SECOND_STEP * self.clear().sqrt()
     }
 
     pub(super) const fn connector(&self) -> &Connector<Wide> {
@@ -270,42 +303,63 @@ impl Truth {
         Entries(found)
     }
 
-    /// First derivatives from both sides, for states on a singular set.
-    pub fn sides(&self) -> Entries<Sides> {
-        let still = self.values(&self.at_rest());
-        let flat = Sides::known([Wide::zero(); 2]);
-        let mut found: Components<Vec<Sides>> =
-            std::array::from_fn(|k| self.connector.differentiated(k).map(|_| vec![flat; DOFS]));
-        for j in self.active() {
-            let fine = self.step(j, FIRST_STEP);
-            let steps = [fine / Wide::integer(2), fine, self.step(j, Sides::COARSE)];
-            let moved = steps.map(|h| [-h, h].map(|h| self.values(&self.place(Self::along(j, h)))));
-            for (k, entries) in found.iter_mut().enumerate() {
-                let (Some(entries), Some(still)) = (entries, still[k]) else { continue };
-                let of_component = moved.each_ref().map(|both| both.each_ref().map(|values| values[k]));
-                // As in a bound they would be, second derivatives are no measure here.
-                let unit = self.connector.differentiated(k).map(|measure| measure.unit());
-                let extent = if unit == Some(Unit::Length) { self.length } else { 1.0 };
-                let scale = extent / dof_size(j, self.length);
-                entries[j] = Sides::along(still, &of_component, &steps, scale).unwrap_or(flat);
+    /// How far differences are off by rounding on 237 bits: what is differenced over the step. Next to nothing but very close to singular
+    /// sets, far from the origin, and where a tolerance is zero.
+    pub(super) fn own_error(&self, quantity: Quantity, bound: &Bound) -> Entries<f64> {
+        let places = self.state.pair.reference.into_iter().chain(self.state.pair.a.displacement);
+        let places = places.chain(self.state.pair.b.displacement).map(|x| x.abs().to_f64() / self.length);
+        let noise = NOISE * places.fold(1.0, f64::max);
+        let speed = self.speed();
+        let of = |k: usize, i: usize| {
+            let scale = bound.scale(quantity, k, i);
+            let value = bound.scale(Quantity::Value, k, 0);
+            let [first, second] = self.times(k, speed);
+            match quantity {
+                Quantity::Value => noise * scale,
+                Quantity::FirstDerivatives | Quantity::NodalForces => {
+                    noise * scale / (FIRST_STEP * self.clear())
+                }
+                // The scale carries 1/δ.
+                Quantity::SecondDerivatives | Quantity::GeometricStiffness => {
+                    8.0 * noise * scale / (SECOND_STEP * SECOND_STEP)
+                }
+                Quantity::Rate => noise * value / first,
+                Quantity::Acceleration => 4.0 * noise * value / second / second,
+                _ => 0.0,
             }
-        }
-        Entries(found)
+        };
+        let rows = |k: usize| (0..quantity.entries()).map(|i| of(k, i)).collect();
+        Entries(std::array::from_fn(|k| Some(rows(k))))
+    }
+
+    /// The speed of the fastest degree of freedom, in its sizes.
+    pub(super) fn speed(&self) -> f64 {
+        (0..DOFS).fold(0.0_f64, |most, j| {
+            let size = dof_size(j, self.length);
+            let (v, a) = (self.state.velocity[j].to_f64() / size, self.state.acceleration[j].to_f64() / size);
+            most.max(v.abs()).max(a.abs().sqrt())
+        })
+    }
+
+    /// How far the degrees of freedom move in a time: q̇ t + q̈ t²/2.
+    pub(super) fn carried_on(&self, t: Wide) -> NodalRow<Wide> {
+        std::array::from_fn(|j| {
+            self.state.velocity[j] * t + self.state.acceleration[j] * t * t / Wide::integer(2)
+        })
+    }
+
+    /// The steps in time of first and second differences of a component: 1e-25 δ, and 1e-18 √δ as that of second derivatives.
+    fn times(&self, k: usize, speed: f64) -> [f64; 2] {
+        let near = if self.of_components[k] > 0.0 { self.of_components[k] } else { 1.0 };
+        let of = |step: f64| if speed > 0.0 { step / speed } else { step };
+        [of(FIRST_STEP * near), of(SECOND_STEP * near.sqrt())]
     }
 
     /// Rate and acceleration: values at ±h along q(t) = q̇ t + q̈ t²/2, which turns the nodes by exp(q_θ(t)^), differenced. Each
     /// component has the step of its own singular sets: one that is too short for it loses the digits of an acceleration.
     pub fn rates(&self) -> [Entries<Wide>; 2] {
-        let speed = (0..DOFS).fold(0.0_f64, |most, j| {
-            let size = dof_size(j, self.length);
-            let (v, a) = (self.state.velocity[j].to_f64() / size, self.state.acceleration[j].to_f64() / size);
-            most.max(v.abs()).max(a.abs().max(0.0).powf(0.5))
-        });
-        let at = |t: Wide| -> NodalRow<Wide> {
-            std::array::from_fn(|j| {
-                self.state.velocity[j] * t + self.state.acceleration[j] * t * t / Wide::integer(2)
-            })
-        };
+        let speed = self.speed();
+        let at = |t: Wide| self.carried_on(t);
         let still = self.values(&self.at_rest());
         let both = |h: Wide| [h, -h].map(|h| self.values(&self.place(at(h))));
         // The values after both steps, ahead and behind, by nearness.
@@ -323,12 +377,11 @@ impl Truth {
             let known = moved.iter().find(|(of, ..)| *of == near).copied();
             let (_, [(first_step, [near, behind]), (second_step, [far, far_behind])]) =
                 known.unwrap_or_else(|| {
-                    let time = if speed > 0.0 { near / speed } else { 1.0 };
                     let after = |step: f64| {
-                        let step = Wide::from_f64(step) * time;
+                        let step = Wide::from_f64(step);
                         (step, both(step))
                     };
-                    let found = (near, [FIRST_STEP, SECOND_STEP].map(after));
+                    let found = (near, self.times(k, speed).map(after));
                     moved.push(found);
                     found
                 });
@@ -344,7 +397,7 @@ impl Truth {
     }
 
     /// (v_b − v_a)·e_i^b, or (ω_b − ω_a)·e_i^b, and likewise the accelerations: rates that are declared so, not derivatives.
-    fn resolved_in_b(&self, k: usize) -> [Wide; 2] {
+    pub(super) fn resolved_in_b(&self, k: usize) -> [Wide; 2] {
         let (at, i) = if k < 3 { (node::XA, k) } else { (node::THETA_A, k - 3) };
         let triad = &self.state.pair.b.triad;
         [&self.state.velocity, &self.state.acceleration].map(|rates| {

@@ -5,7 +5,7 @@ use super::conditioned::{Conditioned, NOTICED};
 use super::diagnosis::Cause;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
-use super::quantity::{Entries, Quantity};
+use super::quantity::{Entries, Numbers, Quantity};
 use super::sides::Sides;
 use super::truth::Locked;
 use crate::scalar::Wide;
@@ -167,28 +167,33 @@ pub struct Surroundings<'a> {
     pub exact: Option<&'a dyn Fn(Quantity) -> Option<Exact<'a>>>,
     /// min(1, distance to the nearest singular set) of each component; 0 on it.
     pub nearness: [f64; 6],
-    /// First derivatives from both sides, for states on a singular set.
-    pub sides: Option<&'a Entries<Sides>>,
+    /// What exists of the components that are on a singular set, from both sides.
+    pub sides: Option<&'a Numbers<Sides>>,
     /// The components at a lock.
     pub locked: Locked,
 }
 
 impl<'a> Surroundings<'a> {
-    /// Whether a lock leaves nothing to compare a number with.
+    /// Whether a lock, or a true singularity, leaves nothing to compare a number with.
     fn is_locked(&self, quantity: Quantity, k: usize) -> bool {
-        match quantity {
+        let by_lock = match quantity {
             Quantity::Value => self.locked.values[k],
-            Quantity::FirstDerivatives => self.locked.rows[k],
-            _ => false,
-        }
+            // Nodal forces, rates and all others are formed of rows.
+            _ => self.locked.rows[k],
+        };
+        by_lock || self.locked.everything[k]
     }
 
-    /// On a singular set: the sides of a first derivative that differ by more than rounding. The two-sided difference is their mean
-    /// there, which is no derivative, whoever agrees with it.
+    /// On a singular set: the sides of a derivative that differ by more than rounding. The two-sided difference is their mean there, which
+    /// is no derivative, whoever agrees with it.
     fn kink(&self, quantity: Quantity, k: usize, i: usize) -> Option<&'a Sides> {
-        let is_it = quantity == Quantity::FirstDerivatives && self.nearness[k] == 0.0;
-        let sides = self.sides.filter(|_| is_it)?.0.get(k)?.as_ref()?.get(i)?;
+        let sides = self.sides_of(quantity, k, i)?;
         sides.differ(self.bound.tolerance(quantity, k, i)).then_some(sides)
+    }
+
+    fn sides_of(&self, quantity: Quantity, k: usize, i: usize) -> Option<&'a Sides> {
+        let sides = self.sides.filter(|_| self.nearness[k] == 0.0)?;
+        sides.entries(quantity).0.get(k)?.as_ref()?.get(i)
     }
 }
 
@@ -241,18 +246,18 @@ pub(super) fn units(got: f64, want: Wide, allowed: f64) -> f64 {
 /// What is known of one entry besides its number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
-    /// Whether its component, or row, is on a singular set.
-    pub(super) is_singular: bool,
-    /// Of a first derivative whose two sides differ there: what one of them lacks, if anything.
+    /// Whether its component is on a singular set, and nobody has looked at its sides.
+    pub(super) is_open: bool,
+    /// Of a derivative whose two sides differ there: what one of them lacks, if anything.
     pub(super) sides: Option<Option<&'static str>>,
 }
 
 /// What is formed of derivatives that do not exist.
-pub(super) const HIGHER: &str = "on a singular set values and one-sided first derivatives exist at most: what is formed of others is judged by nobody";
+const HIGHER: &str = "on a singular set values and one-sided first derivatives exist at most: what is formed of others is judged by nobody";
 
-/// Why an angle has nothing to be compared with.
+/// Why numbers have nothing to be compared with.
 const KEPT: &str =
-    "at a lock, to rounding: one angle keeps the value that it had before, and there are no gradients";
+    "neither value nor derivatives are determined there: a convention stands for them, or rounding decides";
 
 /// What angles at a lock may be off besides, for their rows do not tell from what they are formed: two angles of up to π.
 const LOCKED_SCALE: f64 = std::f64::consts::TAU;
@@ -261,8 +266,7 @@ const LOCKED_SCALE: f64 = std::f64::consts::TAU;
 /// kink from what may stand there, in units of what is `allowed`.
 ///
 /// A component that is not on a singular set is judged as everywhere, whatever the others of its connector do. On one, a value exists,
-/// and a first derivative from each side; what is formed of other derivatives may not. Nothing is decided where what is allowed, or
-/// what it must be, is no number.
+/// and of derivatives what their sides show. Nothing is decided where what is allowed, or what it must be, is no number.
 pub(super) fn verdict_of_entry(
     quantity: Quantity,
     (got, want): (f64, f64),
@@ -271,22 +275,42 @@ pub(super) fn verdict_of_entry(
     at: Point,
 ) -> (Verdict, Option<&'static str>) {
     let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
-    let verdict = if !got.is_finite() {
-        Verdict::Invalid
-    } else if units <= 1.0 {
-        match at.sides {
-            None => Verdict::Pass,
-            Some(None) => Verdict::Kink,
-            Some(lack) => return (Verdict::Singular, lack),
-        }
-    } else if at.is_singular && !(exists && want.is_finite()) {
-        return (Verdict::Singular, Some(HIGHER));
-    } else if !allowed.is_finite() || !want.is_finite() {
+    if !got.is_finite() {
+        return (Verdict::Invalid, None);
+    }
+    match decided(want, allowed, units) {
+        Verdict::Pass => match at.sides {
+            None => (Verdict::Pass, None),
+            Some(None) => (Verdict::Kink, None),
+            Some(lack) => (Verdict::Singular, lack),
+        },
+        _ if at.is_open && !(exists && want.is_finite()) => (Verdict::Singular, Some(HIGHER)),
+        other => (other, None),
+    }
+}
+
+/// The verdict on a number that is so many units of what is allowed from what it must be, wherever numbers are judged: where there is no
+/// finite tolerance, or nothing finite to be compared with, as where numbers overflow, nothing is decided.
+pub(super) fn decided(want: f64, allowed: f64, units: f64) -> Verdict {
+    if !allowed.is_finite() || !want.is_finite() {
         Verdict::Undecided
+    } else if units <= 1.0 {
+        Verdict::Pass
     } else {
         Verdict::Wrong
-    };
-    (verdict, None)
+    }
+}
+
+/// By how many tolerances a mutant moves a number. What is less than the least normal double is lost in rounding, whatever is allowed,
+/// and nothing counts where there is no finite tolerance.
+pub(super) fn moved_by(moved: f64, allowed: f64) -> f64 {
+    if moved < f64::MIN_POSITIVE {
+        0.0
+    } else if allowed.is_finite() {
+        moved / allowed
+    } else {
+        1.0
+    }
 }
 
 /// Judges the entries of one quantity, each by itself: the severest verdict is that of the quantity.
@@ -313,7 +337,8 @@ pub fn judge(
             let want = kink.map_or(*want, |sides| sides.nearest(*x).into());
             let units = want.units(*x, allowed);
             coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
-            let at = Point { is_singular: around.nearness[k] == 0.0, sides: kink.map(Sides::lack) };
+            let is_open = around.nearness[k] == 0.0 && around.sides_of(quantity, k, i).is_none();
+            let at = Point { is_open, sides: kink.map(Sides::lack) };
             let (verdict, lack) = match verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at) {
                 (Verdict::Wrong, _) if around.is_locked(quantity, k) => (Verdict::Singular, Some(KEPT)),
                 other => other,
@@ -495,9 +520,7 @@ pub fn try_along(quantity: Quantity, got: &Entries<f64>, along: &Along<'_>, muta
         let Some((k, i, _)) = entry() else { continue };
         let noticed = compared().any(|(moved, (off, allowed))| (off - moved).abs() > allowed);
         let change = || {
-            let of = |(moved, (_, allowed)): (f64, (f64, f64))| {
-                if moved == 0.0 { 0.0 } else { moved.abs() / allowed }
-            };
+            let of = |(moved, (_, allowed)): (f64, (f64, f64))| moved_by(moved.abs(), allowed);
             compared().map(of).fold(0.0_f64, f64::max)
         };
         score.count(mutant.mistake, noticed, change, || quantity.entry_name(*k, *i));
@@ -540,11 +563,9 @@ pub fn try_mutants(
         // By how many tolerances it moves an entry; one that nobody compares survives whatever changes it.
         let change = |(k, i, x): &(usize, usize, f64)| {
             let Some(was) = got.get(*k, *i).filter(|_| answered(*k)) else { return 0.0 };
-            let moved = (x - was).abs();
             match answer.numbers.get(*k, *i) {
                 None => f64::INFINITY,
-                Some(_) if moved == 0.0 => 0.0,
-                Some(_) => moved / answer.allowed(bound, quantity, *k, *i),
+                Some(_) => moved_by((x - was).abs(), answer.allowed(bound, quantity, *k, *i)),
             }
         };
         let is_demanded = || match (mutant.mistake, mutant.changes.first()) {
@@ -554,7 +575,7 @@ pub fn try_mutants(
             _ => false,
         };
         let largest_change = || match mutant.changes.iter().map(change).fold(0.0_f64, f64::max) {
-            small if small < 2.0 && is_demanded() => f64::INFINITY,
+            small if small > 0.0 && small < 2.0 && is_demanded() => f64::INFINITY,
             change => change,
         };
         let entry = || mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));

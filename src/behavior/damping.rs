@@ -68,6 +68,17 @@ impl Damping {
         pairs.fold(S::zero(), |sum, (force, v)| sum + v * force.unwrap_or(S::zero()))
     }
 
+    /// What the rounding of each slope is measured by, added to that of other laws: by displacements, then by velocities.
+    pub(crate) fn add_slope_scales(
+        &self,
+        motion: &Motion<f64>,
+        conditions: &Conditions,
+        scales: &mut [[[f64; 6]; 6]; 2],
+    ) {
+        let [displacement, velocity] = scales;
+        self.laws.iter().for_each(|law| law.add_slope_scales(motion, conditions, [displacement, velocity]));
+    }
+
     /// The kinks at which the motion lies.
     pub fn kinks<R: Real>(&self, motion: &Motion<R>, conditions: &Conditions) -> Vec<ForceKink<R>> {
         self.laws.iter().flat_map(|law| law.kinks(motion, conditions)).collect()

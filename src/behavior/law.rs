@@ -202,6 +202,47 @@ impl Law {
         }
     }
 
+    /// What the rounding of each slope of the forces is measured by, added to what other laws have: by displacements, then by velocities.
+    pub(super) fn add_slope_scales(
+        &self,
+        motion: &Motion<f64>,
+        conditions: &Conditions,
+        [displacement, velocity]: [&mut [[f64; 6]; 6]; 2],
+    ) {
+        if self.unknown(conditions).is_some() {
+            return;
+        }
+        let own = if self.driver == Driver::Velocity { &mut *velocity } else { &mut *displacement };
+        match &self.kind {
+            Kind::Linear { component, table } => {
+                own[*component][*component] += table.value_scale(0, |v| conditions.of(v));
+            }
+            Kind::Coupled { table, symmetric } => {
+                for i in (0..6).filter(|i| self.available[*i]) {
+                    for j in (0..6).filter(|j| self.available[*j]) {
+                        own[i][j] += table.value_scale(entry(!symmetric, i, j), |v| conditions.of(v));
+                    }
+                }
+            }
+            Kind::Nonlinear { component, table, axes } => {
+                let along = |v| argument(v, axes, *component, self.driver, motion, conditions);
+                let of = |column: usize| table.slope_scale(0, along, Variable::Column(column));
+                for (column, axis) in axes.iter().enumerate() {
+                    match axis {
+                        Axis::Own if self.driver == Driver::Velocity => {
+                            velocity[*component][*component] += of(column);
+                        }
+                        Axis::Own => displacement[*component][*component] += of(column),
+                        Axis::Position(k) | Axis::Constitutive(k) => {
+                            displacement[*component][*k] += of(column)
+                        }
+                    }
+                }
+            }
+            Kind::Rigid { .. } => {}
+        }
+    }
+
     /// The kinks at which the motion lies.
     pub(super) fn kinks<R: Real>(&self, motion: &Motion<R>, conditions: &Conditions) -> Vec<ForceKink<R>> {
         let Kind::Nonlinear { component, table, axes } = &self.kind else { return Vec::new() };

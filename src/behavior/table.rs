@@ -259,6 +259,79 @@ impl Table {
         self.at(output, &argument, &|level| sides[level], &met)
     }
 
+    /// What the rounding of a slope is measured by: the sum of the magnitudes of the slopes of the rows between which it is interpolated, and
+    /// of the values whose difference it is. It is larger than the slope where rows have opposite slopes. Of a row where two slopes meet, the
+    /// larger.
+    pub(crate) fn slope_scale(
+        &self,
+        output: usize,
+        argument: impl Fn(Variable) -> f64,
+        variable: Variable,
+    ) -> f64 {
+        let Some(level) = self.variables.iter().position(|(known, _)| *known == variable) else { return 0.0 };
+        let of =
+            |side| self.scale_of_slope((&self.root, self.variables.len()), output, &argument, level, side);
+        of(Side::Left).max(of(Side::Right))
+    }
+
+    /// The same of the value.
+    pub(crate) fn value_scale(&self, output: usize, argument: impl Fn(Variable) -> f64) -> f64 {
+        self.scale_of_value(&self.root, self.variables.len(), output, &argument)
+    }
+
+    fn scale_of_value(
+        &self,
+        block: &Block,
+        levels: usize,
+        output: usize,
+        argument: &impl Fn(Variable) -> f64,
+    ) -> f64 {
+        let (at, blocks) = match block {
+            Block::Values(values) => return values[output].abs(),
+            Block::Along { at, blocks } => (at, blocks),
+        };
+        let below = |i: usize| self.scale_of_value(&blocks[i], levels - 1, output, argument);
+        if at.len() == 1 {
+            return below(0);
+        }
+        match self.place(at, argument(self.variables[levels - 1].0), Side::Right, &Cell::new(false)) {
+            Place::Flat(i) => below(i),
+            Place::Between(i) => below(i).max(below(i + 1)),
+        }
+    }
+
+    fn scale_of_slope(
+        &self,
+        (block, levels): (&Block, usize),
+        output: usize,
+        argument: &impl Fn(Variable) -> f64,
+        level: usize,
+        side: Side,
+    ) -> f64 {
+        let Block::Along { at, blocks } = block else { return 0.0 };
+        let here = levels - 1;
+        let below = |i: usize| self.scale_of_slope((&blocks[i], here), output, argument, level, side);
+        if at.len() == 1 {
+            return if here == level { 0.0 } else { below(0) };
+        }
+        let taken = if here == level { side } else { Side::Right };
+        match self.place(at, argument(self.variables[here].0), taken, &Cell::new(false)) {
+            Place::Flat(_) if here == level => 0.0,
+            Place::Flat(i) => below(i),
+            Place::Between(i) if here == level => {
+                let value = |i: usize| {
+                    self.descend(&blocks[i], here, output, argument, &|_| Side::Right, &Cell::new(false))
+                };
+                // Rows of the innermost variable are exact, and so is their difference, to its own rounding.
+                let formed = |i: usize| {
+                    if here == 0 { 0.0 } else { self.scale_of_value(&blocks[i], here, output, argument) }
+                };
+                ((value(i + 1) - value(i)).abs() + formed(i) + formed(i + 1)) / (at[i + 1] - at[i])
+            }
+            Place::Between(i) => below(i) + below(i + 1),
+        }
+    }
+
     /// The rows where slopes meet, of those at which, up to rounding, the variables lie.
     pub fn kinks<R: Real>(&self, output: usize, argument: impl Fn(Variable) -> R) -> Vec<Kink<R>> {
         let mut kinks = Vec::new();

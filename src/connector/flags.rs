@@ -3,8 +3,8 @@
 use super::{Branch, Components, Connector, Increment, Mask, Row, State};
 use crate::measure::{Margin, Measure, SingularClass, Unit};
 use crate::node::{DOFS, Pair};
-use crate::scalar::Real;
 use crate::scalar::elementary::norm;
+use crate::scalar::{Differentiable, Real};
 use crate::scene::Code;
 use crate::so3;
 use crate::vector::{self, column, dot, scale, sub};
@@ -79,6 +79,14 @@ pub enum Flag {
         class: SingularClass,
         /// The distance to it.
         distance: f64,
+    },
+    /// The initial position of the component lay so close to a singular set that rounding decided it: every displacement counts from an
+    /// arbitrary origin. Derivatives are not affected.
+    UndeterminedOrigin {
+        /// The component.
+        component: &'static str,
+        /// The set.
+        at: &'static str,
     },
     /// A number is infinite or not a number: the state lies beyond what the formula can be evaluated at.
     NotFinite {
@@ -200,6 +208,7 @@ impl Flag {
         match self {
             Self::Singular { .. } => "singular",
             Self::IllConditioned { .. } => "ill-conditioned",
+            Self::UndeterminedOrigin { .. } => "undetermined-origin",
             Self::NotFinite { .. } => "not-finite",
             Self::LargeIncrement { .. } => "large-increment",
             Self::PathDependent { .. } => "path-dependent",
@@ -222,6 +231,7 @@ impl Flag {
         match self {
             Self::Singular { component, .. }
             | Self::IllConditioned { component, .. }
+            | Self::UndeterminedOrigin { component, .. }
             | Self::NotFinite { component, .. }
             | Self::LargeIncrement { component, .. }
             | Self::PathDependent { component, .. }
@@ -257,6 +267,27 @@ const CERTAIN_PATH: f64 = 1e-9;
 /// How far the advance of an angle by whole turns of the nodes may be from whole turns of its own, in turns, to be counted with
 /// certainty.
 pub(crate) const CERTAIN_TURNS: f64 = 0.1;
+
+impl<R: Differentiable> Connector<R> {
+    /// The singular sets next to which the initial positions lay, so that rounding decided them.
+    pub(crate) fn undetermined_origins(&self) -> &[Option<&'static str>; 6] {
+        &self.kind.undetermined_origins
+    }
+
+    /// The same connector with the initial position of a component as it was found on other numbers.
+    #[must_use]
+    pub(crate) fn counting_from(mut self, k: usize, initial: R) -> Self {
+        if let Some(start) = self.initial.get_mut(k) {
+            *start = initial;
+        }
+        self
+    }
+
+    /// The initial position of a component.
+    pub(crate) fn counts_from(&self, k: usize) -> Option<R> {
+        self.initial.get(k).copied()
+    }
+}
 
 /// The most kinds of measure that the rows of a connector can have: positions and what is differentiated.
 const KINDS: usize = 12;
@@ -357,6 +388,9 @@ impl Connector<f64> {
                 flags.push(Flag::Singular { component, at: set.at, class: set.class });
             } else if distance < ILL_CONDITIONED * scale_of(set.unit) {
                 flags.push(Flag::IllConditioned { component, at: set.at, class: set.class, distance });
+            }
+            if let Some(at) = self.kind.undetermined_origins[k] {
+                flags.push(Flag::UndeterminedOrigin { component, at });
             }
         }
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);

@@ -24,7 +24,7 @@ use linear::Program;
 pub use request::{Mask, Output, Request, Tally};
 
 use crate::catalog::{Condition, ConnectionType, PLANE, Slot};
-use crate::measure::{History, Measure, Section, Shared, Unit};
+use crate::measure::{History, LOCK, Measure, Section, Shared, SingularClass, Unit};
 use crate::node::{self, DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::lanes::{LANES, Lanes};
 use crate::scalar::{Differentiable, Real};
@@ -138,6 +138,8 @@ struct Kind<R> {
     is_free: bool,
     reach: [bool; DOFS],
     is_planar: bool,
+    /// The singular sets next to which the initial positions lay, so that rounding decided them.
+    undetermined_origins: [Option<&'static str>; 6],
     /// Which distances to singular sets there are.
     singular: Singular,
     /// Before any motion.
@@ -163,6 +165,34 @@ fn reach(definition: &Definition) -> [bool; DOFS] {
             && (!definition.planar || matches!(number, 1 | 2 | 6 | 10));
     }
     reach
+}
+
+/// Where rounding decided the initial positions: within it of a set where an angle is not determined, or changes its sign. On such a set
+/// exactly, and at a lock, a convention says what stands there.
+fn undetermined_origins(definition: &Definition, rows: &[Option<Row>; 6]) -> [Option<&'static str>; 6] {
+    let measures = [0, 1, 2, 3, 4, 5].map(|k| rows[k].as_ref().map(|row| row.position));
+    let may_be = |measure: &Measure| {
+        measure.singular_set().is_some_and(|set| {
+            set.unit == Unit::Angle
+                && matches!(set.class, SingularClass::TrueSingularity | SingularClass::BranchCut)
+        })
+    };
+    if !measures.iter().flatten().any(may_be) {
+        return [None; 6];
+    }
+    let relative = definition.initial.relative();
+    let section = Section {
+        initial_orientation: relative.q,
+        initial_length: 0.0,
+        fixed_direction: definition.fixed_direction,
+        flow_scale: definition.flow_scale,
+    };
+    let rotation_vector = so3::log(&relative.q);
+    let history = History { rotation_vector, euler_sign: 1.0, torsion_turns: 0.0 };
+    measures.map(|measure| {
+        let margin = measure.filter(may_be)?.margin(&relative, &section, &history)?;
+        (margin.distance > 0.0 && margin.distance < LOCK).then_some(margin.set.at)
+    })
 }
 
 /// How far an initially zero constraint may be from zero and still count as satisfied: direction cosines of exactly aligned
@@ -287,6 +317,7 @@ impl<R: Differentiable> Connector<R> {
             singular: Singular::new(&rows),
             reach,
             is_planar: definition.planar,
+            undetermined_origins: undetermined_origins(definition, &rows),
             branch,
         };
         Self { kind: Arc::new(kind), initial: starts }

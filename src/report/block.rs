@@ -697,6 +697,9 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
             };
             format!("{components} {are} ill-conditioned, {} from {at}: {consequence}", distances(group))
         }
+        Flag::UndeterminedOrigin { at, .. } => format!(
+            "displacements of {components} count from an arbitrary origin: initially {components} {are} at {at} but for rounding"
+        ),
         Flag::NotFinite { quantity, .. } => {
             format!(
                 "{quantity} of {components} is not finite: the state lies beyond what its formula can be evaluated at"

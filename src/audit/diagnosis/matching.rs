@@ -58,6 +58,10 @@ const CHANCE: f64 = 1000.0;
 /// How much wider tolerances are tried for numbers that have lost digits.
 const LOST: [f64; 4] = [1.0, 1e2, 1e4, 1e6];
 
+/// What a mistake leaves of the errors that it explains: more than this part is no explanation, for what loses digits comes near to many
+/// things.
+const LEFT: f64 = 1e-2;
+
 /// Single entries without structure that are named one by one.
 const SINGLE: usize = 2;
 
@@ -108,8 +112,16 @@ impl Matching<'_> {
             return None;
         }
         let fits = |hypothesis: &&Hypothesis| {
-            let explains = hypothesis.changes.iter().any(|(k, i, _)| wrong.contains_key(&(*k, *i)));
-            explains
+            let of_wrong = hypothesis.changes.iter().filter(|(k, i, _)| wrong.contains_key(&(*k, *i)));
+            let [error, left] = of_wrong.fold([0.0_f64; 2], |[error, left], (k, i, x)| {
+                let off = |from: f64, got: f64| if got == from { 0.0 } else { (got - from).abs() };
+                match self.data.get(&(*k, *i)).and_then(|datum| Some((datum.want, datum.got?))) {
+                    Some((want, got)) => [error.max(off(want, got)), left.max(off(*x, got))],
+                    None => [error, left],
+                }
+            });
+            error > 0.0
+                && left <= LEFT * error
                 && hypothesis.changes.iter().all(|(k, i, x)| {
                     let datum = self.data.get(&(*k, *i));
                     datum.and_then(|datum| Some((datum, datum.got?))).is_some_and(|(datum, got)| {
@@ -124,7 +136,8 @@ impl Matching<'_> {
             let Some(explained) = self.best(&fitting, &mut wrong, enough) else { break };
             found.causes.push(explained);
         }
-        if wrong.len() <= SINGLE {
+        // What stands out of tolerances that were widened is the largest of the digits lost.
+        if wrong.len() <= SINGLE && wider <= LOST[0] {
             for place in std::mem::take(&mut wrong).into_keys() {
                 found.causes.push(self.single(place));
             }

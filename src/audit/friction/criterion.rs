@@ -79,11 +79,39 @@ impl FrictionCase {
         forces
     }
 
+    /// How far the forces are from what kinks of norms and magnitudes they are not on, in their sizes: those lie where forces are zero.
+    fn clear(&self, sizes: &[f64; 6]) -> f64 {
+        let others = self.point.iter().zip(sizes).filter(|(force, _)| **force != 0.0);
+        others.map(|(force, size)| force.abs() / size).fold(1.0, f64::min)
+    }
+
+    /// The step of second differences, in sizes.
+    fn second_step(&self, sizes: &[f64; 6]) -> f64 {
+        SECOND_STEP * self.clear(sizes).sqrt()
+    }
+
+    /// Which entries of the gradients must show a relative error of a billionth, by the forces and the product's numbers alone: where no
+    /// force is small beside others and not zero, those that are at least a thousandth of value over force, and that bend by no more than
+    /// thirty of that.
+    fn demanded(&self, got: &[Derivatives<f64>; 4], sizes: &[f64; 6]) -> Vec<Vec<bool>> {
+        const PLAIN: f64 = 0.05;
+        let is_plain = self.clear(sizes) >= PLAIN && self.shift() == 0.0;
+        let values = magnitudes(&got.map(|part| part.value));
+        let of = |p: usize, j: usize| {
+            let usual = values[p] / sizes[j];
+            let bent: f64 =
+                got[p].hessian[j].iter().zip(self.point).map(|(bent, force)| (bent * force).abs()).sum();
+            is_plain && got[p].gradient[j].abs() >= 1e-3 * usual && bent <= 30.0 * usual
+        };
+        (0..4).map(|p| (0..6).map(|j| of(p, j)).collect()).collect()
+    }
+
     /// The gradients of the parts by differences.
     fn gradients(&self, at: &[Wide; 6], sizes: &[f64; 6]) -> [[Wide; 6]; 4] {
         let mut found = [[Wide::zero(); 6]; 4];
+        let step = self.second_step(sizes);
         for k in 0..6 {
-            let h = Wide::from_f64(SECOND_STEP * sizes[k]);
+            let h = Wide::from_f64(step * sizes[k]);
             let along = |h: Wide| {
                 let mut forces = *at;
                 forces[k] += h;
@@ -121,12 +149,14 @@ impl FrictionCase {
             class: |_, j| (0, j / 3, 0),
             inputs: inputs(),
             sizes: sizes.to_vec(),
+            rounded: self.point.map(f64::abs).to_vec(),
+            demanded: self.demanded(&got, &sizes),
             beside: Vec::new(),
             reach: reach(&self.point, &sizes),
             kinds: vec![0, 1, 2, 3],
             magnitudes: self.part_magnitudes(&values),
             got: gradient_of(&got),
-            step: FIRST_STEP,
+            step: FIRST_STEP * self.clear(&sizes),
             wide: Box::new(|k, h| self.values(&self.moved(k, h)).to_vec()),
             narrow: Box::new(|k, h| self.values(&self.moved(k, h)).to_vec()),
             slopes: Box::new(move |k, h| gradient_of(&self.derivatives(criterion, &self.moved(k, h)))),
@@ -189,13 +219,15 @@ impl FrictionCase {
             class: |i, j| (0, i % 6 / 3, j / 3),
             inputs: FORCE.map(String::from).to_vec(),
             sizes: sizes.to_vec(),
+            rounded: self.point.map(f64::abs).to_vec(),
+            demanded: Vec::new(),
             beside: Vec::new(),
             reach: reach(&self.point, &sizes),
             kinds: (0..outputs.len()).collect(),
             outputs,
             magnitudes,
             got: hessian_of(got),
-            step: SECOND_STEP,
+            step: self.second_step(&sizes),
             wide: Box::new(|k, h| {
                 let all = self.gradients(&self.moved(k, h), &sizes);
                 smooth.iter().flat_map(|p| all[*p]).collect()

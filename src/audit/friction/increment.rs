@@ -179,6 +179,8 @@ impl FrictionCase {
             class: |i, j| (kind(i), j / 3, 0),
             inputs,
             sizes: sizes.to_vec(),
+            rounded: sizes.to_vec(),
+            demanded: Vec::new(),
             beside: self.beside(&outcome),
             reach: reaches.to_vec(),
             // The forces share what they are returned from: each is as uncertain as the largest of its kind.

@@ -14,8 +14,9 @@ pub use type_laws::of_type;
 use super::bound::{Bound, U};
 use super::case::Case;
 use super::mutant::Mutant;
+use super::oracle::nearness;
 use super::quantity::{Numbers, OneOrMany, Quantity};
-use super::verdict::Score;
+use super::verdict::{Score, Verdict, decided, moved_by};
 use crate::connector::{Branch, Connector, Increment, State};
 use crate::measure::Measure;
 use crate::node::DOFS;
@@ -177,6 +178,11 @@ impl Demand {
         if units.is_nan() { f64::INFINITY } else { units }
     }
 
+    /// The verdict on numbers that are so many units of what is allowed from it.
+    pub(super) fn verdict(&self, units: f64) -> Verdict {
+        decided(self.want, self.allowed, units)
+    }
+
     /// How far numbers are from it, in units of what is allowed.
     pub fn units(&self, numbers: &Numbers<f64>) -> f64 {
         self.units_of(self.sum(|quantity, k, i| numbers.entries(quantity).get(k, i)))
@@ -205,7 +211,7 @@ impl<'a> Context<'a> {
         let step = *case.last()?;
         let after = connector.advance(&step.state, &step.increment, &before);
         let margins = connector.margins(&step.state, &after, [true; 6]);
-        let is_smooth = margins.map(|margin| margin.is_none_or(|margin| margin.distance > 0.0));
+        let is_smooth = margins.map(|margin| nearness(margin, case.length) > 0.0);
         Some(Self {
             case,
             is_smooth,
@@ -322,9 +328,10 @@ impl<'a> Context<'a> {
     }
 }
 
-/// Judges a list of demands: the worst, in units of what is allowed.
+/// Judges a list of demands: the one that decides the verdict, and how far from it numbers are, in units of what is allowed.
 pub fn worst<'a>(numbers: &Numbers<f64>, demands: &'a [Demand]) -> Option<(&'a Demand, f64)> {
-    demands.iter().map(|demand| (demand, demand.units(numbers))).max_by(|x, y| x.1.total_cmp(&y.1))
+    let judged = demands.iter().map(|demand| (demand, demand.units(numbers)));
+    judged.max_by(|x, y| x.0.verdict(x.1).cmp(&y.0.verdict(y.1)).then(x.1.total_cmp(&y.1)))
 }
 
 /// Of the mutants that touch a number of which a law speaks, one in so many is tried.
@@ -376,10 +383,8 @@ pub fn try_mutants(
         let asked: Vec<&Demand> = asked.into_iter().filter_map(|n| demands.get(n)).collect();
         let noticed = asked.iter().any(|demand| demand.units_of(demand.sum(number)) > 1.0);
         let change = || {
-            let of = |demand: &&Demand| match (demand.sum(number) - demand.sum(right)).abs() {
-                0.0 => 0.0,
-                moved => moved / demand.allowed,
-            };
+            let of =
+                |demand: &&Demand| moved_by((demand.sum(number) - demand.sum(right)).abs(), demand.allowed);
             asked.iter().map(of).fold(0.0, f64::max)
         };
         let what = || asked.first().map_or_else(String::new, |demand| demand.what.to_string());

@@ -42,14 +42,21 @@ impl Context<'_> {
             found.push(self.sum(terms, 0.0, What::Said(format!("d{name}/dt is J q̇"))));
             let mut terms = vec![(Quantity::Acceleration, k, 0, 1.0)];
             terms.extend(row(a));
+            let mut underflows = false;
             for j in 0..DOFS {
                 for l in 0..DOFS {
+                    underflows |= v[j] != 0.0 && v[l] != 0.0 && (v[j] * v[l]).abs() < f64::MIN_POSITIVE;
                     if v[j] * v[l] != 0.0 {
                         terms.push((Quantity::SecondDerivatives, k, j * DOFS + l, -v[j] * v[l]));
                     }
                 }
             }
-            found.push(self.sum(terms, 0.0, What::Said(format!("d²{name}/dt² is J q̈ + q̇ᵀ H q̇"))));
+            let mut demand = self.sum(terms, 0.0, What::Said(format!("d²{name}/dt² is J q̈ + q̇ᵀ H q̇")));
+            if underflows {
+                // Squares of the rates are lost: nothing is decided.
+                demand.allowed = f64::INFINITY;
+            }
+            found.push(demand);
         }
         found
     }

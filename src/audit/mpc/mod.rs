@@ -53,7 +53,14 @@ struct Truth {
     constraint: Constraint<Wide>,
     state: State<Wide>,
     sizes: Dofs<f64>,
-    nearness: f64,
+    /// min(1, distance of each equation to its own singular sets), 0 on one.
+    nearness: [f64; ROWS],
+}
+
+/// Difference quotients of the equations on a singular set.
+struct BothSides {
+    first: [Rows<Sides>; DOFS],
+    rate: Rows<Sides>,
 }
 
 impl MpcCase {
@@ -79,7 +86,7 @@ impl MpcCase {
         if !settings.oracles.contains(&Oracle::WideDifferences) {
             return Vec::new();
         }
-        let (mut sheets, nearness) = self.judged();
+        let mut sheets = self.judged();
         if let Some(planted) = settings.planted {
             sheets.iter_mut().for_each(|sheet| planted.spoil_sheet(sheet));
         }
@@ -95,7 +102,7 @@ impl MpcCase {
             Some("state")
         };
         let mut checks: Vec<Check> =
-            sheets.iter().map(|sheet| sheet.check(nearness, proves, &self.name, None)).collect();
+            sheets.iter().map(|sheet| sheet.check(proves, &self.name, None)).collect();
         for check in &mut checks {
             check.name_stage(|| stage);
             check.fails_at(|| Failing::Mpc(Box::new(self.clone())));
@@ -114,20 +121,22 @@ impl MpcCase {
 
     /// The numbers at this state, and what they must be: equations, their derivatives, rates and accelerations.
     pub fn sheets(&self) -> Vec<Sheet> {
-        let mut sheets = self.judged().0;
+        let mut sheets = self.judged();
         self.add_mistakes(&mut sheets);
         sheets
     }
 
-    /// The numbers, and min(1, distance to the nearest singular set).
-    fn judged(&self) -> (Vec<Sheet>, f64) {
+    /// The numbers without mistakes.
+    fn judged(&self) -> Vec<Sheet> {
         let request = Request::everything(2);
         let tally = &mut Tally::default();
         let got = self.constraint.evaluate(&self.state, &self.before, &self.turning, &request, tally);
         let margins = self.constraint.margins(&self.state, &got);
-        let nearness = margins.rows.iter().flatten().fold(1.0_f64, |least, margin| {
-            let unit = if margin.set.unit == Unit::Length { self.length } else { 1.0 };
-            least.min(margin.distance / unit)
+        let nearness = margins.rows.map(|margin| {
+            margin.map_or(1.0, |margin| {
+                let unit = if margin.set.unit == Unit::Length { self.length } else { 1.0 };
+                (margin.distance / unit).clamp(0.0, 1.0)
+            })
         });
         let mut state = exact(&self.state);
         state.angles = got.taken.map(|angle| Some(Wide::from_f64(angle)));
@@ -139,7 +148,7 @@ impl MpcCase {
         let truth = Truth { constraint: self.constraint.exact(), state, sizes: self.sizes(), nearness };
         let mut sheets = self.sheets_of(&got, &truth);
         sheets.retain(|sheet| !sheet.entries.is_empty());
-        (sheets, nearness)
+        sheets
     }
 
     /// What is judged of a constraint.
@@ -158,8 +167,7 @@ impl MpcCase {
         let first = truth.first();
         let second = truth.second();
         let [rate, acceleration] = truth.rates();
-        let sides = (truth.nearness == 0.0).then(|| truth.sides());
-        let hessian = sides.is_some().then(|| truth.hessian());
+        let singular = truth.nearness.contains(&0.0).then(|| (truth.sides(), truth.hessian()));
         let mut sheets: Vec<Sheet> = Self::QUANTITIES.map(Sheet::new).into();
         for row in rows {
             let name = kind.row_name(row);
@@ -168,13 +176,18 @@ impl MpcCase {
             let value = value[row].unwrap_or(zero);
             let mut gradient: Vec<Wide> = (0..DOFS).map(|j| first[j][row].unwrap_or(zero)).collect();
             // On a singular set differences from both sides are the mean of derivatives, or of a jump.
-            if let Some((sides, _)) = &sides {
-                gradient = sides.iter().map(|along| along[row].map_or(zero, |sides| sides.least())).collect();
+            let singular = singular.as_ref().filter(|_| truth.nearness[row] == 0.0);
+            let sides = singular.map(|(sides, _)| sides);
+            if let Some(sides) = sides {
+                gradient =
+                    sides.first.iter().map(|along| along[row].map_or(zero, |sides| sides.least())).collect();
             }
             let matrix = second[row].clone().unwrap_or_else(|| vec![zero; DOFS * DOFS]);
             // … and differences of those are no second derivatives.
-            let bent = match &hessian {
-                Some(hessian) => hessian[row].as_ref().map_or_else(Vec::new, |h| narrow(h.as_flattened())),
+            let bent = match singular {
+                Some((_, hessian)) => {
+                    hessian[row].as_ref().map_or_else(Vec::new, |h| narrow(h.as_flattened()))
+                }
                 None => narrow(&matrix),
             };
             let scales = scales(
@@ -183,9 +196,9 @@ impl MpcCase {
                 &bent,
                 (&truth.sizes, &self.inputs(&got.taken)),
                 (&self.state.velocity, &self.state.acceleration),
-                truth.nearness,
+                truth.nearness[row],
             );
-            let is_open = truth.nearness == 0.0;
+            let value_scale = scales[0].first().copied().unwrap_or(0.0);
             let nan = f64::NAN;
             let numbers: [(Vec<f64>, Vec<Wide>); 5] = [
                 (vec![got.residual[row].unwrap_or(nan)], vec![value]),
@@ -232,12 +245,14 @@ impl MpcCase {
                     };
                     let class = (row / 3, class.0, class.1);
                     let mut entry = Entry::new(name, got, want, scale, class);
-                    let is_second =
-                        matches!(sheet.quantity, Quantity::SecondDerivatives | Quantity::Acceleration);
-                    entry.is_open = is_open && is_second;
-                    let of_entry = sides.as_ref().and_then(|(first, rate)| match sheet.quantity {
-                        Quantity::FirstDerivatives => first[i][row],
-                        Quantity::Rate => rate[row],
+                    entry.error = truth.own_error(sheet.quantity, value_scale, row);
+                    let of_entry = sides.and_then(|sides| match sheet.quantity {
+                        Quantity::FirstDerivatives => sides.first[i][row],
+                        // The equations of one vector share their singular set: none of them has a gradient there.
+                        Quantity::SecondDerivatives | Quantity::Acceleration => {
+                            Some(Sides::known([zero; 2]).of_none())
+                        }
+                        Quantity::Rate => sides.rate[row],
                         _ => None,
                     });
                     if let Some(sides) = of_entry {
@@ -295,17 +310,13 @@ impl Truth {
         self.evaluate(by, &Request::new(&[Output::RES], [true; 6], 0)).residual
     }
 
-    fn second_step(&self, j: usize) -> Wide {
-        Wide::from_f64(SECOND_STEP * self.near().sqrt() * self.sizes[j])
+    /// The distance to the nearest of the singular sets that the state is not on.
+    fn near(&self) -> f64 {
+        self.nearness.into_iter().filter(|near| *near > 0.0).fold(1.0, f64::min)
     }
 
-    /// The distance to the nearest singular set; on one, what is far from another.
-    const fn near(&self) -> f64 {
-        if self.nearness > 0.0 { self.nearness } else { 1.0 }
-    }
-
-    /// The equations' derivatives from both sides by each degree of freedom, and along the velocities.
-    fn sides(&self) -> ([Rows<Sides>; DOFS], Rows<Sides>) {
+    /// What exists of the equations on a singular set: derivatives from both sides by each degree of freedom and along the velocities.
+    fn sides(&self) -> BothSides {
         let still = self.values(&[Wide::zero(); DOFS]);
         let of = |along: &dyn Fn(Wide) -> Dofs<Wide>, size: f64, scale: &dyn Fn(usize) -> f64| {
             let fine = Wide::from_f64(FIRST_STEP * size);
@@ -329,7 +340,23 @@ impl Truth {
             of(&along, self.sizes[j], &|row| extent(row) / self.sizes[j])
         });
         let along = |t: Wide| self.state.velocity.map(|velocity| velocity * t);
-        (first, of(&along, self.time(), &|row| extent(row) / self.time()))
+        let time = self.time();
+        BothSides { first, rate: of(&along, time, &|row| extent(row) / time) }
+    }
+
+    /// How far differences are off by rounding on 237 bits, of an equation with such a scale: next to nothing but very close to singular
+    /// sets, and where a tolerance is zero.
+    fn own_error(&self, quantity: Quantity, scale: f64, row: usize) -> f64 {
+        /// A hundred roundings.
+        const NOISE: f64 = 6e-70;
+        let extent = if row < 3 { self.sizes[XS] } else { 1.0 };
+        let noise = NOISE * scale.max(extent);
+        let [first, second] = self.times();
+        match quantity {
+            Quantity::Rate => noise / first,
+            Quantity::Acceleration => 4.0 * noise / second / second,
+            _ => 0.0,
+        }
     }
 
     /// Second derivatives by dual numbers: what the product says on 237 bits.
@@ -359,10 +386,16 @@ impl Truth {
     /// Second differences of the equations, as those of connectors are taken: values alone, two rotations of one node at once as
     /// exp((h_j e_j + h_k e_k)^).
     fn second(&self) -> Rows<Vec<Wide>> {
+        self.second_at(SECOND_STEP * self.near().sqrt())
+    }
+
+    /// The same with a step, in sizes of the degrees of freedom.
+    fn second_at(&self, step: f64) -> Rows<Vec<Wide>> {
+        let step = |j: usize| Wide::from_f64(step * self.sizes[j]);
         let values = |j: usize, k: usize, sign: i32| {
             let mut by = [Wide::zero(); DOFS];
             for i in [j, k] {
-                by[i] = self.second_step(i) * Wide::integer(sign);
+                by[i] = step(i) * Wide::integer(sign);
             }
             self.values(&by)
         };
@@ -378,7 +411,7 @@ impl Truth {
         for j in 0..DOFS {
             for k in j..DOFS {
                 let together = if j == k { alone[j] } else { sides(j, k) };
-                let width = self.second_step(j) * self.second_step(k);
+                let width = step(j) * step(k);
                 for (row, matrix) in found.iter_mut().enumerate() {
                     let (Some(matrix), Some(f)) = (matrix, still[row]) else { continue };
                     let (Some(both), Some(x), Some(y)) = (together[row], alone[j][row], alone[k][row]) else {
@@ -396,33 +429,47 @@ impl Truth {
         found
     }
 
-    /// Rates and accelerations, by differences along q(t) = q̇ t + q̈ t²/2.
+    /// The values after a time along q(t) = q̇ t + q̈ t²/2.
+    fn after(&self, t: Wide) -> Rows<Wide> {
+        let half = Wide::integer(2);
+        self.values(&std::array::from_fn(|j| {
+            self.state.velocity[j] * t + self.state.acceleration[j] * t * t / half
+        }))
+    }
+
+    /// Rates and accelerations, by differences along that.
     fn rates(&self) -> [Rows<Wide>; 2] {
-        let time = self.time();
-        let at = |t: Wide| {
-            let half = Wide::integer(2);
-            self.values(&std::array::from_fn(|j| {
-                self.state.velocity[j] * t + self.state.acceleration[j] * t * t / half
-            }))
-        };
-        let still = self.values(&[Wide::zero(); DOFS]);
-        let [h, long] = [FIRST_STEP, SECOND_STEP].map(|step| Wide::from_f64(step * time));
-        let ([near, behind], [far, far_behind]) = ([at(h), at(-h)], [at(long), at(-long)]);
+        let [first, second] = self.times();
+        let h = Wide::from_f64(first);
+        let (near, behind) = (self.after(h), self.after(-h));
         [
             std::array::from_fn(|row| Some((near[row]? - behind[row]?) / (h + h))),
-            std::array::from_fn(|row| {
-                let middle = still[row]?;
-                Some(((far[row]? - middle) - (middle - far_behind[row]?)) / (long * long))
-            }),
+            self.acceleration_at(Wide::from_f64(second)),
         ]
     }
 
-    /// The time in which the fastest degree of freedom moves by its size, or by the distance to the nearest singular set.
+    /// Accelerations with a step in time.
+    fn acceleration_at(&self, h: Wide) -> Rows<Wide> {
+        let still = self.values(&[Wide::zero(); DOFS]);
+        let (ahead, behind) = (self.after(h), self.after(-h));
+        std::array::from_fn(|row| {
+            let middle = still[row]?;
+            Some(((ahead[row]? - middle) - (middle - behind[row]?)) / (h * h))
+        })
+    }
+
+    /// The time in which the fastest degree of freedom moves by its size.
     fn time(&self) -> f64 {
         let fastest = (0..DOFS).fold(0.0_f64, |most, j| {
             let [v, a] = [self.state.velocity[j], self.state.acceleration[j]].map(|x| x.to_f64().abs());
             most.max(v / self.sizes[j]).max((a / self.sizes[j]).sqrt())
         });
-        if fastest > 0.0 { self.near() / fastest } else { 1.0 }
+        if fastest > 0.0 { 1.0 / fastest } else { 1.0 }
+    }
+
+    /// The steps of first and second differences in time: parts of that, 1e-25 δ and 1e-18 √δ.
+    fn times(&self) -> [f64; 2] {
+        let (near, time) = (self.near(), self.time());
+        [FIRST_STEP * near * time, SECOND_STEP * near.sqrt() * time]
     }
 }

@@ -1,0 +1,213 @@
+//! What exists on a singular set: difference quotients from both sides, at steps that shrink, of all that is judged there.
+//!
+//! First derivatives, nodal forces and rates have a quotient from each side. Second derivatives, their likes of nodal forces and
+//! accelerations have one second difference, which settles where they exist and grows as 1/h where first derivatives jump: it is judged
+//! where it settles, unless a first derivative that it is formed of has two sides.
+
+use super::bound::Bound;
+use super::case::dof_size;
+use super::quantity::{Entries, Numbers, Quantity};
+use super::sides::Sides;
+use super::truth::{FIRST_STEP, Place, SECOND_STEP, Truth};
+use crate::connector::Components;
+use crate::measure::Unit;
+use crate::node::DOFS;
+use crate::scalar::{Scalar, Wide};
+
+/// Steps that shrink, of second differences: half a fine one, that, and a coarse one.
+const SECOND: [f64; 3] = [SECOND_STEP / 2.0, SECOND_STEP, Sides::COARSE];
+
+/// The values behind and ahead, at three steps.
+type Moved = [[Components<Wide>; 2]; 3];
+
+impl Truth {
+    /// Both sides of everything that is judged of the components on their singular sets.
+    pub(super) fn sides(&self, bound: &Bound) -> Numbers<Sides> {
+        let is_singular = self.nearness_of_components().map(|near| near == 0.0);
+        let mut found = Numbers::default();
+        let mut set = |quantity: Quantity, mut sides: Entries<Sides>| {
+            for (row, is_singular) in sides.0.iter_mut().zip(is_singular) {
+                *row = row.take().filter(|_| is_singular);
+            }
+            found.set(quantity, sides);
+        };
+        let values = |at: &Place| self.values(at);
+        let first = self.both(&mut self.active(), &values);
+        let forces = |at: &Place| self.conjugates(at, &self.values(at));
+        let forces = self.both(&mut self.reach(), &forces);
+        let [second, stiffness] = self.settled(bound, [&first, &forces]);
+        let [rate, acceleration] = self.in_time(bound, &first);
+        for (quantity, sides) in [
+            (Quantity::FirstDerivatives, first),
+            (Quantity::NodalForces, forces),
+            (Quantity::SecondDerivatives, second),
+            (Quantity::GeometricStiffness, stiffness),
+            (Quantity::Rate, rate),
+            (Quantity::Acceleration, acceleration),
+        ] {
+            set(quantity, sides);
+        }
+        found
+    }
+
+    /// The size of what a component measures.
+    fn extent(&self, k: usize) -> f64 {
+        match self.connector().differentiated(k).map(|measure| measure.unit()) {
+            Some(Unit::Length) => self.length(),
+            _ => 1.0,
+        }
+    }
+
+    /// First derivatives of functions from both sides.
+    fn both(
+        &self,
+        columns: &mut dyn Iterator<Item = usize>,
+        functions: &dyn Fn(&Place) -> Components<Wide>,
+    ) -> Entries<Sides> {
+        let still = functions(&self.at_rest());
+        let flat = Sides::known([Wide::zero(); 2]);
+        let mut found: Components<Vec<Sides>> = still.map(|value| value.map(|_| vec![flat; DOFS]));
+        for j in columns {
+            let steps = [FIRST_STEP / 2.0, FIRST_STEP, Sides::COARSE].map(|step| self.sized(j, step));
+            let moved: Moved = steps.map(|h| [-h, h].map(|h| functions(&self.place(Self::along(j, h)))));
+            for (k, entries) in found.iter_mut().enumerate() {
+                let (Some(entries), Some(still)) = (entries, still[k]) else { continue };
+                let scale = self.extent(k) / dof_size(j, self.length());
+                entries[j] = Sides::along(still, &of_component(&moved, k), &steps, scale).unwrap_or(flat);
+            }
+        }
+        Entries(found)
+    }
+
+    /// Second derivatives where they settle; `first` are the sides of what they are formed of.
+    fn settled(&self, bound: &Bound, first: [&Entries<Sides>; 2]) -> [Entries<Sides>; 2] {
+        let quotients = SECOND.map(|step| self.second_at(true, step));
+        let quantities = [Quantity::SecondDerivatives, Quantity::GeometricStiffness];
+        [0, 1].map(|n| {
+            let quantity = quantities[n];
+            let [half, fine, coarse] = quotients.each_ref().map(|of| &of[n]);
+            half.map(|k, i, half| {
+                let at = |of: &Entries<Wide>| of.get(k, i).unwrap_or_default();
+                let scale = self.extent(k) / quantity.entry_size(i, self.length());
+                let settles = Sides::of([half, at(fine), at(coarse)].map(|x| [x; 2]), scale);
+                let of = if n == 0 { Quantity::FirstDerivatives } else { Quantity::NodalForces };
+                let jumps = |j: usize| jumps(first[n], bound, (of, k, j));
+                if jumps(i / DOFS) || jumps(i % DOFS) || has_none(first[n]) {
+                    settles.of_none()
+                } else {
+                    settles
+                }
+            })
+        })
+    }
+
+    /// Rates from both sides along the motion, and accelerations where they settle.
+    fn in_time(&self, bound: &Bound, first: &Entries<Sides>) -> [Entries<Sides>; 2] {
+        let speed = self.speed();
+        let time = |step: f64| Wide::from_f64(if speed > 0.0 { step / speed } else { step });
+        let still = self.values(&self.at_rest());
+        let moved = |steps: &[Wide; 3]| -> Moved {
+            steps.map(|t| [-t, t].map(|t| self.values(&self.place(self.carried_on(t)))))
+        };
+        let steps = [FIRST_STEP / 2.0, FIRST_STEP, Sides::COARSE].map(time);
+        let near = moved(&steps);
+        let long = SECOND.map(time);
+        let far = moved(&long);
+        let (mut rate, mut acceleration) = (Entries::default(), Entries::default());
+        for k in 0..6 {
+            let has_function = self.connector().differentiated(k).is_some_and(|m| !m.has_nodal_rates());
+            let Some(still) = still[k].filter(|_| has_function) else { continue };
+            // Second derivatives are no measure here, as they would be in a bound.
+            let scale = |order: i32| self.extent(k) * speed.powi(order);
+            rate.0[k] = Sides::along(still, &of_component(&near, k), &steps, scale(1)).map(|s| vec![s]);
+            let quotient = |n: usize| -> Option<Wide> {
+                let [behind, ahead] = far[n];
+                Some(((ahead[k]? - still) - (still - behind[k]?)) / (long[n] * long[n]))
+            };
+            let (Some(half), Some(fine), Some(coarse)) = (quotient(0), quotient(1), quotient(2)) else {
+                continue;
+            };
+            let settles = Sides::of([half, fine, coarse].map(|x| [x; 2]), scale(2));
+            let moves = |j: usize| {
+                [&self.state().velocity, &self.state().acceleration]
+                    .iter()
+                    .any(|rates| rates[j] != Wide::zero())
+            };
+            let of = Quantity::FirstDerivatives;
+            let jumps = (0..DOFS).any(|j| moves(j) && jumps(first, bound, (of, k, j)));
+            acceleration.0[k] =
+                Some(vec![if jumps || has_none(first) { settles.of_none() } else { settles }]);
+        }
+        [rate, acceleration]
+    }
+}
+
+/// Whether a first derivative has two sides.
+fn jumps(first: &Entries<Sides>, bound: &Bound, (of, k, j): (Quantity, usize, usize)) -> bool {
+    first.get(k, j).is_some_and(|sides| sides.differ(bound.tolerance(of, k, j)))
+}
+
+/// Whether a side of a first derivative lacks a derivative: then there is no gradient whose derivatives could be, of no component that shares
+/// the set.
+fn has_none(first: &Entries<Sides>) -> bool {
+    first.iter().any(|(_, _, sides)| sides.exist != [true; 2])
+}
+
+/// The values of one component.
+fn of_component(moved: &Moved, k: usize) -> [[Option<Wide>; 2]; 3] {
+    moved.each_ref().map(|both| both.each_ref().map(|values| values[k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::atlas;
+    use super::super::force::product_with_forces;
+    use super::super::oracle::{Oracle, WideAnswers};
+    use super::super::sample::Draw;
+    use super::super::verdict::{Surroundings, Verdict, judge};
+    use super::*;
+    use crate::catalog::ConnectionType;
+    use crate::measure::Measure;
+
+    /// Coincident nodes of an AXIAL: its row, its nodal force and its rate have two sides. What lies between them may stand there, what
+    /// lies outside is wrong; second derivatives do not exist.
+    #[test]
+    fn both_sides_decide_on_a_kink() {
+        let axial = ConnectionType::named("AXIAL", None).unwrap();
+        let mut case =
+            atlas::near(&axial, Measure::Distance, 0.5, 0.0, &mut Draw::new("coincident")).unwrap();
+        let step = case.path.last_mut().unwrap();
+        let pair = &mut step.state.pair;
+        pair.b.displacement = [0, 1, 2].map(|i| pair.a.displacement[i] - pair.reference[i]);
+        let state = step.state;
+        let numbers = product_with_forces(&case).unwrap();
+        let truth = Truth::of(&case).unwrap();
+        let answers = WideAnswers::of(&truth);
+        let nearness = truth.nearness_of_components();
+        assert_eq!(nearness[0], 0.0);
+        let trusted = answers.trusted(&nearness.map(|near| near > 0.0));
+        let bound =
+            Bound::of_components(&trusted, &state.velocity, &state.acceleration, case.length, &nearness);
+        let sides = truth.sides(&bound);
+        let around = Surroundings {
+            bound: &bound,
+            exact: None,
+            nearness,
+            sides: Some(&sides),
+            locked: truth.locked(),
+        };
+        let verdict = |quantity: Quantity, spoil: &dyn Fn(f64) -> f64| {
+            let got = numbers.entries(quantity).map(|_, _, x| spoil(x));
+            let answer = answers.answer(Oracle::WideDifferences, quantity).unwrap();
+            judge(quantity, &got, &answer, &around).verdict
+        };
+        let [first, forces, rate] = [Quantity::FirstDerivatives, Quantity::NodalForces, Quantity::Rate];
+        for quantity in [first, forces, rate] {
+            assert_eq!(verdict(quantity, &|x| x), Verdict::Kink, "{quantity:?}");
+            assert_eq!(verdict(quantity, &|x| x + 7.0), Verdict::Wrong, "{quantity:?}");
+        }
+        for quantity in [Quantity::SecondDerivatives, Quantity::GeometricStiffness, Quantity::Acceleration] {
+            assert_eq!(verdict(quantity, &|x| x), Verdict::Singular, "{quantity:?}");
+        }
+    }
+}
