@@ -59,6 +59,15 @@ impl FrictionCase {
         }
     }
 
+    /// A traction is added to the shift of a potential, and rounded as that is.
+    fn beside_shift(&self) -> Vec<f64> {
+        let mut found = vec![0.0; 6];
+        for (k, radius) in self.friction.radii() {
+            found[k] = self.shift() * radius;
+        }
+        found
+    }
+
     /// The sizes of tractions, and of what presses.
     fn point_sizes(&self) -> [f64; 6] {
         let sliding = self.friction.criterion.tangential.components();
@@ -151,7 +160,7 @@ impl FrictionCase {
             sizes: sizes.to_vec(),
             rounded: self.point.map(f64::abs).to_vec(),
             demanded: self.demanded(&got, &sizes),
-            beside: Vec::new(),
+            beside: self.beside_shift(),
             reach: reach(&self.point, &sizes),
             kinds: vec![0, 1, 2, 3],
             magnitudes: self.part_magnitudes(&values),
@@ -221,7 +230,7 @@ impl FrictionCase {
             sizes: sizes.to_vec(),
             rounded: self.point.map(f64::abs).to_vec(),
             demanded: Vec::new(),
-            beside: Vec::new(),
+            beside: self.beside_shift(),
             reach: reach(&self.point, &sizes),
             kinds: (0..outputs.len()).collect(),
             outputs,
