@@ -10,13 +10,17 @@
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
 mod hand {
+    pub(crate) mod clock;
     pub(crate) mod common;
     pub(crate) mod naive;
+    pub(crate) mod peer;
     pub(crate) mod types;
 }
 
-use hand::common::{flat, is_written, settings, spread, spread_matrix};
+use hand::clock::{BATCHES, time};
+use hand::common::{flat, is_written, settings, spread, spread_matrix, untimed};
 use hand::naive;
+use hand::peer::serve;
 use hand::types::TYPES;
 use num_dual::{Dual2SVec, DualSVec};
 use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Subject};
@@ -25,13 +29,7 @@ use pintle::report::bench as report;
 use pintle::scalar::Seeded;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
-use std::io::{BufRead, Write};
-use std::time::{Duration, Instant};
 
-/// States per call, as in `peers.rs`.
-const BATCHES: [usize; 4] = [32, 1000, 4096, 100_000];
-/// The time of one measurement, of which the least call counts.
-const BUDGET: Duration = Duration::from_millis(25);
 /// The largest error over the largest entry of the row, by formulas without branches as close to half a turn as the states come.
 const BOUND: f64 = 1e-6;
 
@@ -182,32 +180,6 @@ fn numbers(of: &Value) -> Vec<f64> {
     of.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
 }
 
-/// The least time of one call within the budget, in ns.
-fn time(count: usize, mut call: impl FnMut()) -> f64 {
-    let calls = 2048 / count.min(2048);
-    let (begin, mut least) = (Instant::now(), f64::INFINITY);
-    let mut samples = 0;
-    while samples < 3 || begin.elapsed() < BUDGET {
-        let start = Instant::now();
-        (0..calls).for_each(|_| call());
-        least = least.min(start.elapsed().as_secs_f64() / calls as f64);
-        samples += 1;
-    }
-    1e9 * least
-}
-
-/// What is known first, then a round for each line read.
-fn serve(greeting: &Value, mut round: impl FnMut() -> Value) {
-    let mut out = std::io::stdout().lock();
-    writeln!(out, "{greeting}").unwrap();
-    out.flush().unwrap();
-    for line in std::io::stdin().lock().lines() {
-        line.unwrap();
-        writeln!(out, "{}", round()).unwrap();
-        out.flush().unwrap();
-    }
-}
-
 fn main() {
     let words: Vec<String> = std::env::args().collect();
     if let Some(at) = words.iter().position(|word| word == "--peers") {
@@ -225,11 +197,7 @@ fn main() {
     let mut session = Session::new(&settings, &subjects, &methods).unwrap();
     if words.iter().any(|word| word == "--precision") {
         found.take(&session);
-        let mut greeting = json!({ "points": found.points, "untimed": found.untimed, "versions": {} });
-        for point in greeting["points"].as_array_mut().unwrap() {
-            point["nanoseconds"] = json!(0.0);
-        }
-        serve(&greeting, || json!(session.round()));
+        serve(&untimed(&found), || json!(session.round()));
         return;
     }
     drop(session.round());

@@ -5,9 +5,15 @@
 //! for each line that it reads, for the script, which takes the rounds of all in turn.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
-#[path = "hand/types.rs"]
-mod types;
+mod hand {
+    pub(crate) mod clock;
+    pub(crate) mod peer;
+    pub(crate) mod types;
+}
 
+use hand::clock::{BATCHES, time};
+use hand::peer::{numbers, serve};
+use hand::types::TYPES;
 use pintle::audit::case::exact_state;
 use pintle::audit::sample::Draw;
 use pintle::batch::{Batch, History, Row, Section, Tile};
@@ -18,16 +24,9 @@ use pintle::scalar::Wide;
 use pintle::vector;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
-use std::io::{BufRead, Write};
-use std::time::{Duration, Instant};
-use types::TYPES;
 
 /// States that differ; larger batches repeat them.
 const STATES: usize = 1000;
-/// States per call. The first stay in the first cache with their rows.
-const BATCHES: [usize; 4] = [32, 1000, 4096, 100_000];
-/// The time of one measurement, of which the least call counts.
-const BUDGET: Duration = Duration::from_millis(25);
 /// The largest error over the largest entry of the row.
 const BOUND: f64 = 1e-14;
 
@@ -35,13 +34,6 @@ fn states() -> Vec<Pair<f64>> {
     let draw = &mut Draw::new("peers");
     let node = |draw: &mut Draw| Node { displacement: draw.vector(1.0), triad: draw.triad(), flow: 0.0 };
     (0..STATES).map(|_| Pair { reference: draw.vector(1.0), a: node(draw), b: node(draw) }).collect()
-}
-
-/// The state as the peers read it: X_b − X_a, U_a, U_b, A and B by rows.
-fn numbers(pair: &Pair<f64>) -> Vec<f64> {
-    let vectors = [pair.reference, pair.a.displacement, pair.b.displacement];
-    let triads = [pair.a.triad, pair.b.triad];
-    vectors.iter().flatten().chain(triads.as_flattened().as_flattened()).copied().collect()
 }
 
 fn at_rest(pair: &Pair<f64>) -> State<f64> {
@@ -243,23 +235,9 @@ fn spread(rows: &[Row], dense: &mut [[f64; 13]]) {
 /// The variants, in the order in which they are measured.
 const VARIANTS: [&str; 3] = ["pintle", "pintle, from rows", "pintle, rows to rows"];
 
-/// The least time of one call within the budget, in ns.
-fn time(count: usize, mut call: impl FnMut()) -> f64 {
-    let calls = 2048 / count.min(2048);
-    let (begin, mut least) = (Instant::now(), f64::INFINITY);
-    let mut samples = 0;
-    while samples < 3 || begin.elapsed() < BUDGET {
-        let start = Instant::now();
-        (0..calls).for_each(|_| call());
-        least = least.min(start.elapsed().as_secs_f64() / calls as f64);
-        samples += 1;
-    }
-    1e9 * least
-}
-
 struct Bench {
     states: Vec<Pair<f64>>,
-    flat: Vec<Vec<f64>>,
+    flat: Vec<[f64; 27]>,
     cases: Vec<Case>,
 }
 
@@ -351,14 +329,8 @@ fn main() {
     }
     let errors = bench.errors();
     if words.iter().any(|word| word == "--serve") {
-        let mut out = std::io::stdout().lock();
-        writeln!(out, "{}", json!({ "errors": errors, "versions": { "pintle": pintle::VERSION } })).unwrap();
-        out.flush().unwrap();
-        for line in std::io::stdin().lock().lines() {
-            line.unwrap();
-            writeln!(out, "{}", bench.round()).unwrap();
-            out.flush().unwrap();
-        }
+        let greeting = json!({ "errors": errors, "versions": { "pintle": pintle::VERSION } });
+        serve(&greeting, || bench.round());
         return;
     }
     let times = bench.round();

@@ -14,6 +14,7 @@ mod hand {
     pub(crate) mod common;
     #[cfg(target_arch = "x86_64")]
     mod hessian;
+    pub(crate) mod peer;
     pub(crate) mod scalar;
     #[cfg(target_arch = "x86_64")]
     mod simd;
@@ -24,7 +25,8 @@ mod hand {
     mod vector;
 }
 
-use hand::common::{flat, is_written, settings, spread, spread_matrix};
+use hand::common::{flat, is_written, settings, spread, spread_matrix, untimed};
+use hand::peer::serve;
 use hand::scalar;
 use hand::types::TYPES;
 use pintle::batch::{Batch, HessianRow, History, Row, Section, Tile};
@@ -33,7 +35,6 @@ use pintle::catalog::ConnectionType;
 use pintle::report::bench as report;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
-use std::io::{BufRead, Write};
 
 /// Values and rows by hand, plain doubles.
 struct Hand;
@@ -318,19 +319,8 @@ fn main() {
         ways.iter().map(|way| way as &dyn Method).chain(more.iter().map(AsRef::as_ref)).collect();
     let mut session = Session::new(&settings, &subjects, &methods).unwrap_or_else(|wrong| panic!("{wrong}"));
     if at("--serve").is_some() {
-        let mut out = std::io::stdout().lock();
         found.take(&session);
-        let mut greeting = serde_json::to_value(&found).unwrap();
-        for point in greeting["points"].as_array_mut().unwrap() {
-            point["nanoseconds"] = json!(0.0);
-        }
-        writeln!(out, "{greeting}").unwrap();
-        out.flush().unwrap();
-        for line in std::io::stdin().lock().lines() {
-            line.unwrap();
-            writeln!(out, "{}", json!(session.round())).unwrap();
-            out.flush().unwrap();
-        }
+        serve(&untimed(&found), || json!(session.round()));
         return;
     }
     (0..settings.rounds).for_each(|_| drop(session.round()));

@@ -177,7 +177,7 @@ def peers(arguments):
     errors, versions = {}, {"rustc": rust_version(), "num-dual": locked("num-dual")}
     for peer in participants:
         errors |= peer.greeting["errors"]
-        versions |= peer.greeting["versions"]
+        versions |= peer.greeting.get("versions", {})
     least, per_round, loads = {}, [], []
     for number in range(arguments.rounds):
         loads.append(os.getloadavg()[0])
@@ -311,7 +311,7 @@ def work_precision(arguments):
     for peer in participants:
         peer.end()
     for peer in participants[1:]:
-        versions |= peer.greeting["versions"]
+        versions |= peer.greeting.get("versions", {})
     report |= {"points": points, "untimed": untimed, "rounds": arguments.rounds}
     merged.write_text(json.dumps(report))
     folder = ROOT / "docs" / "work-precision"

@@ -1,8 +1,10 @@
 //! What the programs of time against error have in common.
 
-use pintle::bench::{Element, Settings, Subject};
+use super::peer::numbers;
+use pintle::bench::{Element, Report, Settings, Subject};
 use pintle::measure::Measure;
-use pintle::node::{DOFS, Pair};
+use pintle::node::DOFS;
+use serde_json::{Value, json};
 
 /// States that differ, and how many elements a batch has.
 const STATES: usize = 64;
@@ -14,17 +16,18 @@ pub(crate) fn settings() -> Settings {
     Settings { states: STATES, batch: BATCH, ..Settings::default() }
 }
 
-/// X_b − X_a, U_a, U_b, A and B by rows.
-fn numbers(pair: &Pair<f64>) -> [f64; 27] {
-    let vectors = [pair.reference, pair.a.displacement, pair.b.displacement];
-    let triads = [pair.a.triad, pair.b.triad];
-    let mut all = vectors.iter().flatten().chain(triads.as_flattened().as_flattened());
-    std::array::from_fn(|_| *all.next().unwrap())
-}
-
 /// The states as the others read them.
 pub(crate) fn flat(subject: &Subject) -> Vec<[f64; 27]> {
     subject.elements.iter().map(|element| numbers(&element.state.pair)).collect()
+}
+
+/// A report before anything is timed.
+pub(crate) fn untimed(report: &Report) -> Value {
+    let mut greeting = serde_json::to_value(report).unwrap();
+    for point in greeting["points"].as_array_mut().unwrap() {
+        point["nanoseconds"] = json!(0.0);
+    }
+    greeting
 }
 
 /// Whether the rows of a subject are those that are written in this folder, where misalignment is measured from Q₀ = I.
