@@ -1,8 +1,9 @@
-//! Time and memory of every phase of a run, from a thousand connectors to a million: `taskset -c 3 cargo bench --bench scale [CONNECTORS]`.
+//! Time and memory of every phase of a run, from a thousand connectors to a million, and what threads bring:
+//! `cargo bench --bench scale [CONNECTORS]`.
 //!
 //! A chain of connectors of every type, read from a file, evaluated at one state and written. What is linear is the same number in every
 //! column: microseconds on a core for each connector, the least of rounds; bytes for each connector, those that a phase leaves and the most that it
-//! takes while it is at work. Memory is asserted to be linear; times are for reading.
+//! takes while it is at work. Memory is asserted to be linear, and results to be the same for any number of threads; times are for reading.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
 
 #[path = "../verify/scale/chain.rs"]
@@ -88,6 +89,26 @@ fn files(connectors: usize) -> [PathBuf; 2] {
     [deck, states]
 }
 
+/// The last state of a file.
+fn read(scene: &Scene, states: &Path) -> State {
+    let mut read = None;
+    let stream = StateStream::open(states).unwrap();
+    let Ok(()) = stream.for_each(scene, |state| -> Result<(), Diagnostic> {
+        read = Some(state);
+        Ok(())
+    }) else {
+        panic!("{} cannot be read", states.display())
+    };
+    read.unwrap()
+}
+
+/// What is asked for besides rows.
+const OUTPUTS: [Output; 4] = [Output::CP, Output::CU, Output::CV, Output::RES];
+
+fn planned(model: &Model, order: u8) -> Plan {
+    Plan::compile(model, &Selection::All, Request::new(&OUTPUTS, [true; 6], order)).unwrap()
+}
+
 /// Evaluates a state and writes what is planned; the number of connectors written.
 fn write(scene: &Scene, model: &Model, plan: &Plan, state: &State, format: &mut dyn Format) -> usize {
     let mut sequence = Sequence::new(model, plan);
@@ -121,21 +142,8 @@ fn measure(connectors: usize) -> Meter {
     for _ in 0..rounds {
         let scene = meter.of("read the deck", || Scene::read(&deck)).unwrap();
         let model = meter.of("resolve the model", || Model::compile(&scene)).unwrap();
-        let state = meter.of("read a state", || {
-            let mut read = None;
-            let stream = StateStream::open(&states).unwrap();
-            stream.for_each(&scene, |state| -> Result<(), Diagnostic> {
-                read = Some(state);
-                Ok(())
-            })?;
-            Ok::<State, Diagnostic>(read.unwrap())
-        });
-        let state = state.unwrap();
-        let outputs = [Output::CP, Output::CU, Output::CV, Output::RES];
-        let plan = |order| {
-            let request = Request::new(&outputs, [true; 6], order);
-            Plan::compile(&model, &Selection::All, request).unwrap()
-        };
+        let state = meter.of("read a state", || read(&scene, &states));
+        let plan = |order| planned(&model, order);
         let plan_of = meter.of("plan", || plan(0));
         drop(meter.of("begin a walk", || Sequence::new(&model, &plan_of)));
         for (phase, order) in [("evaluate, order 0", 0), ("evaluate, order 1", 1), ("evaluate, order 2", 2)] {
@@ -175,7 +183,7 @@ fn measure(connectors: usize) -> Meter {
                 let mut sink: Box<dyn Write> = Box::new(io::sink());
                 let mut format: Box<dyn Format> = match is_json {
                     true => Box::new(Json::new(&mut sink)),
-                    false => Box::new(Csv::new(&mut sink, outputs.to_vec(), order)),
+                    false => Box::new(Csv::new(&mut sink, OUTPUTS.to_vec(), order)),
                 };
                 write(&scene, &model, &plan, &state, format.as_mut())
             });
@@ -184,6 +192,74 @@ fn measure(connectors: usize) -> Meter {
     }
     [deck, states].iter().for_each(|path| std::fs::remove_file(path).unwrap());
     meter
+}
+
+/// How many connectors the threads share.
+const SHARED: usize = 100_000;
+const ROUNDS: usize = 8;
+
+/// The least seconds of rounds that take turns, of each phase by each number of threads.
+fn threads() {
+    let [deck, states] = files(SHARED);
+    let scene = Scene::read(&deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let state = read(&scene, &states);
+    [deck, states].iter().for_each(|path| std::fs::remove_file(path).unwrap());
+    let (nothing, plan) =
+        (Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap(), planned(&model, 1));
+    let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::none());
+    let available = std::thread::available_parallelism().unwrap().get();
+    let counts: Vec<usize> = (0..).map(|k| 1 << k).take_while(|count| *count <= available).collect();
+    let pools: Vec<rayon::ThreadPool> = counts
+        .iter()
+        .map(|count| rayon::ThreadPoolBuilder::new().num_threads(*count).build().unwrap())
+        .collect();
+    let evaluated = || {
+        let mut sum = 0_u64;
+        let Ok(()) = Sequence::new(&model, &plan).visit(&state, |item| -> Result<(), Infallible> {
+            let Item::Connector(result) = item else { panic!("a chain has no MPC") };
+            let rows = result.evaluation.jacobian.iter().flatten().flatten();
+            sum = rows.fold(sum, |sum, entry| sum.rotate_left(1) ^ entry.to_bits());
+            Ok(())
+        });
+        sum.to_le_bytes().to_vec()
+    };
+    let filled = || {
+        let mut values = Vec::with_capacity(jacobian.entries());
+        Sequence::new(&model, &nothing).assemble(&state, &jacobian, &mut values).unwrap();
+        values.iter().flat_map(|value: &f64| value.to_le_bytes()).collect()
+    };
+    let written = || {
+        let mut text = Vec::new();
+        let mut sink: Box<dyn Write> = Box::new(&mut text);
+        write(&scene, &model, &plan, &state, &mut Csv::new(&mut sink, OUTPUTS.to_vec(), 1));
+        drop(sink);
+        text
+    };
+    let phases: [(&str, &(dyn Fn() -> Vec<u8> + Sync)); 3] = [
+        ("evaluate, order 1", &evaluated),
+        ("fill the Jacobian", &filled),
+        ("evaluate, CSV, order 1", &written),
+    ];
+    println!(
+        "{SHARED:e} connectors by threads, microseconds for each connector, beginning the walk included:"
+    );
+    println!("{:28}{}", "threads", counts.iter().map(|count| format!("{count:>9}")).collect::<String>());
+    for (phase, work) in phases {
+        let known = pools[0].install(work);
+        let mut least = vec![f64::INFINITY; pools.len()];
+        for _ in 0..ROUNDS {
+            for (pool, least) in pools.iter().zip(&mut least) {
+                let start = Instant::now();
+                let found = pool.install(work);
+                *least = least.min(start.elapsed().as_secs_f64());
+                assert!(found == known, "{phase}: {} threads give other bits", pool.current_num_threads());
+            }
+        }
+        let times: String =
+            least.iter().map(|seconds| format!("{:>9.3}", 1e6 * seconds / SHARED as f64)).collect();
+        println!("{phase:28}{times}");
+    }
 }
 
 fn main() {
@@ -236,4 +312,5 @@ fn main() {
             );
         }
     }
+    threads();
 }

@@ -329,16 +329,20 @@ def say(text):
     print(f"{datetime.datetime.now():%H:%M:%S} {text}", file=sys.stderr, flush=True)
 
 
-def printed(bench):
-    """What a bench prints, which interleaves and checks by itself; that of stress draws its figure too."""
+def printed(bench, is_pinned=True):
+    """What a bench prints, which interleaves and checks by itself; that of stress draws its figure too.
+
+    It runs on one core, unless it measures threads.
+    """
 
     def block(arguments):
         say(f"{bench}: built, then run")
         program = executable(bench)
         before = os.getloadavg()[0]
-        text = run(program, preexec_fn=pinned(arguments.core)).rstrip()
+        text = run(program, preexec_fn=pinned(arguments.core) if is_pinned else None).rstrip()
+        cores = f"one core of {os.cpu_count()}" if is_pinned else f"{os.cpu_count()} cores"
         load = f"load {before:.1f} to {os.getloadavg()[0]:.1f}"
-        machine = f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), one core of {os.cpu_count()}, {load}"
+        machine = f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), {cores}, {load}"
         return {bench: f"{machine}; rustc {rust_version()}, pintle {commit()}.\n\n```text\n{text}\n```"}
 
     return block
@@ -369,7 +373,7 @@ MEASUREMENTS = {
     lanes: ("lanes", "lanes-summary"),
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
-    printed("scale"): ("scale",),
+    printed("scale", is_pinned=False): ("scale",),
     printed("stress"): ("stress",),
 }
 

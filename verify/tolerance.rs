@@ -171,6 +171,10 @@ pub(crate) const FRICTION_HISTORY: f64 = 1e-13;
 /// Four lanes against one element at a time, in roundings of the conditioned scale: value, first, second derivatives.
 pub(crate) const BATCH: [f64; 3] = [2.0, 2.5, 1.5];
 
+/// The same beside singular points: lanes take triads as they are, not the rotation nearest to them, and triads there are products
+/// with errors of two roundings, which a rotation vector of length π has for roundings of its length.
+pub(crate) const BATCH_NEAR: [f64; 3] = [3.0, 2.5, 1.5];
+
 /// Consistent tangents of component forces against wide differences, relative to the largest slope.
 pub(crate) const TANGENT: f64 = 1e-13;
 
