@@ -148,6 +148,9 @@ impl<R: Differentiable> Connector<R> {
 
     /// The values of [`Connector::linearize`] alone, by component.
     pub fn values(&self, pair: &Pair<R>, branch: &Branch<R>, wanted: Mask) -> Components<R> {
+        if wanted == [true; 6] {
+            return self.all_values(pair, branch);
+        }
         let history = branch.history();
         let mut needed = Dependence::default();
         for (row, _) in self.kind.rows.iter().zip(wanted).filter(|(_, wanted)| *wanted) {
@@ -165,6 +168,30 @@ impl<R: Differentiable> Connector<R> {
             } else {
                 row.differentiated.evaluate(&mut shared)
             });
+        }
+        values
+    }
+
+    /// The values of all components that there are.
+    fn all_values(&self, pair: &Pair<R>, branch: &Branch<R>) -> Components<R> {
+        let Kind { program, section, .. } = &*self.kind;
+        let Program { passes, components, left, .. } = program;
+        let mut values = [None; 6];
+        let mut put = |row: usize, value: R| {
+            if let Some(out) = components.get(row).and_then(|component| values.get_mut(*component)) {
+                *out = Some(value);
+            }
+        };
+        for pass in passes {
+            pass.dispatch(Values { kind: &self.kind, pair, branch, rows: &pass.rows, put: &mut put });
+        }
+        for (row, measure) in left {
+            if measure.is_one_form() {
+                put(*row, branch.accumulated + branch.accumulated_rest);
+            } else {
+                let (relative, history) = (self.relative(pair, measure.dependence()), branch.history());
+                put(*row, measure.evaluate(&mut Shared::new(&relative, &pair.a.triad, section, &history)));
+            }
         }
         values
     }
@@ -200,6 +227,36 @@ impl Program {
         let left = left.into_iter().map(|row| (row, measures[row])).collect();
         Self { passes, alone: singles, components, count: measures.len(), left }
     }
+}
+
+/// The values of one formula, handed on with their rows.
+struct Values<'a, R: Differentiable, P> {
+    kind: &'a Kind<R>,
+    pair: &'a Pair<R>,
+    branch: &'a Branch<R>,
+    rows: &'a [usize; 3],
+    put: &'a mut P,
+}
+
+impl<R: Differentiable, P: FnMut(usize, R)> Task for Values<'_, R, P> {
+    #[inline(always)]
+    fn run<F: Formula<M>, const M: usize>(self) {
+        let Self { kind, pair, branch, rows, put } = self;
+        let values = evaluate::<F, R, M>(kind, pair, branch);
+        rows.iter().zip(values).for_each(|(row, value)| put(*row, value));
+    }
+}
+
+/// The values of a formula.
+#[inline(never)]
+fn evaluate<F: Formula<M>, R: Differentiable, const M: usize>(
+    kind: &Kind<R>,
+    pair: &Pair<R>,
+    branch: &Branch<R>,
+) -> [R; M] {
+    let zero = [R::integer(0); 3];
+    let relative = pair.varied(F::NEEDED, zero, zero, [R::integer(0); 2]);
+    F::evaluate(&mut Shared::new(&relative, &pair.a.triad, &kind.section, &branch.history()))
 }
 
 /// The rows of one formula, to be written where the slots say.
