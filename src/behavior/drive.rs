@@ -15,6 +15,7 @@
 
 use super::Unknown;
 use super::amplitude::Amplitude;
+use crate::catalog::component_index;
 use crate::scalar::{Real, Scalar};
 use crate::scene::{
     Application, Code, ConditionKind, DefaultAmplitude, Diagnostic, MotionType, Procedure, Scene, Span, Step,
@@ -183,7 +184,7 @@ pub fn drives<L: Ord + Copy>(
     let mut all: BTreeMap<L, Drives> = BTreeMap::new();
     for motion in &scene.connector_motions {
         for label in labels(&motion.target.value) {
-            let Some(k) = index(motion.component) else { continue };
+            let Some(k) = component_index(motion.component) else { continue };
             all.entry(label).or_default().motions[k] = Some(Drive::held());
         }
     }
@@ -191,7 +192,7 @@ pub fn drives<L: Ord + Copy>(
     for (number, step) in steps.enumerate() {
         let mut given = InStep::default();
         for motion in step.connector_motions.iter().filter(|motion| !motion.applied.imaginary) {
-            let Some(k) = index(motion.component) else { continue };
+            let Some(k) = component_index(motion.component) else { continue };
             for label in labels(&motion.target.value) {
                 let one = Given {
                     kind: motion.kind,
@@ -216,13 +217,13 @@ pub fn drives<L: Ord + Copy>(
             }
         }
         for load in step.connector_loads.iter().filter(|load| !load.applied.imaginary) {
-            let Some(k) = index(load.component) else { continue };
+            let Some(k) = component_index(load.component) else { continue };
             for label in labels(&load.target.value) {
                 given.load((label, k), load.magnitude, &load.applied, load.target.span);
             }
         }
-        given.renews_motions = step.removed.contains(&ConditionKind::ConnectorMotion);
-        given.renews_loads = step.removed.contains(&ConditionKind::ConnectorLoad);
+        given.renews_motions = step.removes(ConditionKind::ConnectorMotion);
+        given.renews_loads = step.removes(ConditionKind::ConnectorLoad);
         given.add_to(&mut all, &Context { schedule, number, amplitudes: &amplitudes });
     }
     all.retain(|_, drives| !drives.is_empty());
@@ -272,8 +273,8 @@ pub fn on_angles<L: Ord + Copy>(
                 given.load((label, ANGLE), load.magnitude, &load.applied, load.target.span);
             }
         }
-        given.renews_motions = step.removed.contains(&ConditionKind::Boundary);
-        given.renews_loads = step.removed.contains(&ConditionKind::ConcentratedLoad);
+        given.renews_motions = step.removes(ConditionKind::Boundary);
+        given.renews_loads = step.removes(ConditionKind::ConcentratedLoad);
         given.add_to(&mut all, &Context { schedule, number, amplitudes: &amplitudes });
     }
     all.retain(|_, drives| !drives.is_empty());
@@ -320,10 +321,6 @@ impl<'a, L: Ord + Copy> InStep<'a, L> {
             }
         }
     }
-}
-
-fn index(component: u8) -> Option<usize> {
-    (1..=6).position(|known| known == component)
 }
 
 /// A step that is added to drives.

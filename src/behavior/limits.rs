@@ -10,8 +10,9 @@
 use super::law::extrapolation;
 use super::table::Table;
 use super::{Conditions, Unknown};
+use crate::catalog::component_index;
 use crate::connector::{Components, Mask};
-use crate::scene::{self, Affected, Diagnostic, Row, Span, TableOptions};
+use crate::scene::{self, Affected, Code, Diagnostic, Row, Span, TableOptions};
 use serde::Serialize;
 
 /// Which limit was passed.
@@ -95,7 +96,10 @@ impl Criterion {
                 .collect();
             *table = Some(Table::new(&rows, 1, &[], extrapolation(options))?);
         }
-        let component = usize::from(component).saturating_sub(1).min(5);
+        let Some(component) = component_index(component) else {
+            let message = format!("there is no component {component}");
+            return Err(Diagnostic::error(Code::BadComponent, span, message, "give a component from 1 to 6"));
+        };
         Ok(Self { component, affected, limits: tables })
     }
 

@@ -25,6 +25,11 @@ use std::borrow::Cow;
 /// The names of the components of relative motion, in order.
 pub const COMPONENT: [&str; 6] = ["u1", "u2", "u3", "ur1", "ur2", "ur3"];
 
+/// The place in [`COMPONENT`] of a component by its number in decks, 1 to 6; none has another number.
+pub fn component_index(number: u8) -> Option<usize> {
+    (1..=6).position(|known| known == number)
+}
+
 /// The names of the conjugate forces and moments, in order.
 pub const FORCE: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
 

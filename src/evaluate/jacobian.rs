@@ -2,7 +2,7 @@
 //!
 //! One row for each equation that connectors and multi-point constraints enforce, one column for each degree of freedom that they have
 //! and nothing fixes. The pattern is found once; at each state the entries are written straight into their places from compact rows
-//! ([`crate::connector::CompactRow`]), each connector into a stretch of its own, by as many threads as there are.
+//! ([`crate::connector::CompactRow`]), which as many threads as there are compute.
 //!
 //! Rows come in the order of the plan: connectors, u1 to ur3 of each, then MPCs. Columns are numbered by node, 1 to 6 and 10 of each,
 //! in the order of the labels of the nodes. Rotations vary spatially, C → exp(δθ^) C. Columns of a node under `*TRANSFORM` are along
@@ -18,6 +18,7 @@ use crate::node::{DOF_NUMBER, DOFS};
 use crate::scene::{Boundary, ConditionKind, Diagnostic, Label, MotionType, Scene, Target};
 use crate::vector::{Matrix, Vector, dot};
 use std::collections::{BTreeSet, HashMap, HashSet};
+use std::sync::Arc;
 
 /// The numbers of the degrees of freedom of a node, in the order of its columns.
 pub(crate) const NUMBERS: [u8; 7] = [1, 2, 3, 4, 5, 6, 10];
@@ -75,6 +76,9 @@ pub enum ForeignPattern {
         "the pattern of the Jacobian was made for another plan: make it from the model and plan of the sequence"
     )]
     Plan,
+    /// Columns that were made of another pattern.
+    #[error("the columns were made of another pattern: make them by `Jacobian::by_columns` of this one")]
+    Columns,
     /// It has a row that depends on the history of a component, and the states so far have been passed without following that.
     #[error(
         "the pattern of the Jacobian has rows that depend on the history of components that the plan does not name: \
@@ -162,7 +166,7 @@ impl Fixed {
             put(&mut fixed.freedoms, boundary);
         }
         for step in scene.steps.iter().take(step) {
-            if step.removed.contains(&ConditionKind::Boundary) {
+            if step.removes(ConditionKind::Boundary) {
                 fixed.freedoms.clear();
             }
             for boundary in &step.boundaries {
@@ -209,8 +213,6 @@ struct Block {
     columns: [u16; 6],
     /// Whether the columns of b come before those of a.
     is_swapped: bool,
-    /// Where its entries begin.
-    first: usize,
     /// Which of the axes those of a and b are.
     axes: [Option<u32>; 2],
 }
@@ -254,9 +256,10 @@ pub struct Jacobian {
     blocks: Vec<Block>,
     mpcs: Vec<MpcBlock>,
     axes: Vec<Matrix<f64>>,
-    connector_entries: usize,
     /// The plan that it belongs to.
     plan: [Vec<usize>; 2],
+    /// What columns made of this pattern know it by.
+    origin: Arc<()>,
 }
 
 /// The columns of nodes: the first of each, and which of [`NUMBERS`] it has.
@@ -310,8 +313,8 @@ impl Jacobian {
             blocks: Vec::with_capacity(plan.connectors.len()),
             mpcs: Vec::with_capacity(plan.mpcs.len()),
             axes: Vec::new(),
-            connector_entries: 0,
             plan: [plan.connectors.clone(), plan.mpcs.clone()],
+            origin: Arc::default(),
         };
         for (node, has) in numbering.nodes.iter().zip(&numbering.has) {
             let numbers = NUMBERS.iter().enumerate().filter(|(place, _)| has & (1 << place) != 0);
@@ -327,7 +330,6 @@ impl Jacobian {
                 &mut known,
             );
         }
-        jacobian.connector_entries = jacobian.columns.len();
         for index in &plan.mpcs {
             jacobian.add_mpc(*index, &model.mpcs[*index], (&numbering, fixed), &mut known);
         }
@@ -366,8 +368,7 @@ impl Jacobian {
             numbering.column(element.nodes[usize::from(j >= DOFS / 2)]?, number)
         };
         let is_swapped = element.nodes[0] > element.nodes[1];
-        let first = self.columns.len();
-        let mut block = Block { columns: [0; 6], is_swapped, first, axes };
+        let mut block = Block { columns: [0; 6], is_swapped, axes };
         for k in 0..6 {
             let Some(pattern) = element.connector.row_pattern(k).filter(|_| wanted(element, k)) else {
                 continue;
@@ -478,7 +479,7 @@ impl Jacobian {
                 *at += 1;
             }
         }
-        CompressedColumns { offsets, rows, places }
+        CompressedColumns { offsets, rows, places, origin: self.origin.clone() }
     }
 
     pub(super) fn check(&self, plan: &Plan) -> Result<(), ForeignPattern> {
@@ -486,29 +487,9 @@ impl Jacobian {
         if is_same { Ok(()) } else { Err(ForeignPattern::Plan) }
     }
 
-    pub(super) const fn connector_entries(&self) -> usize {
-        self.connector_entries
-    }
-
-    pub(super) fn mpc_entries(&self, at: usize) -> usize {
-        self.mpcs[at].entries.len()
-    }
-
     /// The rows of a connector that have columns, by its place in the plan: none between nodes that are fixed.
     pub(super) fn wanted(&self, at: usize) -> Mask {
         self.blocks[at].columns.map(|columns| columns != 0)
-    }
-
-    /// The entries of connectors, those of each by themselves.
-    pub(super) fn split<'a>(&self, mut values: &'a mut [f64]) -> Vec<&'a mut [f64]> {
-        let ends = self.blocks.iter().skip(1).map(|block| block.first).chain([self.connector_entries]);
-        let lengths = self.blocks.iter().zip(ends).map(|(block, end)| end - block.first);
-        lengths.map(|length| values.split_off_mut(..length).unwrap_or_default()).collect()
-    }
-
-    /// Where the entries of a connector begin.
-    pub(super) fn first_entry(&self, at: usize) -> usize {
-        self.blocks[at].first
     }
 
     /// Gives the entries of a connector in the order of the rows. A row that is not there has entries that are no numbers: the others keep their
@@ -574,25 +555,38 @@ impl Jacobian {
 }
 
 /// A matrix by columns, as [`Jacobian::by_columns`] gives it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct CompressedColumns {
-    /// The entries of column j are those from `offsets[j]` to before `offsets[j + 1]`.
-    pub offsets: Vec<usize>,
-    /// The row of each entry; in each column they increase.
-    pub rows: Vec<u32>,
-    /// Where the entries by rows, in their order, stand among those by columns.
-    pub places: Vec<usize>,
+    offsets: Vec<usize>,
+    rows: Vec<u32>,
+    places: Vec<usize>,
+    origin: Arc<()>,
 }
 
 impl CompressedColumns {
-    /// Writes entries by rows, from the `first` on, to their places among the values by columns.
-    pub(super) fn writer<'a>(&'a self, first: usize, values: &'a mut [f64]) -> impl FnMut(f64) + 'a {
-        let mut places = self.places.iter().skip(first);
-        move |entry| {
-            if let Some(value) = places.next().and_then(|place| values.get_mut(*place)) {
-                *value = entry;
-            }
-        }
+    /// The entries of column j (0-based) are those from `offsets()[j]` to before `offsets()[j + 1]`.
+    pub fn offsets(&self) -> &[usize] {
+        &self.offsets
+    }
+
+    /// The row (0-based) of each entry; in each column they increase.
+    pub fn rows(&self) -> &[u32] {
+        &self.rows
+    }
+
+    /// Where the entries by rows, in their order, stand among those by columns.
+    pub fn places(&self) -> &[usize] {
+        &self.places
+    }
+
+    /// Whether they were made of this pattern, or of a copy of it.
+    pub(super) fn check(&self, jacobian: &Jacobian) -> Result<(), ForeignPattern> {
+        if Arc::ptr_eq(&self.origin, &jacobian.origin) { Ok(()) } else { Err(ForeignPattern::Columns) }
+    }
+
+    /// Where an entry by rows stands.
+    pub(super) fn place(&self, entry: usize) -> usize {
+        self.places.get(entry).copied().unwrap_or(usize::MAX)
     }
 }
 

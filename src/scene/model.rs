@@ -710,7 +710,7 @@ pub struct Step {
     pub default_amplitude: Option<DefaultAmplitude>,
     /// What it does.
     pub procedure: Option<Procedure>,
-    /// The kinds of which those of earlier steps are removed: a keyword of the step says OP=NEW, with data lines or without.
+    /// The kinds of which a keyword of the step says OP=NEW, with data lines or without ([`Step::removes`]).
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub removed: BTreeSet<ConditionKind>,
     /// Boundary conditions.
@@ -728,6 +728,29 @@ pub struct Step {
     /// The keyword.
     #[serde(skip)]
     pub span: Span,
+}
+
+impl Step {
+    /// Whether the conditions of a kind that earlier steps gave are removed: the step says so of the kind, or of a condition of its own.
+    pub fn removes(&self, kind: ConditionKind) -> bool {
+        fn any<'a>(mut of: impl Iterator<Item = &'a Application>) -> bool {
+            of.any(|applied| applied.operation == Operation::New)
+        }
+        self.removed.contains(&kind)
+            || match kind {
+                ConditionKind::Boundary => any(self.boundaries.iter().map(|given| &given.applied)),
+                ConditionKind::ConnectorMotion => {
+                    any(self.connector_motions.iter().map(|given| &given.applied))
+                }
+                ConditionKind::ConnectorLoad => any(self.connector_loads.iter().map(|given| &given.applied)),
+                ConditionKind::ConcentratedLoad => {
+                    any(self.concentrated_loads.iter().map(|given| &given.applied))
+                }
+                ConditionKind::DistributedLoad => {
+                    any(self.distributed_loads.iter().map(|given| &given.applied))
+                }
+            }
+    }
 }
 
 /// `*OUTPUT`, `*ELEMENT OUTPUT` and their kin.

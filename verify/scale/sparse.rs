@@ -2,7 +2,9 @@
 
 use super::{chain, model};
 use pintle::connector::{Flag, Request};
-use pintle::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence, Source, StepResult};
+use pintle::evaluate::{
+    Fixed, ForeignPattern, Freedom, Jacobian, Model, Plan, Selection, Sequence, Source, StepResult,
+};
 use pintle::mpc::Kind;
 use pintle::node::{DOF_NUMBER, DOFS};
 use pintle::scene::{Label, Scene};
@@ -81,7 +83,7 @@ fn assert_same(scene: &Scene, model: &Model, fixed: &Fixed, all: bool) -> usize 
         let same_care = by_columns.assemble_columns(&state, &jacobian, &columns, &mut in_columns).unwrap();
         assert_eq!((care, by_columns.branches()), (same_care, sparse.branches()));
         assert_eq!(in_columns.len(), values.len());
-        for (value, place) in values.iter().zip(&columns.places) {
+        for (value, place) in values.iter().zip(columns.places()) {
             assert_eq!(value.to_bits(), in_columns[*place].to_bits());
         }
         let step = dense.step(&state);
@@ -113,6 +115,11 @@ fn assert_same(scene: &Scene, model: &Model, fixed: &Fixed, all: bool) -> usize 
         }
     }
     assert_by_columns(&jacobian);
+    // Columns belong to one pattern and its copies, another of the same size is refused.
+    let again = if all { Jacobian::new(model, &plan, fixed, |_, _| true) } else { jacobian.clone() };
+    let state = chain::state(0, scene.nodes.len().min(CONNECTORS + 1));
+    let found = Sequence::new(model, &plan).assemble_columns(&state, &again, &columns, &mut in_columns);
+    assert_eq!(found.err(), all.then_some(ForeignPattern::Columns));
     compared
 }
 
@@ -120,16 +127,16 @@ fn assert_same(scene: &Scene, model: &Model, fixed: &Fixed, all: bool) -> usize 
 fn assert_by_columns(jacobian: &Jacobian) {
     let by_columns = jacobian.by_columns();
     let mut entry_at = vec![None; jacobian.entries()];
-    for (entry, place) in by_columns.places.iter().enumerate() {
+    for (entry, place) in by_columns.places().iter().enumerate() {
         assert_eq!(entry_at[*place].replace(entry), None);
     }
     for column in 0..jacobian.columns() {
-        let range = by_columns.offsets[column]..by_columns.offsets[column + 1];
-        assert!(by_columns.rows[range.clone()].is_sorted_by(|a, b| a < b));
+        let range = by_columns.offsets()[column]..by_columns.offsets()[column + 1];
+        assert!(by_columns.rows()[range.clone()].is_sorted_by(|a, b| a < b));
         for at in range {
             let entry = entry_at[at].unwrap();
             assert_eq!(jacobian.column_indices()[entry] as usize, column);
-            assert!(jacobian.range(by_columns.rows[at] as usize).unwrap().contains(&entry));
+            assert!(jacobian.range(by_columns.rows()[at] as usize).unwrap().contains(&entry));
         }
     }
 }

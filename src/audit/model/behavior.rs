@@ -6,7 +6,9 @@ use super::gather::Gathered;
 use super::geometry::initial_positions;
 use super::pressing::nothing_presses;
 use crate::behavior::entry;
-use crate::catalog::{COMPONENT, Contact, FrictionCriterion, Load, PLANE, Quantity, SPATIAL, Traction};
+use crate::catalog::{
+    COMPONENT, Contact, FrictionCriterion, Load, PLANE, Quantity, SPATIAL, Traction, component_index,
+};
 use crate::connector::Components;
 use crate::evaluate::{ConnectorElement, Model};
 use crate::grammar::agree;
@@ -44,10 +46,6 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
     gathered.findings().collect()
 }
 
-fn index(component: u8) -> usize {
-    usize::from(component).saturating_sub(1).min(5)
-}
-
 fn about(element: &ConnectorElement, component: usize, value: f64) -> About {
     let components = vec![COMPONENT[component].to_string()];
     About { elements: vec![element.label], components, value: Some(value), ..About::default() }
@@ -60,7 +58,7 @@ fn violated(
     stop: &scene::Stop,
     positions: &Components<f64>,
 ) -> Option<Finding> {
-    let k = index(stop.component);
+    let k = component_index(stop.component)?;
     let position = positions[k]?;
     let below = stop.lower.filter(|lower| position < *lower).map(|lower| (lower - position, "below", lower));
     let above = stop.upper.filter(|upper| position > *upper).map(|upper| (position - upper, "above", upper));
@@ -82,7 +80,7 @@ fn passed(
     (what, component, limits, span): (&str, u8, &Vec<Limits>, Span),
     positions: &Components<f64>,
 ) -> Option<Finding> {
-    let k = index(component);
+    let k = component_index(component)?;
     let position = positions[k]?;
     // Limits that depend on temperature or fields are those of the first row.
     let first = limits.first()?;
@@ -107,7 +105,7 @@ fn idle(
     (what, component, limits, span): (&str, u8, &Vec<Limits>, Span),
     positions: &Components<f64>,
 ) -> Option<Finding> {
-    let k = index(component);
+    let k = component_index(component)?;
     let position = positions[k].filter(|_| element.connector.is_constrained(k))?;
     let of_force = |limit: &Limits| limit.lower_force.is_some() || limit.upper_force.is_some();
     let of_position = |limit: &Limits| limit.lower_position.is_some() || limit.upper_position.is_some();

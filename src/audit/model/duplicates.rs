@@ -2,6 +2,7 @@
 
 use super::finding::{About, Finding};
 use super::gather::Gathered;
+use crate::catalog::component_index;
 use crate::evaluate::{ConnectorElement, Model};
 use crate::measure::Measure;
 use crate::scene::{Behavior, Code, Label, Mpc, Scene};
@@ -105,7 +106,8 @@ fn same<'a>(element: &'a ConnectorElement, behavior: Option<&Behavior>) -> Same<
     let content = element.behavior.identity;
     let does = match behavior.and_then(single_components) {
         Some(components) => {
-            let measured = |k: u8| (k, element.connector.position_measure(usize::from(k).saturating_sub(1)));
+            let measured =
+                |k: u8| (k, component_index(k).and_then(|k| element.connector.position_measure(k)));
             Does::Components(content, components.into_iter().map(measured).collect())
         }
         None => Does::Type(&element.connector.connection().name, behavior.map(|_| content)),

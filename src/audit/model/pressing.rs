@@ -1,6 +1,6 @@
 //! Which contact forces are always zero?
 
-use crate::catalog::{COMPONENT, PLANE, SPATIAL};
+use crate::catalog::{COMPONENT, PLANE, SPATIAL, component_index};
 use crate::evaluate::ConnectorElement;
 use crate::scene::{Affected, Behavior, DerivedTerm, Friction, FrictionKind, Law, Source};
 
@@ -12,7 +12,7 @@ pub(super) fn nothing_presses(
 ) -> Option<String> {
     match source {
         Source::Component(component) => {
-            let k = index(*component);
+            let k = component_index(*component)?;
             (!has_force(element, behavior, k)).then(|| without_force(k))
         }
         Source::Derived(name) => {
@@ -30,10 +30,6 @@ pub(super) fn nothing_presses(
     }
 }
 
-fn index(component: u8) -> usize {
-    usize::from(component).saturating_sub(1).min(5)
-}
-
 fn without_force(k: usize) -> String {
     format!("{} has no force", COMPONENT[k])
 }
@@ -42,7 +38,7 @@ fn without_force(k: usize) -> String {
 fn vanishes(element: &ConnectorElement, behavior: &Behavior, term: &DerivedTerm) -> Option<String> {
     let mut whys = Vec::new();
     for (place, component) in term.components.iter().enumerate() {
-        let k = index(*component);
+        let k = component_index(*component)?;
         let is_zero = !term.rows.is_empty()
             && term.rows.iter().all(|row| row.values.get(place).copied().flatten() == Some(0.0));
         if is_zero {
@@ -78,7 +74,7 @@ fn has_force(element: &ConnectorElement, behavior: &Behavior, k: usize) -> bool 
         Law::Rigid { components } => components.is_empty(),
         Law::Linear { .. } | Law::Nonlinear { .. } => false,
     };
-    let is_it = |component: u8| index(component) == k;
+    let is_it = |component: u8| component_index(component) == Some(k);
     let laws =
         behavior.elasticity.iter().map(|law| &law.law).chain(behavior.damping.iter().map(|law| &law.law));
     behavior.acts_on().any(is_it)

@@ -17,7 +17,7 @@ use crate::vector::{cross, dot};
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Tangential {
     /// √(Σ (f_k/R_k)²), R_k = 1 where there is none: the components (from 0) and their radii.
-    Norm(Vec<(usize, f64)>),
+    Norm(#[serde(deserialize_with = "super::read::radii")] Vec<(usize, f64)>),
     /// A `*CONNECTOR POTENTIAL`.
     Potential(Potential),
 }
@@ -40,6 +40,7 @@ pub enum Pressing {
 pub struct Term {
     number: i32,
     times: Vec<f64>,
+    #[serde(deserialize_with = "super::read::maybe_radius")]
     over: Option<f64>,
     #[serde(with = "catalogued")]
     load: Load,

@@ -34,6 +34,7 @@ pub struct DerivedPart {
 #[derive(serde::Deserialize)]
 struct WrittenPart {
     operator: Operator,
+    #[serde(deserialize_with = "super::read::sign")]
     sign: f64,
     components: Vec<usize>,
     scale: Option<Table>,
@@ -166,6 +167,7 @@ pub struct Contribution {
     /// a.
     pub shift: f64,
     /// s, +1 or −1.
+    #[serde(deserialize_with = "super::read::sign")]
     pub sign: f64,
 }
 

@@ -22,6 +22,7 @@ mod coefficient;
 mod criterion;
 mod derived;
 mod flags;
+mod read;
 mod root; // where a limit is met first; linear systems
 mod slip; // the slip equations, solved and lifted
 #[cfg(test)]

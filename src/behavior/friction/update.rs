@@ -49,6 +49,7 @@ pub struct Friction {
     /// K_s.
     pub stick_stiffness: StickStiffness,
     /// The effective radius R of rotations in a potential: K = K_s R² there. 1 where the radii are those of the criterion.
+    #[serde(deserialize_with = "super::read::radius")]
     pub radius: f64,
 }
 

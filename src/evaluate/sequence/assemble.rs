@@ -4,15 +4,12 @@ use super::element::Context;
 use super::nodes::{Moved, STILL};
 use super::{Sequence, turns};
 use crate::catalog::COMPONENT;
-use crate::connector::{CompactRow, Components, Flag, Request, Tally};
+use crate::connector::{CompactRow, Flag, Request, Tally};
 use crate::evaluate::jacobian::{CompressedColumns, ForeignPattern, Jacobian};
 use crate::evaluate::parallel::in_order;
 use crate::mpc::Dofs;
 use crate::scene::State as SceneState;
 use std::convert::Infallible;
-
-/// What is found of a connector: flags, work and, where they are not written yet, its rows.
-type Found = (Vec<Flag>, Tally, Option<Box<Components<CompactRow<f64>>>>);
 
 impl Sequence<'_> {
     /// Commits the next state and writes the entries of the sparse Jacobian there, and nothing else of it: `values` gets the length of
@@ -26,7 +23,7 @@ impl Sequence<'_> {
         jacobian: &Jacobian,
         values: &mut Vec<f64>,
     ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
-        self.fill(state, jacobian, None, values)
+        self.fill(state, jacobian, |entry| entry, values)
     }
 
     /// As [`Sequence::assemble`], with the entries in the order of the columns ([`Jacobian::by_columns`]): each goes straight to its place from the
@@ -41,19 +38,16 @@ impl Sequence<'_> {
         columns: &CompressedColumns,
         values: &mut Vec<f64>,
     ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
-        let is_same =
-            columns.places.len() == jacobian.entries() && columns.offsets.len() == jacobian.columns() + 1;
-        if !is_same {
-            return Err(ForeignPattern::Plan);
-        }
-        self.fill(state, jacobian, Some(columns), values)
+        columns.check(jacobian)?;
+        self.fill(state, jacobian, |entry| columns.place(entry), values)
     }
 
+    /// Writes entry number i, by rows, to place `place(i)` of the values.
     fn fill(
         &mut self,
         state: &SceneState,
         jacobian: &Jacobian,
-        columns: Option<&CompressedColumns>,
+        place: impl Fn(usize) -> usize,
         values: &mut Vec<f64>,
     ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
         jacobian.check(self.plan)?;
@@ -86,20 +80,18 @@ impl Sequence<'_> {
             beyond: &beyond,
         };
         let mut care = Vec::new();
-        // By rows the entries of each connector are a slice of their own, which a thread may write; by columns they lie apart.
-        let (mut of_connectors, mut of_mpcs): (&mut [f64], &mut [f64]) = match columns {
-            None => values.split_at_mut(jacobian.connector_entries()),
-            Some(_) => (&mut [], values),
+        let mut entries = 0;
+        let mut put = |entry| {
+            if let Some(value) = values.get_mut(place(entries)) {
+                *value = entry;
+            }
+            entries += 1;
         };
-        let mut places = match columns {
-            None => jacobian.split(std::mem::take(&mut of_connectors)),
-            Some(_) => connectors.iter().map(|_| <&mut [f64]>::default()).collect(),
-        };
-        let mut work: Vec<_> = connectors.iter_mut().zip(&mut places).collect();
+        let mut rooms: Vec<_> = rooms.0.iter_mut().map(|result| (result, [const { None }; 6])).collect();
         let Ok(()) = in_order(
-            &mut work,
-            &mut rooms.0,
-            |at, (memory, place), result| {
+            connectors,
+            &mut rooms,
+            |at, memory, (result, rows)| {
                 let mut tally = Tally::default();
                 let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
                 let mut request = Request::nothing(0);
@@ -109,13 +101,8 @@ impl Sequence<'_> {
                 context.connector((index, nodes), memory, &request, history, result, &mut tally);
                 let element = &model.connectors[index];
                 let branch = &result.evaluation.branch;
-                let rows =
+                *rows =
                     element.connector.compact_rows(&result.state, branch, jacobian.wanted(at), &mut tally);
-                if columns.is_none() {
-                    let mut place = place.iter_mut();
-                    jacobian
-                        .write(at, &rows, |entry| place.by_ref().take(1).for_each(|place| *place = entry));
-                }
                 let mut flags = std::mem::take(&mut result.flags);
                 let wanted = jacobian.wanted(at);
                 let broken = |k: &usize| {
@@ -126,21 +113,16 @@ impl Sequence<'_> {
                         .filter(broken)
                         .map(|k| Flag::NotFinite { component: COMPONENT[k], quantity: "derivative" }),
                 );
-                (flags, tally, columns.map(|_| Box::new(rows)))
+                (flags, tally)
             },
-            |at, (flags, work, rows): Found, _| -> Result<(), Infallible> {
+            |at, (flags, work), (_, rows)| -> Result<(), Infallible> {
                 *tally += work;
-                if let (Some(columns), Some(rows)) = (columns, rows) {
-                    let first = jacobian.first_entry(at);
-                    jacobian.write(at, &rows, columns.writer(first, of_mpcs));
-                }
+                jacobian.write(at, rows, &mut put);
                 let title = || model.connectors[plan.connectors[at]].title();
                 care.extend(flags.into_iter().map(|flag| (title(), flag)));
                 Ok(())
             },
         );
-        drop(work);
-        let mut first = jacobian.connector_entries();
         let request = {
             let mut request = Request::nothing(1);
             request.add_rows([true; 6]);
@@ -154,18 +136,7 @@ impl Sequence<'_> {
             let of_state = (&request, &self.model.schedule, state);
             let result = element.evaluate(*index, &nodes, &self.mpcs[at], of_state, &mut self.tally);
             self.mpcs[at] = result.evaluation.angles;
-            match columns {
-                None => {
-                    let mut place =
-                        of_mpcs.split_off_mut(..jacobian.mpc_entries(at)).unwrap_or_default().iter_mut();
-                    let put = |entry| place.by_ref().take(1).for_each(|place| *place = entry);
-                    jacobian.write_mpc(at, &result.evaluation.jacobian, put);
-                }
-                Some(columns) => {
-                    jacobian.write_mpc(at, &result.evaluation.jacobian, columns.writer(first, of_mpcs));
-                    first += jacobian.mpc_entries(at);
-                }
-            }
+            jacobian.write_mpc(at, &result.evaluation.jacobian, &mut put);
             let rows = &result.evaluation.jacobian;
             let has = element.constraint.rows();
             let is_broken = |row: &Dofs<f64>| row.iter().any(|x| !x.is_finite());
