@@ -158,7 +158,7 @@ impl Run<'_> {
     fn one(&mut self, i: usize) {
         let Self { way, subject, wanted, request, still, rows, out } = self;
         let Some(element) = subject.elements.get(i) else { return };
-        let at = Place { subject, element, wanted: *wanted };
+        let at = AtElement { subject, element, wanted: *wanted };
         match *way {
             Way::Pintle(Order::Value) => at.values(&element.state.pair, out),
             Way::Pintle(Order::Jacobian) => {
@@ -203,13 +203,13 @@ impl Prepared for Run<'_> {
 }
 
 /// One element.
-struct Place<'a> {
+struct AtElement<'a> {
     subject: &'a Subject,
     element: &'a Element,
     wanted: Mask,
 }
 
-impl Place<'_> {
+impl AtElement<'_> {
     fn connector(&self) -> &Connector<f64> {
         &self.element.connector
     }

@@ -36,6 +36,9 @@ use std::borrow::Cow;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
+/// The version of a report's form.
+pub const SCHEMA: &str = "pintle-bench/1";
+
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -124,7 +127,7 @@ pub struct Untimed {
 /// What was measured, where and when.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// `pintle-bench/1`.
+    /// [`SCHEMA`].
     pub schema: Cow<'static, str>,
     /// The machine and the program.
     pub environment: Environment,
@@ -187,7 +190,7 @@ impl Report {
     pub fn new(settings: &Settings) -> Self {
         let Settings { rounds, states, batch, distance, .. } = *settings;
         Self {
-            schema: "pintle-bench/1".into(),
+            schema: SCHEMA.into(),
             environment: Environment::here(),
             rounds,
             states,

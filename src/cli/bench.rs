@@ -59,13 +59,13 @@ pub(crate) struct Bench {
     #[arg(value_name = "TYPE")]
     types: Vec<String>,
     /// Rounds, in which every way takes its turn
-    #[arg(long, value_name = "COUNT", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "COUNT", default_value_t = Settings::default().rounds as u32, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rounds: u32,
     /// States of each type and place; a thousand of them take 100 MB
-    #[arg(long, value_name = "COUNT", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "COUNT", default_value_t = Settings::default().states as u32, value_parser = clap::value_parser!(u32).range(1..=1000))]
     states: u32,
     /// How far states near a singular point are from it (rad, or lengths of the connector)
-    #[arg(long, value_name = "DISTANCE", default_value_t = 1e-4, value_parser = distance)]
+    #[arg(long, value_name = "DISTANCE", default_value_t = Settings::default().distance, value_parser = distance)]
     near: f64,
     /// Draw time against error into this folder, a figure for each type, place and order, as SVG files
     #[arg(long, value_name = "FOLDER")]

@@ -5,9 +5,6 @@ use super::layout;
 use crate::bench::{Order, Place, Point, REST, Report};
 use std::io::{self, Write};
 
-/// The version of the JSON form.
-pub const SCHEMA: &str = "pintle-bench/1";
-
 /// The points of one diagram: a type, a place, an order.
 struct Diagram<'a> {
     points: Vec<&'a Point>,
@@ -227,7 +224,7 @@ pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     writeln!(out, "\nIn the table {}.", legend(report))
 }
 
-/// Writes every point, of all steps, as one JSON document, schema [`SCHEMA`]. An error without bound is `null`.
+/// Writes every point, of all steps, as one JSON document, schema [`crate::bench::SCHEMA`]. An error without bound is `null`.
 ///
 /// # Errors
 /// Where the stream cannot be written to.

@@ -9,7 +9,7 @@ use crate::catalog::{
     PLANE, SPATIAL, Slot,
 };
 use crate::measure::{Measure, SingularSet, Unit};
-use crate::scene::Code;
+use crate::scene::{Code, Severity};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -269,7 +269,7 @@ impl Explanation {
 pub fn code(out: &mut dyn Write, code: Code, width: usize) -> io::Result<()> {
     writeln!(out, "{}", styled(BOLD, code))?;
     write!(out, "{}", layout::labelled("", 2, 2, code.explanation(), width))?;
-    match code.of_its_severity() {
+    match severity_help(code) {
         Some(said) => write!(out, "{}", layout::labelled("", 2, 2, said, width)),
         None => Ok(()),
     }
@@ -282,10 +282,27 @@ pub fn code(out: &mut dyn Write, code: Code, width: usize) -> io::Result<()> {
 pub fn code_json(out: &mut dyn Write, code: Code) -> io::Result<()> {
     let document = serde_json::json!({
         "schema": SCHEMA, "version": crate::VERSION, "code": code.as_str(), "explanation": code.explanation(),
-        "severity": code.severity(), "of_its_severity": code.of_its_severity(),
+        "severity": code.severity(), "severity_help": severity_help(code),
     });
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
+}
+
+/// What can be done about the severity of a code, in a sentence; nothing of what is no finding of an audit.
+fn severity_help(code: Code) -> Option<&'static str> {
+    const SET: &str = "pintle audit takes it for what --allow, --note, --warn and --deny say, of this code, its group, or at a place (CODE@FILE:LINE).";
+    match (code.severity(), code.group()) {
+        (Severity::Note | Severity::Warning, _) => Some(SET),
+        (Severity::Error, "rule") if code.leaves_numbers() => Some(
+            "The scene is refused, but every number of it is defined: pintle audit goes on where --allow, --note or --warn say so, of this code, \
+             its group, or at a place (CODE@FILE:LINE).",
+        ),
+        (Severity::Error, "rule") => Some(
+            "It leaves no connector, or no constraint, that numbers could be said of: what breaks it cannot be evaluated, and its severity stays \
+             that of an error, whatever --allow, --note and --warn say.",
+        ),
+        _ => None,
+    }
 }
 
 /// Writes texts under a title; nothing where there are none.

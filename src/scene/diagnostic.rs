@@ -302,24 +302,6 @@ impl Code {
         )
     }
 
-    /// What can be done about its severity, in a sentence; nothing of what is no finding of an audit.
-    #[must_use]
-    pub fn of_its_severity(self) -> Option<&'static str> {
-        const SET: &str = "pintle audit takes it for what --allow, --note, --warn and --deny say, of this code, its group, or at a place (CODE@FILE:LINE).";
-        match (self.severity(), self.group()) {
-            (Severity::Note | Severity::Warning, _) => Some(SET),
-            (Severity::Error, "rule") if self.leaves_numbers() => Some(
-                "The scene is refused, but every number of it is defined: pintle audit goes on where --allow, --note or --warn say so, of this code, \
-                 its group, or at a place (CODE@FILE:LINE).",
-            ),
-            (Severity::Error, "rule") => Some(
-                "It leaves no connector, or no constraint, that numbers could be said of: what breaks it cannot be evaluated, and its severity stays \
-                 that of an error, whatever --allow, --note and --warn say.",
-            ),
-            _ => None,
-        }
-    }
-
     /// What stands before `::`.
     #[must_use]
     pub fn group(self) -> &'static str {
