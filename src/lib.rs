@@ -38,7 +38,8 @@
 //!
 //! # Map
 //!
-//! Modules depend downwards only.
+//! Each module uses those above it in the table alone, but for two words: a flag of a connector has the code of a diagnostic ([`scene`]),
+//! and a failed assertion of an [`audit`] prints its [`report`].
 //!
 //! | module | question |
 //! |---|---|
@@ -51,9 +52,9 @@
 //! | [`batch`] | what do many connectors of one type give, four at a time? |
 //! | [`force`] | what do the forces of its components do to its nodes? |
 //! | [`mpc`] | what does one multi-point constraint give at one state? |
+//! | [`scene`] | what does a deck or a state file say? |
 //! | [`behavior`] | which forces follow from a motion: springs, dampers, stops, locks, drives? |
 //! | [`symbolic`] | which formulas are computed, and what are their derivatives? |
-//! | [`scene`] | what does a deck or a state file say? |
 //! | [`evaluate`] | what is to be computed for a scene, and in which order? |
 //! | [`audit`] | is it right, and how do we know? |
 //! | [`mod@bench`] | what does it cost, at which error? |
