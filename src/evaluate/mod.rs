@@ -7,6 +7,7 @@
 
 mod behavior;
 mod belt;
+mod fixed;
 mod forces;
 mod jacobian;
 mod model;
@@ -21,9 +22,10 @@ mod sequence;
 mod shared;
 
 pub use belt::Ring;
+pub(crate) use fixed::NUMBERS;
+pub use fixed::{Fixed, Freedom};
 pub use forces::{ForceCheck, ForceResult};
-pub(crate) use jacobian::NUMBERS;
-pub use jacobian::{CompressedColumns, Equation, Fixed, ForeignPattern, Freedom, Jacobian, Source};
+pub use jacobian::{CompressedColumns, Equation, ForeignPattern, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};
 pub use mpc_forces::{Hinge, MpcForces, MpcSlopes};
