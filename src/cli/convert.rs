@@ -46,10 +46,15 @@ pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
     for warning in &scene.warnings {
         eval::show_diagnostic(warning);
     }
-    let mut converted = scene.write(format)?;
+    // A deck has no states: what goes to a file of its own is not lost.
+    let is_apart = format == Format::Deck && arguments.save_states.is_some();
+    let states = if is_apart { std::mem::take(&mut scene.states) } else { Vec::new() };
+    let converted = scene.write(format)?;
+    if is_apart {
+        scene.states = states;
+    }
     if let Some(file) = &arguments.save_states {
         save_states(file, &scene)?;
-        converted.dropped.retain(|what| !(what.contains("state") && what.ends_with("a deck has none")));
     }
     for what in &converted.dropped {
         complain("dropped", what);
