@@ -677,3 +677,28 @@ pub fn mid_frame<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>, turns: S::Re
         [(S::zero() - y).scale(sign), x.scale(sign), cosine],
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both series of K_k(c) = (2 acos c + 2πk)/√(1 − c²), the one whose sheet is in its first coefficient and the sum.
+    #[test]
+    fn two_series_of_a_turned_log_agree() {
+        let order = MAX_ORDER.min(4);
+        for k in [-3.0, -1.0, 0.0, 1.0, 2.0] {
+            for c in [0.0_f64, 0.1, 0.45, 0.7, 0.93] {
+                let sine = ((1.0 - c) * (1.0 + c)).sqrt();
+                let turned = turned_series(c, k, order);
+                let shifted = shifted_series(c, sine, k * std::f64::consts::TAU, order);
+                let principal = f64::log_series(c, order);
+                for n in 0..=order {
+                    // Two terms that may cancel are summed.
+                    let size = turned[n].abs().max(principal[n].abs()) / sine.powi(2 * n as i32);
+                    let error = (turned[n] - shifted[n]).abs();
+                    assert!(error <= 1e-14 * size, "k = {k}, c = {c}, {n}: {} {}", turned[n], shifted[n]);
+                }
+            }
+        }
+    }
+}

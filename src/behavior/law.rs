@@ -415,3 +415,116 @@ pub(super) fn check_single(laws: &[(Law, Span)], what: &str) -> Result<(), Diagn
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::damping::Damping;
+    use super::super::elasticity::Elasticity;
+    use super::*;
+
+    const MOTION: Motion<f64> = Motion { position: [0.5; 6], constitutive: [0.25; 6], velocity: [-0.5; 6] };
+
+    fn constants(values: &[f64], temperature: Option<f64>) -> Table {
+        let row = Row { values: values.iter().copied().map(Some).collect(), temperature, ..Row::default() };
+        Table::new(&[row], values.len(), &[], Extrapolation::Constant).unwrap()
+    }
+
+    fn law(kind: Kind, driver: Driver) -> Law {
+        Law { kind, driver, available: [true, false, true, true, true, true] }
+    }
+
+    /// What a law adds to sizes that are 1.
+    fn scales(law: &Law, conditions: &Conditions) -> [[[f64; 6]; 6]; 2] {
+        let mut all = [[[1.0; 6]; 6]; 2];
+        let [displacement, velocity] = &mut all;
+        law.add_slope_scales(&MOTION, conditions, [displacement, velocity]);
+        all
+    }
+
+    /// Only these entries are larger than 1, by so much.
+    fn only(found: [[[f64; 6]; 6]; 2], larger: &[(usize, usize, usize, f64)]) {
+        for (by, matrix) in found.iter().enumerate() {
+            for (i, row) in matrix.iter().enumerate() {
+                for (j, x) in row.iter().enumerate() {
+                    let known = larger.iter().find(|entry| (entry.0, entry.1, entry.2) == (by, i, j));
+                    assert_eq!(*x, 1.0 + known.map_or(0.0, |entry| entry.3), "{by} {i} {j}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_measured_where_they_stand() {
+        let none = &Conditions::default();
+        let linear = |driver| law(Kind::Linear { component: 2, table: constants(&[-250.0], None) }, driver);
+        only(scales(&linear(Driver::Displacement), none), &[(0, 2, 2, 250.0)]);
+        only(scales(&linear(Driver::Velocity), none), &[(1, 2, 2, 250.0)]);
+        // F3 over the velocity, or displacement, and the position of 1: slopes 2 and −3, and 4.
+        let data: [&[f64]; 4] = [&[0.0, -1.0, 0.0], &[4.0, 1.0, 0.0], &[-3.0, -1.0, 1.0], &[1.0, 1.0, 1.0]];
+        let rows: Vec<Row> = data
+            .iter()
+            .map(|row| Row { values: row.iter().copied().map(Some).collect(), ..Row::default() })
+            .collect();
+        let table = Table::new(&rows, 1, &["x", "y"], Extrapolation::Constant).unwrap();
+        let axes = vec![Axis::Own, Axis::Position(0)];
+        for (driver, at) in [(Driver::Displacement, 0), (Driver::Velocity, 1)] {
+            let nonlinear =
+                law(Kind::Nonlinear { component: 2, table: table.clone(), axes: axes.clone() }, driver);
+            let own = table.slope_scale(
+                0,
+                |v| if v == Variable::Column(0) { 0.0 } else { 0.5 },
+                Variable::Column(0),
+            );
+            let found = scales(&nonlinear, none);
+            assert_eq!(own, 4.0);
+            let other = found[0][2][0] - 1.0;
+            assert!(other > 3.0, "{other}");
+            only(found, &[(at, 2, 2, own), (0, 2, 0, other)]);
+        }
+        only(scales(&law(Kind::Rigid { components: [true; 6] }, Driver::Displacement), none), &[]);
+    }
+
+    #[test]
+    fn coupled_slopes_are_those_of_available_components() {
+        for symmetric in [true, false] {
+            let count = entries(!symmetric);
+            let values: Vec<f64> = (1..=count).map(|n| -(n as f64)).collect();
+            let coupled =
+                law(Kind::Coupled { table: constants(&values, None), symmetric }, Driver::Displacement);
+            let larger: Vec<(usize, usize, usize, f64)> = (0..36)
+                .map(|n| (n / 6, n % 6))
+                .filter(|(i, j)| *i != 1 && *j != 1)
+                .map(|(i, j)| (0, i, j, 1.0 + entry(!symmetric, i, j) as f64))
+                .collect();
+            only(scales(&coupled, &Conditions::default()), &larger);
+            // Laws go to files and come back; a matrix of another size is refused.
+            let mut written = serde_json::to_value(&coupled).unwrap();
+            assert!(serde_json::from_value::<Law>(written.clone()).is_ok());
+            written["kind"]["Coupled"]["symmetric"] = (!symmetric).into();
+            let error = serde_json::from_value::<Law>(written).unwrap_err().to_string();
+            assert!(error.contains(&format!("has {count} entries, not {}", 57 - count)), "{error}");
+        }
+    }
+
+    /// Nothing is known of a law whose temperature is not given; all laws of a behaviour are asked.
+    #[test]
+    fn laws_are_asked_one_after_the_other() {
+        let two = Row { values: vec![Some(7.0)], temperature: Some(20.0), ..Row::default() };
+        let rows = [Row { values: vec![Some(5.0)], temperature: Some(10.0), ..Row::default() }, two];
+        let warm = Table::new(&rows, 1, &[], Extrapolation::Constant).unwrap();
+        let laws = [
+            law(Kind::Linear { component: 0, table: warm }, Driver::Displacement),
+            law(Kind::Linear { component: 3, table: constants(&[2.0], None) }, Driver::Displacement),
+            law(Kind::Linear { component: 3, table: constants(&[4.0], None) }, Driver::Velocity),
+        ];
+        only(scales(&laws[0], &Conditions::default()), &[]);
+        let json = serde_json::json!({ "laws": laws, "structural": 0 });
+        let mut found = [[[1.0; 6]; 6]; 2];
+        let elasticity: Elasticity = serde_json::from_value(json.clone()).unwrap();
+        elasticity.add_slope_scales(&MOTION, &Conditions::default(), &mut found);
+        only(found, &[(0, 3, 3, 2.0), (1, 3, 3, 4.0)]);
+        let damping: Damping = serde_json::from_value(json).unwrap();
+        damping.add_slope_scales(&MOTION, &Conditions::default(), &mut found);
+        only(found, &[(0, 3, 3, 4.0), (1, 3, 3, 8.0)]);
+    }
+}

@@ -764,4 +764,101 @@ mod tests {
         let partly = fails(&[(&[1.0, 0.0, 0.0], Some(20.0)), (&[2.0, 1.0, 0.0], None)]);
         assert_eq!(partly, (Code::MissingData, "the temperature is missing".to_string()));
     }
+
+    /// A table of two variables with opposite slopes in neighbouring rows.
+    fn crossing(extrapolation: Extrapolation) -> Table {
+        let data: [&[f64]; 6] = [
+            &[1.0, 1.0, 1.0],
+            &[-3.0, 3.0, 1.0],
+            &[1.0, 4.0, 1.0],
+            &[5.0, 1.0, 3.0],
+            &[7.0, 3.0, 3.0],
+            &[7.5, 4.0, 3.0],
+        ];
+        table(&data.map(|row| (row, None)), 2, extrapolation)
+    }
+
+    /// Σ |slopes of the rows| along the first variable; |Δ| and both rows' sizes over the step along the second.
+    #[test]
+    fn slopes_are_measured_by_what_they_are_formed_from() {
+        let table = crossing(Extrapolation::Constant);
+        let scales = |x: f64, y: f64| {
+            let argument = |variable| if variable == Variable::Column(0) { x } else { y };
+            let slope = |variable| table.slope_scale(0, argument, variable);
+            [
+                slope(Variable::Column(0)),
+                slope(Variable::Column(1)),
+                slope(Variable::Temperature),
+                table.value_scale(0, argument),
+            ]
+        };
+        assert_eq!(scales(2.0, 1.5), [3.0, 8.5, 0.0, 7.0]);
+        // Where two slopes meet, the larger.
+        assert_eq!(scales(3.0, 1.5), [4.5, 10.25, 0.0, 7.5]);
+        // Beyond the rows it is constant.
+        assert_eq!(scales(9.0, 1.5), [0.0, 7.5, 0.0, 7.5]);
+        assert_eq!(scales(2.0, 5.0), [1.0, 0.0, 0.0, 7.0]);
+        assert_eq!(scales(2.0, -1.0), [2.0, 0.0, 0.0, 3.0]);
+        let single =
+            self::table(&[(&[1.0, 1.0, 2.0], None), (&[4.0, 3.0, 2.0], None)], 2, Extrapolation::Constant);
+        let argument = |_| 2.0;
+        let slope = |column| single.slope_scale(0, argument, Variable::Column(column));
+        assert_eq!([slope(0), slope(1), single.value_scale(0, argument)], [1.5, 0.0, 4.0]);
+    }
+
+    /// Tables go to files and come back; what makes none is refused.
+    #[test]
+    fn tables_are_read_back_or_refused() {
+        let table = crossing(Extrapolation::Linear);
+        let written = serde_json::to_value(&table).unwrap();
+        let read = |value: &serde_json::Value| {
+            serde_json::from_value::<Table>(value.clone()).map_err(|error| error.to_string())
+        };
+        assert_eq!(read(&written).unwrap(), table);
+        assert_eq!(table.outputs(), 1);
+        // Whether a variable varies is found anew.
+        let mut flags = written.clone();
+        flags["variables"][0][1] = false.into();
+        assert_eq!(read(&flags).unwrap(), table);
+        let single = self::table(&[(&[1.0, 2.0], None)], 1, Extrapolation::Constant);
+        let mut flags = serde_json::to_value(&single).unwrap();
+        flags["variables"][0][1] = true.into();
+        assert_eq!(read(&flags).unwrap(), single);
+        let spoiled = |path: &str, value: serde_json::Value| {
+            let mut spoiled = written.clone();
+            *spoiled.pointer_mut(path).unwrap() = value;
+            read(&spoiled).unwrap_err()
+        };
+        let inner = "/root/Along/blocks/1/Along";
+        let json = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
+        for (path, value, why) in [
+            ("/root/Along/at", "[1.0, 1.0]", "do not increase"),
+            ("/root/Along/at", "[3.0, 1.0]", "do not increase"),
+            ("/root/Along/at", "[1.0]", "a table has 1 values of a variable for 2 rows"),
+            ("/root/Along/blocks", "[]", "a table has 2 values of a variable for 0 rows"),
+            (
+                "/root",
+                r#"{"Along": {"at": [], "blocks": []}}"#,
+                "a table has 0 values of a variable for 0 rows",
+            ),
+            (&format!("{inner}/blocks/0"), r#"{"Values": []}"#, "no dependent value"),
+            (
+                &format!("{inner}/blocks/2"),
+                r#"{"Values": [1.0, 2.0]}"#,
+                "different numbers of dependent values",
+            ),
+            (&format!("{inner}/blocks/2"), r#"{"Along": {"at": [1.0], "blocks": [{"Values": [1.0]}]}}"#, ""),
+            ("/root", r#"{"Values": [1.0]}"#, ""),
+        ] {
+            let error = spoiled(path, json(value));
+            assert!(error.contains(why), "{path} {value}: {error}");
+        }
+        assert_eq!(Block::Values(vec![1.0, 2.0, 3.0]).outputs(0), Ok(3));
+        for x in [f64::NAN, f64::INFINITY] {
+            assert!(Block::Values(vec![1.0, x]).outputs(0).is_err());
+            let one = || Block::Values(vec![1.0]);
+            assert!(Block::Along { at: vec![x], blocks: vec![one()] }.outputs(1).is_err());
+            assert!(Block::Along { at: vec![1.0, x], blocks: vec![one(), one()] }.outputs(1).is_err());
+        }
+    }
 }

@@ -101,3 +101,32 @@ fn angles_of_wrap_change_with_every_node() {
     }
     assert_eq!(Wrap::measured([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]), (0.0, Wrap::Kink));
 }
+
+/// Terms of derived components go to files and come back, up to as many components as there is room for; factors must be as many.
+#[test]
+fn terms_are_read_back_or_refused() {
+    let table = |outputs: usize| {
+        let values = (0..outputs).map(|n| Some(n as f64)).collect();
+        let row = crate::scene::Row { values, ..Default::default() };
+        Table::new(&[row], outputs, &[], Extrapolation::Constant).unwrap()
+    };
+    let read = |count: usize, factors: Option<usize>| {
+        let part = DerivedPart {
+            operator: Operator::Sum,
+            sign: -1.0,
+            components: (0..count).map(|k| k % 6).collect(),
+            scale: factors.map(table),
+            independent: None,
+        };
+        let read = serde_json::from_value::<DerivedPart>(serde_json::to_value(&part).unwrap());
+        assert!(read.as_ref().map_or(true, |found| *found == part));
+        read.map_err(|error| error.to_string()).err()
+    };
+    let most = super::MOST_CONTRIBUTIONS;
+    assert_eq!([read(1, None), read(most, None), read(most - 1, None)], [const { None }; 3]);
+    assert!(read(most + 1, None).unwrap().contains("takes at most"));
+    assert!(read(most + 2, None).is_some());
+    assert_eq!([read(3, Some(3)), read(3, Some(4)), read(1, Some(1))], [const { None }; 3]);
+    assert!(read(3, Some(2)).unwrap().contains("of 3 components has 2 scale factors"));
+    assert!(read(4, Some(1)).is_some());
+}

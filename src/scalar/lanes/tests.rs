@@ -38,6 +38,7 @@ fused_and_not!(
     errors_of_angles_and_sines,
     derivatives_of_angles_and_norms,
     rotations_are_those_of_doubles,
+    logs_continue_as_those_of_doubles,
     the_sign_of_a_zero_chooses_no_axis
 );
 
@@ -407,6 +408,72 @@ fn rotations_are_those_of_doubles<const FUSED: bool>() {
                         let scale = size * size * size;
                         assert!(
                             near(x, y, 4.0 * scale),
+                            "∂²{c}/∂{j}∂{k} of {:?}: {x:e}, one: {y:e}",
+                            at(lane)
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Logs that continue a reference on other sheets, up to two turns from it, with first and second derivatives: each lane on its own.
+fn logs_continue_as_those_of_doubles<const FUSED: bool>() {
+    let axes: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.0, -0.8], [-0.36, 0.48, 0.8]];
+    let mut points: Vec<(Matrix<f64>, [f64; 3])> = Vec::new();
+    for axis in axes {
+        for angle in [0.05, 0.3, 1.2, 1.6, 2.2, 3.0, 3.13] {
+            for turns in [-2.0, -1.0, 0.0, 1.0, 2.0] {
+                let whole = angle + turns * std::f64::consts::TAU;
+                // The reference lags behind, and points a little elsewhere.
+                let reference = [0, 1, 2].map(|i| axis[i] * (whole - 0.2) + [0.01, -0.02, 0.015][i]);
+                points.push((so3::matrix(so3::exp(axis.map(|e| e * angle))), reference));
+            }
+        }
+    }
+    /// The log of exp(σ^) R that continues a reference.
+    fn continued<S: Scalar>(
+        spin: [S; 3],
+        reference: [S::Real; 3],
+        real: impl Fn(usize, usize) -> S,
+    ) -> [S; 3] {
+        let [x, y, z] = spin;
+        let zero = S::zero();
+        let skew = [[zero, -z, y], [z, zero, -x], [-y, x, zero]];
+        let r = [0, 1, 2].map(|i| [0, 1, 2].map(|j| real(i, j)));
+        let (first, second) =
+            (vector::product(&skew, &r), vector::product(&skew, &vector::product(&skew, &r)));
+        let half = S::Real::ratio(1, 2);
+        let turned = [0, 1, 2].map(|i| [0, 1, 2].map(|j| r[i][j] + first[i][j] + second[i][j].scale(half)));
+        so3::continuous_log_along(&turned, Some(spin), reference).phi
+    }
+    for shift in 0..points.len() {
+        let at = |lane: usize| &points[(shift + 13 * lane) % points.len()];
+        let four = |of: &dyn Fn(usize) -> f64| Lanes::<FUSED>([0, 1, 2, 3].map(of));
+        let found = continued(
+            [0, 1, 2].map(|k| Second::<FUSED, 3>::seed(Lanes::<FUSED>::integer(0), k)),
+            [0, 1, 2].map(|i| four(&|lane| at(lane).1[i])),
+            |i, j| Second::<FUSED, 3>::from_real(four(&|lane| at(lane).0[i][j])),
+        );
+        for lane in 0..LANES {
+            let (r, reference) = at(lane);
+            let spin = [0, 1, 2].map(|k| One::<3>::seed(0.0, k));
+            let expected = continued(spin, *reference, |i, j| One::<3>::from_real(r[i][j]));
+            // Beyond half a turn derivatives grow towards whole turns.
+            let sine = ((3.0 - r[0][0] - r[1][1] - r[2][2]) / 4.0).sqrt();
+            for c in 0..3 {
+                let near = |x: f64, y: f64, scale: f64| (x - y).abs() <= 4e-15 * (scale + y.abs());
+                let (x, y) = (found[c].real().0[lane], expected[c].real());
+                assert!(near(x, y, norm(*reference)), "{c} of {:?}: {x:e}, one: {y:e}", at(lane));
+                for j in 0..3 {
+                    let (x, y) = (found[c].gradient()[j].0[lane], expected[c].gradient()[j]);
+                    let scale = norm(*reference) / sine;
+                    assert!(near(x, y, scale), "∂{c}/∂{j} of {:?}: {x:e}, one: {y:e}", at(lane));
+                    for k in 0..3 {
+                        let (x, y) = (found[c].hessian()[j][k].0[lane], expected[c].hessian()[j][k]);
+                        assert!(
+                            near(x, y, 4.0 * scale / sine),
                             "∂²{c}/∂{j}∂{k} of {:?}: {x:e}, one: {y:e}",
                             at(lane)
                         );
