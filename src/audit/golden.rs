@@ -255,11 +255,15 @@ impl Golden {
         let nearness = narrow.nearness_of_components();
         let is_smooth = nearness.map(|near| near > 0.0);
         let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
-        // The bound rests on what JAX says, as far as it does.
+        // The bound does not rest on the numbers that are judged: on what JAX says, else on dual numbers by the nodes, as far as either goes.
         let mut trusted = numbers.clone();
+        let nested = narrow.nested_dual();
         for quantity in Quantity::ALL {
-            let Some(answer) = given.answer(quantity) else { continue };
-            let of = |k: usize, i: usize, x: f64| answer.numbers.get(k, i).map_or(x, Wanted::to_f64);
+            let answer = given.answer(quantity);
+            let of = |k: usize, i: usize, x: f64| {
+                let of_jax = answer.as_ref().and_then(|answer| answer.numbers.get(k, i));
+                of_jax.map(Wanted::to_f64).or_else(|| nested.entries(quantity).get(k, i)).unwrap_or(x)
+            };
             trusted.set(quantity, numbers.entries(quantity).map(of));
         }
         let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, &nearness);
