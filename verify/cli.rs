@@ -627,6 +627,23 @@ fn usage_errors() {
     }
 }
 
+/// The commit that was built, where the sources are in a repository.
+#[test]
+fn the_version_names_the_commit() {
+    let short = stdout(&pintle(&["-V"]).assert().success());
+    assert_eq!(short, format!("pintle {}\n", pintle::VERSION));
+    let long = stdout(&pintle(&["--version"]).assert().success());
+    assert!(long.starts_with(&format!("pintle {}\ncommit: ", pintle::VERSION)), "{long}");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let head = std::process::Command::new("git").args(["rev-parse", "HEAD"]).current_dir(folder).output();
+    let head = head.ok().filter(|output| output.status.success() && folder.join(".git").exists());
+    let Some(head) = head.map(|output| String::from_utf8(output.stdout).unwrap()) else {
+        assert!(long.contains("commit: not known") && pintle::COMMIT.is_none(), "{long}");
+        return;
+    };
+    assert!(long.contains(&format!("\ncommit: {}", &head[..12])), "{long}{head}");
+}
+
 #[test]
 fn bad_input_is_shown_where_it_is() {
     let deck = example("hinge_pendulum").deck;

@@ -788,6 +788,7 @@ fn environment(report: &Report, supplement: &Supplement<'_>) -> Vec<(&'static st
         lines.push(("command", supplement.command.clone()));
     }
     let here = Environment::here();
+    lines.extend(here.commit.map(|commit| ("commit", commit.into_owned())));
     lines.extend([
         ("date", here.date),
         ("compiler", format!("{} for {}", here.rustc, here.target)),
