@@ -21,7 +21,8 @@ fn main() {
 
 /// What git says in this folder, where there is a git and it has something to say.
 fn git(arguments: &[&str]) -> Option<String> {
-    let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+    let output =
+        Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
     Some(String::from_utf8_lossy(&output.stdout).trim().to_string())
 }
 
@@ -46,7 +47,11 @@ fn commit() -> Option<String> {
     let sources = ["src", "decks", "build.rs", "Cargo.toml", "Cargo.lock"];
     sources.iter().for_each(|path| println!("cargo:rerun-if-changed={path}"));
     let changed = git(&[&["status", "--porcelain", "--untracked-files=no", "--"], &sources[..]].concat());
-    Some(if changed.is_none_or(|changed| !changed.is_empty()) { format!("{commit}, with changes") } else { commit })
+    Some(if changed.is_none_or(|changed| !changed.is_empty()) {
+        format!("{commit}, with changes")
+    } else {
+        commit
+    })
 }
 
 /// The name of a package with the version that the lock file holds, if there is one.

@@ -136,9 +136,9 @@ impl Recorded {
             attempt(changed, &mut best);
         }
         let is_double = |value: &Value| value.is_f64();
-        // What sizes are measured by is no part of the state.
-        let is_size = |path: &String| path.ends_with("/length");
-        for path in paths(&best, &is_double).into_iter().filter(|path| !is_size(path)) {
+        // What sizes are measured by is no part of the state, and an axis stays of unit length.
+        let is_kept = |path: &String| path.ends_with("/length") || path.starts_with("/constraint/axes/");
+        for path in paths(&best, &is_double).into_iter().filter(|path| !is_kept(path)) {
             // Part of a rotation is no number by itself.
             let matrix = path.rsplitn(3, '/').nth(2).unwrap_or_default();
             if best.pointer(matrix).is_some_and(is_rotation) {

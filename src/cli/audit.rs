@@ -235,8 +235,10 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     report.models = loaded.iter().map(of_model).collect();
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
-        let scenes: Vec<&Scene> = sound.iter().map(|loaded| &loaded.scene).collect();
-        let supplement = page::supplement(&report, is_catalogue, &targets, &scenes, arguments.model_only);
+        let scenes =
+            loaded.iter().map(|Loaded { name, scene, model, .. }| report::Audited { name, scene, model });
+        let scenes = scenes.collect();
+        let supplement = page::supplement(&report, is_catalogue, &targets, scenes, arguments.model_only);
         page::write(arguments, &report, &supplement)?;
     }
     if !is_page {
