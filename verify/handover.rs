@@ -425,7 +425,7 @@ fn a_constraint_is_a_script() {
     for (n, (case, recorded)) in constraints().iter().enumerate() {
         let all = largest(case, recorded);
         // Each kind of number, and two of each kind of constraint.
-        for (of, tolerance) in [n % all.len(), (n + 2) % all.len()].map(|place| all[place].clone()) {
+        for (of, tolerance) in [n % all.len(), (n + 2) % all.len()].map(|at| all[at].clone()) {
             let right = Recorded { tolerance: Hex(tolerance), ..of.clone() };
             let (passes, said) = run_script(&python, &format!("constraint_{n}"), &right.jax().unwrap());
             assert!(passes && said.contains("JAX confirms"), "{}: {said}", case.name);

@@ -29,7 +29,7 @@ pub(super) fn supplement<'a>(
     } else if !model_only {
         illustrations.extend(targets.iter().flat_map(|target| illustrate_scene(target, found, SHOWN)));
     }
-    let approaches = if is_catalogue || model_only { Vec::new() } else { approached(targets) };
+    let approaches = if is_catalogue { Vec::new() } else { approached(targets) };
     Supplement { scenes, illustrations, approaches, command: command_line() }
 }
 

@@ -100,6 +100,10 @@ impl Recorded {
     pub fn deck(&self) -> Result<Deck, ExportError> {
         match self.failing()? {
             Failing::Mpc(case) => constraint::deck(self, &case),
+            Failing::Slopes(_) => {
+                Err(self
+                    .has_no("deck: states of nodes do not tell displacements from references by themselves"))
+            }
             _ => {
                 Err(self.has_no("deck: states of nodes do not tell the forces and slips that it starts from"))
             }

@@ -266,12 +266,24 @@ pub(super) fn rendered(template: &impl Template) -> String {
     template.render().unwrap_or_default()
 }
 
+/// A connector and its state; a state of a scene names its connector by itself.
+pub(super) fn title(shown: &Illustration) -> String {
+    let Illustration { subject, state, .. } = shown;
+    let (scene, name) =
+        subject.rsplit_once(": ").map_or(("", subject.as_str()), |(scene, name)| (scene, name));
+    if !scene.is_empty() && state.starts_with(name) {
+        format!("{scene}: {state}")
+    } else {
+        format!("{subject}, {state}")
+    }
+}
+
 /// Errors of ∂f·v against the step.
 pub(super) fn steps(shown: &Illustration, place: Place) -> String {
     let plot = LogPlot {
         title: &match place {
             Place::Page => format!("{}: error of ∂f·v against the step", shown.subject),
-            Place::File => format!("{}, {}: error of ∂f·v against the step", shown.subject, shown.state),
+            Place::File => format!("{}: error of ∂f·v against the step", title(shown)),
         },
         heading: Vec::new(),
         x_name: "step h",
@@ -468,12 +480,18 @@ pub(super) fn strip(title: &str, all: &[(String, [f64; 2])], place: Place) -> St
     let axis = Axis::new(all.iter().flat_map(|(_, pair)| *pair), height - 12.0, 12.0);
     let gap = (right - left) / all.len().max(1) as f64;
     let is_named = place == Place::File && all.len() <= NAMED;
+    // One scene is named once, in the title.
+    let scene = |name: &str| name.rsplit_once(": ").map(|(scene, _)| scene.to_string()).unwrap_or_default();
+    let of = all.first().map(|(name, _)| scene(name)).unwrap_or_default();
+    let is_one = place == Place::File && !of.is_empty() && all.iter().all(|(name, _)| scene(name) == of);
+    let title = &if is_one { format!("{of}: {title}") } else { title.to_string() };
+    let short = |name: &str| if is_one { name[of.len() + 2..].to_string() } else { name.to_string() };
     let dots = all.iter().enumerate().map(|(i, (name, [dot, ring]))| StripDot {
         x: rounded(left + (i as f64 + 0.5) * gap),
         low: axis.at(*dot),
         high: axis.at(*ring),
         title: format!("{name}: {dot:.0e} at the median state, {ring:.0e} at the worst"),
-        name: is_named.then(|| name.clone()),
+        name: is_named.then(|| short(name)),
     });
     let dots: Vec<StripDot> = dots.collect();
     let longest =
@@ -565,7 +583,7 @@ pub(super) fn coverage(title: &str, maps: &[Map]) -> String {
     let shares =
         [("m0", "none"), ("m1", "< 1 % of the samples"), ("m2", "< 10 %"), ("m3", "< 50 %"), ("m4", "more")];
     let keys = shares.into_iter().enumerate();
-    let keys = keys.map(|(i, (class, name))| Key { x: left + i as f64 * 150.0, y, class, name });
+    let keys = keys.map(|(i, (class, name))| Key { x: left + i as f64 * 180.0, y, class, name });
     rendered(&CoverageTemplate {
         title,
         style: Place::File.style(),

@@ -50,7 +50,7 @@ pub fn figures(report: &Report, supplement: &Supplement<'_>) -> Vec<(String, Str
     let mut found = Vec::new();
     for shown in &supplement.illustrations {
         let name = file_name(&shown.subject);
-        let title = format!("{}, {}", shown.subject, shown.state);
+        let title = figure::title(shown);
         found.push((format!("jacobian-{name}.svg"), figure::heat(&title, &shown.comparison, Place::File)));
         if !shown.steps.remainder.is_empty() {
             found.push((format!("steps-{name}.svg"), figure::steps(shown, Place::File)));
