@@ -602,6 +602,13 @@ fn usage_errors() {
         (&["eval", "gallery:slider_crank", "--show", "x"], 2, "is no state"),
         (&["eval", "gallery:slider_crank", "--order", "3"], 2, "3"),
         (&["eval", "--states", "states.csv"], 2, "<SCENE>"),
+        (
+            &["explain", "model::near-singlar"],
+            2,
+            "there is no code \"model::near-singlar\"; did you mean model::near-singular?",
+        ),
+        (&["explain", "model::x"], 2, "there is no code"),
+        (&["audit", "--deny", "foo"], 2, "groups are scene, deck"),
         (&["eval", "--frobnicate"], 2, "--frobnicate"),
         (&["frobnicate"], 2, "frobnicate"),
         (&[], 2, "Usage"),

@@ -9,8 +9,8 @@ use crate::tolerance::HANDOVER;
 use pintle::audit::oracle::Narrow;
 use pintle::audit::sample::{Draw, Region, draw_case, extent};
 use pintle::audit::{
-    Against, Bound, Case, CounterExample, Hex, Invariant, MpcCase, Oracle, Quantity, Recorded, invariant,
-    product,
+    Against, Bound, Case, CounterExample, Example, Hex, Invariant, MpcCase, Oracle, Quantity, Recorded,
+    invariant, product,
 };
 use pintle::catalog::{COMPONENT, TABLE};
 use pintle::node::{DOF, DOFS};
@@ -513,6 +513,83 @@ fn a_deck_of_a_constraint_gives_the_same_numbers() {
             case.name
         );
     }
+}
+
+/// Of springs and of a friction under given forces, the scene is handed over, with the states up to the one in question: it gives the same numbers
+/// there as the scene itself.
+#[test]
+fn a_deck_of_a_friction_is_its_scene() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 1., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*ELEMENT, TYPE=CONN3D2, ELSET=D\n8, 2, 3\n\
+        *CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nSLOT\nO,\n*CONNECTOR SECTION, ELSET=D\nAXIAL\n\
+        *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=1, NONLINEAR\n-9., -3.\n0., 0.\n1., 0.01\n8., 3.\n\
+        *CONNECTOR FRICTION, PREDEFINED, STICK STIFFNESS=400.\n0.\n*FRICTION\n0.3\n";
+    let states = r#"{"schema": "pintle-states/1", "states": [
+        {"time": 0, "nodes": {}, "forces": {"7": {"f1": 0, "f2": 3, "f3": 4}}},
+        {"time": 1, "nodes": {"2": {"displacement": [0.02, 0, 0]}}, "forces": {"7": {"f1": 1, "f2": 3, "f3": 4}}},
+        {"time": 2, "nodes": {"2": {"displacement": [0.05, 0, 0]}}, "forces": {"7": {"f1": 1, "f2": 3, "f3": 2}}}]}"#;
+    let (scene, states) = (crate::cli::file("scene_of.inp", deck), crate::cli::file("scene_of.json", states));
+    let numbers = |deck: &str, states: &str, state: &str| {
+        let outputs = "CU,CEF,CSF,CNF,TANGENT";
+        let arguments = [
+            "eval",
+            deck,
+            "--states",
+            states,
+            "--show",
+            state,
+            "--outputs",
+            outputs,
+            "--connector",
+            "7",
+            "--format",
+            "json",
+        ];
+        let output = pintle(&arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let all = document["scenes"][0]["states"].as_array().unwrap();
+        all.iter().find(|found| found["index"].to_string() == state).unwrap()["connectors"].clone()
+    };
+    let mut kinds = std::collections::BTreeSet::new();
+    for plant in ["wrong-friction", "wrong-entry"] {
+        let found = folder().join(plant);
+        fs::remove_dir_all(&found).ok();
+        let arguments = [
+            "audit",
+            &scene,
+            "--at",
+            &states,
+            "--plant",
+            plant,
+            "--wide-states",
+            "4",
+            "--counter-examples",
+            found.to_str().unwrap(),
+        ];
+        assert_eq!(pintle(&arguments).output().unwrap().status.code(), Some(1));
+        for file in fs::read_dir(&found).unwrap().map(|entry| entry.unwrap().path()) {
+            let Example::Other(recorded) = Example::read(&fs::read_to_string(&file).unwrap()).unwrap() else {
+                continue;
+            };
+            let Some(found_in) = &recorded.found_in else { panic!("{}", file.display()) };
+            let deck = folder().join("found_in.inp");
+            let arguments =
+                ["replay", file.to_str().unwrap(), "--export", "inp", "-o", deck.to_str().unwrap()];
+            assert!(pintle(&arguments).output().unwrap().status.success());
+            let state = found_in.state.to_string();
+            let exported = numbers(
+                deck.to_str().unwrap(),
+                folder().join("found_in.states.json").to_str().unwrap(),
+                &state,
+            );
+            assert_eq!(exported, numbers(&scene, &states, &state), "{}", file.display());
+            assert!(exported[0].to_string().contains("TANGENT"), "{exported}");
+            kinds.insert(recorded.kind.name());
+            assert!(fs::read_to_string(&deck).unwrap().contains(&format!("--show {state} ")));
+        }
+    }
+    assert_eq!(kinds.into_iter().collect::<Vec<_>>(), ["friction", "slope of a behaviour"]);
 }
 
 /// What has no such form says which it has.

@@ -492,6 +492,11 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
         }
         return Ok(out.flush()?);
     }
+    if arguments.name.contains("::") {
+        let near = Code::nearest(&arguments.name);
+        let meant = near.map_or_else(String::new, |near| format!("; did you mean {}?", near.as_str()));
+        return Err(Failure::Usage(format!("there is no code {:?}{meant}", arguments.name)));
+    }
     let second = arguments.second.as_deref().unwrap_or_default();
     let words = format!("{} {second}", arguments.name).to_ascii_uppercase();
     match words.split_whitespace().collect::<Vec<_>>()[..] {

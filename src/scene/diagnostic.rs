@@ -320,6 +320,30 @@ impl Code {
         }
     }
 
+    /// The code that a misspelt name was meant to be, if one is near enough.
+    ///
+    /// ```
+    /// use pintle::scene::Code;
+    /// assert_eq!(Code::nearest("model::near-singlar").map(Code::as_str), Some("model::near-singular"));
+    /// assert_eq!(Code::nearest("HINGE"), None);
+    /// ```
+    #[must_use]
+    pub fn nearest(name: &str) -> Option<Self> {
+        let near = nearest(name, Self::ALL.iter().map(|code| code.as_str()))?;
+        Self::ALL.iter().copied().find(|code| code.as_str() == near)
+    }
+
+    /// The groups of codes, each once, in the order in which they are listed.
+    pub(crate) fn groups() -> Vec<&'static str> {
+        let mut found: Vec<&str> = Vec::new();
+        Self::ALL.iter().map(|code| code.group()).for_each(|group| {
+            if !found.contains(&group) {
+                found.push(group);
+            }
+        });
+        found
+    }
+
     /// What stands before `::`.
     #[must_use]
     pub fn group(self) -> &'static str {

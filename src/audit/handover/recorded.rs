@@ -4,7 +4,7 @@ use super::deck::Deck;
 use super::rust::literal;
 use super::{ExportError, comment, constraint};
 use crate::audit::failing::{Example, Failing};
-use crate::audit::recorded::Recorded;
+use crate::audit::recorded::{FoundIn, Recorded};
 
 impl Recorded {
     /// What it is of, in words.
@@ -93,20 +93,26 @@ impl Recorded {
         }
     }
 
-    /// A deck, and the states that lead to the one in question.
+    /// A deck, and the states that lead to the one in question: of a constraint, with its shrunk values; of a friction, a belt, springs
+    /// and dampers, the scene that it was found in, as it was audited.
     ///
     /// # Errors
-    /// What cannot be replayed; what is no constraint.
+    /// What cannot be replayed; what was found at drawn states or under drawn forces, of which no scene is known.
     pub fn deck(&self) -> Result<Deck, ExportError> {
-        match self.failing()? {
-            Failing::Mpc(case) => constraint::deck(self, &case),
-            Failing::Slopes(_) => {
-                Err(self
-                    .has_no("deck: states of nodes do not tell displacements from references by themselves"))
+        let failing = self.failing()?;
+        match (failing, &self.found_in) {
+            (Failing::Mpc(case), _) => constraint::deck(self, &case),
+            (_, Some(FoundIn { state, deck, states })) => {
+                let about = super::about(&self.heading(), self);
+                let text = format!(
+                    "** {about}\n** {}\n** The scene as it was audited; the numbers above are of the counter-example, which was shrunk from its state \
+                     {state}.\n** Evaluate it there: pintle eval THIS --states THOSE --show {state} --outputs CU,CEF,CVF,CSF,TANGENT\n{deck}",
+                    self.numbers()
+                );
+                Ok(Deck { text, states: states.clone() + "\n", differences: Vec::new() })
             }
-            _ => {
-                Err(self.has_no("deck: states of nodes do not tell the forces and slips that it starts from"))
-            }
+            _ => Err(self
+                .has_no("deck: it was found at a drawn state or under drawn forces, which no scene gives")),
         }
     }
 
