@@ -320,6 +320,12 @@ impl Code {
         }
     }
 
+    /// What stands before `::`.
+    #[must_use]
+    pub fn group(self) -> &'static str {
+        self.as_str().split_once("::").map_or("", |(group, _)| group)
+    }
+
     /// The code that a misspelt name was meant to be, if one is near enough.
     ///
     /// ```
@@ -342,12 +348,6 @@ impl Code {
             }
         });
         found
-    }
-
-    /// What stands before `::`.
-    #[must_use]
-    pub fn group(self) -> &'static str {
-        self.as_str().split_once("::").map_or("", |(group, _)| group)
     }
 }
 

@@ -56,6 +56,10 @@ struct Tick {
 struct Level<'a> {
     at: f64,
     name: &'a str,
+    /// Where the name stands, and how it is anchored there.
+    x: f64,
+    y: f64,
+    anchor: &'static str,
 }
 
 struct Dot {
@@ -199,6 +203,9 @@ impl LogPlot<'_> {
             let radius = if curve.is_main { 4.0 } else { 2.4 };
             Drawn { colour: curve.colour, radius, line: line.trim_end().to_string(), dots }
         });
+        let curves: Vec<Drawn> = curves.collect();
+        let dots: Vec<[f64; 2]> =
+            curves.iter().flat_map(|curve| &curve.dots).map(|dot| [dot.x, dot.y]).collect();
         let titles = if self.heading.is_empty() && place == Place::Page {
             Vec::new()
         } else {
@@ -232,12 +239,48 @@ impl LogPlot<'_> {
             y_name: self.y_name,
             x_ticks: x.ticks(8),
             y_ticks: y.ticks(7),
-            levels: self.levels.iter().map(|(value, name)| Level { at: y.at(*value), name }).collect(),
-            curves: curves.collect(),
+            levels: self
+                .levels
+                .iter()
+                .map(|(value, name)| level((y.at(*value), name), [left, right, top], &dots))
+                .collect(),
+            curves,
             names,
         };
         rendered(&page)
     }
+}
+
+/// A level with its name where it covers the fewest dots: at the right or left, above or below its line, and not in the name of the axis.
+fn level<'a>((at, name): (f64, &'a str), [left, right, top]: [f64; 3], dots: &[[f64; 2]]) -> Level<'a> {
+    const LETTER: f64 = 6.4;
+    const HEIGHT: f64 = 12.0;
+    let width = name.chars().count() as f64 * LETTER;
+    let places = [
+        (right - 2.0, "end", -4.0),
+        (left + 4.0, "start", -4.0),
+        (right - 2.0, "end", 13.0),
+        (left + 4.0, "start", 13.0),
+    ];
+    let covered = |(x, anchor, below): &(f64, &str, f64)| {
+        let from = if *anchor == "end" { x - width } else { *x };
+        let base = at + below;
+        let is_in = |dot: &&[f64; 2]| {
+            (from - 4.0..=from + width + 4.0).contains(&dot[0])
+                && (base - HEIGHT..=base + 4.0).contains(&dot[1])
+        };
+        let in_name = *anchor == "start" && base - HEIGHT < top;
+        dots.iter().filter(is_in).count() + if in_name { dots.len() + 1 } else { 0 }
+    };
+    // The first of equals.
+    let mut best = places[0];
+    for place in places {
+        if covered(&place) < covered(&best) {
+            best = place;
+        }
+    }
+    let (x, anchor, below) = best;
+    Level { at, name, x, y: rounded(at + below), anchor }
 }
 
 /// A title in lines that fit into a width: broken at spaces, or where a word is longer than a line.
