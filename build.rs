@@ -1,5 +1,6 @@
 //! What the program was built by, for and from, which `pintle bench` and the page of `pintle audit` record beside their numbers.
 
+use std::path::Path;
 use std::process::Command;
 
 fn main() {
@@ -13,6 +14,44 @@ fn main() {
     println!("cargo:rerun-if-changed=Cargo.lock");
     let lock = std::fs::read_to_string("Cargo.lock").unwrap_or_default();
     println!("cargo:rustc-env=PINTLE_NUMBERS={}, {}", locked(&lock, "f256"), locked(&lock, "num-dual"));
+    if let Some(commit) = commit() {
+        println!("cargo:rustc-env=PINTLE_COMMIT={commit}");
+    }
+}
+
+/// What git says in this folder, where there is a git and it has something to say.
+fn git(arguments: &[&str]) -> Option<String> {
+    let output =
+        Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+    Some(String::from_utf8_lossy(&output.stdout).trim().to_string())
+}
+
+/// The commit that is built, with a mark where tracked files are others than it has; none where the sources are not a repository of
+/// their own, as those of a registry.
+fn commit() -> Option<String> {
+    if !Path::new(".git").exists() {
+        return None;
+    }
+    let commit = git(&["rev-parse", "--short=12", "HEAD"])?;
+    let place = |name: &str| git(&["rev-parse", "--git-path", name]).filter(|path| Path::new(path).exists());
+    // What does not exist would be watched in vain, and the crate built again each time.
+    let branch = git(&["symbolic-ref", "--quiet", "HEAD"]);
+    let branch = branch.map(|branch| place(&branch).or_else(|| place("packed-refs")));
+    for path in [place("HEAD"), branch.flatten()].into_iter().flatten() {
+        println!("cargo:rerun-if-changed={path}");
+    }
+    // Whether there are changes is asked again with each of them, which builds all again where a part would do: not while developing.
+    if std::env::var("PROFILE").is_ok_and(|profile| profile == "debug") {
+        return Some(format!("{commit}, perhaps with changes"));
+    }
+    let sources = ["src", "decks", "build.rs", "Cargo.toml", "Cargo.lock"];
+    sources.iter().for_each(|path| println!("cargo:rerun-if-changed={path}"));
+    let changed = git(&[&["status", "--porcelain", "--untracked-files=no", "--"], &sources[..]].concat());
+    Some(if changed.is_none_or(|changed| !changed.is_empty()) {
+        format!("{commit}, with changes")
+    } else {
+        commit
+    })
 }
 
 /// The name of a package with the version that the lock file holds, if there is one.

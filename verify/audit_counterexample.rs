@@ -5,8 +5,8 @@ use crate::behavior::belts::{STIFFNESS, deck as belt, state as pulled};
 use crate::cli::{pintle, stderr, stdout};
 use crate::laws::mpc;
 use pintle::audit::{
-    Check, Example, Failing, Kind, MpcCase, Oracle, Planted, Report, Settings, Target, audit_scenes,
-    friction_cases,
+    Check, Example, Failing, Kind, MpcCase, Oracle, Planted, Recorded, Report, Settings, Target,
+    audit_scenes, friction_cases,
 };
 use pintle::catalog::TABLE;
 use pintle::connector::{Request, Turns};
@@ -18,6 +18,42 @@ use std::collections::BTreeSet;
 use std::fs;
 
 const START: [Turns<f64>; 2] = [Turns { turns: 0.0, principal: 0.0 }; 2];
+
+/// The counter-example of a constraint at a state, of its first derivative that a planted fault spoils.
+pub(crate) fn of_constraint(drawn: &mpc::Case) -> (MpcCase, Recorded) {
+    let case = MpcCase {
+        constraint: drawn.constraint(),
+        name: drawn.name.clone(),
+        state: drawn.state,
+        turning: Turning::none(),
+        before: START,
+        length: drawn.length,
+    };
+    let checks = case.audit(&planted(Planted::WrongEntry), false);
+    let wrong = checks.iter().find(|check| check.verdict.is_mismatch()).unwrap();
+    let Some(Example::Other(recorded)) = Example::of(wrong, "a test") else { panic!("{wrong:?}") };
+    (case, *recorded)
+}
+
+/// Counter-examples of a friction, a belt, and springs with tables.
+pub(crate) fn others() -> Vec<Recorded> {
+    let connection = TABLE.iter().find(|connection| connection.name == "SLOT").unwrap();
+    let settings = planted(Planted::WrongFriction);
+    let frictions: Vec<Check> =
+        friction_cases(connection, &settings, 1).iter().flat_map(|case| case.audit(&settings)).collect();
+    let belts = belts(&settings);
+    let (springs, _) = springs();
+    let first = |mut checks: Vec<&Check>| checks.swap_remove(0).clone();
+    let frictions = first(frictions.iter().filter(|check| check.verdict.is_mismatch()).collect());
+    let slopes = |check: &&&Check| matches!(check.failing.as_deref(), Some(Failing::Slopes(_)));
+    let springs = (**wrong(&springs).iter().find(slopes).unwrap()).clone();
+    let all = [frictions, first(wrong(&belts)), springs];
+    let recorded = |check: &Check| match Example::of(check, "a test") {
+        Some(Example::Other(recorded)) => *recorded,
+        other => panic!("{other:?}"),
+    };
+    all.iter().map(recorded).collect()
+}
 
 fn planted(planted: Planted) -> Settings {
     Settings { planted: Some(planted), oracles: [Oracle::WideDifferences].into(), ..Settings::default() }
@@ -104,14 +140,13 @@ fn wrong(report: &Report) -> Vec<&Check> {
     checks.filter(|check| check.verdict.is_mismatch()).collect()
 }
 
-#[test]
-fn belts_and_slopes_are_recorded() {
-    let settings = planted(Planted::WrongFriction);
+fn belts(settings: &Settings) -> Report {
     let states: Vec<State> =
         (0..3).map(|i| pulled(1.0 + f64::from(i), 0.03, [1e-6 * f64::from(i); 2])).collect();
-    let report = audited(&belt(&format!(", STICK STIFFNESS={STIFFNESS}"), "0.06, 1.57"), &states, &settings);
-    assert!(!wrong(&report).is_empty());
-    wrong(&report).into_iter().for_each(|check| fails_again(check, &settings, Kind::Belt));
+    audited(&belt(&format!(", STICK STIFFNESS={STIFFNESS}"), "0.06, 1.57"), &states, settings)
+}
+
+fn springs() -> (Report, Settings) {
     let deck = "*NODE\n1, 0., 0., 0.\n2, 2., 0.3, -0.4\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
         *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nCARTESIAN, CARDAN\nO, O\n\
         *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=1, NONLINEAR\n-900., -3.\n-100., -0.01\n0., 0.\n\
@@ -120,7 +155,16 @@ fn belts_and_slopes_are_recorded() {
     let scene =
         Scene::parse("springs.inp", deck).unwrap_or_else(|error| panic!("{}", error.render(100, false)));
     let settings = Settings { wide_states: 3, drawn_states: 3, ..planted(Planted::WrongEntry) };
-    let report = audited(&scene, &[], &settings);
+    (audited(&scene, &[], &settings), settings)
+}
+
+#[test]
+fn belts_and_slopes_are_recorded() {
+    let settings = planted(Planted::WrongFriction);
+    let report = belts(&settings);
+    assert!(!wrong(&report).is_empty());
+    wrong(&report).into_iter().for_each(|check| fails_again(check, &settings, Kind::Belt));
+    let (report, settings) = springs();
     let slopes = |check: &&&Check| matches!(check.failing.as_deref(), Some(Failing::Slopes(_)));
     let found = wrong(&report);
     let check = found.iter().find(slopes).unwrap();
@@ -153,10 +197,14 @@ fn constraints_are_shrunk_and_replayed() {
     );
     let passes = pintle(&["replay", name]).assert().code(0);
     assert!(stdout(&passes).trim_end().ends_with("no mismatch"), "{}", stdout(&passes));
-    for form in ["rust", "jax", "inp"] {
-        let refused = pintle(&["replay", name, "--export", form]).assert().code(6);
-        assert!(stderr(&refused).contains("this is one of a multi-point constraint"), "{}", stderr(&refused));
+    let deck = folder.join("pin.inp");
+    let deck = deck.to_str().unwrap();
+    for (form, says) in [("rust", "Kind::Pin"), ("jax", "KIND, PLACE = \"PIN\", ("), ("inp", "PIN, 1, 2")] {
+        pintle(&["replay", name, "--export", form, "-o", deck]).assert().code(0);
+        let text = fs::read_to_string(deck).unwrap();
+        assert!(text.contains(says), "{form}: {text}");
     }
+    pintle(&["eval", deck, "--states", &deck.replace(".inp", ".states.json")]).assert().code(0);
     for (from, to, says) in [
         (
             "\"mpc\"",

@@ -602,6 +602,13 @@ fn usage_errors() {
         (&["eval", "gallery:slider_crank", "--show", "x"], 2, "is no state"),
         (&["eval", "gallery:slider_crank", "--order", "3"], 2, "3"),
         (&["eval", "--states", "states.csv"], 2, "<SCENE>"),
+        (
+            &["explain", "model::near-singlar"],
+            2,
+            "there is no code \"model::near-singlar\"; did you mean model::near-singular?",
+        ),
+        (&["explain", "model::x"], 2, "there is no code"),
+        (&["audit", "--deny", "foo"], 2, "groups are scene, deck"),
         (&["eval", "--frobnicate"], 2, "--frobnicate"),
         (&["frobnicate"], 2, "frobnicate"),
         (&[], 2, "Usage"),
@@ -625,6 +632,23 @@ fn usage_errors() {
     for arguments in [&["--help"][..], &["--version"], &["eval", "--help"], &["help", "explain"]] {
         pintle(arguments).assert().success().stderr("");
     }
+}
+
+/// The commit that was built, where the sources are in a repository.
+#[test]
+fn the_version_names_the_commit() {
+    let short = stdout(&pintle(&["-V"]).assert().success());
+    assert_eq!(short, format!("pintle {}\n", pintle::VERSION));
+    let long = stdout(&pintle(&["--version"]).assert().success());
+    assert!(long.starts_with(&format!("pintle {}\ncommit: ", pintle::VERSION)), "{long}");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let head = std::process::Command::new("git").args(["rev-parse", "HEAD"]).current_dir(folder).output();
+    let head = head.ok().filter(|output| output.status.success() && folder.join(".git").exists());
+    let Some(head) = head.map(|output| String::from_utf8(output.stdout).unwrap()) else {
+        assert!(long.contains("commit: not known") && pintle::COMMIT.is_none(), "{long}");
+        return;
+    };
+    assert!(long.contains(&format!("\ncommit: {}", &head[..12])), "{long}{head}");
 }
 
 #[test]

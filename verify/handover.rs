@@ -2,12 +2,15 @@
 //! eval`.
 
 use crate::audit::{named, spoiled};
+use crate::audit_counterexample::{of_constraint, others};
 use crate::cli::pintle;
+use crate::laws::mpc;
 use crate::tolerance::HANDOVER;
 use pintle::audit::oracle::Narrow;
 use pintle::audit::sample::{Draw, Region, draw_case, extent};
 use pintle::audit::{
-    Against, Bound, Case, CounterExample, Hex, Invariant, Oracle, Quantity, invariant, product,
+    Against, Bound, Case, CounterExample, Example, Hex, Invariant, MpcCase, Oracle, Quantity, Recorded,
+    invariant, product,
 };
 use pintle::catalog::{COMPONENT, TABLE};
 use pintle::node::{DOF, DOFS};
@@ -358,6 +361,254 @@ fn a_deck_gives_the_same_numbers() {
     println!("{count} decks: {same} to the bit, {near} near");
     assert!(same >= 20 && near >= 20, "{same} {near}");
     assert!(refused.is_empty(), "{refused:#?}");
+}
+
+/// One case of each kind of constraint, its counter-example, and the numbers that are judged.
+fn constraints() -> Vec<(MpcCase, Recorded)> {
+    let mut kinds = std::collections::BTreeSet::new();
+    // Violated, so that nothing is zero by chance.
+    let drawn = mpc::cases().into_iter().filter(|drawn| drawn.name.ends_with('5'));
+    let found: Vec<(MpcCase, Recorded)> =
+        drawn.filter(|drawn| kinds.insert(drawn.kind)).map(|drawn| of_constraint(&drawn)).collect();
+    assert_eq!(found.len(), pintle::mpc::Kind::ALL.len());
+    found
+}
+
+/// The largest number of each kind, exactly as the constraint gives it; with the tolerance that it has.
+fn largest(case: &MpcCase, recorded: &Recorded) -> Vec<(Recorded, f64)> {
+    let mut found = Vec::new();
+    for sheet in case.sheets() {
+        let largest = sheet.entries.iter().max_by(|x, y| x.got.abs().total_cmp(&y.got.abs())).unwrap();
+        let of = Recorded {
+            quantity: Some(sheet.quantity),
+            entry: largest.name.clone(),
+            want: Hex(largest.got),
+            tolerance: Hex(0.0),
+            ..recorded.clone()
+        };
+        assert_eq!(of.number().unwrap().to_bits(), largest.got.to_bits(), "{} {}", of.subject, of.entry);
+        found.push((of, largest.tolerance()));
+    }
+    found
+}
+
+/// Tests of constraints, frictions, belts and tables give the same bits: with no tolerance they pass, and one digit away they fail.
+#[test]
+fn what_is_no_connector_is_a_rust_test() {
+    let constraints = constraints();
+    let all =
+        constraints.iter().flat_map(|(case, recorded)| largest(case, recorded)).map(|(recorded, _)| recorded);
+    let other = |recorded: Recorded| {
+        let want = Hex(recorded.number().unwrap());
+        Recorded { want, tolerance: Hex(0.0), ..recorded }
+    };
+    let all: Vec<Recorded> = all.chain(others().into_iter().map(other)).collect();
+    let (mut right, mut wrong) = (Vec::new(), Vec::new());
+    for recorded in all.into_iter().filter(|recorded| recorded.want.0 != 0.0) {
+        let module = format!("case_{}", right.len());
+        right.push((module.clone(), recorded.rust().unwrap()));
+        let off = Recorded { want: Hex(recorded.want.0.next_up()), ..recorded };
+        wrong.push((module, off.rust().unwrap()));
+    }
+    // Linear equations have no second derivatives.
+    assert!(right.len() >= 28, "{}", right.len());
+    let (failed, said) = run_tests("no_connectors", &right);
+    assert!(failed.is_empty(), "{said}");
+    let (failed, said) = run_tests("wrong_no_connectors", &wrong);
+    assert_eq!(failed.len(), wrong.len(), "{said}");
+}
+
+/// A script of a constraint confirms what is right, and does not confirm what is wrong.
+#[test]
+fn a_constraint_is_a_script() {
+    let Some(python) = python() else { return };
+    for (n, (case, recorded)) in constraints().iter().enumerate() {
+        let all = largest(case, recorded);
+        // Each kind of number, and two of each kind of constraint.
+        for (of, tolerance) in [n % all.len(), (n + 2) % all.len()].map(|at| all[at].clone()) {
+            let right = Recorded { tolerance: Hex(tolerance), ..of.clone() };
+            let (passes, said) = run_script(&python, &format!("constraint_{n}"), &right.jax().unwrap());
+            assert!(passes && said.contains("JAX confirms"), "{}: {said}", case.name);
+            let off = Recorded { want: Hex(of.want.0 + 100.0 * tolerance), ..right };
+            if n % 3 == 0 {
+                let (passes, said) =
+                    run_script(&python, &format!("wrong_constraint_{n}"), &off.jax().unwrap());
+                assert!(!passes && said.contains("JAX does not confirm"), "{}: {said}", case.name);
+            }
+        }
+    }
+}
+
+/// A deck of a constraint and its state give the numbers of the counter-example, within what it says.
+#[test]
+fn a_deck_of_a_constraint_gives_the_same_numbers() {
+    for (case, recorded) in constraints() {
+        let deck = recorded.deck().unwrap();
+        let [path, states] =
+            ["inp", "states.json"].map(|ending| folder().join(format!("constraint.{ending}")));
+        fs::write(&path, &deck.text).unwrap();
+        fs::write(&states, &deck.states).unwrap();
+        let [path, states] = [&path, &states].map(|path| path.to_str().unwrap());
+        let arguments = [
+            "eval",
+            path,
+            "--states",
+            states,
+            "--outputs",
+            "RES,RESV,RESA",
+            "--order",
+            "2",
+            "--format",
+            "json",
+        ];
+        let output = pintle(&arguments).output().unwrap();
+        assert!(output.status.success(), "{}{}", deck.text, String::from_utf8_lossy(&output.stderr));
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let found = &document["scenes"][0]["states"][0]["mpcs"][0];
+        let dofs: Vec<&str> = found["jacobian"]["dofs"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|dof| dof["name"].as_str().unwrap())
+            .collect();
+        let mut count = 0;
+        for sheet in case.sheets() {
+            let line = format!("**   {}: ", sheet.quantity.name());
+            let said = deck.text.lines().find_map(|text| text.strip_prefix(&line));
+            let most: f64 = said.map_or(0.0, |said| said.parse().unwrap());
+            for (row, entries) in sheet.rows.iter().zip(sheet.entries.chunks(sheet.width())) {
+                let name = row.trim_start_matches(['∂', '²', 'd']).split('/').next().unwrap();
+                // The name of δ begins with none of these.
+                for entry in entries {
+                    let by = entry.name.split("/∂").nth(1);
+                    let x = match sheet.quantity {
+                        Quantity::Value => found["components"][name]["RES"].as_f64(),
+                        Quantity::Rate => found["components"][name]["RESV"].as_f64(),
+                        Quantity::Acceleration => found["components"][name]["RESA"].as_f64(),
+                        Quantity::FirstDerivatives => dofs
+                            .iter()
+                            .position(|dof| Some(*dof) == by)
+                            .and_then(|j| found["jacobian"]["rows"][name][j].as_f64()),
+                        _ => None,
+                    };
+                    let Some(x) = x else { continue };
+                    count += 1;
+                    assert!(
+                        (x - entry.got).abs() <= most,
+                        "{} {}: {x:e}, not {:e}",
+                        case.name,
+                        entry.name,
+                        entry.got
+                    );
+                }
+            }
+            // What is said is rounding, not another state.
+            let size =
+                sheet.entries.iter().fold(case.length.max(1.0), |most, entry| most.max(entry.got.abs()));
+            assert!(most <= 10.0 * HANDOVER * size, "{} {}: {most:e}", case.name, sheet.quantity.name());
+        }
+        assert!(
+            count >= 3 + case.constraint.rows().iter().filter(|row| **row).count() * 2,
+            "{}: {count}",
+            case.name
+        );
+    }
+}
+
+/// Of springs and of a friction under given forces, the scene is handed over, with the states up to the one in question: it gives the same numbers
+/// there as the scene itself.
+#[test]
+fn a_deck_of_a_friction_is_its_scene() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 1., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*ELEMENT, TYPE=CONN3D2, ELSET=D\n8, 2, 3\n\
+        *CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nSLOT\nO,\n*CONNECTOR SECTION, ELSET=D\nAXIAL\n\
+        *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=1, NONLINEAR\n-9., -3.\n0., 0.\n1., 0.01\n8., 3.\n\
+        *CONNECTOR FRICTION, PREDEFINED, STICK STIFFNESS=400.\n0.\n*FRICTION\n0.3\n";
+    let states = r#"{"schema": "pintle-states/1", "states": [
+        {"time": 0, "nodes": {}, "forces": {"7": {"f1": 0, "f2": 3, "f3": 4}}},
+        {"time": 1, "nodes": {"2": {"displacement": [0.02, 0, 0]}}, "forces": {"7": {"f1": 1, "f2": 3, "f3": 4}}},
+        {"time": 2, "nodes": {"2": {"displacement": [0.05, 0, 0]}}, "forces": {"7": {"f1": 1, "f2": 3, "f3": 2}}}]}"#;
+    let (scene, states) = (crate::cli::file("scene_of.inp", deck), crate::cli::file("scene_of.json", states));
+    let numbers = |deck: &str, states: &str, state: &str| {
+        let outputs = "CU,CEF,CSF,CNF,TANGENT";
+        let arguments = [
+            "eval",
+            deck,
+            "--states",
+            states,
+            "--show",
+            state,
+            "--outputs",
+            outputs,
+            "--connector",
+            "7",
+            "--format",
+            "json",
+        ];
+        let output = pintle(&arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let all = document["scenes"][0]["states"].as_array().unwrap();
+        all.iter().find(|found| found["index"].to_string() == state).unwrap()["connectors"].clone()
+    };
+    let mut kinds = std::collections::BTreeSet::new();
+    for plant in ["wrong-friction", "wrong-entry"] {
+        let found = folder().join(plant);
+        fs::remove_dir_all(&found).ok();
+        let arguments = [
+            "audit",
+            &scene,
+            "--at",
+            &states,
+            "--plant",
+            plant,
+            "--wide-states",
+            "4",
+            "--counter-examples",
+            found.to_str().unwrap(),
+        ];
+        assert_eq!(pintle(&arguments).output().unwrap().status.code(), Some(1));
+        for file in fs::read_dir(&found).unwrap().map(|entry| entry.unwrap().path()) {
+            let Example::Other(recorded) = Example::read(&fs::read_to_string(&file).unwrap()).unwrap() else {
+                continue;
+            };
+            let Some(found_in) = &recorded.found_in else { panic!("{}", file.display()) };
+            let deck = folder().join("found_in.inp");
+            let arguments =
+                ["replay", file.to_str().unwrap(), "--export", "inp", "-o", deck.to_str().unwrap()];
+            assert!(pintle(&arguments).output().unwrap().status.success());
+            let state = found_in.state.to_string();
+            let exported = numbers(
+                deck.to_str().unwrap(),
+                folder().join("found_in.states.json").to_str().unwrap(),
+                &state,
+            );
+            assert_eq!(exported, numbers(&scene, &states, &state), "{}", file.display());
+            assert!(exported[0]["tangent"]["rows"]["f1"].is_object(), "{exported}");
+            kinds.insert(recorded.kind.name());
+            assert!(fs::read_to_string(&deck).unwrap().contains(&format!("--show {state} ")));
+        }
+    }
+    assert_eq!(kinds.into_iter().collect::<Vec<_>>(), ["friction", "slope of a behaviour"]);
+}
+
+/// What has no such form says which it has.
+#[test]
+fn what_has_no_script_or_deck_says_what_there_is() {
+    for recorded in others() {
+        for refused in [recorded.jax().unwrap_err(), recorded.deck().unwrap_err()] {
+            let said = refused.to_string();
+            assert!(said.contains(recorded.kind.name()) && said.contains("--export rust"), "{said}");
+        }
+        let unknown = Recorded { entry: "CSF9".into(), ..recorded };
+        assert!(unknown.rust().unwrap_err().to_string().contains("CSF9 is no number of its"));
+    }
+    let (_, recorded) = constraints().swap_remove(3);
+    let text = serde_json::to_string(&recorded).unwrap();
+    let mut document: Value = serde_json::from_str(&text).unwrap();
+    document["values"]["constraint"]["axes"][0] = serde_json::json!(["0x0p+0", "0x0p+0", "0x1p+1"]);
+    let stretched: Recorded = serde_json::from_value(document).unwrap();
+    assert!(stretched.deck().unwrap_err().to_string().contains("not of unit length"));
 }
 
 /// A pair, by the command line, in every form: the counter-example of a wrong candidate.

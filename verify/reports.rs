@@ -343,7 +343,22 @@ fn the_page_is_self_contained_and_escapes_its_input() {
     // The same figures as files, each one a document of its own.
     let names: std::collections::BTreeSet<&String> = figures.iter().map(|(name, _)| name).collect();
     assert_eq!(names.len(), figures.len());
-    assert_eq!(figures.len(), 2 * heat + report.atlas.len() + 1);
+    // … with the smallest errors that are noticed, coverage, and the drawing.
+    assert_eq!(figures.len(), 2 * heat + report.atlas.len() + 3);
+    for (begins, key) in [
+        ("jacobian-", ">✗ beyond</text>"),
+        ("steps-", ">Taylor remainder / h, 237 bits</text>"),
+        ("singular-", ">largest derivative</text>"),
+        ("smallest-error-noticed", ">at the worst</text>"),
+        ("coverage-slider-crank", "class=\"bin-m4\""),
+        ("scene-gallery-slider-crank", "class=\"swatch\""),
+    ] {
+        let mut of = figures.iter().filter(|(name, _)| name.starts_with(begins)).peekable();
+        assert!(of.peek().is_some(), "{begins}");
+        of.for_each(|(name, svg)| {
+            assert!(svg.contains(key) && svg.contains("<text class=\"label\""), "{name}")
+        });
+    }
     for (name, svg) in &figures {
         assert!(
             name.ends_with(".svg") && svg.starts_with("<svg xmlns=") && svg.contains("<style>"),
@@ -412,7 +427,13 @@ const cut = e => { const box = e.getBoundingClientRect(), svg = e.closest("svg")
   return box.left < svg.left - 1 || box.right > svg.right + 1 || box.top < svg.top - 1 || box.bottom > svg.bottom + 1; };
 body.cut = [...document.querySelectorAll("svg text")].filter(cut).length;
 body.empty = [...document.querySelectorAll("section, figure, .card")].filter(e => e.getBoundingClientRect().height < 30).length;
+const text = [...document.querySelectorAll(".plot .axis, .plot .level-name")];
+const within = (a, b) => a.closest("svg") === b.closest("svg");
+const clear = (a, b) => apart(a.getBoundingClientRect(), b.getBoundingClientRect());
+body.levels = text.filter(a => a.classList.contains("level-name") && text.some(b => a !== b && within(a, b) && !clear(a, b))).length;
 body.rows = seen("#verdict-table tbody tr", 300, 10); body.links = seen(".link.v-wrong", 20, 20);
+const shown = [...document.querySelectorAll("header *, #problems *, #model *, #scene figcaption, #environment .wide:first-of-type *")];
+body.beyond = shown.filter(e => !e.closest("svg") && e.getBoundingClientRect().right > innerWidth + 1).length;
 body.overflow = document.documentElement.scrollWidth > innerWidth;
 const heads = document.querySelectorAll("#verdict-table th");
 const first = () => document.querySelector("#verdict-table tbody tr td").textContent;
@@ -471,6 +492,44 @@ fn a_page_of_a_scene_has_its_steps_and_approaches() {
     assert!(plots.iter().any(|name| name.starts_with("singular-")), "{plots:?}");
 }
 
+/// What a rule refuses is named and drawn as far as its nodes are known; of models alone nothing is shown that was not looked at.
+#[test]
+fn a_page_shows_what_was_not_audited_as_that() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+                *CONNECTOR SECTION, ELSET=C\nHINGE\n";
+    let refused = crate::cli::file("refused_page.inp", deck);
+    let page = format!("{refused}.html");
+    crate::cli::pintle(&["audit", &refused, "--html", &page]).assert().code(6);
+    let text = fs::read_to_string(&page).unwrap();
+    assert!(text.contains(&format!("pintle audit <span class=\"soft\">of {refused}</span>")), "{text}");
+    assert!(
+        text.contains("<title>element 7: not audited</title>") && text.contains("unseen\">not audited"),
+        "{text}"
+    );
+    let arguments = [
+        "audit",
+        "gallery:revolute_mpc",
+        "--model-only",
+        "--html",
+        &page,
+        "--plots",
+        &format!("{refused}.plots"),
+    ];
+    crate::cli::pintle(&arguments).assert().code(0);
+    let text = fs::read_to_string(&page).unwrap();
+    for absent in ["id=\"jacobians\"", "id=\"steps\"", "id=\"verdicts\"", "id=\"self-test\""] {
+        assert!(!text.contains(absent), "{absent}");
+    }
+    // The node of the angle, and the axis that leads there.
+    let drawn = [
+        "<title>MPC REVOLUTE 10-20-30: axis of node 30</title><line class=\"hinge\"",
+        "<title>node 30</title>",
+    ];
+    let all =
+        [drawn[0], drawn[1], "<title>MPC REVOLUTE 10-20-30: not audited</title>", "unseen\">not audited"];
+    all.iter().for_each(|part| assert!(text.contains(part), "{part}"));
+}
+
 /// The histograms of coverage that have samples.
 fn models_maps(model: &ModelReport) -> usize {
     let of = &model.coverage;
@@ -482,6 +541,10 @@ fn models_maps(model: &ModelReport) -> usize {
 #[test]
 fn a_browser_shows_the_page() {
     let Some(chromium) = chromium() else {
+        assert!(
+            std::env::var_os("CI").is_none_or(|set| set.is_empty()),
+            "no chromium in PATH, and CI is set: a browser must look at the page (Debian: apt install chromium)"
+        );
         // Not `println!`, which a test that passes keeps to itself.
         let message = "SKIPPED: no chromium in PATH, so no browser has looked at the page (Debian: apt install chromium)";
         writeln!(std::io::stderr(), "{message}").unwrap();
@@ -505,6 +568,8 @@ fn a_browser_shows_the_page() {
     has("rows", &report.subjects.len().to_string());
     has("overflow", "false");
     has("collisions", "0");
+    has("levels", "0");
+    has("beyond", "0");
     has("cut", "0");
     has("empty", "0");
     has("findings", &models.findings.len().to_string());
@@ -530,6 +595,20 @@ fn a_browser_shows_the_page() {
     assert_eq!(console, "");
     for narrow in ["data-overflow=\"false\"", "data-tall=\"0\""] {
         assert!(dom.contains(narrow), "{narrow}");
+    }
+    // … with the longest of paths too: nothing is cut, nothing must be moved sideways to be read.
+    let path =
+        format!("/home/somebody/projects/{}/final_version", "suspension_with_many_bushings_".repeat(3));
+    let long =
+        page.replace("slider_crank.inp", &format!("{path}.inp")).replace("gallery:slider_crank", &path);
+    assert!(long.matches(&path).count() > 20);
+    let (dom, _) = browsed(&chromium, "long.html", &long, 420);
+    for narrow in ["data-overflow=\"false\"", "data-beyond=\"0\""] {
+        assert!(
+            dom.contains(narrow),
+            "{narrow}: {}",
+            dom.split("<body").nth(1).unwrap_or_default().split('>').next().unwrap_or_default()
+        );
     }
     // The console would have spoken.
     let (_, console) = browsed(&chromium, "broken.html", &page.replace("\"use strict\"", "missing()"), 1280);

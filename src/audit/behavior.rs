@@ -151,6 +151,11 @@ impl SlopesCase {
         (!check.states.is_empty()).then_some(check)
     }
 
+    /// The slopes, and what they must be.
+    pub(super) fn sheets(&self) -> Vec<Sheet> {
+        self.slopes().map(|slopes| slopes.sheet).into_iter().collect()
+    }
+
     fn slopes(&self) -> Option<Slopes> {
         let Self { motion, conditions, .. } = self;
         let mut behavior = Behavior::default();

@@ -10,6 +10,7 @@ use super::golden::audit_at;
 use super::mpc::MpcCase;
 use super::outcome::{Check, Expected, Report, Subject};
 use super::recorded::Recorded;
+use super::sheet::Sheet;
 use super::shrink::shrink;
 use serde::Serialize;
 
@@ -41,6 +42,16 @@ impl Failing {
             Self::Friction(case) => case.judged(settings, true, proves),
             Self::Belt(case) => case.judged(settings, true, proves),
             Self::Slopes(case) => case.audit(settings, proves).into_iter().collect(),
+        }
+    }
+
+    /// The numbers that are judged, of what is neither connector nor constraint.
+    pub(super) fn sheets(&self) -> Vec<Sheet> {
+        match self {
+            Self::Connector(_) | Self::Mpc(_) => Vec::new(),
+            Self::Friction(case) => case.all_sheets(),
+            Self::Belt(case) => case.sheets(),
+            Self::Slopes(case) => case.sheets(),
         }
     }
 

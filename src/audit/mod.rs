@@ -78,7 +78,7 @@ pub use oracle::Oracle;
 pub use outcome::{Against, Check, Report, Subject};
 pub use planted::Planted;
 pub use quantity::{Entries, Numbers, Quantity};
-pub use recorded::{Kind, Recorded};
+pub use recorded::{FoundIn, Kind, Recorded};
 pub use scene::{Target, audit_scenes};
 pub use sides::Sides;
 pub use verdict::{Fared, Finding, Judgement, Score, Verdict};

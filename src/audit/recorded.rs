@@ -7,6 +7,7 @@ use super::hex::Hex;
 use super::outcome::Check;
 use super::quantity::Quantity;
 use super::shrink::{bits_of, simpler};
+use crate::scene::{Format, Scene, State, StateFile};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value};
@@ -63,6 +64,21 @@ pub struct Recorded {
     pub tolerance: Hex,
     /// The values, doubles in hexadecimal.
     pub values: Value,
+    /// The scene that it was found in, where it was at one of the states given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub found_in: Option<FoundIn>,
+}
+
+/// The scene of a counter-example, as it was audited: not shrunk.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FoundIn {
+    /// The number of the state.
+    pub state: u64,
+    /// The deck.
+    pub deck: String,
+    /// The states up to that one with their forces, in the form of `--states`.
+    pub states: String,
 }
 
 impl Recorded {
@@ -82,9 +98,33 @@ impl Recorded {
             want: Hex(worst.want),
             tolerance: Hex(worst.tolerance),
             values: hexadecimal(values),
+            found_in: None,
         };
         // What is not finite has no place in a document, and would be lost.
         recorded.failing().is_ok().then_some(recorded)
+    }
+
+    /// The same with the scene that it was found in, for what does not follow from a state of nodes alone: frictions, belts, springs and
+    /// dampers at one of the `states`, under forces that these give. Nothing is added where it was at drawn states or forces, or where the
+    /// scene is too large to be handed over.
+    #[must_use]
+    pub fn found_in(self, scene: &Scene, states: &[State]) -> Self {
+        /// A megabyte of deck, or of states.
+        const LARGEST: usize = 1 << 20;
+        let name = self.values.get("name").and_then(Value::as_str).unwrap_or_default();
+        let number = name.rsplit_once(" at state ").and_then(|(_, number)| number.parse::<u64>().ok());
+        let Some(number) = number.filter(|_| self.kind != Kind::Mpc) else { return self };
+        let of = |index: usize, state: &State| state.number.unwrap_or(index as u64);
+        let until = states.iter().enumerate().filter(|(index, state)| of(*index, state) <= number);
+        let states: Vec<State> = until.map(|(_, state)| state.clone()).collect();
+        let bare = Scene { states: Vec::new(), ..scene.clone() };
+        let (Ok(deck), Ok(states)) = (bare.write(Format::Deck), StateFile { states }.to_json()) else {
+            return self;
+        };
+        if deck.text.len().max(states.len()) > LARGEST {
+            return self;
+        }
+        Self { found_in: Some(FoundIn { state: number, deck: deck.text, states }), ..self }
     }
 
     /// What failed, bit for bit.
@@ -136,9 +176,9 @@ impl Recorded {
             attempt(changed, &mut best);
         }
         let is_double = |value: &Value| value.is_f64();
-        // What sizes are measured by is no part of the state.
-        let is_size = |path: &String| path.ends_with("/length");
-        for path in paths(&best, &is_double).into_iter().filter(|path| !is_size(path)) {
+        // What sizes are measured by is no part of the state, and an axis stays of unit length.
+        let is_kept = |path: &String| path.ends_with("/length") || path.starts_with("/constraint/axes/");
+        for path in paths(&best, &is_double).into_iter().filter(|path| !is_kept(path)) {
             // Part of a rotation is no number by itself.
             let matrix = path.rsplitn(3, '/').nth(2).unwrap_or_default();
             if best.pointer(matrix).is_some_and(is_rotation) {

@@ -303,3 +303,21 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
     }
     found
 }
+
+/// The constraints at the last state.
+pub(super) fn last_constraints(target: &Target<'_>) -> Vec<MpcCase> {
+    let Target { model, states, plan, .. } = *target;
+    let mut walk = walk(model, plan);
+    let mut found = Vec::new();
+    for (index, state) in states.iter().enumerate() {
+        found.clear();
+        let number = state.number.unwrap_or(index as u64);
+        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
+            if let Item::Mpc(placed) = placed {
+                found.push(mpc_case(model, placed, number));
+            }
+            Ok(())
+        });
+    }
+    found
+}

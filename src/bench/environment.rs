@@ -9,6 +9,9 @@ use std::fs;
 pub struct Environment {
     /// The version of pintle.
     pub pintle: Cow<'static, str>,
+    /// The commit that it was built from, with a mark where its sources had changes; none of a crate from a registry.
+    #[serde(default)]
+    pub commit: Option<Cow<'static, str>>,
     /// The day, UTC: 2026-01-31.
     pub date: String,
     /// The processor's own name, as far as the system tells it.
@@ -36,6 +39,7 @@ impl Environment {
     pub fn here() -> Self {
         Self {
             pintle: crate::VERSION.into(),
+            commit: crate::COMMIT.map(Into::into),
             date: chrono::Utc::now().format("%Y-%m-%d").to_string(),
             processor: processor(),
             features: features(),
@@ -63,10 +67,11 @@ impl Environment {
         let load = self.load.map_or_else(String::new, |load| format!(", load {load:.1}"));
         let features =
             if self.features.is_empty() { String::new() } else { format!(" ({})", self.features.join("/")) };
+        let commit = self.commit.as_ref().map_or_else(String::new, |commit| format!(" ({commit})"));
         let Self { date, processor, cores, usable, system, rustc, pintle, .. } = self;
         let bound = if usable < cores { format!(", bound to {usable} of them") } else { String::new() };
         format!(
-            "{date}, {processor}{features}, one of {cores} cores{bound}{load}, {system}; pintle {pintle}, {rustc}"
+            "{date}, {processor}{features}, one of {cores} cores{bound}{load}, {system}; pintle {pintle}{commit}, {rustc}"
         )
     }
 }

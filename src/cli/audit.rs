@@ -5,7 +5,9 @@ use super::{Failure, Sign, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle::audit::model::{Level, Levels, audit_model};
-use pintle::audit::{Oracle, Planted, Quantity, Report, Settings, Target, audit_catalogue, audit_scenes};
+use pintle::audit::{
+    Example, Oracle, Planted, Quantity, Recorded, Report, Settings, Target, audit_catalogue, audit_scenes,
+};
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
 use pintle::evaluate::{Model, Plan, Selection};
@@ -235,15 +237,17 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     report.models = loaded.iter().map(of_model).collect();
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
-        let scenes: Vec<&Scene> = sound.iter().map(|loaded| &loaded.scene).collect();
-        let supplement = page::supplement(&report, is_catalogue, &targets, &scenes, arguments.model_only);
+        let scenes =
+            loaded.iter().map(|Loaded { name, scene, model, .. }| report::Audited { name, scene, model });
+        let scenes = scenes.collect();
+        let supplement = page::supplement(&report, is_catalogue, &targets, scenes, arguments.model_only);
         page::write(arguments, &report, &supplement)?;
     }
     if !is_page {
         write(arguments.format, arguments.verbose, &report)?;
     }
     if let Some(folder) = &arguments.counter_examples {
-        save(folder, &report)?;
+        save(folder, &report, &sound)?;
     }
     say_what_stays(&levels, &report);
     let refused = loaded.iter().filter(|loaded| loaded.is_refused).map(|loaded| loaded.name.as_str());
@@ -355,12 +359,24 @@ fn settings(arguments: &Audit) -> Settings {
 }
 
 /// Writes the counter-examples of a report, shrunk to the simplest values that still fail.
-fn save(folder: &Path, report: &Report) -> Result<(), Failure> {
+fn save(folder: &Path, report: &Report, sound: &[&Loaded]) -> Result<(), Failure> {
+    // Several scenes may have connectors of one name.
+    let of = |recorded: &Recorded| {
+        let mut having = sound.iter().filter(|loaded| {
+            loaded.model.connectors.iter().any(|element| element.title() == recorded.subject)
+        });
+        having.next().filter(|_| having.next().is_none())
+    };
     let cannot = |error: &dyn std::fmt::Display| {
         Failure::Input(format!("cannot write counter-examples to {}: {error}", folder.display()))
     };
     fs::create_dir_all(folder).map_err(|error| cannot(&error))?;
-    for (name, example) in report.counter_examples() {
+    for (name, mut example) in report.counter_examples() {
+        if let Example::Other(recorded) = &mut example
+            && let Some(loaded) = of(recorded)
+        {
+            **recorded = recorded.as_ref().clone().found_in(&loaded.scene, &loaded.states);
+        }
         let text = serde_json::to_string_pretty(&example).map_err(|error| cannot(&error))?;
         fs::write(folder.join(name), text + "\n").map_err(|error| cannot(&error))?;
     }

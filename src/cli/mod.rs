@@ -15,6 +15,7 @@ mod show;
 pub(crate) use failure::Failure;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use pintle::bench::Environment;
 use pintle::catalog::{ConnectionType, NameError, TABLE};
 use pintle::mpc;
 use pintle::report::{self, explain, list};
@@ -25,14 +26,14 @@ use std::path::PathBuf;
 
 /// A verification workbench for connector (joint) elements: exact values, Jacobians, Hessians and rates.
 #[derive(Debug, Parser)]
-#[command(name = "pintle", version, arg_required_else_help = true, max_term_width = 100)]
+#[command(name = "pintle", version, long_version = long_version(), arg_required_else_help = true, max_term_width = 100)]
 #[command(after_help = "\
 Exit codes: 0 all right, 1 a number is wrong, 2 usage, 3 undecided (--strict), 4 nothing was evaluated,
 5 the self-test failed, 6 bad input, 70 internal error.
 Results go to stdout, everything else to stderr. NO_COLOR is respected.")]
 pub(crate) struct Cli {
     /// Threads; no result depends on their number [default: one per core, or RAYON_NUM_THREADS]
-    #[arg(long, value_name = "COUNT", global = true, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "COUNT", global = true, display_order = 900, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -409,6 +410,18 @@ Examples:
   pintle eval gallery:slider_crank --outputs CU1 --show 12
   pintle eval model.inp --states run.csv --order 1 --connector 101,SLIDE";
 
+/// What was built, from what, by and for what.
+fn long_version() -> String {
+    let here = Environment::here();
+    let lines = [
+        ("commit", here.commit.unwrap_or_else(|| "not known: built outside its repository".into())),
+        ("compiler", format!("{} for {}", here.rustc, here.target).into()),
+        ("optimised", if here.is_optimised { "yes" } else { "no: for tests" }.into()),
+    ];
+    let lines: Vec<String> = lines.iter().map(|(name, value)| format!("{name}: {value}")).collect();
+    format!("{}\n{}", here.pintle, lines.join("\n"))
+}
+
 /// The stack of every thread, in bytes: derivatives of derivatives lie on it, whole, in a build without optimisation.
 pub(crate) const STACK: usize = 64 << 20;
 
@@ -478,6 +491,11 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
             PageFormat::Json => explain::code_json(&mut out, *code)?,
         }
         return Ok(out.flush()?);
+    }
+    if arguments.name.contains("::") {
+        let near = Code::nearest(&arguments.name);
+        let meant = near.map_or_else(String::new, |near| format!("; did you mean {}?", near.as_str()));
+        return Err(Failure::Usage(format!("there is no code {:?}{meant}", arguments.name)));
     }
     let second = arguments.second.as_deref().unwrap_or_default();
     let words = format!("{} {second}", arguments.name).to_ascii_uppercase();

@@ -6,7 +6,6 @@ use pintle::audit::atlas::atlas;
 use pintle::audit::{Approach, Illustration, Report, Target, illustrate_catalogue, illustrate_scene};
 use pintle::catalog::ConnectionType;
 use pintle::report::audit::{self as report, Audited, Supplement};
-use pintle::scene::Scene;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -16,12 +15,12 @@ use std::sync::Arc;
 /// Connectors of a scene whose Jacobians are shown at most, those that did not pass first.
 const SHOWN: usize = 48;
 
-/// What the page shows besides the report.
+/// What the page shows besides the report; `scenes` are all that were asked for, those refused too.
 pub(super) fn supplement<'a>(
     found: &Report,
     is_catalogue: bool,
     targets: &[Target<'a>],
-    scenes: &[&'a Scene],
+    scenes: Vec<Audited<'a>>,
     model_only: bool,
 ) -> Supplement<'a> {
     let mut illustrations: Vec<Illustration> = Vec::new();
@@ -31,15 +30,7 @@ pub(super) fn supplement<'a>(
         illustrations.extend(targets.iter().flat_map(|target| illustrate_scene(target, found, SHOWN)));
     }
     let approaches = if is_catalogue { Vec::new() } else { approached(targets) };
-    let audited = targets.iter().zip(scenes);
-    Supplement {
-        scenes: audited
-            .map(|(target, scene)| Audited { name: target.name, scene, model: target.model })
-            .collect(),
-        illustrations,
-        approaches,
-        command: command_line(),
-    }
+    Supplement { scenes, illustrations, approaches, command: command_line() }
 }
 
 /// The singular sets of the types of scenes, each type once.

@@ -3,7 +3,7 @@
 use super::audit::{AuditFormat, Plant};
 use super::{Failure, convert};
 use clap::{Args, ValueEnum};
-use pintle::audit::{CounterExample, Example, ExportError, Planted, Settings};
+use pintle::audit::{Example, ExportError, Planted, Settings};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ pub(crate) struct Replay {
 }
 
 /// Writes a counter-example in another form.
-fn export(form: Form, example: &CounterExample, name: &str, output: Option<&Path>) -> Result<(), Failure> {
+fn export(form: Form, example: &Example, name: &str, output: Option<&Path>) -> Result<(), Failure> {
     let refused = |error: ExportError| Failure::Input(format!("{name} cannot be exported: {error}"));
     let text = match form {
         Form::Rust => example.rust().map_err(refused)?,
@@ -75,14 +75,7 @@ pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
     let failing =
         example.failing().map_err(|error| Failure::Input(format!("{name} cannot be replayed: {error}")))?;
     if let Some(form) = arguments.export {
-        return match &example {
-            Example::Connector(example) => export(form, example, &name, arguments.output.as_deref()),
-            Example::Other(recorded) => Err(Failure::Input(format!(
-                "{name} cannot be exported: only the state of a connector is a Rust test, a JAX script or a deck, and this is one of a \
-                 {}; judge it by `pintle replay` alone",
-                recorded.kind.name()
-            ))),
-        };
+        return export(form, &example, &name, arguments.output.as_deref());
     }
     if matches!(arguments.format, AuditFormat::Human) {
         let (subject, version, entry, against, numbers) = match &example {

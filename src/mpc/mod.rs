@@ -179,6 +179,28 @@ impl<R: Differentiable> Constraint<R> {
         Self { kind, arm: from_master(slave), axes, flow: false }
     }
 
+    /// Between nodes that are X_S − X_M = `arm` apart initially, with hinges about `axes`, of unit length, which are taken as they are.
+    ///
+    /// ```
+    /// use pintle::mpc::{Constraint, Kind};
+    /// let axes = [[0.6, 0.8, 0.0], [1.0, 0.0, 0.0]];
+    /// let joint = Constraint::<f64>::with_axes(Kind::Revolute, [1.0, 2.0, 3.0], axes);
+    /// assert_eq!((joint.arm(), joint.initial_axes()), ([1.0, 2.0, 3.0], [Some(axes[0]), None]));
+    /// ```
+    pub const fn with_axes(kind: Kind, arm: Vector<R>, axes: [Vector<R>; 2]) -> Self {
+        Self { kind, arm, axes, flow: false }
+    }
+
+    /// a1₀ and a2₀, whether there are such hinges or not.
+    pub(crate) const fn axes(&self) -> [Vector<R>; 2] {
+        self.axes
+    }
+
+    /// Whether both nodes have material flow.
+    pub(crate) const fn has_flow(&self) -> bool {
+        self.flow
+    }
+
     /// The same, where both nodes have material flow: a TIE makes that equal too.
     #[must_use]
     pub const fn with_flow(self) -> Self {

@@ -307,6 +307,30 @@ impl Code {
     pub fn group(self) -> &'static str {
         self.as_str().split_once("::").map_or("", |(group, _)| group)
     }
+
+    /// The code that a misspelt name was meant to be, if one is near enough.
+    ///
+    /// ```
+    /// use pintle::scene::Code;
+    /// assert_eq!(Code::nearest("model::near-singlar").map(Code::as_str), Some("model::near-singular"));
+    /// assert_eq!(Code::nearest("HINGE"), None);
+    /// ```
+    #[must_use]
+    pub fn nearest(name: &str) -> Option<Self> {
+        let near = nearest(name, Self::ALL.iter().map(|code| code.as_str()))?;
+        Self::ALL.iter().copied().find(|code| code.as_str() == near)
+    }
+
+    /// The groups of codes, each once, in the order in which they are listed.
+    pub(crate) fn groups() -> Vec<&'static str> {
+        let mut found: Vec<&str> = Vec::new();
+        Self::ALL.iter().map(|code| code.group()).for_each(|group| {
+            if !found.contains(&group) {
+                found.push(group);
+            }
+        });
+        found
+    }
 }
 
 impl Serialize for Code {

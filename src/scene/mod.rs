@@ -74,7 +74,6 @@ pub use behavior::{
 };
 pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
-pub(crate) use diagnostic::nearest;
 pub use diagnostic::{Code, Diagnostic, Result, Severity};
 pub(crate) use document::in_words_of;
 pub use document::{Converted, Format, MAX_DOCUMENT, schema};

@@ -66,6 +66,15 @@ impl BeltCase {
         found
     }
 
+    /// The numbers at this state, and what they must be by differences on 237 bits.
+    pub(in crate::audit) fn sheets(&self) -> Vec<Sheet> {
+        let settings = super::by_differences();
+        let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
+        let mut sheets = self.criterion_sheets(&settings, true, outcome.coefficient);
+        sheets.extend(self.increment_sheets(&settings, true, &outcome, &tangent));
+        sheets.into_iter().map(|(_, sheet)| sheet).collect()
+    }
+
     fn sizes(&self) -> [f64; 3] {
         let tension = self.tension[0].abs().max(self.tension[1].abs());
         let tension = if tension > 0.0 { tension } else { 1.0 };

@@ -154,6 +154,11 @@ fn checks(sheets: Vec<Judged>, settings: &Settings, name: &str, proves: bool) ->
     judged.collect()
 }
 
+/// Differences on 237 bits alone.
+fn by_differences() -> Settings {
+    Settings { oracles: [Oracle::WideDifferences].into(), ..Settings::default() }
+}
+
 /// The unit of a result of an increment: forces, moments, and the others each by itself.
 const fn kind(i: usize) -> usize {
     if i < 6 { i / 3 } else { i }
@@ -168,11 +173,16 @@ impl FrictionCase {
     /// The numbers at this state, and what they must be by differences on 237 bits: the criterion, its first and second derivatives, the
     /// tangent.
     pub fn sheets(&self) -> Vec<Sheet> {
-        let settings = Settings { oracles: [Oracle::WideDifferences].into(), ..Settings::default() };
+        let sheets = self.all_sheets().into_iter();
+        sheets.filter(|sheet| sheet.quantity != Quantity::FrictionForce).collect()
+    }
+
+    /// The same with the forces that satisfy the equations of stick and slip.
+    pub(super) fn all_sheets(&self) -> Vec<Sheet> {
+        let settings = by_differences();
         let mut sheets = self.criterion_sheets(&settings, true);
         sheets.extend(self.increment_sheets(&settings, true));
-        let sheets = sheets.into_iter().map(|(_, sheet)| sheet);
-        sheets.filter(|sheet| sheet.quantity != Quantity::FrictionForce).collect()
+        sheets.into_iter().map(|(_, sheet)| sheet).collect()
     }
 
     /// All checks at this state, with mutants.

@@ -69,9 +69,13 @@ fn is_near(a: &Matrix<f64>, b: &Matrix<f64>) -> bool {
     a.as_flattened().iter().zip(b.as_flattened()).all(|(a, b)| (a - b).abs() <= SAME)
 }
 
+/// Three numbers of a list, from a place on.
+pub(super) fn three_of(all: &[f64], at: usize) -> Vector<f64> {
+    std::array::from_fn(|i| all.get(at + i).copied().unwrap_or_default())
+}
+
 fn motion(node: &Node<f64>, rotation: Rotation, velocity: &[f64], acceleration: &[f64]) -> NodeMotion {
-    let three =
-        |all: &[f64], at: usize| std::array::from_fn(|i| all.get(at + i).copied().unwrap_or_default());
+    let three = three_of;
     let flow = |all: &[f64]| all.get(6).copied().unwrap_or_default();
     NodeMotion {
         displacement: node.displacement,
@@ -270,18 +274,29 @@ impl CounterExample {
             return Err(ExportError::Lost(message));
         }
         let differences = differences(&case, &again);
-        let mut text = format!(
-            "** {} by {}: {} against {}, written by pintle {}\n** given {}, must be {}, tolerance {}\n",
-            case.definition.connection.name,
-            comment(&self.subject),
-            if self.entry.is_empty() { "no entry".to_string() } else { comment(&self.entry) },
-            comment(&self.against),
-            comment(&self.version),
-            self.got,
-            self.want,
-            self.tolerance
+        let entry = if self.entry.is_empty() { "no entry" } else { &self.entry };
+        let (name, subject) = (&case.definition.connection.name, &self.subject);
+        let about = format!(
+            "{name} by {subject}: {entry} against {}, written by pintle {}",
+            self.against, self.version
         );
-        text.push_str("** Evaluate it at the last of its states: pintle eval THIS --states THOSE\n");
+        let numbers = format!("given {}, must be {}, tolerance {}", self.got, self.want, self.tolerance);
+        Ok(Deck::new(&comment(&about), numbers, &model, states, differences))
+    }
+}
+
+impl Deck {
+    /// A deck with a heading: what it is about, the numbers in question, how to evaluate it.
+    pub(super) fn new(
+        about: &str,
+        numbers: String,
+        model: &str,
+        states: String,
+        differences: Vec<Difference>,
+    ) -> Self {
+        let mut text = format!(
+            "** {about}\n** {numbers}\n** Evaluate it at the last of its states: pintle eval THIS --states THOSE\n"
+        );
         if differences.iter().all(|difference| difference.largest == 0.0) {
             text.push_str("** Its numbers are those of the counter-example, bit for bit.\n");
         } else {
@@ -292,8 +307,8 @@ impl CounterExample {
                 text.push_str(&format!("**   {}: {largest:e}\n", quantity.name()));
             }
         }
-        text.push_str(&model);
-        Ok(Deck { text, states: states + "\n", differences })
+        text.push_str(model);
+        Self { text, states: states + "\n", differences }
     }
 }
 

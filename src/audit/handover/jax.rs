@@ -14,7 +14,7 @@ use crate::vector::{Vector, dot};
 use std::f64::consts::TAU;
 
 /// The formulas, a second time: they know nothing of the Rust source.
-const FORMULAS: &str = include_str!("../../../scripts/reference_formulas.py");
+pub(super) const FORMULAS: &str = include_str!("../../../scripts/reference_formulas.py");
 
 /// What the script does with the state, after formulas and values.
 const JUDGES: &str = include_str!("judge.py");
@@ -27,7 +27,7 @@ fn sheet(pair: &Pair<f64>, continued: Vector<f64>) -> f64 {
 }
 
 /// A Python string.
-fn text(text: &str) -> String {
+pub(super) fn text(text: &str) -> String {
     serde_json::Value::from(comment(text)).to_string()
 }
 

@@ -1,12 +1,15 @@
 //! A counter-example in a form for others: a Rust test, a JAX script, a deck with its states.
 
+mod constraint;
 mod deck;
 mod jax;
 mod law;
+mod recorded;
 mod rust;
 
 use super::counterexample::{CounterExample, ReplayError};
 use super::quantity::{Numbers, Quantity};
+use super::recorded::Recorded;
 use crate::scene::Diagnostic;
 use crate::vector::{Matrix, Vector};
 
@@ -24,6 +27,13 @@ pub enum ExportError {
     /// A deck of it is refused.
     #[error("it cannot be a deck: {0}")]
     Deck(#[from] Diagnostic),
+}
+
+/// What a form says of a recorded counter-example, in one line.
+fn about(title: &str, of: &Recorded) -> String {
+    let Recorded { subject, entry, against, version, .. } = of;
+    let entry = if entry.is_empty() { "no entry" } else { entry };
+    comment(&format!("{title} by {subject}: {entry} against {against}, written by pintle {version}"))
 }
 
 /// One number of an evaluation: its kind, component (0-based) and place.

@@ -10,7 +10,7 @@ use crate::node::{DOFS, Pair};
 use crate::vector::Vector;
 
 /// A double that need not be finite.
-fn literal(x: f64) -> String {
+pub(super) fn literal(x: f64) -> String {
     if x.is_finite() { number(x) } else { format!("f64::from_bits({:#x})", x.to_bits()) }
 }
 

@@ -104,9 +104,13 @@ impl Levels {
         let is_known = ALL.iter().any(|(all, _)| *all == name)
             || Code::ALL.iter().any(|code| [code.as_str(), code.group()].contains(&name.as_str()));
         if !is_known {
-            let codes = Code::ALL.iter().map(|code| code.as_str());
-            let near = crate::scene::nearest(&name, codes);
-            let meant = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+            let meant = match Code::nearest(&name) {
+                Some(near) => format!("; did you mean {}?", near.as_str()),
+                None => format!(
+                    "; findings have their codes in brackets, groups are {}, and there are notes and warnings",
+                    Code::groups().join(", ")
+                ),
+            };
             return Err(format!("there is no code or group of codes {name:?}{meant}"));
         }
         match self.set.insert((place, name), level) {

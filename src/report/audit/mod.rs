@@ -22,6 +22,9 @@ pub const SCHEMA: &str = "pintle-audit/1";
 #[derive(serde::Serialize, schemars::JsonSchema)]
 struct Document<'a> {
     schema: &'static str,
+    /// What the program was built from, where that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    commit: Option<&'static str>,
     signs: &'static str,
     rows: &'static str,
     oracles: Vec<Described>,
@@ -63,6 +66,7 @@ pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     });
     let document = Document {
         schema: SCHEMA,
+        commit: crate::COMMIT,
         signs: super::SIGNS,
         rows: super::ROWS,
         oracles: oracles.collect(),

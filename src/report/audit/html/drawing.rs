@@ -1,13 +1,13 @@
 //! The isometric drawing of a scene: nodes, triads, connectors coloured by verdict.
 
-use super::figure::{Place, rendered};
+use super::figure::{Place, lines, rendered};
 use super::labels::Labels;
 use crate::audit::Verdict;
-use crate::evaluate::Model;
+use crate::evaluate::{Model, MpcElement};
 use crate::scene::{End, Label, Scene};
 use crate::vector::{Matrix, Vector, add, column, scale};
 use askama::Template;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Connectors that are drawn at most: more than that is no picture any more.
 pub(super) const MOST: usize = 2000;
@@ -38,6 +38,8 @@ struct Piece {
     ends: [Vector<f64>; 2],
     triads: Option<[Matrix<f64>; 2]>,
     nodes: [Option<Label>; 2],
+    /// The hinges of a constraint: the node of its angle, where that stands, and the direction of the axis.
+    hinges: Vec<(Label, Vector<f64>, Vector<f64>)>,
 }
 
 struct Link {
@@ -56,6 +58,20 @@ struct AxisLine {
     from: [f64; 2],
     to: [f64; 2],
     label: [f64; 2],
+}
+
+/// The axis of a hinge.
+struct Axis {
+    title: String,
+    from: [f64; 2],
+    to: [f64; 2],
+}
+
+/// A colour, and what it means.
+struct Key {
+    x: f64,
+    class: String,
+    name: &'static str,
 }
 
 struct Dot {
@@ -79,9 +95,14 @@ struct DrawingTemplate<'a> {
     height: f64,
     axes: Vec<AxisLine>,
     links: Vec<Link>,
+    hinges: Vec<Axis>,
     triads: Vec<AxisLine>,
     nodes: Vec<Dot>,
     names: Vec<Name>,
+    /// In a file: the title in lines, and what colours mean.
+    head: f64,
+    heading: Vec<String>,
+    keys: Vec<Key>,
 }
 
 /// The axes of space on the page: 3 up, 1 and 2 to the lower left and right.
@@ -112,7 +133,24 @@ impl Drawing {
                 ends: [end(End::A), end(End::B)],
                 triads: Some(element.triads().map(|triad| *triad)),
                 nodes: element.nodes,
+                hinges: Vec::new(),
             });
+        }
+        // What a rule refuses is drawn as far as its nodes are known.
+        let known: BTreeSet<Label> = model.connectors.iter().map(|element| element.label).collect();
+        for (label, element) in scene.connectors.iter().filter(|(label, _)| !known.contains(label)) {
+            let ends = [End::A, End::B].map(|end| scene.position(element, end));
+            if let [Some(a), Some(b)] = ends {
+                pieces.push(Piece {
+                    title: format!("element {label}"),
+                    verdict: None,
+                    is_constraint: false,
+                    ends: [a, b],
+                    triads: None,
+                    nodes: [element.a, element.b],
+                    hinges: Vec::new(),
+                });
+            }
         }
         for element in &model.mpcs {
             let place = |label: &Label| scene.nodes.get(label).map(|node| node.coordinates);
@@ -126,6 +164,7 @@ impl Drawing {
                 ends: [at, to],
                 triads: None,
                 nodes: [Some(*a), Some(*b)],
+                hinges: hinges(element, &place),
             });
         }
         let count = pieces.len();
@@ -142,6 +181,11 @@ impl Drawing {
         self.pieces.is_empty()
     }
 
+    /// Whether something in it was not audited.
+    pub(super) fn has_unseen(&self) -> bool {
+        self.pieces.iter().any(|piece| piece.verdict.is_none())
+    }
+
     /// What the picture shows.
     pub(super) fn caption(&self, scene: &str) -> String {
         if self.count > MOST {
@@ -156,7 +200,8 @@ impl Drawing {
 
     /// The picture.
     pub(super) fn svg(&self, title: &str, place: Place) -> String {
-        let points = || self.pieces.iter().flat_map(|piece| piece.ends).map(projected);
+        let hinges = || self.pieces.iter().flat_map(|piece| piece.hinges.iter().map(|(_, at, _)| *at));
+        let points = || self.pieces.iter().flat_map(|piece| piece.ends).chain(hinges()).map(projected);
         let bounds = |axis: usize| {
             points().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
                 (low.min(p[axis]), high.max(p[axis]))
@@ -179,9 +224,10 @@ impl Drawing {
         let is_small = self.pieces.len() <= NAMED;
         let mut shown: Spots = BTreeMap::new();
         let (mut links, mut triads, mut names) = (Vec::new(), Vec::<AxisLine>::new(), Vec::new());
+        let mut axles = Vec::new();
         for piece in &self.pieces {
             let [from, to] = piece.ends.map(on_page);
-            let name = piece.verdict.map_or("not audited", Verdict::name);
+            let name = piece.verdict.map_or("not audited", |verdict| verdict.headline().name());
             let is_point = (from[0] - to[0]).hypot(from[1] - to[1]) < 2.0;
             links.push(Link {
                 class: piece.verdict.map_or_else(|| "unseen".into(), |verdict| name_of(verdict.headline())),
@@ -191,6 +237,16 @@ impl Drawing {
                 from,
                 to,
             });
+            for (label, at, axis) in &piece.hinges {
+                // Along the axis, beyond the node of its angle and behind the master.
+                let beyond = |from: Vector<f64>, part: f64| on_page(add(from, scale(*axis, arm * part)));
+                axles.push(Axis {
+                    title: format!("{}: axis of node {label}", piece.title),
+                    from: beyond(piece.ends[1], -1.2),
+                    to: beyond(*at, 1.2),
+                });
+                put(&mut shown, on_page(*at), Some(*label));
+            }
             for end in 0..2 {
                 if let Some(all) = &piece.triads {
                     let axes = (0..3).map(|i| {
@@ -212,14 +268,7 @@ impl Drawing {
                         }
                     }
                 }
-                let at = on_page(piece.ends[end]);
-                let spot =
-                    shown.entry(at.map(|x| x.round() as i64)).or_insert_with(|| (Vec::new(), true, at));
-                let label = piece.nodes[end].map_or_else(|| "ground".to_string(), |label| label.to_string());
-                spot.1 &= piece.nodes[end].is_none();
-                if !spot.0.contains(&label) {
-                    spot.0.push(label);
-                }
+                put(&mut shown, on_page(piece.ends[end]), piece.nodes[end]);
             }
         }
         if is_small {
@@ -246,7 +295,24 @@ impl Drawing {
                 label: [at(36.0)[0], at(36.0)[1] + 4.0],
             }
         });
+        let (mut heading, mut keys) = (Vec::new(), Vec::new());
+        if place == Place::File {
+            heading = lines(title, WIDTH);
+            let all = Verdict::ALL.into_iter().map(Some).chain([None]);
+            let has = |wanted: &Option<Verdict>| {
+                self.pieces.iter().any(|piece| piece.verdict.map(Verdict::headline) == *wanted)
+            };
+            keys.extend(all.filter(has).enumerate().map(|(i, verdict)| Key {
+                x: 16.0 + 130.0 * i as f64,
+                class: verdict.map_or_else(|| "unseen".into(), name_of),
+                name: verdict.map_or("not audited", Verdict::name),
+            }));
+        }
         let page = DrawingTemplate {
+            head: if heading.is_empty() { 0.0 } else { 26.0 + 14.0 * heading.len() as f64 },
+            heading,
+            keys,
+            hinges: axles,
             title,
             style: place.style(),
             width: WIDTH,
@@ -259,6 +325,26 @@ impl Drawing {
         };
         rendered(&page)
     }
+}
+
+/// Notes that a node, or the ground, stands at a place of the page.
+fn put(shown: &mut Spots, at: [f64; 2], node: Option<Label>) {
+    let spot = shown.entry(at.map(|x| x.round() as i64)).or_insert_with(|| (Vec::new(), true, at));
+    let label = node.map_or_else(|| "ground".to_string(), |label| label.to_string());
+    spot.1 &= node.is_none();
+    if !spot.0.contains(&label) {
+        spot.0.push(label);
+    }
+}
+
+/// The hinges of a constraint, by the nodes of their angles.
+fn hinges(
+    element: &MpcElement,
+    place: &dyn Fn(&Label) -> Option<Vector<f64>>,
+) -> Vec<(Label, Vector<f64>, Vector<f64>)> {
+    let axes = element.constraint.initial_axes().into_iter().flatten();
+    let nodes = element.nodes.iter().skip(2);
+    nodes.zip(axes).filter_map(|(label, axis)| Some((*label, place(label)?, axis))).collect()
 }
 
 /// The names of connectors and nodes, each where it covers least; `pieces` and `links` are in one order.

@@ -56,6 +56,10 @@ struct Tick {
 struct Level<'a> {
     at: f64,
     name: &'a str,
+    /// Where the name stands, and how it is anchored there.
+    x: f64,
+    y: f64,
+    anchor: &'static str,
 }
 
 struct Dot {
@@ -78,7 +82,7 @@ struct PlotTemplate<'a> {
     title: &'a str,
     style: Option<&'static str>,
     head: f64,
-    heading: Vec<Line<'a>>,
+    heading: Vec<Line>,
     width: f64,
     height: f64,
     axis_name: f64,
@@ -96,10 +100,10 @@ struct PlotTemplate<'a> {
 }
 
 /// A line above the axes.
-struct Line<'a> {
+struct Line {
     class: &'static str,
     y: f64,
-    text: &'a str,
+    text: String,
 }
 
 /// A curve in the legend.
@@ -163,13 +167,17 @@ impl LogPlot<'_> {
     /// The plot as SVG.
     pub(crate) fn svg(&self, place: Place) -> String {
         let (width, left, right, top) = (420.0, 48.0, 408.0, 26.0);
+        // A file has nobody else to name its curves.
+        let has_legend = self.has_legend || place == Place::File;
         let mut height = if self.has_legend { 330.0 } else { 250.0 };
         let bottom = height - 44.0;
-        let names: Vec<Name<'_>> = if self.has_legend {
+        let in_two = self.curves.iter().all(|curve| curve.name.chars().count() < 28);
+        let wide = if in_two { 2 } else { 1 };
+        let names: Vec<Name<'_>> = if has_legend {
             let each = self.curves.iter().enumerate();
             each.map(|(i, curve)| Name {
-                x: left + (i % 2) as f64 * 180.0,
-                y: height + 10.0 + (i / 2) as f64 * 16.0,
+                x: left + (i % wide) as f64 * 180.0,
+                y: height + 10.0 + (i / wide) as f64 * 16.0,
                 colour: curve.colour,
                 text: curve.name,
             })
@@ -178,7 +186,7 @@ impl LogPlot<'_> {
             Vec::new()
         };
         let axis_name = height - 4.0;
-        height += names.len().div_ceil(2) as f64 * 16.0;
+        height += names.len().div_ceil(wide) as f64 * 16.0;
         let all = || self.curves.iter().flat_map(|curve| &curve.points);
         let x = Axis::new(all().map(|p| p[0]), left + 6.0, right - 6.0);
         let levels = self.levels.iter().map(|(value, _)| *value);
@@ -195,15 +203,31 @@ impl LogPlot<'_> {
             let radius = if curve.is_main { 4.0 } else { 2.4 };
             Drawn { colour: curve.colour, radius, line: line.trim_end().to_string(), dots }
         });
-        let head = if self.heading.is_empty() { 0.0 } else { 20.0 + 12.0 * self.heading.len() as f64 };
-        let title = (!self.heading.is_empty()).then_some(Line { class: "label", y: 15.0, text: self.title });
+        let curves: Vec<Drawn> = curves.collect();
+        let dots: Vec<[f64; 2]> =
+            curves.iter().flat_map(|curve| &curve.dots).map(|dot| [dot.x, dot.y]).collect();
+        let titles = if self.heading.is_empty() && place == Place::Page {
+            Vec::new()
+        } else {
+            lines(self.title, width)
+        };
+        let mut heading: Vec<Line> = Vec::new();
+        for text in titles {
+            heading.push(Line { class: "label", y: 15.0 * (heading.len() + 1) as f64, text });
+        }
+        let first = heading.last().map_or(3.0, |line| line.y + 1.0);
         let below = self.heading.iter().enumerate();
-        let below = below.map(|(i, text)| Line { class: "tiny", y: 28.0 + 12.0 * i as f64, text });
+        heading.extend(below.map(|(i, text)| Line {
+            class: "tiny",
+            y: first + 12.0 * (i + 1) as f64,
+            text: text.clone(),
+        }));
+        let head = heading.last().map_or(0.0, |line| line.y + 4.0);
         let page = PlotTemplate {
             title: self.title,
             style: place.style(),
             head,
-            heading: title.into_iter().chain(below).collect(),
+            heading,
             width,
             height,
             axis_name,
@@ -215,12 +239,69 @@ impl LogPlot<'_> {
             y_name: self.y_name,
             x_ticks: x.ticks(8),
             y_ticks: y.ticks(7),
-            levels: self.levels.iter().map(|(value, name)| Level { at: y.at(*value), name }).collect(),
-            curves: curves.collect(),
+            levels: self
+                .levels
+                .iter()
+                .map(|(value, name)| level((y.at(*value), name), [left, right, top], &dots))
+                .collect(),
+            curves,
             names,
         };
         rendered(&page)
     }
+}
+
+/// A level with its name where it covers the fewest dots: at the right or left, above or below its line, and not in the name of the axis.
+fn level<'a>((at, name): (f64, &'a str), [left, right, top]: [f64; 3], dots: &[[f64; 2]]) -> Level<'a> {
+    const LETTER: f64 = 6.4;
+    const HEIGHT: f64 = 12.0;
+    let width = name.chars().count() as f64 * LETTER;
+    let places = [
+        (right - 2.0, "end", -4.0),
+        (left + 4.0, "start", -4.0),
+        (right - 2.0, "end", 13.0),
+        (left + 4.0, "start", 13.0),
+    ];
+    let covered = |(x, anchor, below): &(f64, &str, f64)| {
+        let from = if *anchor == "end" { x - width } else { *x };
+        let base = at + below;
+        let is_in = |dot: &&[f64; 2]| {
+            (from - 4.0..=from + width + 4.0).contains(&dot[0])
+                && (base - HEIGHT..=base + 4.0).contains(&dot[1])
+        };
+        let in_name = *anchor == "start" && base - HEIGHT < top;
+        dots.iter().filter(is_in).count() + if in_name { dots.len() + 1 } else { 0 }
+    };
+    // The first of equals.
+    let mut best = places[0];
+    for place in places {
+        if covered(&place) < covered(&best) {
+            best = place;
+        }
+    }
+    let (x, anchor, below) = best;
+    Level { at, name, x, y: rounded(at + below), anchor }
+}
+
+/// A title in lines that fit into a width: broken at spaces, or where a word is longer than a line.
+pub(super) fn lines(text: &str, width: f64) -> Vec<String> {
+    const LETTER: f64 = 6.8;
+    let most = ((width - 16.0) / LETTER) as usize;
+    let mut found: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let letters: Vec<char> = word.chars().collect();
+        for part in letters.chunks(most.max(1)) {
+            let part: String = part.iter().collect();
+            match found.last_mut() {
+                Some(line) if line.chars().count() + 1 + part.chars().count() <= most => {
+                    line.push(' ');
+                    line.push_str(&part);
+                }
+                _ => found.push(part),
+            }
+        }
+    }
+    found
 }
 
 /// A template with its values in it. Writing to a text does not fail.
@@ -228,22 +309,37 @@ pub(super) fn rendered(template: &impl Template) -> String {
     template.render().unwrap_or_default()
 }
 
+/// A connector and its state; a state of a scene names its connector by itself.
+pub(super) fn title(shown: &Illustration) -> String {
+    let Illustration { subject, state, .. } = shown;
+    let (scene, name) =
+        subject.rsplit_once(": ").map_or(("", subject.as_str()), |(scene, name)| (scene, name));
+    if !scene.is_empty() && state.starts_with(name) {
+        format!("{scene}: {state}")
+    } else {
+        format!("{subject}, {state}")
+    }
+}
+
 /// Errors of ∂f·v against the step.
 pub(super) fn steps(shown: &Illustration, place: Place) -> String {
     let plot = LogPlot {
-        title: &format!("{}: error of ∂f·v against the step", shown.subject),
+        title: &match place {
+            Place::Page => format!("{}: error of ∂f·v against the step", shown.subject),
+            Place::File => format!("{}: error of ∂f·v against the step", title(shown)),
+        },
         heading: Vec::new(),
         x_name: "step h",
         y_name: "error, tolerances",
         curves: vec![
             Curve {
-                name: "Taylor remainder / h",
+                name: "Taylor remainder / h, 237 bits",
                 is_main: false,
                 colour: 1,
                 points: shown.steps.remainder.clone(),
             },
             Curve {
-                name: "central difference",
+                name: "central difference, doubles",
                 is_main: false,
                 colour: 2,
                 points: shown.steps.differences.clone(),
@@ -253,6 +349,24 @@ pub(super) fn steps(shown: &Illustration, place: Place) -> String {
         has_legend: false,
     };
     plot.svg(place)
+}
+
+/// The colours of errors, with what they mean.
+const KEY: [(&str, &str); 7] = [
+    ("zero", "zero"),
+    ("h0", "exact"),
+    ("h1", "< 0.01"),
+    ("h2", "< 0.1"),
+    ("h3", "< 0.5"),
+    ("h4", "≤ 1"),
+    ("bad", "✗ beyond"),
+];
+
+struct Key {
+    x: f64,
+    y: f64,
+    class: &'static str,
+    name: &'static str,
 }
 
 struct Head {
@@ -280,9 +394,13 @@ struct HeatTemplate<'a> {
     height: f64,
     /// The width that it has at most on a page.
     most: f64,
+    /// The height above the columns.
+    top: f64,
+    heading: Vec<Line>,
     heads: Vec<Head>,
     rows: Vec<Head>,
     cells: Vec<Cell>,
+    keys: Vec<Key>,
 }
 
 /// The class of an error in units of its tolerance.
@@ -324,8 +442,10 @@ pub(super) fn heat(title: &str, comparison: &Comparison, place: Place) -> String
         rows.push(Head { x: 36.0, y: y + 14.0, name: COMPONENT[k].to_string() });
         for (j, x) in &columns {
             let entry = row[*j];
-            let is_zero = entry.got == 0.0 && entry.units == 0.0;
-            let title = (!is_zero).then(|| {
+            // What is zero by its formula is zero to rounding here, whatever digits rounding left of it on either side.
+            let is_zero = entry.units <= 1.0 && entry.got.abs().max(entry.want.abs()) <= entry.tolerance;
+            let is_plain = entry.got == 0.0 && entry.units == 0.0;
+            let title = (!is_plain).then(|| {
                 format!(
                     "∂{}/∂{} = {:e}, must be {:e}: {:.3e} tolerances of {:.2e}",
                     COMPONENT[k], DOF[*j], entry.got, entry.want, entry.units, entry.tolerance
@@ -337,15 +457,34 @@ pub(super) fn heat(title: &str, comparison: &Comparison, place: Place) -> String
         }
         y += SIZE[1] + GAP;
     }
+    let (width, mut height) = (x + 2.0, y + 2.0);
+    let (mut heading, mut keys) = (Vec::new(), Vec::new());
+    if place == Place::File {
+        for text in lines(title, width) {
+            heading.push(Line { class: "label", y: 14.0 * (heading.len() + 1) as f64, text });
+        }
+        const KEY_WIDTH: f64 = 66.0;
+        let in_line = ((width / KEY_WIDTH) as usize).max(1);
+        keys.extend(KEY.iter().enumerate().map(|(i, (class, name))| Key {
+            x: 8.0 + (i % in_line) as f64 * KEY_WIDTH,
+            y: height + 26.0 + (i / in_line) as f64 * 18.0,
+            class,
+            name,
+        }));
+        height = keys.last().map_or(height, |key| key.y + 18.0);
+    }
     let page = HeatTemplate {
         title,
         style: place.style(),
-        width: x + 2.0,
-        height: y + 2.0,
+        width,
+        height,
         most: (1.12 * x).round(),
+        top: heading.last().map_or(0.0, |line| line.y + 8.0),
+        heading,
         heads,
         rows,
         cells,
+        keys,
     };
     rendered(&page)
 }
@@ -355,33 +494,148 @@ struct StripDot {
     low: f64,
     high: f64,
     title: String,
+    /// Where there is room for it.
+    name: Option<String>,
 }
 
 #[derive(Template)]
 #[template(path = "strip.svg", escape = "html")]
 struct StripTemplate<'a> {
     title: &'a str,
+    style: Option<&'static str>,
     width: f64,
     height: f64,
+    /// What a file has above and below the axes.
+    head: f64,
+    foot: f64,
     left: f64,
     right: f64,
     ticks: Vec<Tick>,
     dots: Vec<StripDot>,
 }
 
-/// Pairs of positive numbers by name, side by side on one log axis: the first a dot, the second a ring.
-pub(super) fn strip(title: &str, all: &[(String, [f64; 2])]) -> String {
+/// Pairs of positive numbers by name, side by side on one log axis: the first a dot, the second a ring. A file names what stands where,
+/// as far as there is room.
+pub(super) fn strip(title: &str, all: &[(String, [f64; 2])], place: Place) -> String {
+    /// More names than that are no names any more.
+    const NAMED: usize = 80;
     let (width, height, left, right) = (1000.0, 190.0, 48.0, 992.0);
     let axis = Axis::new(all.iter().flat_map(|(_, pair)| *pair), height - 12.0, 12.0);
     let gap = (right - left) / all.len().max(1) as f64;
+    let is_named = place == Place::File && all.len() <= NAMED;
+    // One scene is named once, in the title.
+    let scene = |name: &str| name.rsplit_once(": ").map(|(scene, _)| scene.to_string()).unwrap_or_default();
+    let of = all.first().map(|(name, _)| scene(name)).unwrap_or_default();
+    let is_one = place == Place::File && !of.is_empty() && all.iter().all(|(name, _)| scene(name) == of);
+    let title = &if is_one { format!("{of}: {title}") } else { title.to_string() };
+    let short = |name: &str| if is_one { name[of.len() + 2..].to_string() } else { name.to_string() };
     let dots = all.iter().enumerate().map(|(i, (name, [dot, ring]))| StripDot {
         x: rounded(left + (i as f64 + 0.5) * gap),
         low: axis.at(*dot),
         high: axis.at(*ring),
         title: format!("{name}: {dot:.0e} at the median state, {ring:.0e} at the worst"),
+        name: is_named.then(|| short(name)),
     });
-    let dots = dots.collect();
-    rendered(&StripTemplate { title, width, height, left, right, ticks: axis.ticks(8), dots })
+    let dots: Vec<StripDot> = dots.collect();
+    let longest =
+        dots.iter().flat_map(|dot| &dot.name).map(|name| name.chars().count()).max().unwrap_or_default();
+    let (head, foot) = if place == Place::File { (44.0, 10.0 + 5.8 * longest as f64) } else { (0.0, 0.0) };
+    rendered(&StripTemplate {
+        title,
+        style: place.style(),
+        width,
+        height,
+        head,
+        foot,
+        left,
+        right,
+        ticks: axis.ticks(8),
+        dots,
+    })
+}
+
+/// A bin of a histogram: how full by decades of the share, 0 for none, where it begins, how many.
+pub(super) struct Bin {
+    pub(super) depth: usize,
+    pub(super) from: String,
+    pub(super) count: String,
+}
+
+/// A histogram: what it is of, and its bins.
+pub(super) struct Map {
+    pub(super) name: String,
+    pub(super) bins: Vec<Bin>,
+    pub(super) largest: String,
+}
+
+struct Box {
+    x: f64,
+    y: f64,
+    w: f64,
+    depth: usize,
+    count: String,
+    from: String,
+}
+
+struct Strip {
+    y: f64,
+    name: String,
+    boxes: Vec<Box>,
+}
+
+#[derive(Template)]
+#[template(path = "coverage.svg", escape = "html")]
+struct CoverageTemplate<'a> {
+    title: &'a str,
+    style: Option<&'static str>,
+    width: f64,
+    height: f64,
+    heading: Vec<Line>,
+    strips: Vec<Strip>,
+    keys: Vec<Key>,
+}
+
+/// The histograms of a scene, one below the other, as a file of its own.
+pub(super) fn coverage(title: &str, maps: &[Map]) -> String {
+    const EACH: f64 = 66.0;
+    let (width, left) = (1000.0, 16.0);
+    let mut heading: Vec<Line> = Vec::new();
+    for text in lines(title, width) {
+        heading.push(Line { class: "label", y: 20.0 + 14.0 * heading.len() as f64, text });
+    }
+    let head = heading.last().map_or(20.0, |line| line.y) + 20.0;
+    let strips: Vec<Strip> = maps
+        .iter()
+        .enumerate()
+        .map(|(n, map)| {
+            let y = head + n as f64 * EACH;
+            let w = (width - 2.0 * left) / map.bins.len().max(1) as f64;
+            let place = |i: usize| rounded(left + i as f64 * w);
+            let boxes = map.bins.iter().enumerate().map(|(i, bin)| Box {
+                x: place(i),
+                y: y + 8.0,
+                w: rounded(w - 2.0),
+                depth: bin.depth,
+                count: bin.count.clone(),
+                from: bin.from.clone(),
+            });
+            Strip { y, name: format!("{}; largest {}", map.name, map.largest), boxes: boxes.collect() }
+        })
+        .collect();
+    let y = head + maps.len() as f64 * EACH;
+    let shares =
+        [("m0", "none"), ("m1", "< 1 % of the samples"), ("m2", "< 10 %"), ("m3", "< 50 %"), ("m4", "more")];
+    let keys = shares.into_iter().enumerate();
+    let keys = keys.map(|(i, (class, name))| Key { x: left + i as f64 * 180.0, y, class, name });
+    rendered(&CoverageTemplate {
+        title,
+        style: Place::File.style(),
+        width,
+        height: y + 26.0,
+        heading,
+        strips,
+        keys: keys.collect(),
+    })
 }
 
 #[cfg(test)]
@@ -415,5 +669,35 @@ mod tests {
             "{svg}"
         );
         assert!(svg.contains("∂ur1/∂θa2 = 0e0, must be 1e0"), "{svg}");
+        // Its title and what its colours mean stand in the file.
+        assert!(svg.contains("<text class=\"label\"") && svg.contains(">✗ beyond</text>"), "{svg}");
+    }
+
+    /// What a formula makes zero to rounding is no error, and no dependence; what should be far from zero is.
+    #[test]
+    fn what_is_zero_to_rounding_is_shown_as_zero() {
+        let mut comparison = Comparison::default();
+        let zero = crate::audit::Compared { got: 0.0, want: 0.0, tolerance: 1e-15, units: 0.0 };
+        let mut row = [zero; DOFS];
+        row[3] = crate::audit::Compared { want: -2e-17, units: 0.02, ..zero };
+        row[4] = crate::audit::Compared { got: 3e-16, want: -3e-16, units: 0.6, ..zero };
+        row[5] = crate::audit::Compared { want: 2e-15, units: 2.0, ..zero };
+        row[0] = crate::audit::Compared { got: 1.0, want: 1.0 + 3e-16, units: 0.3, ..zero };
+        comparison.0[0] = Some(row);
+        let svg = heat("AXIAL", &comparison, Place::Page);
+        let count = |what: &str| svg.matches(what).count();
+        assert_eq!(
+            [count("\"zero\""), count("\"bad\""), count("\"h3\""), count("\"h1\"")],
+            [10, 1, 1, 0],
+            "{svg}"
+        );
+        assert!(svg.contains("must be -2e-17"), "the digits are still to be seen: {svg}");
+    }
+
+    #[test]
+    fn long_titles_are_broken_into_lines() {
+        let found = lines(&format!("of {} at state 3", "x".repeat(90)), 420.0);
+        assert!(found.len() == 3 && found.iter().all(|line| line.chars().count() <= 59), "{found:?}");
+        assert_eq!(found.concat().replace(' ', "").len(), 2 + 90 + 8);
     }
 }

@@ -50,9 +50,18 @@ pub fn figures(report: &Report, supplement: &Supplement<'_>) -> Vec<(String, Str
     let mut found = Vec::new();
     for shown in &supplement.illustrations {
         let name = file_name(&shown.subject);
-        let title = format!("{}, {}", shown.subject, shown.state);
+        let title = figure::title(shown);
         found.push((format!("jacobian-{name}.svg"), figure::heat(&title, &shown.comparison, Place::File)));
-        found.push((format!("steps-{name}.svg"), figure::steps(shown, Place::File)));
+        if !shown.steps.remainder.is_empty() {
+            found.push((format!("steps-{name}.svg"), figure::steps(shown, Place::File)));
+        }
+    }
+    let noticed = page::strip(report, Place::File);
+    if !noticed.is_empty() {
+        found.push(("smallest-error-noticed.svg".to_string(), noticed));
+    }
+    for (scene, figure) in page::coverage_figures(report) {
+        found.push((format!("coverage-{}.svg", file_name(&scene)), figure));
     }
     for approach in report.atlas.iter().chain(&supplement.approaches) {
         let name = file_name(&format!("{} {}", approach.connection, approach.component));

@@ -1,7 +1,7 @@
 //! The page: what stands in which section.
 
 use super::drawing::name_of;
-use super::figure::{self, Curve, LogPlot, Place, STYLE};
+use super::figure::{self, Bin, Curve, LogPlot, Map, Place, STYLE};
 use super::{Supplement, drawing};
 use crate::audit::assembly::Assembly;
 use crate::audit::coverage::Histogram;
@@ -58,20 +58,6 @@ struct FindingRow {
     message: String,
     reason: String,
     remedy: String,
-}
-
-/// A bin of a histogram.
-struct Bin {
-    /// 0 for none, then by decades of the share.
-    depth: usize,
-    from: String,
-    count: String,
-}
-
-struct Map {
-    name: String,
-    bins: Vec<Bin>,
-    largest: String,
 }
 
 struct CoverageSection {
@@ -229,6 +215,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         .filter(|(_, drawing)| !drawing.is_empty())
         .map(|(name, drawing)| Figure { svg: drawing.svg(name, Place::Page), caption: drawing.caption(name) })
         .collect();
+    let unseen = supplement.scenes.iter().any(|scene| drawing(report, scene).has_unseen());
     let mut page = PageTemplate {
         css: include_str!("page.css"),
         figure_css: STYLE,
@@ -244,7 +231,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         models: report.models.iter().map(model).collect(),
         coverage: report.models.iter().filter_map(coverage).collect(),
         drawings,
-        verdict_key: Verdict::ALL.into_iter().filter(|v| v.headline() == *v).map(Said::of).collect(),
+        verdict_key: verdict_key(report, unseen),
         symbols: symbols().into(),
         rows: report.subjects.iter().map(verdict_row).collect(),
         undecided: undecided(report),
@@ -256,7 +243,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
             .map(|found| approach_card(found, report, supplement))
             .collect(),
         confirmed: confirmed(report, supplement),
-        detectable: strip(report),
+        detectable: strip(report, Place::Page),
         scores: scores(report),
         kinds: kinds(report),
         survivors: survivors(report),
@@ -265,6 +252,13 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
     };
     page.sections = sections(&page);
     page.render().map_err(io::Error::other)
+}
+
+/// What the colours of a drawing mean: verdicts, where numbers were audited, and what was not.
+fn verdict_key(report: &Report, unseen: bool) -> Vec<Said> {
+    let verdicts = Verdict::ALL.into_iter().filter(|v| v.headline() == *v && !report.subjects.is_empty());
+    let not = unseen.then(|| Said("unseen".to_string(), "not audited"));
+    verdicts.map(Said::of).chain(not).collect()
 }
 
 /// The figures at the head: of the audit, or of the findings where no number was audited.
@@ -307,9 +301,24 @@ fn sections(page: &PageTemplate) -> Vec<(&'static str, &'static str)> {
     all.into_iter().filter(|section| section.2).map(|(id, name, _)| (id, name)).collect()
 }
 
+/// With a capital, where it begins with a word of the language: symbols stay what they are (μ, ur1, e1a, x_b).
 fn capital(text: &str) -> String {
+    let word = text.split(|c: char| c.is_whitespace() || ",.;:".contains(c)).next().unwrap_or_default();
+    let is_word = word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase() || "-'’".contains(c));
+    let is_word = is_word || (word == "a" && is_article(text));
+    if !is_word {
+        return text.to_string();
+    }
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Whether a text that begins with `a` begins with the article, and not with the node: what follows that is a verb or a conjunction.
+fn is_article(text: &str) -> bool {
+    const AFTER_A_NODE: [&str; 7] = ["and", "or", "to", "at", "by", "from", "against"];
+    let next = text.split_whitespace().nth(1).unwrap_or_default();
+    let is_word = next.len() > 1 && next.chars().all(|c| c.is_ascii_lowercase() || c == '-');
+    is_word && !next.ends_with('s') && !AFTER_A_NODE.contains(&next)
 }
 
 /// With a capital and a full stop.
@@ -607,6 +616,16 @@ fn step_cards(supplement: &Supplement<'_>) -> Vec<StepCard> {
     supplement.illustrations.iter().filter(has_curves).map(card).collect()
 }
 
+/// The histograms of coverage of the scenes, each as a file's text, by name.
+pub(super) fn coverage_figures(report: &Report) -> Vec<(String, String)> {
+    let of = |section: CoverageSection| {
+        let title = format!("{}: where the samples of its states lie", section.scene);
+        let figure = figure::coverage(&title, &section.maps);
+        (section.scene, figure)
+    };
+    report.models.iter().filter_map(coverage).map(of).collect()
+}
+
 /// The curves of a singular set.
 pub(super) fn approach(found: &Approach, place: Place) -> String {
     let curve = |name, colour, of: fn(&crate::audit::atlas::Rung) -> f64| Curve {
@@ -682,7 +701,7 @@ fn confirmed(report: &Report, supplement: &Supplement<'_>) -> String {
 }
 
 /// The smallest error that is noticed, by connector: a plot against the rank.
-fn strip(report: &Report) -> String {
+pub(super) fn strip(report: &Report, place: Place) -> String {
     let sharp = |subject: &Subject| {
         let is_it = |check: &&Check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check);
         let scores = || subject.checks.iter().filter(is_it).map(|check| &check.score);
@@ -699,7 +718,7 @@ fn strip(report: &Report) -> String {
         return String::new();
     }
     all.sort_by(|x, y| x.1[0].total_cmp(&y.1[0]).then(x.1[1].total_cmp(&y.1[1])));
-    figure::strip("The smallest relative error that is noticed", &all)
+    figure::strip("The smallest relative error that is noticed on every significant entry", &all, place)
 }
 
 fn scores(report: &Report) -> Vec<ScoreRow> {
@@ -788,6 +807,7 @@ fn environment(report: &Report, supplement: &Supplement<'_>) -> Vec<(&'static st
         lines.push(("command", supplement.command.clone()));
     }
     let here = Environment::here();
+    lines.extend(here.commit.map(|commit| ("commit", commit.into_owned())));
     lines.extend([
         ("date", here.date),
         ("compiler", format!("{} for {}", here.rustc, here.target)),
@@ -827,4 +847,29 @@ fn oracles(report: &Report) -> Vec<OracleRow> {
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{capital, sentence};
+
+    #[test]
+    fn symbols_keep_their_case() {
+        for (text, shown) in [
+            ("μ = 0", "μ = 0."),
+            ("e1 is taken along a", "e1 is taken along a."),
+            ("ur1 follows from the others", "ur1 follows from the others."),
+            ("δl follows", "δl follows."),
+            ("∂ur1/∂θa1 is zero", "∂ur1/∂θa1 is zero."),
+            ("exp(μ α) overflows", "exp(μ α) overflows."),
+            ("nothing presses", "Nothing presses."),
+            ("a term is left out", "A term is left out."),
+            ("a coincides with b", "a coincides with b."),
+            ("a and b coincide", "a and b coincide."),
+            ("second-order, then", "Second-order, then."),
+        ] {
+            assert_eq!(sentence(text), shown);
+        }
+        assert_eq!(capital(""), "");
+    }
 }

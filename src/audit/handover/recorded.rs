@@ -1,0 +1,164 @@
+//! Counter-examples of what is no connector in another form.
+
+use super::deck::Deck;
+use super::rust::literal;
+use super::{ExportError, comment, constraint};
+use crate::audit::failing::{Example, Failing};
+use crate::audit::recorded::{FoundIn, Recorded};
+
+impl Recorded {
+    /// What it is of, in words.
+    pub(super) fn heading(&self) -> String {
+        self.failing().map_or_else(|_| self.kind.name().to_string(), |failing| failing.title())
+    }
+
+    /// What was given, what it must be, and its tolerance.
+    pub(super) fn numbers(&self) -> String {
+        format!("given {}, must be {}, tolerance {}", self.got, self.want, self.tolerance)
+    }
+
+    /// The number in question, as this version of the program gives it from the recorded values.
+    ///
+    /// # Errors
+    /// Another schema, values that make no such thing or are not finite; an entry that they do not give.
+    pub fn number(&self) -> Result<f64, ExportError> {
+        let failing = self.failing()?;
+        let found = match (&failing, self.quantity) {
+            (Failing::Mpc(case), _) => constraint::got(self, case),
+            (other, Some(quantity)) => {
+                let sheets = other.sheets();
+                let entries =
+                    sheets.iter().filter(|sheet| sheet.quantity == quantity).flat_map(|sheet| &sheet.entries);
+                entries.into_iter().find(|entry| entry.name == self.entry).map(|entry| entry.got)
+            }
+            _ => None,
+        };
+        found.ok_or_else(|| {
+            ExportError::Lost(format!(
+                "{} is no number of its {}; judge it by `pintle replay` alone",
+                self.entry,
+                self.kind.name()
+            ))
+        })
+    }
+
+    /// A test in Rust that needs this crate and nothing else: of a constraint, what it is and its state, typed out; of a friction, a belt,
+    /// springs and dampers, whose tables may be long, the counter-example itself. The number in question is compared with what it must be.
+    ///
+    /// # Errors
+    /// What cannot be replayed; a mismatch of what is no number of it.
+    pub fn rust(&self) -> Result<String, ExportError> {
+        self.number()?;
+        let (imports, before, statements) = match self.failing()? {
+            Failing::Mpc(case) => {
+                let Some(place) = constraint::place(self, &case) else { return Err(self.unknown()) };
+                (constraint::IMPORTS.to_string(), String::new(), constraint::rust(&case, place))
+            }
+            _ => {
+                let values = serde_json::to_string_pretty(self)
+                    .map_err(|error| ExportError::Lost(error.to_string()))?;
+                // A raw string ends at a quote with as many marks.
+                let marks =
+                    (1..).map(|n| "#".repeat(n)).find(|marks| !values.contains(&format!("\"{marks}")));
+                let marks = marks.unwrap_or_default();
+                let statements = "    let example = match Example::read(COUNTER_EXAMPLE).unwrap() {\n        Example::Other(example) => example,\n        \
+                     Example::Connector(_) => unreachable!(\"it is of no connector\"),\n    };\n    let got: f64 = example.number().unwrap();\n";
+                let constant = format!(
+                    "/// The values that the number follows from, doubles in hexadecimal.\nconst COUNTER_EXAMPLE: &str = r{marks}\"{values}\"{marks};\n\n"
+                );
+                ("use pintle::audit::Example;\n".to_string(), constant, statements.to_string())
+            }
+        };
+        Ok(format!(
+            "// {}\n{imports}\n{before}#[test]\nfn counter_example() {{\n{statements}    let want: f64 = {};\n    \
+             let tolerance: f64 = {};\n    \
+             assert!((got - want).abs() <= tolerance, \"{{got:e}}, must be {{want:e}} within {{tolerance:e}}\");\n}}\n",
+            comment(&super::about(&self.heading(), self)),
+            literal(self.want.0),
+            literal(self.tolerance.0)
+        ))
+    }
+
+    /// A script for Python with JAX and NumPy, and nothing else: of a constraint, formulas that share nothing with this crate.
+    ///
+    /// # Errors
+    /// What cannot be replayed; what is no constraint.
+    pub fn jax(&self) -> Result<String, ExportError> {
+        match self.failing()? {
+            Failing::Mpc(case) => {
+                let Some(place) = constraint::place(self, &case) else { return Err(self.unknown()) };
+                Ok(constraint::jax(self, &case, place))
+            }
+            _ => Err(self.has_no("JAX script: the formulas there are of kinematics alone")),
+        }
+    }
+
+    /// A deck, and the states that lead to the one in question: of a constraint, with its shrunk values; of a friction, a belt, springs
+    /// and dampers, the scene that it was found in, as it was audited.
+    ///
+    /// # Errors
+    /// What cannot be replayed; what was found at drawn states or under drawn forces, of which no scene is known.
+    pub fn deck(&self) -> Result<Deck, ExportError> {
+        let failing = self.failing()?;
+        match (failing, &self.found_in) {
+            (Failing::Mpc(case), _) => constraint::deck(self, &case),
+            (_, Some(FoundIn { state, deck, states })) => {
+                let about = super::about(&self.heading(), self);
+                let text = format!(
+                    "** {about}\n** {}\n** The scene as it was audited; the numbers above are of the counter-example, which was shrunk from its state \
+                     {state}.\n** Evaluate it there: pintle eval THIS --states THOSE --show {state} --outputs CU,CEF,CVF,CSF,TANGENT\n{deck}",
+                    self.numbers()
+                );
+                Ok(Deck { text, states: states.clone() + "\n", differences: Vec::new() })
+            }
+            _ => Err(self
+                .has_no("deck: it was found at a drawn state or under drawn forces, which no scene gives")),
+        }
+    }
+
+    fn unknown(&self) -> ExportError {
+        ExportError::Lost(format!("{} is no number of its {}", self.entry, self.kind.name()))
+    }
+
+    fn has_no(&self, form: &str) -> ExportError {
+        ExportError::Lost(format!(
+            "what is of a {} has no {form}; there is a Rust test of it: --export rust",
+            self.kind.name()
+        ))
+    }
+}
+
+impl Example {
+    /// A test in Rust.
+    ///
+    /// # Errors
+    /// What cannot be replayed, and what is no number of one state.
+    pub fn rust(&self) -> Result<String, ExportError> {
+        match self {
+            Self::Connector(example) => example.rust(),
+            Self::Other(recorded) => recorded.rust(),
+        }
+    }
+
+    /// A script for Python with JAX.
+    ///
+    /// # Errors
+    /// What cannot be replayed, and what the reference formulas do not have.
+    pub fn jax(&self) -> Result<String, ExportError> {
+        match self {
+            Self::Connector(example) => example.jax(),
+            Self::Other(recorded) => recorded.jax(),
+        }
+    }
+
+    /// A deck and its states.
+    ///
+    /// # Errors
+    /// What cannot be replayed, and what a deck cannot say.
+    pub fn deck(&self) -> Result<Deck, ExportError> {
+        match self {
+            Self::Connector(example) => example.deck(),
+            Self::Other(recorded) => recorded.deck(),
+        }
+    }
+}
