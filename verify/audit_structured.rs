@@ -289,3 +289,23 @@ fn lost_digits_are_not_explained_by_mistakes() {
     let causes = check.diagnosis.as_ref().map_or(0, |found| found.causes.len());
     assert_eq!(causes, 0, "{check:?}");
 }
+
+/// Stick so stiff that what it is returned from is 1e10 to 1e35 times the limit: steps of that size lead over a traction that is not zero,
+/// to what is no solution.
+#[test]
+fn stiff_stick_has_one_solution() {
+    let states = "state,time,node,u1,ur1\n0,0.1,2,-0.9,0.4\n1,0.2,2,0.3,1.1\n2,0.3,2,0.7,-0.2\n";
+    for (i, (friction, stiffness)) in [(2e-10, 8e15), (0.3, 1e12), (1e-3, 1e20)].into_iter().enumerate() {
+        for (sliding, components) in [("COMPONENT=1", ""), ("", "*CONNECTOR POTENTIAL\n1,\n4, 2.\n")] {
+            let comma = if sliding.is_empty() { "" } else { ", " };
+            let section = format!(
+                ", BEHAVIOR=B\nCARTESIAN, ROTATION\nO\n*CONNECTOR BEHAVIOR, NAME=B\n\
+                 *CONNECTOR FRICTION{comma}{sliding}, STICK STIFFNESS={stiffness:e}\n, 3e-9\n{components}*FRICTION\n{friction:e}\n"
+            );
+            let given = files(&format!("stiff{i}{}", sliding.len()), &section, states);
+            let found = subject(&given, &[], 0);
+            let forces = check(&found, "friction-force", "wide-differences");
+            assert_eq!(forces["verdict"], "pass", "{friction} {stiffness} {sliding}: {forces}");
+        }
+    }
+}
