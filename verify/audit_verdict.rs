@@ -69,7 +69,7 @@ fn duals_and_differences_agree_far_below_the_tolerance() {
             if nearness == 0.0 {
                 continue;
             }
-            let answers = WideAnswers::of(&Truth::of_rotations(&case).unwrap());
+            let answers = WideAnswers::of(&Truth::of(&case).unwrap());
             let bound = bound_of(&case, &answers, nearness);
             for quantity in Quantity::ALL {
                 for (k, i, truth) in answers.differences.entries(quantity).iter() {

@@ -164,8 +164,9 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         let drawn_by = |draw: &mut Draw| {
             if i < regular { random_case(connection, draw) } else { atlas::random_near(connection, draw) }
         };
-        // Every second state near a singular set, and every fourth of the others, has the structure that models have.
-        let is_structured = if i < regular { i % 4 == 3 } else { i % 2 == 1 };
+        // Half of the states near singular sets, and a quarter of the others, have the structure that models have.
+        let share = if i < regular { 0.25 } else { 0.5 };
+        let is_structured = Draw::new(&format!("{name} structure")).unit() < share;
         let structured = || {
             let mut draw = Draw::new(&name);
             draw.structured();
@@ -270,7 +271,7 @@ impl<'a> AtRotations<'a> {
     }
 
     pub(super) fn exact(&self, quantity: Quantity) -> Option<Exact<'_>> {
-        let of_case = || Truth::of_rotations(self.case).as_ref().map(WideAnswers::of);
+        let of_case = || Truth::of(self.case).as_ref().map(WideAnswers::of);
         let answers = self.answers.get_or_init(of_case).as_ref()?;
         let (product, truth) = (answers.dual.entries(quantity), answers.differences.entries(quantity));
         Some(Exact { product, truth })

@@ -15,7 +15,7 @@ use crate::connector::{
 use crate::measure::{Margin, SingularClass};
 use crate::node::{self, DOFS, Pair};
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
-use crate::vector::{product, sub, transpose, transposed_product};
+use crate::vector::{Matrix, product, sub, transpose, transposed_product};
 use std::sync::OnceLock;
 
 pub(super) const FIRST_STEP: f64 = 1e-25;
@@ -26,6 +26,10 @@ const NOISE: f64 = 6e-70;
 /// A case on 237-bit numbers, from the same doubles.
 pub struct Truth {
     connector: Connector<Wide>,
+    /// The state as it is given, which values are of.
+    given: State<Wide>,
+    /// The same with triads that are rotations to the last of 237 bits, which derivatives are of. What leaves the group by the rounding of
+    /// 53 bits is evaluated on one way or another, between which a step may change: at right angles values would jump by 1e-32.
     state: State<Wide>,
     /// The branch that the end of the case leaves: what moves from there stays on its sheet, even at an exact half turn, which
     /// is equally far from two sheets of the state before.
@@ -73,6 +77,22 @@ pub(super) fn locks<R: Differentiable<Mask = bool>>(connector: &Connector<R>, pa
     measures.map(|measure| measure.is_some_and(|measure| measure.is_locked(&q)))
 }
 
+/// The rotation nearest to a triad of doubles, to the last of 237 bits: Newton's method on C^T C = 1.
+fn rotation(mut triad: Matrix<Wide>) -> Matrix<Wide> {
+    /// Each squares the error: 1e-16, 1e-32, 1e-64, 1e-71.
+    const STEPS: usize = 4;
+    for _ in 0..STEPS {
+        let square = product(&transpose(&triad), &triad);
+        let half = |i: usize, j: usize| {
+            let three = Wide::integer(if i == j { 3 } else { 0 });
+            (three - square[i][j]) / Wide::integer(2)
+        };
+        let correction = [0, 1, 2].map(|i| [0, 1, 2].map(|j| half(i, j)));
+        triad = product(&triad, &correction);
+    }
+    triad
+}
+
 /// A step, and the values after it and before it.
 type Moved = (Wide, [Components<Wide>; 2]);
 
@@ -100,11 +120,18 @@ impl Truth {
         let connector = Connector::new(&case.definition);
         let (narrowly, exactly) = (at_end.locks(), locks(&connector, &state.pair));
         let margins = at_end.margins();
+        let given = state;
+        for node in [&mut state.pair.a, &mut state.pair.b] {
+            node.triad = rotation(node.triad);
+        }
+        // A distance of zero on doubles is one of rounding where the triads are rotations to rounding.
+        let are_rotations =
+            state.pair.a.triad == given.pair.a.triad && state.pair.b.triad == given.pair.b.triad;
         let mut locked = Locked::of(narrowly, exactly);
         locked.everything = [0, 1, 2, 3, 4, 5].map(|k| {
             let is_undetermined = |Margin { distance, set }: Margin| match set.class {
                 SingularClass::TrueSingularity => true,
-                SingularClass::BranchCut => distance > 0.0,
+                SingularClass::BranchCut => distance > 0.0 || !are_rotations,
                 SingularClass::Kink | SingularClass::Removable => false,
             };
             of_components[k] == 0.0 && margins[k].is_some_and(is_undetermined)
@@ -121,6 +148,7 @@ impl Truth {
         }
         Some(Self {
             connector,
+            given,
             state,
             branch: exact_branch(&after),
             length: case.length,
@@ -129,26 +157,6 @@ impl Truth {
             locked,
             places: OnceLock::new(),
         })
-    }
-
-    /// The same with triads that are rotations to the last of 237 bits. Those of a case are to the last of 53: what is the same on
-    /// rotations, as derivatives along the group and through the relative pair, then differs by that.
-    pub fn of_rotations(case: &Case) -> Option<Self> {
-        /// Each step squares the error: 1e-16, 1e-32, 1e-64, 1e-71.
-        const STEPS: usize = 4;
-        let mut of = Self::of(case)?;
-        for node in [&mut of.state.pair.a, &mut of.state.pair.b] {
-            for _ in 0..STEPS {
-                let square = product(&transpose(&node.triad), &node.triad);
-                let half = |i: usize, j: usize| {
-                    let three = Wide::integer(if i == j { 3 } else { 0 });
-                    (three - square[i][j]) / Wide::integer(2)
-                };
-                let correction = [0, 1, 2].map(|i| [0, 1, 2].map(|j| half(i, j)));
-                node.triad = product(&node.triad, &correction);
-            }
-        }
-        Some(of)
     }
 
     /// min(1, distance to the nearest singular set): 0 on one, where no two-sided derivative exists.
@@ -264,7 +272,7 @@ impl Truth {
         })
     }
 
-    /// Where the case ends.
+    /// Where the case ends, on rotations.
     pub(super) fn at_rest(&self) -> Place {
         self.place([Wide::zero(); DOFS])
     }
@@ -272,6 +280,7 @@ impl Truth {
     /// Everything by dual numbers over 237 bits: the product's own source, without its rounding.
     pub fn dual(&self) -> Numbers<Wide> {
         let mut numbers = Numbers::of(&self.evaluate(&self.at_rest(), &request()));
+        numbers.set(Quantity::Value, self.value());
         super::force::add_forces(&mut numbers, &self.connector, &self.state, &self.branch);
         numbers
     }
@@ -284,8 +293,9 @@ impl Truth {
     /// The values.
     pub fn value(&self) -> Entries<Wide> {
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let still = self.evaluate(&self.at_rest(), &asked);
-        Numbers::of(&still).entries(Quantity::Value).clone()
+        let branch = self.connector.advance(&self.given, &Increment::none(), &self.branch);
+        let given = Place { by: [Wide::zero(); DOFS], state: self.given, branch };
+        Numbers::of(&self.evaluate(&given, &asked)).entries(Quantity::Value).clone()
     }
 
     /// (f(q + h) − f(q − h))/2h for each degree of freedom that the connector has; zero for the others.
