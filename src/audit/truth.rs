@@ -25,11 +25,11 @@ const NOISE: f64 = 6e-70;
 
 /// A case on 237-bit numbers, from the same doubles.
 pub struct Truth {
-    connector: Connector<Wide>,
-    /// The state as it is given, which values are of.
-    given: State<Wide>,
-    /// The same with triads that are rotations to the last of 237 bits, which derivatives are of. What leaves the group by the rounding of
+    /// The connector and the state as they are given, which values are of.
+    given: (Connector<Wide>, State<Wide>),
+    /// The same with triads that are rotations to the last of 237 bits, initially and now, which derivatives are of. What leaves the group by the rounding of
     /// 53 bits is evaluated on one way or another, between which a step may change: at right angles values would jump by 1e-32.
+    connector: Connector<Wide>,
     state: State<Wide>,
     /// The branch that the end of the case leaves: what moves from there stays on its sheet, even at an exact half turn, which
     /// is equally far from two sheets of the state before.
@@ -78,7 +78,7 @@ pub(super) fn locks<R: Differentiable<Mask = bool>>(connector: &Connector<R>, pa
 }
 
 /// The rotation nearest to a triad of doubles, to the last of 237 bits: Newton's method on C^T C = 1.
-fn rotation(mut triad: Matrix<Wide>) -> Matrix<Wide> {
+pub(super) fn rotation(mut triad: Matrix<Wide>) -> Matrix<Wide> {
     /// Each squares the error: 1e-16, 1e-32, 1e-64, 1e-71.
     const STEPS: usize = 4;
     for _ in 0..STEPS {
@@ -124,9 +124,11 @@ impl Truth {
         for node in [&mut state.pair.a, &mut state.pair.b] {
             node.triad = rotation(node.triad);
         }
+        let initial = rotation(connector.section().initial_orientation);
         // A distance of zero on doubles is one of rounding where the triads are rotations to rounding.
-        let are_rotations =
-            state.pair.a.triad == given.pair.a.triad && state.pair.b.triad == given.pair.b.triad;
+        let are_rotations = state.pair.a.triad == given.pair.a.triad
+            && state.pair.b.triad == given.pair.b.triad
+            && initial == connector.section().initial_orientation;
         let mut locked = Locked::of(narrowly, exactly);
         locked.everything = [0, 1, 2, 3, 4, 5].map(|k| {
             let is_undetermined = |Margin { distance, set }: Margin| match set.class {
@@ -146,9 +148,10 @@ impl Truth {
                 connector = connector.counting_from(k, Wide::from_f64(origin));
             }
         }
+        let given = (connector.clone(), given);
         Some(Self {
-            connector,
             given,
+            connector: connector.oriented_from(initial),
             state,
             branch: exact_branch(&after),
             length: case.length,
@@ -293,9 +296,10 @@ impl Truth {
     /// The values.
     pub fn value(&self) -> Entries<Wide> {
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let branch = self.connector.advance(&self.given, &Increment::none(), &self.branch);
-        let given = Place { by: [Wide::zero(); DOFS], state: self.given, branch };
-        Numbers::of(&self.evaluate(&given, &asked)).entries(Quantity::Value).clone()
+        let (connector, state) = &self.given;
+        let branch = connector.advance(state, &Increment::none(), &self.branch);
+        let still = connector.evaluate_on(state, branch, &asked, &mut Tally::default());
+        Numbers::of(&still).entries(Quantity::Value).clone()
     }
 
     /// (f(q + h) − f(q − h))/2h for each degree of freedom that the connector has; zero for the others.
