@@ -341,3 +341,18 @@ fn right_angles_in_oblique_frames_are_no_mismatch() {
     report(&given, &[], 0);
     report(&given, &["--plant", "wrong-entry"], 1);
 }
+
+/// |f|^(3/2) has no second derivative at f = 0: what a Hessian says there is judged by nobody, and is not called wrong; elsewhere it is judged.
+#[test]
+fn hessians_without_end_are_singular() {
+    let section = ", BEHAVIOR=B\nCARTESIAN\nO\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR FRICTION, STICK STIFFNESS=1000.\n, 2.\n\
+                   *CONNECTOR POTENTIAL, EXPONENT=1.5\n1, 1.\n2, 1.\n*FRICTION\n0.5\n";
+    let states = "state,time,node,u1,u2\n0,0.1,2,0.1,0\n1,0.2,2,0.2,0\n";
+    let given = files("power", section, states);
+    let hessians = check(&subject(&given, &[], 0), "friction-hessian", "wide-differences").clone();
+    assert_eq!(hessians["verdict"], "singular", "{hessians}");
+    assert!(hessians["worst"]["lack"].as_str().unwrap().contains("do not settle"), "{hessians}");
+    let beside = "state,time,node,u1,u2\n0,0.1,2,0.1,0.05\n1,0.2,2,0.2,0.02\n";
+    let given = files("power-beside", section, beside);
+    assert_eq!(check(&subject(&given, &[], 0), "friction-hessian", "wide-differences")["verdict"], "pass");
+}

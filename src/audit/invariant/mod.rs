@@ -205,6 +205,8 @@ pub struct Context<'a> {
     bound: &'a Bound,
     state: State<f64>,
     increment: Increment<f64>,
+    /// min(1, distance of each component to its singular sets).
+    nearness: [f64; 6],
     /// The components that are not on a singular set: those of which derivatives exist.
     is_smooth: [bool; 6],
 }
@@ -217,9 +219,11 @@ impl<'a> Context<'a> {
         let step = *case.last()?;
         let after = connector.advance(&step.state, &step.increment, &before);
         let margins = connector.margins(&step.state, &after, [true; 6]);
-        let is_smooth = margins.map(|margin| nearness(margin, case.length) > 0.0);
+        let nearness = margins.map(|margin| nearness(margin, case.length));
+        let is_smooth = nearness.map(|near| near > 0.0);
         Some(Self {
             case,
+            nearness,
             is_smooth,
             connector,
             before,

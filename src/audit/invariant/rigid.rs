@@ -126,11 +126,20 @@ impl Context<'_> {
         (rotation, self.beside(self.case.definition.clone(), state, self.after))
     }
 
-    /// What a value changes by to second order where every degree of freedom is rounded by C u of its size: ½ Σ_jk abs(∂²f/∂q_j∂q_k) ε_j ε_k.
-    fn bent(&self, k: usize) -> f64 {
-        let rounded = |j: usize| C * U * dof_size(j, self.case.length);
-        let second = self.numbers.entries(Quantity::SecondDerivatives).0[k].iter().flatten().enumerate();
-        0.5 * second.map(|(i, x)| x.abs() * rounded(i / DOFS) * rounded(i % DOFS)).sum::<f64>()
+    /// What a number changes by to second order where every degree of freedom is rounded by C u of its size: of a value
+    /// ½ Σ_jk abs(∂²f/∂q_j∂q_k) ε_j ε_k; of a first derivative, or a nodal force, that of its derivatives over δ and the size, their
+    /// Cauchy estimate at the distance δ from a singular set. Near one, at a symmetric state, the first order may vanish.
+    fn bent(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
+        let size = |j: usize| dof_size(j, self.case.length);
+        let of = if quantity == Quantity::NodalForces {
+            Quantity::GeometricStiffness
+        } else {
+            Quantity::SecondDerivatives
+        };
+        let second = self.numbers.entries(of).0[k].iter().flatten().enumerate();
+        let sum: f64 = second.map(|(i, x)| x.abs() * size(i / DOFS) * size(i % DOFS)).sum();
+        let over = if quantity == Quantity::Value { 1.0 } else { self.nearness[k] * size(i) };
+        0.5 * (C * U).powi(2) * sum / over
     }
 
     pub(super) fn frame(&self) -> Vec<Demand> {
@@ -150,8 +159,8 @@ impl Context<'_> {
                 let terms = OneOrMany::One([(Quantity::Value, k, 0, 1.0)]);
                 let what = What::Entry("", Quantity::Value, k, 0, " in turned axes");
                 let mut demand = wider(self.sum(terms, want, what));
-                // A rotation vector near 2π is turned by roundings over δ: to first order its length stays. Four times as much is rounded.
-                demand.allowed += 16.0 * self.bent(k);
+                // Four times as much is rounded.
+                demand.allowed += 16.0 * self.bent(Quantity::Value, k, 0);
                 found.push(demand);
             }
             let vectors = [Quantity::FirstDerivatives, Quantity::NodalForces]
@@ -169,6 +178,7 @@ impl Context<'_> {
                         .map(|j| 4.0 * self.tolerance(quantity, k, at + j))
                         .sum::<f64>()
                         .max(demand.allowed);
+                    demand.allowed += 16.0 * self.bent(quantity, k, at + i);
                     found.push(demand);
                 }
             }
