@@ -126,20 +126,20 @@ impl Context<'_> {
         (rotation, self.beside(self.case.definition.clone(), state, self.after))
     }
 
-    /// What a number changes by to second order where every degree of freedom is rounded by C u of its size: of a value
-    /// ½ Σ_jk abs(∂²f/∂q_j∂q_k) ε_j ε_k; of a first derivative, or a nodal force, that of its derivatives over δ and the size, their
-    /// Cauchy estimate at the distance δ from a singular set. Near one, at a symmetric state, the first order may vanish.
+    /// What a number changes by to second order where every degree of freedom is rounded by ε = C u of its size: a value f by
+    /// ½ Σ_jk abs(∂²f/∂q_j∂q_k) ε_j ε_k; a first derivative, or a nodal force, by Cauchy's estimate (ε/δ)² Σ_j abs(∂f/∂q_j) s_j over the size, δ from
+    /// a singular set. Near one, at a symmetric state, the first order may vanish.
     fn bent(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
         let size = |j: usize| dof_size(j, self.case.length);
-        let of = if quantity == Quantity::NodalForces {
-            Quantity::GeometricStiffness
-        } else {
-            Quantity::SecondDerivatives
+        let sum = |of: Quantity, by: &dyn Fn(usize) -> f64| -> f64 {
+            let all = self.numbers.entries(of).0[k].iter().flatten().enumerate();
+            all.map(|(i, x)| x.abs() * by(i)).sum()
         };
-        let second = self.numbers.entries(of).0[k].iter().flatten().enumerate();
-        let sum: f64 = second.map(|(i, x)| x.abs() * size(i / DOFS) * size(i % DOFS)).sum();
-        let over = if quantity == Quantity::Value { 1.0 } else { self.nearness[k] * size(i) };
-        0.5 * (C * U).powi(2) * sum / over
+        if quantity == Quantity::Value {
+            let both = |i: usize| size(i / DOFS) * size(i % DOFS);
+            return 0.5 * (C * U).powi(2) * sum(Quantity::SecondDerivatives, &both);
+        }
+        (C * U / self.nearness[k]).powi(2) * sum(quantity, &size) / size(i)
     }
 
     pub(super) fn frame(&self) -> Vec<Demand> {
