@@ -377,6 +377,14 @@ impl Report {
 
     /// What was not decided of the numbers of each subject, and how to get a decision.
     fn open_claims(&self) -> Vec<String> {
+        const OVERFLOWN: &str = "where numbers overflow there is no finite tolerance; judge states at which they do not, or choose other units";
+        // An independent oracle answered, and nothing could be decided, for no reason that it gives.
+        let is_beyond_range = |check: &Check| {
+            matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
+                && check.compared > 0
+                && check.verdict == Verdict::Undecided
+                && check.undecided.is_empty()
+        };
         let mut found = Vec::new();
         for subject in &self.subjects {
             let mut tell = |claim: &str, why: String| {
@@ -389,15 +397,16 @@ impl Report {
                     reasons.flat_map(|check| check.undecided.keys().map(String::as_str)).collect();
                 tell(
                     "derivative",
-                    if !lacking.is_empty() {
+                    if !lacking.is_empty() && subject.checks.iter().any(is_beyond_range) {
+                        OVERFLOWN.to_string()
+                    } else if !lacking.is_empty() {
                         format!(
                             "no independent oracle judged its {}; put wide-differences among Settings::oracles, and let \
                              Settings::wide_states be 1 or more",
                             lacking.join(", ")
                         )
                     } else if reasons.is_empty() {
-                        "where numbers overflow there is no finite tolerance; check states, or units, at which they do not"
-                            .to_string()
+                        OVERFLOWN.to_string()
                     } else {
                         Vec::from_iter(reasons).join("; ")
                     },

@@ -58,11 +58,11 @@ pub struct Locked {
 }
 
 impl Locked {
-    /// As it is on doubles, and with 237 bits.
-    fn of(narrowly: [bool; 6], exactly: [bool; 6]) -> Self {
+    /// As it is on doubles, and with 237 bits at the triads given and at rotations.
+    fn of(found: [[bool; 6]; 3]) -> Self {
         let all = [0, 1, 2, 3, 4, 5];
-        let rows = all.map(|k| narrowly[k] || exactly[k]);
-        let values = all.map(|k| narrowly[k] != exactly[k]);
+        let rows = all.map(|k| found.iter().any(|locks| locks[k]));
+        let values = all.map(|k| rows[k] && !found.iter().all(|locks| locks[k]));
         Self { rows, values, everything: [false; 6] }
     }
 }
@@ -118,7 +118,6 @@ impl Truth {
             state.pair.b.displacement = sub(state.pair.a.displacement, state.pair.reference);
         }
         let connector = Connector::new(&case.definition);
-        let (narrowly, exactly) = (at_end.locks(), locks(&connector, &state.pair));
         let margins = at_end.margins();
         let given = state;
         for node in [&mut state.pair.a, &mut state.pair.b] {
@@ -129,7 +128,8 @@ impl Truth {
         let are_rotations = state.pair.a.triad == given.pair.a.triad
             && state.pair.b.triad == given.pair.b.triad
             && initial == connector.section().initial_orientation;
-        let mut locked = Locked::of(narrowly, exactly);
+        let mut locked =
+            Locked::of([at_end.locks(), locks(&connector, &given.pair), locks(&connector, &state.pair)]);
         locked.everything = [0, 1, 2, 3, 4, 5].map(|k| {
             let is_undetermined = |Margin { distance, set }: Margin| match set.class {
                 SingularClass::TrueSingularity => true,
