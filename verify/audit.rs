@@ -545,29 +545,23 @@ fn formulas_of_behaviour_need_certificates() {
         let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
         let target = Target { name: "friction", model: &model, plan: &plan, states: &[] };
         let report = audit_scenes(&brief(), &[target], &silent);
-        report.assert_ok();
+        assert_eq!((report.mismatches(), report.survivors()), (0, 0));
+        // What is undecided is no pass.
+        let passes = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| report.assert_ok())).is_ok();
+        assert_eq!(passes, report.subjects[0].formula == Verdict::Pass, "{contact}");
         report.subjects[0].formula
     };
     assert_eq!(formula("2"), Verdict::Pass);
     assert_eq!(formula("N"), Verdict::Undecided);
 }
 
-/// Second differences are of values alone. Of a triad that is no rotation they say what the values do, where the rows, which take it
-/// for one, say that a turn of a does not change a distance; where triads are exact, both agree to 20 digits and more.
+/// Second differences are of values alone: they agree with dual numbers to 20 digits and more, and not to the last, as what is computed alike
+/// would.
 #[test]
 fn second_differences_share_no_mechanism() {
     use pintle::audit::oracle::WideAnswers;
     use pintle::audit::truth::Truth;
-    let mut case = cases(named("AXIAL"), Extent::Brief)[0].clone();
-    case.path.last_mut().unwrap().state.pair.a.triad[0][1] += 1e-3;
-    let answers = WideAnswers::of(&Truth::of(&case).unwrap());
-    for quantity in [Quantity::SecondDerivatives, Quantity::GeometricStiffness] {
-        // ∂²u1/∂θa3∂θa3.
-        let [values, rows] = [&answers.differences, &answers.dual]
-            .map(|numbers| numbers.entries(quantity).get(0, 5 * DOFS + 5));
-        assert_eq!(rows.unwrap().to_f64(), 0.0);
-        assert!(values.unwrap().to_f64().abs() > 1e-4, "{}", quantity.name());
-    }
+    let mut apart = 0;
     let mut compared = 0;
     for connection in TABLE {
         let all = cases(connection, Extent::Full);
@@ -585,11 +579,12 @@ fn second_differences_share_no_mechanism() {
                     let error = (values.get(k, i).unwrap() - want).to_f64().abs();
                     assert!(error < 1e-20, "{} {}: {error:e}", case.name, quantity.entry_name(k, i));
                     compared += 1;
+                    apart += usize::from(error > 0.0);
                 }
             }
         }
     }
-    assert!(compared > 10_000, "{compared}");
+    assert!(compared > 10_000 && apart > 1000, "{compared} {apart}");
 }
 
 /// The distance to a singular set is that at which a state was placed, of every measure that has one, on either side.

@@ -248,3 +248,45 @@ fn well_conditioned_states_are_common() {
         assert!(demanded > 20 && 2 * types > TABLE.len(), "{quantity:?}: {demanded} of {types} types");
     }
 }
+
+/// The report says beside the states how many of them an independent oracle judged; none of them is no pass.
+#[test]
+fn states_that_an_independent_oracle_judged_are_counted() {
+    let audited = |more: &[&str], code: i32| {
+        let all =
+            [&["audit", "gallery:hinge_pendulum", "--connector", "101", "--format", "json"], more].concat();
+        let found: serde_json::Value =
+            serde_json::from_str(&stdout(&pintle(&all).assert().code(code))).unwrap();
+        found["subjects"][0].clone()
+    };
+    let states = audited(&["--wide-states", "3"], 0);
+    assert_eq!((&states["judged_independently"], &states["derivative"]), (&3.into(), &"pass".into()));
+    assert!(states["cases"].as_u64().unwrap() > 3);
+    for more in [&["--wide-states", "0"][..], &["--oracles", "symbolic,differences,wide-dual,nodal-dual"]] {
+        let none = audited(more, 0);
+        assert_eq!(
+            (&none["judged_independently"], &none["derivative"]),
+            (&0.into(), &"undecided".into()),
+            "{more:?}"
+        );
+        audited(&[more, &["--strict"]].concat(), 3);
+    }
+    for (format, wanted) in [
+        ("human", "states  independent"),
+        ("markdown", "| states | independent |"),
+        ("junit", "name=\"states judged independently\" value=\"2\""),
+    ] {
+        let all = [
+            "audit",
+            "gallery:hinge_pendulum",
+            "--connector",
+            "101",
+            "--wide-states",
+            "2",
+            "--format",
+            format,
+        ];
+        let text = stdout(&pintle(&all).assert().code(0));
+        assert!(text.contains(wanted), "{format}: {text}");
+    }
+}

@@ -289,3 +289,70 @@ fn lost_digits_are_not_explained_by_mistakes() {
     let causes = check.diagnosis.as_ref().map_or(0, |found| found.causes.len());
     assert_eq!(causes, 0, "{check:?}");
 }
+
+/// Stick so stiff that what it is returned from is 1e10 to 1e35 times the limit: steps of that size lead over a traction that is not zero,
+/// to what is no solution.
+#[test]
+fn stiff_stick_has_one_solution() {
+    let states = "state,time,node,u1,ur1\n0,0.1,2,-0.9,0.4\n1,0.2,2,0.3,1.1\n2,0.3,2,0.7,-0.2\n";
+    for (i, (friction, stiffness)) in [(2e-10, 8e15), (0.3, 1e12), (1e-3, 1e20)].into_iter().enumerate() {
+        for (sliding, components) in [("COMPONENT=1", ""), ("", "*CONNECTOR POTENTIAL\n1,\n4, 2.\n")] {
+            let comma = if sliding.is_empty() { "" } else { ", " };
+            let section = format!(
+                ", BEHAVIOR=B\nCARTESIAN, ROTATION\nO\n*CONNECTOR BEHAVIOR, NAME=B\n\
+                 *CONNECTOR FRICTION{comma}{sliding}, STICK STIFFNESS={stiffness:e}\n, 3e-9\n{components}*FRICTION\n{friction:e}\n"
+            );
+            let given = files(&format!("stiff{i}{}", sliding.len()), &section, states);
+            let found = subject(&given, &[], 0);
+            let forces = check(&found, "friction-force", "wide-differences");
+            assert_eq!(forces["verdict"], "pass", "{friction} {stiffness} {sliding}: {forces}");
+        }
+    }
+}
+
+/// Right angles, half and whole turns in a frame at 45°: triads are rotations to 53 bits, two ways to take their rotation are equally near,
+/// and differences on 237 bits step from one to the other.
+#[test]
+fn right_angles_in_oblique_frames_are_no_mismatch() {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let types =
+        ["BUSHING", "CVJOINT", "ALIGN", "TRANSLATOR", "PROJECTION CARTESIAN", "FLEXION-TORSION", "ROTATION"];
+    let mut deck =
+        String::from("*ORIENTATION, NAME=O\n0.7071067811865476, 0., 0.7071067811865476, 0., 1., 0.\n");
+    let mut states = String::from("state,time,node,ur1,ur2,ur3\n");
+    for (i, name) in types.into_iter().enumerate() {
+        let [a, b] = [2 * i + 1, 2 * i + 2];
+        deck += &format!(
+            "*NODE\n{a}, {i}., 0., 0.\n{b}, {i}., 1., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E{i}\n{a}0, {a}, {b}\n\
+             *CONNECTOR SECTION, ELSET=E{i}\n{name}\nO, O\n"
+        );
+    }
+    let turns = [0, 1, 2]
+        .into_iter()
+        .flat_map(|axis| [FRAC_PI_2, -FRAC_PI_2, PI - 1e-6, 1.0, -3.0 * PI].map(|angle| (axis, angle)));
+    for (state, (axis, angle)) in turns.enumerate() {
+        let mut turn = [0.0; 3];
+        turn[axis] = angle;
+        for i in 0..types.len() {
+            states += &format!("{state},{state},{},{:?},{:?},{:?}\n", 2 * i + 2, turn[0], turn[1], turn[2]);
+        }
+    }
+    let given = written("oblique", &deck, &states);
+    report(&given, &[], 0);
+    report(&given, &["--plant", "wrong-entry"], 1);
+}
+
+/// |f|^(3/2) has no second derivative at f = 0: what a Hessian says there is judged by nobody, and is not called wrong; elsewhere it is judged.
+#[test]
+fn hessians_without_end_are_singular() {
+    let section = ", BEHAVIOR=B\nCARTESIAN\nO\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR FRICTION, STICK STIFFNESS=1000.\n, 2.\n\
+                   *CONNECTOR POTENTIAL, EXPONENT=1.5\n1, 1.\n2, 1.\n*FRICTION\n0.5\n";
+    let states = "state,time,node,u1,u2\n0,0.1,2,0.1,0\n1,0.2,2,0.2,0\n";
+    let given = files("power", section, states);
+    let hessians = check(&subject(&given, &[], 0), "friction-hessian", "wide-differences").clone();
+    assert_eq!(hessians["verdict"], "singular", "{hessians}");
+    assert!(hessians["worst"]["lack"].as_str().unwrap().contains("do not settle"), "{hessians}");
+    let beside = "state,time,node,u1,u2\n0,0.1,2,0.1,0.05\n1,0.2,2,0.2,0.02\n";
+    let given = files("power-beside", section, beside);
+    assert_eq!(check(&subject(&given, &[], 0), "friction-hessian", "wide-differences")["verdict"], "pass");
+}

@@ -3,6 +3,7 @@
 
 mod assembly; // what assemblies of known mobility can do
 mod audit; // whether the audit notices what is wrong, and nothing else
+mod audit_candidate; // routines of one's own: one-forms, components that are too many, what is undecided
 mod audit_command; // the audit and replay through the command line: exit codes, formats, counter-examples
 mod audit_counterexample; // counter-examples of constraints, frictions and slopes
 mod audit_edges; // states within rounding of a singular set, routines near one, files made by hand

@@ -42,13 +42,18 @@ use super::sample::{Draw, about_initial};
 use super::stage::invalid_stage;
 use super::truth::Truth;
 use super::verdict::{Score, Surroundings, Verdict, judge, try_mutants};
-use crate::connector::{Components, Definition, NodalRow, State};
+use crate::connector::{Components, Connector, Definition, NodalRow, State};
+use crate::measure::Unit;
 use crate::node::DOFS;
 use crate::scalar::elementary::norm;
 use crate::scene::{Diagnostic, Span};
+use std::collections::BTreeSet;
 
 /// What a candidate gives at a state: the residual of each constrained component and the displacement of any other, and their
-/// rows of derivatives by the nodal degrees of freedom.
+/// rows of derivatives by the nodal degrees of freedom; `None` where the connector has no such component.
+///
+/// A one-form, as of FLOW-CONVERTER and RETRACTOR, has a row that is the derivative of no function of the state: what it sums up follows
+/// from the path, and its value may be `None`.
 pub type Given = (Components<f64>, Components<NodalRow<f64>>);
 
 /// A routine to be checked against one connector.
@@ -120,8 +125,33 @@ impl<'a> Candidate<'a> {
     /// [`Settings::near_singular_states`] says, where its nodes can be brought there and history does not matter), and checks what the routine gives there: its values against the connector's formulas on 237
     /// bits, its Jacobian against differences on 237 bits *and* against differences of its own values, so that a wrong derivative is
     /// told from another formula; at the states that are not chosen for differences, against the connector's dual numbers, which prove
-    /// nothing by themselves. Without an oracle on 237 bits among those asked, formula and derivative are undecided. Where the states
-    /// leave out a region of configuration space, a finding of the report says so.
+    /// nothing by themselves. Without an oracle on 237 bits among those asked, formula and derivative are undecided. The row of a
+    /// one-form is the derivative of no value: it is compared with those differences and dual numbers alone, and its value where one is
+    /// given. What the routine gives of a component that the connector has not is wrong, as what it lacks of one is. Where the states leave out a
+    /// region of configuration space, a finding of the report says so.
+    ///
+    /// A FLOW-CONVERTER, dur3 = e3a·(dθ_a − dθ_b) − β_s dΨ_b, by its row alone:
+    ///
+    /// ```
+    /// # use pintle::{audit::Candidate, catalog::ConnectionType, connector::Definition, node::{Node, Pair}, vector::identity};
+    /// let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
+    /// let pair = Pair { reference: [1.0, 0.0, 0.0], a: node, b: node };
+    /// let converter = ConnectionType::named("FLOW-CONVERTER", None)?;
+    /// let converter = Definition { flow_scale: 0.4, ..Definition::new(converter, pair) };
+    /// let report = Candidate::new("my FLOW-CONVERTER", &converter).check(|state| {
+    ///     let mut row = [0.0; 14];
+    ///     for i in 0..3 {
+    ///         row[3 + i] = state.pair.a.triad[i][2];
+    ///         row[10 + i] = -state.pair.a.triad[i][2];
+    ///     }
+    ///     row[13] = -0.4;
+    ///     let mut rows = [None; 6];
+    ///     rows[5] = Some(row);
+    ///     ([None; 6], rows)
+    /// });
+    /// report.assert_ok();
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn check(&self, routine: impl Fn(&State<f64>) -> Given) -> Report {
         let mut found: Vec<Check> = Vec::new();
         let mut coverage = Coverage::default();
@@ -138,12 +168,27 @@ impl<'a> Candidate<'a> {
             checks_of(&mut found, self.judge(&case, &routine, wide.contains(&i)));
         }
         let connection = &self.definition.connection;
-        let expected = Expected::numbers(&[Quantity::Value, Quantity::FirstDerivatives]);
+        let connector = Connector::<f64>::new(self.definition);
+        let is_one_form = |k: &usize| connector.differentiated(*k).map(|measure| measure.is_one_form());
+        // What a one-form sums up is no function of the state: its formula is that of its row.
+        let is_judged_by_row = (0..6).any(|k| is_one_form(&k) == Some(true));
+        let has_values = (0..6).any(|k| is_one_form(&k) == Some(false));
+        let expected: &[Quantity] = if has_values {
+            &[Quantity::Value, Quantity::FirstDerivatives]
+        } else {
+            &[Quantity::FirstDerivatives]
+        };
+        let expected = Expected::numbers(expected);
         let mut subject =
             Subject::new(self.name.to_string(), certificate(connection), cases, found, &expected);
         // A candidate's formula is judged state by state, by a witness that shares no elementary function with it or with us.
         let is_witness = |against| matches!(against, Against::Oracle(oracle) if oracle.is_independent());
-        let of_values = subject.checks.iter().filter(|check| check.quantity == Some(Quantity::Value));
+        let is_formula = |check: &&Check| match check.quantity {
+            Some(Quantity::Value) => true,
+            Some(Quantity::FirstDerivatives) => is_judged_by_row,
+            _ => false,
+        };
+        let of_values = subject.checks.iter().filter(is_formula);
         let values = of_values.filter(|check| is_witness(check.against) && check.compared > 0);
         subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
         Report {
@@ -198,7 +243,12 @@ impl<'a> Candidate<'a> {
         let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, &of_components);
         let sides = (nearness == 0.0).then(|| truth.sides(&bound));
         let connector = case.connector();
-        let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
+        let connection = &self.definition.connection.name;
+        let is_one_form = std::array::from_fn::<bool, 6, _>(|k| {
+            connector.differentiated(k).is_some_and(|measure| measure.is_one_form())
+        });
+        let units: [Option<Unit>; 6] =
+            std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
         // A routine's numbers are not all there: what must be noticed of its derivatives is told of the product's.
         let conditioned = Conditioned::new(&trusted, case, &units, &of_components);
         let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
@@ -222,17 +272,26 @@ impl<'a> Candidate<'a> {
             let locked = truth.locked();
             let around = Surroundings { bound: &bound, exact: None, nearness: of_components, sides, locked };
             let judgement = judge(quantity, got, answer, &around);
-            let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
+            let may_lack = |k: usize| quantity == Quantity::Value && is_one_form[k];
+            let mut wanted = answer.numbers.iter().filter(|(k, ..)| !may_lack(*k));
+            let missing = wanted.find(|(k, i, _)| got.get(*k, *i).is_none());
+            let beyond = got.iter().find(|(k, ..)| units[*k].is_none());
             let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
             check.add(judgement, prove(quantity, answer), case);
             check.name_stage(|| invalid_stage(&step.state, &given));
             check.explain(&Symptoms { quantity, got, want: &trusted, case, bound: &bound }, &answer.numbers);
             if let Some((k, i, _)) = missing {
-                check.missing(quantity.entry_name(k, i), case);
+                check.misplaced(format!("{} is missing", quantity.entry_name(k, i)), f64::NAN, case);
+            }
+            if let Some((k, i, x)) = beyond {
+                let name = quantity.entry_name(k, i);
+                let told = format!("{name} is given, and {connection} has no such component");
+                check.misplaced(told, x, case);
             }
             checks.push(check);
         };
-        if asked(Oracle::WideDifferences) {
+        let has_value = |k: usize| values[k].is_some() || units[k].is_some() && !is_one_form[k];
+        if asked(Oracle::WideDifferences) && (0..6).any(has_value) {
             compare(Quantity::Value, &Answer::sharp(Oracle::WideDifferences, &truth.value()));
         }
         match &answers {
@@ -246,7 +305,7 @@ impl<'a> Candidate<'a> {
             }
             _ => {}
         }
-        // A component on its singular set has no step for differences of its values.
+        // A component on its singular set has no step for differences of its values, and a one-form no value.
         let near = of_components.into_iter().filter(|near| *near > 0.0).fold(1.0, f64::min);
         let own = central_differences(
             |by: &[f64; DOFS]| {
@@ -254,7 +313,9 @@ impl<'a> Candidate<'a> {
                 state.pair = moved(&state.pair, by);
                 routine(&state).0
             },
-            std::array::from_fn(|k| rows[k].is_some() && is_smooth[k]),
+            std::array::from_fn(|k| {
+                values[k].is_some() && rows[k].is_some() && is_smooth[k] && !is_one_form[k]
+            }),
             &|j| dof_size(j, case.length) * near,
             narrow.active(),
             &bound,
@@ -275,21 +336,88 @@ impl<'a> Candidate<'a> {
 }
 
 impl Report {
-    /// Panics with the report for reading, unless nothing is wrong: for `#[test]`s.
+    /// Panics with the report for reading, unless nothing is wrong and something is verified: for `#[test]`s. A claim on numbers, that
+    /// derivatives are those of the function or that the formula is the manual's, is verified where an independent oracle has judged it; what
+    /// is undecided is no pass. The claim on the declaration, which no routine's numbers bear on, is not asked.
+    ///
+    /// ```should_panic
+    /// # use pintle::{audit::{Candidate, Oracle, Settings}, catalog::ConnectionType, connector::Definition};
+    /// # use pintle::{node::{Node, Pair}, vector::identity};
+    /// # let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
+    /// # let pair = Pair { reference: [2.0, 0.0, 0.0], a: node, b: node };
+    /// # let axial = Definition::new(ConnectionType::named("AXIAL", None).unwrap(), pair);
+    /// # let routine = |state: &pintle::connector::State<f64>| {
+    /// #     let d = state.pair.separation();
+    /// #     let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
+    /// #     let row = std::array::from_fn(|j| match j { 0..3 => -d[j] / length, 7..10 => d[j - 7] / length, _ => 0.0 });
+    /// #     ([Some(length - 2.0), None, None, None, None, None], [Some(row), None, None, None, None, None])
+    /// # };
+    /// // Right or not: dual numbers share with ours how derivatives come about, and no other witness is asked.
+    /// let settings = Settings { states: 20, atlas: false, oracles: [Oracle::NodalDual].into(), ..Settings::default() };
+    /// Candidate::new("my AXIAL", &axial).settings(settings).check(routine).assert_ok();
+    /// ```
     ///
     /// # Panics
-    /// Where a number is wrong, nothing was compared, or a mutant survived.
+    /// Where a number is wrong, nothing was compared, a mutant survived, or the derivative or the formula of a subject is undecided; the message ends
+    /// with what was not decided and how to get a decision.
     #[track_caller]
     pub fn assert_ok(&self) {
-        let fine = self.mismatches() == 0 && self.survivors() == 0 && self.compared() > 0;
+        let open = self.open_claims();
+        let fine = self.mismatches() == 0 && self.survivors() == 0 && self.compared() > 0 && open.is_empty();
         if !fine {
             let mut text = Vec::new();
             let written = crate::report::audit::human(&mut text, self, 100, false);
             let text = written.map(|()| String::from_utf8_lossy(&text).into_owned()).unwrap_or_default();
             #[expect(clippy::panic, reason = "an assertion for tests")]
             {
-                panic!("{}", anstream::adapter::strip_str(&text));
+                panic!("{}{}", anstream::adapter::strip_str(&text), open.concat());
             }
         }
+    }
+
+    /// What was not decided of the numbers of each subject, and how to get a decision.
+    fn open_claims(&self) -> Vec<String> {
+        const OVERFLOWN: &str = "where numbers overflow there is no finite tolerance; judge states at which they do not, or choose other units";
+        // An independent oracle answered, and nothing could be decided, for no reason that it gives.
+        let is_beyond_range = |check: &Check| {
+            matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
+                && check.compared > 0
+                && check.verdict == Verdict::Undecided
+                && check.undecided.is_empty()
+        };
+        let mut found = Vec::new();
+        for subject in &self.subjects {
+            let mut tell = |claim: &str, why: String| {
+                found.push(format!("\nundecided: the {claim} of {}: {why}\n", subject.title()));
+            };
+            if subject.derivative == Verdict::Undecided {
+                let lacking: Vec<&str> = subject.without_witness.iter().map(|of| of.name()).collect();
+                let reasons = subject.checks.iter().filter(|check| check.claim() == Verdict::Undecided);
+                let reasons: BTreeSet<&str> =
+                    reasons.flat_map(|check| check.undecided.keys().map(String::as_str)).collect();
+                tell(
+                    "derivative",
+                    if !lacking.is_empty() && subject.checks.iter().any(is_beyond_range) {
+                        OVERFLOWN.to_string()
+                    } else if !lacking.is_empty() {
+                        format!(
+                            "no independent oracle judged its {}; put wide-differences among Settings::oracles, and let \
+                             Settings::wide_states be 1 or more",
+                            lacking.join(", ")
+                        )
+                    } else if reasons.is_empty() {
+                        OVERFLOWN.to_string()
+                    } else {
+                        Vec::from_iter(reasons).join("; ")
+                    },
+                );
+            }
+            if subject.formula == Verdict::Undecided {
+                let of_routine = "no independent oracle judged its values, or had a finite tolerance; a routine's are judged by wide-differences: put \
+                     them among Settings::oracles. A connector's rest on certificates, and what they do not cover is judged by tests of your own";
+                tell("formula", of_routine.to_string());
+            }
+        }
+        found
     }
 }

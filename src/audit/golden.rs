@@ -302,7 +302,7 @@ impl Golden {
             let symptoms = super::diagnosis::Symptoms { quantity, got, want: &trusted, case, bound: &bound };
             check.explain(&symptoms, &answer.numbers);
             if let Some((k, i, _)) = missing {
-                check.missing(quantity.entry_name(k, i), case);
+                check.misplaced(format!("{} is missing", quantity.entry_name(k, i)), f64::NAN, case);
             }
             checks.push(check);
         }

@@ -456,7 +456,10 @@ pub fn central_differences(
 /// The order at which the remainder f(q + hv) − f(q) − h ∂f·v vanishes, for a row that is to be judged.
 ///
 /// It must be 2 or more: the remainder over h may be what rounding of the row allows, and besides h times the sum of the magnitudes of
-/// the second derivatives along v. What is larger at some step falls more slowly than that, or jumps between two steps.
+/// the second derivatives along v, and what all higher derivatives make of it: by Cauchy's estimate on a ball that reaches halfway to the
+/// singular set, δ away, (n−1)! G (2/δ)^(n−1) along v, G being the size of the first derivatives there: 4/3 (h/δ)² G of the third. Near a singular set, at a
+/// symmetric state, second derivatives along v may vanish while the third do not. What is larger at some step falls more slowly than
+/// that, or jumps between two steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Remainder {
     /// The component (0-based).
@@ -489,11 +492,12 @@ impl Remainder {
 /// From the values of a component after steps along a direction: `over_h` is the remainder over the step at each.
 ///
 /// `allowed` is what rounding of the row makes of it, C u times its conditioned scale, in which the second derivatives along the
-/// direction are contained.
-pub fn remainder_of(component: usize, over_h: &[(f64, f64)], allowed: f64) -> Remainder {
-    /// Above ½, to leave room for what bends the second derivatives between two steps.
+/// direction are contained, and `nearness` is δ.
+pub fn remainder_of(component: usize, over_h: &[(f64, f64)], allowed: f64, nearness: f64) -> Remainder {
+    /// Above ½ of the second derivatives, and above 4/3 of the higher ones, to leave room for what bends them between two steps and how
+    /// they grow on the way to the singular set.
     const ROOM: f64 = 10.0;
-    let smooth = |h: f64| allowed + ROOM * h * allowed / (C * U);
+    let smooth = |h: f64| allowed + ROOM * (h + (h / nearness).powi(2)) * allowed / (C * U);
     let units = |&(h, r): &(f64, f64)| if r == 0.0 { 0.0 } else { r.abs() / smooth(h) };
     let exceeds = |x: f64, y: f64| x > y || x.is_nan();
     let mut worst = 0;
@@ -552,7 +556,7 @@ pub fn remainders(
                 Some((*h, (((moved[k]? - still) / Wide::from_f64(*h)) - slope).to_f64()))
             })
             .collect();
-        found.push(remainder_of(k, &over_h, allowed));
+        found.push(remainder_of(k, &over_h, allowed, nearness[k]));
     }
     found
 }

@@ -100,12 +100,12 @@ impl Check {
         }
     }
 
-    /// An entry that must be there and is not.
-    pub(super) fn missing(&mut self, entry: String, case: &Case) {
+    /// An entry that must be there and is not, or the other way round, in words.
+    pub(super) fn misplaced(&mut self, entry: String, got: f64, case: &Case) {
         let worst = Finding {
-            entry: format!("{entry} is missing"),
+            entry,
             at: None,
-            got: f64::NAN,
+            got,
             want: f64::NAN,
             tolerance: 0.0,
             units: f64::INFINITY,
@@ -178,6 +178,13 @@ impl Check {
         self.verdict = self.verdict.max(judgement.verdict);
     }
 
+    /// At how many states an independent oracle decided, one way or the other.
+    fn judged_independently(&self) -> u64 {
+        let is_one = matches!(self.against, Against::Oracle(oracle) if oracle.is_independent());
+        let decided = self.states.iter().filter(|(verdict, _)| **verdict != Verdict::Undecided);
+        if is_one && self.compared > 0 { decided.map(|(_, states)| states).sum() } else { 0 }
+    }
+
     pub(super) fn merge(&mut self, other: Self) {
         for (verdict, count) in other.states {
             *self.states.entry(verdict).or_default() += count;
@@ -245,6 +252,8 @@ pub struct Subject {
     pub scene: Option<String>,
     /// States tried.
     pub cases: u64,
+    /// States at which an independent oracle, on 237 bits or JAX, judged the numbers: of the kind of numbers that has the fewest.
+    pub judged_independently: u64,
     /// Every check.
     pub checks: Vec<Check>,
     /// What was proven of its formulas and its declaration.
@@ -293,16 +302,19 @@ impl Subject {
         };
         let laws_not_asked = expected.laws.iter().copied().filter(|law| !is_asked(law)).collect();
         let is_jax = |check: &Check| check.against == Against::Oracle(Oracle::Jax);
-        let has_witness = |quantity: Quantity, is_one: &dyn Fn(&Check) -> bool| {
-            let mut of_it =
-                checks.iter().filter(|check| check.quantity == Some(quantity) && check.compared > 0);
-            of_it.any(|check| {
-                is_one(check) && matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
-            })
+        // JAX has states of its own; the others share theirs.
+        let witnessed = |quantity: Quantity, by_jax: bool| {
+            let of_it = checks.iter().filter(|check| check.quantity == Some(quantity));
+            of_it.filter(|check| is_jax(check) == by_jax).map(Check::judged_independently).max().unwrap_or(0)
         };
+        let has_witness = |quantity: Quantity, by_jax: &[bool]| {
+            by_jax.iter().any(|by_jax| witnessed(quantity, *by_jax) > 0)
+        };
+        let all = |quantity: &Quantity| witnessed(*quantity, false) + witnessed(*quantity, true);
+        let judged_independently = judged.iter().map(all).min().unwrap_or(0);
         let without_witness: Vec<Quantity> =
-            judged.iter().copied().filter(|quantity| !has_witness(*quantity, &|_| true)).collect();
-        let witnessed = !judged.is_empty() && without_witness.is_empty();
+            judged.iter().copied().filter(|quantity| !has_witness(*quantity, &[false, true])).collect();
+        let is_witnessed = !judged.is_empty() && without_witness.is_empty();
         let of = |wanted: &dyn Fn(&Check) -> bool| {
             let chosen = checks.iter().filter(|check| wanted(check));
             chosen.map(Check::claim).max()
@@ -310,8 +322,7 @@ impl Subject {
         let is_declared = |check: &Check| check.against == Against::Law(Invariant::Sparsity);
         // JAX has formulas of its own: what it says of numbers whose derivatives somebody else has judged is about formulas.
         let is_of_formula = |check: &Check| {
-            is_jax(check)
-                && check.quantity.is_some_and(|quantity| has_witness(quantity, &|other| !is_jax(other)))
+            is_jax(check) && check.quantity.is_some_and(|quantity| has_witness(quantity, &[false]))
         };
         let derivative = of(&|check| !is_declared(check) && !is_of_formula(check)).unwrap_or(Verdict::Pass);
         let declaration = of(&is_declared).unwrap_or(Verdict::Pass);
@@ -322,10 +333,11 @@ impl Subject {
             name,
             scene: None,
             cases,
+            judged_independently,
             without_witness,
             not_exercised,
             laws_not_asked,
-            derivative: if witnessed { derivative } else { derivative.max(Verdict::Undecided) },
+            derivative: if is_witnessed { derivative } else { derivative.max(Verdict::Undecided) },
             formula: by_jax.unwrap_or_else(|| proven(has(|c| c.jax_states > 0))),
             declaration: declaration.max(proven(has(Certificate::is_declaration_read))),
             checks,

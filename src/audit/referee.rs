@@ -9,12 +9,17 @@ use super::outcome::Check;
 use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::Truth;
 use super::verdict::{Judgement, Surroundings, Verdict, judge};
+use crate::scalar::elementary::norm;
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 
 /// Why an oracle is undecided that others contradict.
 pub(super) const OVERRULED: &str = "it calls a number wrong that an independent oracle on 237 bits passes: what shares elementary functions \
      or derivatives with the product does not decide";
+
+/// Why an oracle on doubles is undecided where nobody independent was asked.
+const OUT_OF_RANGE: &str = "it calls a number wrong that it forms of powers of lengths which overflow or underflow doubles, and no independent \
+     oracle on 237 bits was asked";
 
 /// An independent oracle on 237 bits at the end of a case, asked where another one calls a number wrong.
 pub(super) struct Referee<'a> {
@@ -71,7 +76,31 @@ impl<'a> Referee<'a> {
         passes
     }
 
-    /// The same of checks that were made apart: those that are passed become undecided.
+    /// Why an oracle that calls numbers wrong does not decide: an independent one passes them, or there is none, and what it computes with
+    /// leaves the range of doubles.
+    pub(super) fn excuse(
+        &self,
+        quantity: Quantity,
+        got: &Entries<f64>,
+        around: &Surroundings<'_>,
+    ) -> Option<&'static str> {
+        if self.oracle.is_none() {
+            return self.is_out_of_range().then_some(OUT_OF_RANGE);
+        }
+        self.passes(quantity, got, around).then_some(OVERRULED)
+    }
+
+    /// Whether the fourth power of a length, of which second derivatives are formed on the way, is no normal double, or its reciprocal is
+    /// none.
+    fn is_out_of_range(&self) -> bool {
+        let Some(step) = self.case.last() else { return false };
+        let apart = [step.state.pair.separation(), step.state.pair.reference];
+        let lengths = apart.into_iter().map(norm).chain([self.case.length]);
+        let mut lengths = lengths.filter(|length| *length != 0.0);
+        lengths.any(|length| !length.powi(4).is_normal() || !length.powi(-4).is_normal())
+    }
+
+    /// The same of checks that were made apart: those that are excused become undecided.
     pub(super) fn hears(
         &self,
         checks: &mut [Check],
@@ -81,8 +110,8 @@ impl<'a> Referee<'a> {
     ) {
         for check in checks {
             let (Some(quantity), true) = (check.quantity, check.verdict == Verdict::Wrong) else { continue };
-            if self.passes(quantity, numbers.entries(quantity), around) {
-                *check = std::mem::replace(check, Check::new(None, check.against)).overruled(state);
+            if let Some(why) = self.excuse(quantity, numbers.entries(quantity), around) {
+                *check = std::mem::replace(check, Check::new(None, check.against)).excused(why, state);
             }
         }
     }
@@ -91,14 +120,19 @@ impl<'a> Referee<'a> {
 impl Check {
     /// The check of a state at which an independent oracle passes what this one calls wrong.
     pub(super) fn overruled(self, state: &str) -> Self {
+        self.excused(OVERRULED, state)
+    }
+
+    fn excused(self, why: &'static str, state: &str) -> Self {
         let mut told = Self::new(self.quantity, self.against);
-        told.add_overruled(self.worst, self.compared, state);
+        told.add_excused(why, self.worst, self.compared, state);
         told
     }
 
-    /// Adds such a state.
-    pub(super) fn add_overruled(
+    /// Adds a state at which an oracle calls numbers wrong, and does not decide.
+    pub(super) fn add_excused(
         &mut self,
+        why: &'static str,
         worst: Option<super::verdict::Finding>,
         compared: u64,
         state: &str,
@@ -106,7 +140,7 @@ impl Check {
         let compared = usize::try_from(compared).unwrap_or(usize::MAX);
         let judgement = Judgement { verdict: Verdict::Undecided, worst, compared };
         self.add_at(judgement, super::verdict::Score::default(), state, None);
-        *self.undecided.entry(OVERRULED.to_string()).or_default() += 1;
+        *self.undecided.entry(why.to_string()).or_default() += 1;
     }
 
     /// The verdict for the claim of a subject: that an oracle is overruled by an independent one leaves nothing open.

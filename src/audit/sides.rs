@@ -52,6 +52,11 @@ impl Sides {
         Self { exist: [false; 2], is_formed_of_none: true, ..self }
     }
 
+    /// Of quotients that grow as steps shrink.
+    pub(super) const fn unsettled(self) -> Self {
+        Self { exist: [false; 2], ..self }
+    }
+
     /// The coarse step, in sizes of a degree of freedom.
     pub(super) const COARSE: f64 = 1e-10;
 

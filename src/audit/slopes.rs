@@ -195,16 +195,33 @@ impl Slopes<'_> {
     }
 
     /// The slopes along an input, and which of them have two sides: sides that are apart by more than `least`, and do not come nearer to
-    /// each other as the step shrinks, as they do wherever the function is smooth.
+    /// each other as the step shrinks, as they do wherever the function is smooth; and which have none, for they are not those given and grow as the
+    /// step shrinks, as those of |f|^(3/2) where f = 0 do to second order.
     fn kinked(&self, still: &[Wide], j: usize, least: &dyn Fn(usize) -> f64) -> Vec<(Wide, Option<Sides>)> {
         /// A shorter step.
         const SHORTER: f64 = 1e-3;
+        /// By how much more a slope without end grows over a thousandth of the step: a power of it, 1/70 and more.
+        const GROWS: f64 = 1.1;
         let found = self.along(still, j, self.step);
         let is_apart = |i: usize, sides: &Sides| sides.gap() > least(i);
+        let is_other = |i: usize, slope: Wide| {
+            let got = self.got.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0);
+            (slope - Wide::from_f64(got)).abs() > Wide::from_f64(least(i))
+        };
         let needs = found.iter().enumerate().any(|(i, (_, sides))| is_apart(i, sides));
+        let needs_longer = found.iter().enumerate().any(|(i, (slope, _))| is_other(i, *slope));
+        let longer = if needs_longer { self.along(still, j, self.step / SHORTER) } else { Vec::new() };
         let shorter = if needs { self.along(still, j, SHORTER * self.step) } else { Vec::new() };
         let with = |(i, (slope, sides)): (usize, (Wide, Sides))| {
             let stays = shorter.get(i).is_some_and(|(_, shorter)| shorter.gap() > 0.5 * sides.gap());
+            // What is differenced may be a difference itself, with a step that does not shrink: it is lengthened.
+            let grows = longer.get(i).is_some_and(|(longer, _)| {
+                slope.abs() > longer.abs() * Wide::from_f64(GROWS)
+                    && (slope - *longer).abs() > Wide::from_f64(least(i))
+            });
+            if is_other(i, slope) && grows {
+                return (slope, Some(sides.unsettled()));
+            }
             (slope, Some(sides).filter(|sides| is_apart(i, sides) && stays))
         };
         found.into_iter().enumerate().map(with).collect()

@@ -15,7 +15,7 @@ use crate::connector::{
 use crate::measure::{Margin, SingularClass};
 use crate::node::{self, DOFS, Pair};
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
-use crate::vector::{product, sub, transpose, transposed_product};
+use crate::vector::{Matrix, product, sub, transpose, transposed_product};
 use std::sync::OnceLock;
 
 pub(super) const FIRST_STEP: f64 = 1e-25;
@@ -25,6 +25,10 @@ const NOISE: f64 = 6e-70;
 
 /// A case on 237-bit numbers, from the same doubles.
 pub struct Truth {
+    /// The connector and the state as they are given, which values are of.
+    given: (Connector<Wide>, State<Wide>),
+    /// The same with triads that are rotations to the last of 237 bits, initially and now, which derivatives are of. What leaves the group by the rounding of
+    /// 53 bits is evaluated on one way or another, between which a step may change: at right angles values would jump by 1e-32.
     connector: Connector<Wide>,
     state: State<Wide>,
     /// The branch that the end of the case leaves: what moves from there stays on its sheet, even at an exact half turn, which
@@ -54,11 +58,11 @@ pub struct Locked {
 }
 
 impl Locked {
-    /// As it is on doubles, and with 237 bits.
-    fn of(narrowly: [bool; 6], exactly: [bool; 6]) -> Self {
+    /// As it is on doubles, and with 237 bits at the triads given and at rotations.
+    fn of(found: [[bool; 6]; 3]) -> Self {
         let all = [0, 1, 2, 3, 4, 5];
-        let rows = all.map(|k| narrowly[k] || exactly[k]);
-        let values = all.map(|k| narrowly[k] != exactly[k]);
+        let rows = all.map(|k| found.iter().any(|locks| locks[k]));
+        let values = all.map(|k| rows[k] && !found.iter().all(|locks| locks[k]));
         Self { rows, values, everything: [false; 6] }
     }
 }
@@ -71,6 +75,22 @@ pub(super) fn locks<R: Differentiable<Mask = bool>>(connector: &Connector<R>, pa
     }
     let q = transposed_product(&pair.a.triad, &pair.b.triad);
     measures.map(|measure| measure.is_some_and(|measure| measure.is_locked(&q)))
+}
+
+/// The rotation nearest to a triad of doubles, to the last of 237 bits: Newton's method on C^T C = 1.
+pub(super) fn rotation(mut triad: Matrix<Wide>) -> Matrix<Wide> {
+    /// Each squares the error: 1e-16, 1e-32, 1e-64, 1e-71.
+    const STEPS: usize = 4;
+    for _ in 0..STEPS {
+        let square = product(&transpose(&triad), &triad);
+        let half = |i: usize, j: usize| {
+            let three = Wide::integer(if i == j { 3 } else { 0 });
+            (three - square[i][j]) / Wide::integer(2)
+        };
+        let correction = [0, 1, 2].map(|i| [0, 1, 2].map(|j| half(i, j)));
+        triad = product(&triad, &correction);
+    }
+    triad
 }
 
 /// A step, and the values after it and before it.
@@ -98,13 +118,22 @@ impl Truth {
             state.pair.b.displacement = sub(state.pair.a.displacement, state.pair.reference);
         }
         let connector = Connector::new(&case.definition);
-        let (narrowly, exactly) = (at_end.locks(), locks(&connector, &state.pair));
         let margins = at_end.margins();
-        let mut locked = Locked::of(narrowly, exactly);
+        let given = state;
+        for node in [&mut state.pair.a, &mut state.pair.b] {
+            node.triad = rotation(node.triad);
+        }
+        let initial = rotation(connector.section().initial_orientation);
+        // A distance of zero on doubles is one of rounding where the triads are rotations to rounding.
+        let are_rotations = state.pair.a.triad == given.pair.a.triad
+            && state.pair.b.triad == given.pair.b.triad
+            && initial == connector.section().initial_orientation;
+        let mut locked =
+            Locked::of([at_end.locks(), locks(&connector, &given.pair), locks(&connector, &state.pair)]);
         locked.everything = [0, 1, 2, 3, 4, 5].map(|k| {
             let is_undetermined = |Margin { distance, set }: Margin| match set.class {
                 SingularClass::TrueSingularity => true,
-                SingularClass::BranchCut => distance > 0.0,
+                SingularClass::BranchCut => distance > 0.0 || !are_rotations,
                 SingularClass::Kink | SingularClass::Removable => false,
             };
             of_components[k] == 0.0 && margins[k].is_some_and(is_undetermined)
@@ -119,8 +148,10 @@ impl Truth {
                 connector = connector.counting_from(k, Wide::from_f64(origin));
             }
         }
+        let given = (connector.clone(), given);
         Some(Self {
-            connector,
+            given,
+            connector: connector.oriented_from(initial),
             state,
             branch: exact_branch(&after),
             length: case.length,
@@ -129,26 +160,6 @@ impl Truth {
             locked,
             places: OnceLock::new(),
         })
-    }
-
-    /// The same with triads that are rotations to the last of 237 bits. Those of a case are to the last of 53: what is the same on
-    /// rotations, as derivatives along the group and through the relative pair, then differs by that.
-    pub fn of_rotations(case: &Case) -> Option<Self> {
-        /// Each step squares the error: 1e-16, 1e-32, 1e-64, 1e-71.
-        const STEPS: usize = 4;
-        let mut of = Self::of(case)?;
-        for node in [&mut of.state.pair.a, &mut of.state.pair.b] {
-            for _ in 0..STEPS {
-                let square = product(&transpose(&node.triad), &node.triad);
-                let half = |i: usize, j: usize| {
-                    let three = Wide::integer(if i == j { 3 } else { 0 });
-                    (three - square[i][j]) / Wide::integer(2)
-                };
-                let correction = [0, 1, 2].map(|i| [0, 1, 2].map(|j| half(i, j)));
-                node.triad = product(&node.triad, &correction);
-            }
-        }
-        Some(of)
     }
 
     /// min(1, distance to the nearest singular set): 0 on one, where no two-sided derivative exists.
@@ -264,7 +275,7 @@ impl Truth {
         })
     }
 
-    /// Where the case ends.
+    /// Where the case ends, on rotations.
     pub(super) fn at_rest(&self) -> Place {
         self.place([Wide::zero(); DOFS])
     }
@@ -272,6 +283,7 @@ impl Truth {
     /// Everything by dual numbers over 237 bits: the product's own source, without its rounding.
     pub fn dual(&self) -> Numbers<Wide> {
         let mut numbers = Numbers::of(&self.evaluate(&self.at_rest(), &request()));
+        numbers.set(Quantity::Value, self.value());
         super::force::add_forces(&mut numbers, &self.connector, &self.state, &self.branch);
         numbers
     }
@@ -284,7 +296,9 @@ impl Truth {
     /// The values.
     pub fn value(&self) -> Entries<Wide> {
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let still = self.evaluate(&self.at_rest(), &asked);
+        let (connector, state) = &self.given;
+        let branch = connector.advance(state, &Increment::none(), &self.branch);
+        let still = connector.evaluate_on(state, branch, &asked, &mut Tally::default());
         Numbers::of(&still).entries(Quantity::Value).clone()
     }
 

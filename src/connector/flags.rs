@@ -7,10 +7,11 @@ use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Real};
 use crate::scene::Code;
 use crate::so3;
-use crate::vector::{self, column, dot, scale, sub};
+use crate::vector::{self, Matrix, column, dot, scale, sub};
 use serde::Serialize;
 use std::cell::LazyCell;
 use std::mem::{self, Discriminant};
+use std::sync::Arc;
 
 /// A stop: min ≤ position ≤ max, in the units of the position (angles in radians).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -280,6 +281,13 @@ impl<R: Differentiable> Connector<R> {
         if let Some(start) = self.initial.get_mut(k) {
             *start = initial;
         }
+        self
+    }
+
+    /// The same connector with the initial orientation of b relative to a as it was found on other numbers.
+    #[must_use]
+    pub(crate) fn oriented_from(mut self, initial: Matrix<R>) -> Self {
+        Arc::make_mut(&mut self.kind).section.initial_orientation = initial;
         self
     }
 

@@ -5,6 +5,7 @@
 
 use super::solve::{STEPS, Unsolved, is_converged, linear, root};
 use super::{FrictionCase, Judged, force_sizes, group_sizes, kind, reach};
+use crate::audit::bound::{C, U};
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::oracle::Oracle;
@@ -13,6 +14,7 @@ use crate::audit::sheet::{Change, Entry, Sheet};
 use crate::audit::slopes::{FIRST_STEP, Held, Slopes};
 use crate::behavior::friction::{
     Branch, Context, Flag, Friction, Input, Outcome, Partial, State, Status, StickStiffness, Tangent,
+    Tangential,
 };
 use crate::catalog::{COMPONENT, FORCE};
 use crate::scalar::elementary::sqrt;
@@ -241,7 +243,9 @@ impl FrictionCase {
         allowed.extend([scales[6], scales[7], scales[8], scales[6] + outcome.accumulated_slip.abs()]);
         let branch = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
         let other = listed(&self.friction.update(&self.before, &self.input(0, 0.0), branch));
-        let solved = || Equations::new(self, &before, &input, outcome).solved(on);
+        let tolerances =
+            Allowed { forces: std::array::from_fn(|k| C * U * scales[k]), slip: C * U * scales[6] };
+        let solved = || Equations::new(self, &before, &input, outcome).solved(on, &tolerances);
         let of_wide = |force: [Wide; 6], [slip, normal, limit]: [Wide; 3]| {
             let mut all: Vec<Wide> = sliding.iter().map(|k| force[*k]).collect();
             all.extend([slip, normal, limit, before.accumulated_slip + slip]);
@@ -332,7 +336,10 @@ impl<'a> Equations<'a> {
         for (k, stiffness) in &stiffness {
             trial[*k] = before.force[*k] + *stiffness * input.displacement[*k];
         }
-        let sizes = force_sizes(&trial.map(|x| x.to_f64()), case.length);
+        // Of the solution: what is returned from may be larger by many decades, and steps of its size lead over a force that is not zero.
+        let tractions = if outcome.force == [0.0; 6] { trial.map(|x| x.to_f64()) } else { outcome.force };
+        let sizes = reach(&tractions, &force_sizes(&tractions, case.length));
+        let sizes = std::array::from_fn(|k| sizes[k]);
         Self { case, before, input, outcome, stiffness, of_slip, trial, sizes }
     }
 
@@ -348,7 +355,7 @@ impl<'a> Equations<'a> {
     }
 
     /// Forces, and Δγ, F_N and the limit; or why an increment has no such solution.
-    fn solved(&self, on: Branch) -> Result<([Wide; 6], [Wide; 3]), Unsolved> {
+    fn solved(&self, on: Branch, allowed: &Allowed) -> Result<([Wide; 6], [Wide; 3]), Unsolved> {
         let zero = Wide::zero();
         let end = |(force, slip): ([Wide; 6], Wide)| {
             let [normal, limit] = self.limit(slip);
@@ -370,9 +377,9 @@ impl<'a> Equations<'a> {
         let found = if !slips {
             (self.trial, zero)
         } else if self.outcome.flags.contains(&Flag::ReturnedAlongTraction) {
-            self.along_traction(magnitude)?
+            self.along_traction(magnitude, allowed)?
         } else {
-            self.against_gradient()?
+            self.against_gradient(allowed)?
         };
         Ok(end(found))
     }
@@ -413,33 +420,28 @@ impl<'a> Equations<'a> {
         left
     }
 
-    /// Newton's method from the product's solution.
-    fn against_gradient(&self) -> Result<([Wide; 6], Wide), Unsolved> {
-        /// Differences of gradients that are differences: steps between those of both.
-        const STEP: f64 = 1e-15;
+    /// Newton's method from the product's solution, measured by that: what it is returned from may be larger by many decades.
+    fn against_gradient(&self, allowed: &Allowed) -> Result<([Wide; 6], Wide), Unsolved> {
         let stiffness = self.of_slip.ok_or(Unsolved::Singular)?;
-        let n = self.stiffness.len() + 1;
         let mut force = [Wide::zero(); 6];
         for (k, _) in &self.stiffness {
             force[*k] = Wide::from_f64(self.outcome.force[*k]);
         }
         let mut slip = Wide::from_f64(self.outcome.slip_increment);
-        let largest = self.sizes.iter().fold(0.0_f64, |most, size| most.max(*size));
-        let slip_size = Wide::from_f64(largest) / stiffness;
+        let slip_size = if slip > Wide::zero() {
+            slip
+        } else {
+            let largest = self.sizes.iter().fold(0.0_f64, |most, size| most.max(*size));
+            Wide::from_f64(largest) / stiffness
+        };
         let sizes = self.stiffness.iter().map(|(k, _)| Wide::from_f64(self.sizes[*k])).chain([slip_size]);
         let sizes: Vec<Wide> = sizes.collect();
-        for _ in 0..STEPS {
-            let left = self.left(&force, slip);
-            let mut columns = Vec::with_capacity(n);
-            for (j, size) in sizes.iter().enumerate() {
-                let (mut moved, mut slid) = (force, slip);
-                let h = Wide::from_f64(STEP) * *size;
-                match self.stiffness.get(j) {
-                    Some((k, _)) => moved[*k] += h,
-                    None => slid += h,
-                }
-                let there = self.left(&moved, slid);
-                columns.push(there.iter().zip(&left).map(|(a, b)| (*a - *b) / h).collect::<Vec<_>>());
+        let given = (force, slip);
+        let mut is_solution = false;
+        for n in 0..STEPS {
+            let (left, columns) = self.linearised(&force, slip, &sizes);
+            if n == 0 {
+                is_solution = self.is_met(&left, &columns, allowed);
             }
             let step = linear(&columns, &left).ok_or(Unsolved::Singular)?;
             for ((k, _), by) in self.stiffness.iter().zip(&step) {
@@ -447,14 +449,68 @@ impl<'a> Equations<'a> {
             }
             slip -= *step.last().ok_or(Unsolved::Singular)?;
             if is_converged(step.into_iter().zip(sizes.iter().copied())) {
-                return Ok((force, slip));
+                let is_near = |x: Wide, y: Wide, allowed: f64| (x - y).abs() <= Wide::from_f64(allowed);
+                let mut forces = self.stiffness.iter();
+                let stays = forces.all(|(k, _)| is_near(force[*k], given.0[*k], allowed.forces[*k]))
+                    && is_near(slip, given.1, allowed.slip);
+                return match (stays, is_solution) {
+                    (false, true) => Err(Unsolved::Another),
+                    _ if slip < Wide::zero() => Err(Unsolved::NotConverged),
+                    _ => self.first((force, slip)),
+                };
             }
         }
         Err(Unsolved::NotConverged)
     }
 
+    /// What of the equations is left, and its derivatives by each unknown.
+    fn linearised(&self, force: &[Wide; 6], slip: Wide, sizes: &[Wide]) -> (Vec<Wide>, Vec<Vec<Wide>>) {
+        /// Differences of gradients that are differences: steps between those of both.
+        const STEP: f64 = 1e-15;
+        let left = self.left(force, slip);
+        let column = |(j, size): (usize, &Wide)| -> Vec<Wide> {
+            let (mut moved, mut slid) = (*force, slip);
+            let h = Wide::from_f64(STEP) * *size;
+            match self.stiffness.get(j) {
+                Some((k, _)) => moved[*k] += h,
+                None => slid += h,
+            }
+            let there = self.left(&moved, slid);
+            there.iter().zip(&left).map(|(a, b)| (*a - *b) / h).collect()
+        };
+        let columns = sizes.iter().enumerate().map(column).collect();
+        (left, columns)
+    }
+
+    /// Whether what is left of every equation is no more than what the tolerances of the unknowns make of it.
+    fn is_met(&self, left: &[Wide], columns: &[Vec<Wide>], allowed: &Allowed) -> bool {
+        let of = |j: usize| self.stiffness.get(j).map_or(allowed.slip, |(k, _)| allowed.forces[*k]);
+        left.iter().enumerate().all(|(i, left)| {
+            let column = |(j, column): (usize, &Vec<Wide>)| column[i].abs() * Wide::from_f64(of(j));
+            left.abs() <= columns.iter().enumerate().map(column).fold(Wide::zero(), |sum, x| sum + x)
+        })
+    }
+
+    /// A solution, unless a smaller slip is one. Of a norm P falls by K Δγ, whatever the direction: with a limit that slip does not change
+    /// there is only one, and with any other the excess is looked at on the way. Of a potential that is not known.
+    fn first(&self, found: ([Wide; 6], Wide)) -> Result<([Wide; 6], Wide), Unsolved> {
+        /// Places on the way.
+        const PLACES: i32 = 32;
+        let (_, slip) = found;
+        let (Tangential::Norm(_), Some(stiffness)) = (&self.case.friction.criterion.tangential, self.of_slip)
+        else {
+            return Ok(found);
+        };
+        let magnitude = self.potential(&self.trial, Wide::zero());
+        let is_met = |n: i32| {
+            let before = slip * Wide::ratio(n, PLACES);
+            magnitude - stiffness * before <= self.limit(before)[1]
+        };
+        if (1..PLACES).any(is_met) { Err(Unsolved::NotFirst) } else { Ok(found) }
+    }
+
     /// f = s f_tr with P(f) = L, and the slip that this takes, by Newton's method from the product's solution.
-    fn along_traction(&self, magnitude: Wide) -> Result<([Wide; 6], Wide), Unsolved> {
+    fn along_traction(&self, magnitude: Wide, allowed: &Allowed) -> Result<([Wide; 6], Wide), Unsolved> {
         self.of_slip.ok_or(Unsolved::Singular)?;
         let whole = self.stiffness.iter().fold(Wide::zero(), |sum, (k, stiffness)| {
             sum + self.trial[*k] * self.trial[*k] / (*stiffness * magnitude)
@@ -464,8 +520,21 @@ impl<'a> Equations<'a> {
         let left = |share: Wide| self.potential(&forces(share), slip(share)) - self.limit(slip(share))[1];
         let moves = |(k, _): &&(usize, Wide)| self.trial[*k] != Wide::zero();
         let (k, _) = self.stiffness.iter().find(moves).ok_or(Unsolved::Singular)?;
-        let share = Wide::from_f64(self.outcome.force[*k]) / self.trial[*k];
-        let share = root(share, Wide::integer(1), left)?;
+        let given = Wide::from_f64(self.outcome.force[*k]) / self.trial[*k];
+        let size = if given == Wide::zero() { Wide::integer(1) } else { given.abs() };
+        let share = root(given, size, left)?;
+        let allowed = Wide::from_f64(allowed.forces[*k]) / self.trial[*k].abs();
+        let h = Wide::from_f64(FIRST_STEP) * size;
+        let slope = (left(given + h) - left(given - h)) / (h + h);
+        if (share - given).abs() > allowed && left(given).abs() <= slope.abs() * allowed {
+            return Err(Unsolved::Another);
+        }
         Ok((forces(share), slip(share)))
     }
+}
+
+/// What forces and slip may be off.
+struct Allowed {
+    forces: [f64; 6],
+    slip: f64,
 }

@@ -9,7 +9,8 @@ use crate::scalar::{Scalar, Wide};
 pub(super) const STEPS: usize = 12;
 
 /// A step this small, in sizes of the unknown, ends it: fourteen decades below the rounding of doubles, and above that of
-/// differences on 237 bits (1e-45).
+/// differences on 237 bits (1e-45). The sizes are those of the solution, not of what it is returned from: traction after a stick so stiff
+/// that it would be 1e35 times the limit must not be stepped over.
 pub(super) const CONVERGED: f64 = 1e-30;
 
 /// Why a witness has no answer.
@@ -19,6 +20,10 @@ pub(super) enum Unsolved {
     NotConverged,
     /// The equations are singular on the way.
     Singular,
+    /// The given numbers satisfy the equations as well as rounding lets them, and Newton's method leads to others.
+    Another,
+    /// Before the given slip there is one at which the limit is met already.
+    NotFirst,
     /// The product says that there is no solution to compare with.
     Flagged(&'static str),
 }
@@ -38,6 +43,14 @@ impl Unsolved {
             ),
             Self::Singular => {
                 "newton-singular: the equations of slip on 237 bits have no unique solution near the given one".to_string()
+            }
+            Self::Another => {
+                "several-solutions: the given forces and slip satisfy the equations of slip on 237 bits within their tolerances, and \
+                 Newton's method leads to others: which of them is meant is not decided"
+                    .to_string()
+            }
+            Self::NotFirst => {
+                "earlier-solution: the equations of slip on 237 bits are met by a smaller slip than the given one".to_string()
             }
             Self::Flagged(flag) => format!("{flag}: the increment is told to have no solution that the equations of slip define"),
         }

@@ -16,7 +16,7 @@ use super::case::Case;
 use super::mutant::Mutant;
 use super::oracle::nearness;
 use super::quantity::{Numbers, OneOrMany, Quantity};
-use super::verdict::{Score, Verdict, decided, moved_by};
+use super::verdict::{Score, Verdict, moved_by};
 use crate::connector::{Branch, Connector, Increment, State};
 use crate::measure::Measure;
 use crate::node::DOFS;
@@ -178,9 +178,15 @@ impl Demand {
         if units.is_nan() { f64::INFINITY } else { units }
     }
 
-    /// The verdict on numbers that are so many units of what is allowed from it.
-    pub(super) fn verdict(&self, units: f64) -> Verdict {
-        decided(self.want, self.allowed, units)
+    /// The verdict on numbers.
+    pub(super) fn verdict(&self, numbers: &Numbers<f64>) -> Verdict {
+        if !self.is_decidable(numbers) {
+            Verdict::Undecided
+        } else if self.units(numbers) <= 1.0 {
+            Verdict::Pass
+        } else {
+            Verdict::Wrong
+        }
     }
 
     /// How far numbers are from it, in units of what is allowed.
@@ -199,6 +205,8 @@ pub struct Context<'a> {
     bound: &'a Bound,
     state: State<f64>,
     increment: Increment<f64>,
+    /// min(1, distance of each component to its singular sets).
+    nearness: [f64; 6],
     /// The components that are not on a singular set: those of which derivatives exist.
     is_smooth: [bool; 6],
 }
@@ -211,9 +219,11 @@ impl<'a> Context<'a> {
         let step = *case.last()?;
         let after = connector.advance(&step.state, &step.increment, &before);
         let margins = connector.margins(&step.state, &after, [true; 6]);
-        let is_smooth = margins.map(|margin| nearness(margin, case.length) > 0.0);
+        let nearness = margins.map(|margin| nearness(margin, case.length));
+        let is_smooth = nearness.map(|near| near > 0.0);
         Some(Self {
             case,
+            nearness,
             is_smooth,
             connector,
             before,
@@ -331,7 +341,8 @@ impl<'a> Context<'a> {
 /// Judges a list of demands: the one that decides the verdict, and how far from it numbers are, in units of what is allowed.
 pub fn worst<'a>(numbers: &Numbers<f64>, demands: &'a [Demand]) -> Option<(&'a Demand, f64)> {
     let judged = demands.iter().map(|demand| (demand, demand.units(numbers)));
-    judged.max_by(|x, y| x.0.verdict(x.1).cmp(&y.0.verdict(y.1)).then(x.1.total_cmp(&y.1)))
+    let severity = |demand: &Demand| demand.verdict(numbers);
+    judged.max_by(|x, y| severity(x.0).cmp(&severity(y.0)).then(x.1.total_cmp(&y.1)))
 }
 
 /// Of the mutants that touch a number of which a law speaks, one in so many is tried.

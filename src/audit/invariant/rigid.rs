@@ -4,11 +4,12 @@
 //! that are there: those of which every degree of freedom by which the component changes is among its columns.
 
 use super::{Context, Demand, What};
-use crate::audit::case::{Case, carried, turn};
+use crate::audit::bound::{C, U};
+use crate::audit::case::{Case, carried, dof_size, turn};
 use crate::audit::quantity::{OneOrMany, Quantity};
 use crate::catalog::{COMPONENT, FORCE, Loading};
 use crate::measure::Measure;
-use crate::node;
+use crate::node::{self, DOFS};
 use crate::vector::{Matrix, Vector, apply_transposed, cross};
 
 /// The places of both nodes' translations and rotations along an axis.
@@ -125,6 +126,22 @@ impl Context<'_> {
         (rotation, self.beside(self.case.definition.clone(), state, self.after))
     }
 
+    /// What a number changes by to second order where every degree of freedom is rounded by ε = C u of its size: a value f by
+    /// ½ Σ_jk abs(∂²f/∂q_j∂q_k) ε_j ε_k; a first derivative, or a nodal force, by Cauchy's estimate (ε/δ)² Σ_j abs(∂f/∂q_j) s_j over the size, δ from
+    /// a singular set. Near one, at a symmetric state, the first order may vanish.
+    fn bent(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
+        let size = |j: usize| dof_size(j, self.case.length);
+        let sum = |of: Quantity, by: &dyn Fn(usize) -> f64| -> f64 {
+            let all = self.numbers.entries(of).0[k].iter().flatten().enumerate();
+            all.map(|(i, x)| x.abs() * by(i)).sum()
+        };
+        if quantity == Quantity::Value {
+            let both = |i: usize| size(i / DOFS) * size(i % DOFS);
+            return 0.5 * (C * U).powi(2) * sum(Quantity::SecondDerivatives, &both);
+        }
+        (C * U / self.nearness[k]).powi(2) * sum(quantity, &size) / size(i)
+    }
+
     pub(super) fn frame(&self) -> Vec<Demand> {
         let (rotation, turned) = self.turned();
         let twin = self.numbers_of(&turned);
@@ -141,7 +158,10 @@ impl Context<'_> {
             if let (Some(want), false) = (twin.entries(Quantity::Value).get(k, 0), measure.is_one_form()) {
                 let terms = OneOrMany::One([(Quantity::Value, k, 0, 1.0)]);
                 let what = What::Entry("", Quantity::Value, k, 0, " in turned axes");
-                found.push(wider(self.sum(terms, want, what)));
+                let mut demand = wider(self.sum(terms, want, what));
+                // Four times as much is rounded.
+                demand.allowed += 16.0 * self.bent(Quantity::Value, k, 0);
+                found.push(demand);
             }
             let vectors = [Quantity::FirstDerivatives, Quantity::NodalForces]
                 .into_iter()
@@ -158,6 +178,7 @@ impl Context<'_> {
                         .map(|j| 4.0 * self.tolerance(quantity, k, at + j))
                         .sum::<f64>()
                         .max(demand.allowed);
+                    demand.allowed += 16.0 * self.bent(quantity, k, at + i);
                     found.push(demand);
                 }
             }

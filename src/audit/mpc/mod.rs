@@ -15,6 +15,7 @@ use super::outcome::Check;
 use super::quantity::Quantity;
 use super::sheet::{Entry, Sheet};
 use super::sides::Sides;
+use super::truth::rotation;
 use super::verdict::Verdict;
 use crate::connector::{Output, Request, Tally, Turns};
 use crate::measure::Unit;
@@ -51,6 +52,9 @@ pub struct MpcCase {
 /// The constraint and its state on 237-bit numbers.
 struct Truth {
     constraint: Constraint<Wide>,
+    /// The state as it is given, which values are of.
+    given: State<Wide>,
+    /// The same with rotations that are such to the last of 237 bits, which derivatives are of.
     state: State<Wide>,
     sizes: Dofs<f64>,
     /// min(1, distance of each equation to its own singular sets), 0 on one.
@@ -145,7 +149,12 @@ impl MpcCase {
             // Nodes that coincide on doubles, and not to their last digits: that they coincide is what is meant.
             state.slave.displacement = sub(state.master.displacement, vector::exact(self.constraint.arm()));
         }
-        let truth = Truth { constraint: self.constraint.exact(), state, sizes: self.sizes(), nearness };
+        let given = state;
+        for body in [&mut state.slave, &mut state.master] {
+            body.rotation = rotation(body.rotation);
+        }
+        let truth =
+            Truth { constraint: self.constraint.exact(), given, state, sizes: self.sizes(), nearness };
         let mut sheets = self.sheets_of(&got, &truth);
         sheets.retain(|sheet| !sheet.entries.is_empty());
         sheets
@@ -163,7 +172,7 @@ impl MpcCase {
     fn sheets_of(&self, got: &Evaluation<f64>, truth: &Truth) -> Vec<Sheet> {
         let kind = self.constraint.kind();
         let rows: Vec<usize> = (0..ROWS).filter(|row| self.constraint.rows()[*row]).collect();
-        let value = truth.values(&[Wide::zero(); DOFS]);
+        let value = truth.values_of(truth.given);
         let first = truth.first();
         let second = truth.second();
         let [rate, acceleration] = truth.rates();
@@ -300,14 +309,17 @@ pub fn moved<R: Real>(state: &State<R>, by: &Dofs<R>) -> State<R> {
 }
 
 impl Truth {
-    fn evaluate(&self, by: &Dofs<Wide>, request: &Request) -> Evaluation<Wide> {
+    fn evaluate(&self, state: &State<Wide>, request: &Request) -> Evaluation<Wide> {
         let zero = Turns { turns: Wide::zero(), principal: Wide::zero() };
-        let state = moved(&self.state, by);
-        self.constraint.evaluate(&state, &[zero; 2], &Turning::none(), request, &mut Tally::default())
+        self.constraint.evaluate(state, &[zero; 2], &Turning::none(), request, &mut Tally::default())
+    }
+
+    fn values_of(&self, state: State<Wide>) -> Rows<Wide> {
+        self.evaluate(&state, &Request::new(&[Output::RES], [true; 6], 0)).residual
     }
 
     fn values(&self, by: &Dofs<Wide>) -> Rows<Wide> {
-        self.evaluate(by, &Request::new(&[Output::RES], [true; 6], 0)).residual
+        self.values_of(moved(&self.state, by))
     }
 
     /// The distance to the nearest of the singular sets that the state is not on.
@@ -361,7 +373,7 @@ impl Truth {
 
     /// Second derivatives by dual numbers: what the product says on 237 bits.
     fn hessian(&self) -> Rows<Box<[Dofs<Wide>; DOFS]>> {
-        self.evaluate(&[Wide::zero(); DOFS], &Request::new(&[], [true; 6], 2)).hessian
+        self.evaluate(&self.state, &Request::new(&[], [true; 6], 2)).hessian
     }
 
     fn around(&self, j: usize) -> ([Dofs<Wide>; 2], Wide) {

@@ -124,7 +124,7 @@ fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         let of_it = report.subjects.iter().filter(|subject| subject.scene.as_deref() == *scene);
         let rows: Vec<Vec<String>> = of_it.map(cells).collect();
         let first = if scene.is_none() { "type" } else { "connector" };
-        let mut heading = vec![first, "derivative", "formula", "declaration", "states"];
+        let mut heading = vec![first, "derivative", "formula", "declaration", "states", "independent"];
         heading.extend(symbols());
         heading.push("δ seen");
         write!(out, "{}", table(&heading, &rows))?;
@@ -136,7 +136,7 @@ fn cells(subject: &Subject) -> Vec<String> {
     let row = Row::of(subject);
     let mut cells = vec![row.name];
     cells.extend(row.verdicts.map(word));
-    cells.push(row.states.to_string());
+    cells.extend([row.states, row.independent].map(|states| states.to_string()));
     cells.extend(row.worst.map(|units| units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))));
     cells.push(detectable(subject).map_or_else(|| "–".into(), |delta| format!("{delta:.0e}")));
     cells

@@ -21,6 +21,9 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     let mut document = quick_junit::Report::new("pintle audit");
     for subject in &report.subjects {
         let mut suite = TestSuite::new(subject.title());
+        suite.add_property(("states", subject.cases.to_string().as_str()));
+        suite
+            .add_property(("states judged independently", subject.judged_independently.to_string().as_str()));
         for check in &subject.checks {
             let mut test = TestCase::new(title(check), status(check, strict));
             let told: Vec<String> = sides(check).collect();

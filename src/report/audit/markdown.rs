@@ -192,7 +192,7 @@ fn table(page: &mut Page, report: &Report) {
     }
     let symbols = symbols();
     let heading = format!(
-        "| connector | derivative | formula | declaration | states | {} | δ seen |\n|---|---|---|---|---:|{}---:|",
+        "| connector | derivative | formula | declaration | states | independent | {} | δ seen |\n|---|---|---|---|---:|---:|{}---:|",
         symbols.join(" | "),
         "---:|".repeat(symbols.len())
     );
@@ -206,10 +206,11 @@ fn table(page: &mut Page, report: &Report) {
             if verdict.is_mismatch() { format!("**{name}**") } else { name.to_string() }
         });
         format!(
-            "| {} | {} | {} | {} | {seen} |",
+            "| {} | {} | {} | {} | {} | {seen} |",
             escaped(&subject.title()),
             verdicts.join(" | "),
             row.states,
+            row.independent,
             worst.join(" | ")
         )
     };

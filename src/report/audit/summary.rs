@@ -5,7 +5,7 @@ use crate::grammar::count;
 use std::collections::BTreeMap;
 
 /// What the columns of the table of verdicts say.
-pub(super) const LEGEND: &str = "f … F: worst error in units of its tolerance, F: of springs, dampers and friction with their slopes; δ seen: the smallest relative error of an entry \
+pub(super) const LEGEND: &str = "independent: of the states, those at which every kind of number was judged on 237 bits or by JAX; f … F: worst error in units of its tolerance, F: of springs, dampers and friction with their slopes; δ seen: the smallest relative error of an entry \
      that is noticed, median";
 
 /// The line of a subject in the table of verdicts.
@@ -14,6 +14,8 @@ pub(super) struct Row {
     /// On derivative, formula, declaration.
     pub(super) verdicts: [Verdict; 3],
     pub(super) states: u64,
+    /// How many of them an independent oracle judged.
+    pub(super) independent: u64,
     /// The worst error of the sharp oracles in units of the tolerance, by quantity.
     pub(super) worst: [Option<f64>; COLUMNS],
 }
@@ -34,6 +36,7 @@ impl Row {
             name: subject.name.clone(),
             verdicts: [subject.derivative, subject.formula, subject.declaration],
             states: subject.cases,
+            independent: subject.judged_independently,
             worst: std::array::from_fn(|i| match Quantity::ALL.get(i) {
                 Some(quantity) => worst(subject, &[*quantity]),
                 None => worst(subject, &Quantity::OF_BEHAVIOR),

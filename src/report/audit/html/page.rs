@@ -96,6 +96,7 @@ struct VerdictRow {
     name: String,
     verdicts: [Said; 3],
     states: u64,
+    independent: u64,
     worst: Vec<Sorted>,
     seen: Sorted,
 }
@@ -577,6 +578,7 @@ fn verdict_row(subject: &Subject) -> VerdictRow {
         name,
         verdicts: row.verdicts.map(Said::of),
         states: row.states,
+        independent: row.independent,
         worst: worst.into(),
         seen: detectable(subject).map_or_else(|| Sorted(2.0, "–".into()), |x| Sorted(x, format!("{x:.0e}"))),
     }
