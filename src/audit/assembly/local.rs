@@ -199,7 +199,7 @@ impl<'a> Surroundings<'a> {
         }
         for part in &own.parts {
             let (rows, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
-            let here = named(&matrix, &part.order, Task { keep: true, ..Task::default() });
+            let here = named(&matrix, part, Task { keep: true, ..Task::default() });
             let known: Vec<(u32, u32)> = here
                 .dependent
                 .iter()

@@ -28,6 +28,7 @@
 //! | `order` | in which order are nodes eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
 //! | `naming` | … and which rows may be named? |
+//! | `echelon` | which rows depend on those before them? |
 //! | `krylov` | what are they where elimination would fill the matrix? |
 //! | `noise` | what of that is rounding? |
 //! | `digits` | what of that do the digits of the scene leave open? |
@@ -38,12 +39,14 @@
 //! | `given` | what holds at the states given? |
 //! | `moving` | does a redundancy hold elsewhere? |
 //! | `second` | … which of the free motions does second order exclude? |
+//! | `once` | … of a large part? |
 //! | `local` | … where the part is too large to be moved as a whole? |
 //! | `unread` | which constraints of the deck were not read? |
 //! | `findings` | what is said of it? |
 
 mod dense;
 mod digits;
+mod echelon;
 mod eliminate;
 pub(super) mod findings;
 mod found;
@@ -54,6 +57,7 @@ mod modes;
 mod moving;
 mod naming;
 mod noise;
+mod once;
 mod order;
 mod redundant;
 mod second;
@@ -274,6 +278,9 @@ pub struct Assembly {
     pub positions: Vec<Position>,
     /// Redundant constraints at the initial state.
     pub redundant: Vec<Redundant>,
+    /// Those of them that are counted, and not named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unnamed: Option<Unnamed>,
     /// Drives that act, initially, on what is determined already.
     pub overdriven: Vec<Constraint>,
     /// Motions that nothing drives, at the initial state: at most a thousand.
@@ -308,6 +315,37 @@ pub struct Skipped {
     pub node: Label,
     /// The columns of the front at which it was given up.
     pub front: usize,
+}
+
+/// Redundant constraints that are counted, and not named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Unnamed {
+    /// Their number.
+    pub count: usize,
+    /// Why not.
+    pub why: WhyUnnamed,
+}
+
+/// Why redundant constraints are not named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum WhyUnnamed {
+    /// The rank came of products with the matrix, and to eliminate it for the names is predicted to cost too much.
+    Dear,
+    /// As many rows that depend on those before them were not found as the rank says.
+    Numbers,
+}
+
+impl WhyUnnamed {
+    /// In words.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Dear => {
+                "the rank came of products with the matrix, and elimination, which names them, would take too long"
+            }
+            Self::Numbers => "rows were not found, as many as the rank says, without which it is the same",
+        }
+    }
 }
 
 /// A state at which the Jacobian of the constraints could not be assembled.
@@ -393,6 +431,7 @@ fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bo
     let fixed: Vec<u32> = system.fixed_rows.iter().copied().filter(is_held).collect();
     assembly.positions.push(position(system, None, &found, fixed.len()));
     assembly.redundant = redundant::redundant(system, &found, &fixed);
+    assembly.unnamed = redundant::unnamed(&found);
     assembly.overdriven = overdriven(system, &found);
     assembly.modes = modes::modes(system, &found);
     given::along(system, (states, is_of), &found, fixed.len(), assembly);
@@ -421,6 +460,7 @@ impl Assembly {
             skipped: Vec::new(),
             positions: Vec::new(),
             redundant: Vec::new(),
+            unnamed: None,
             overdriven: Vec::new(),
             modes: Vec::new(),
             off: Vec::new(),
