@@ -40,7 +40,7 @@
 //! | `moving` | does a redundancy hold elsewhere? |
 //! | `second` | … which of the free motions does second order exclude? |
 //! | `once` | … of a large part? |
-//! | `local` | … where the part is too large to be moved as a whole? |
+//! | `local` | … where the part could not be moved as a whole? |
 //! | `unread` | which constraints of the deck were not read? |
 //! | `findings` | what is said of it? |
 
@@ -93,10 +93,10 @@ pub enum Holds {
     Differs,
     /// At a singular position: motions that are free to first order because of it are excluded to second order.
     Isolated,
-    /// At this state, and not at others that its neighbourhood, cut out of a part that is too large to be moved, can go to: at this one only, unless
+    /// At this state, and not at others that its neighbourhood, cut out of a part that could not be moved as a whole, can go to: at this one only, unless
     /// the rest of the assembly keeps it here.
     Loop,
-    /// It was not judged: the part is too large to be moved, and of the neighbourhoods that were looked at none has all it follows from.
+    /// It was not judged: the part could not be moved as a whole, and of the neighbourhoods that were looked at none has all it follows from.
     Large,
     /// It could not be judged.
     Unjudged,
@@ -120,11 +120,11 @@ impl Holds {
                 "it holds at this singular position (second order excludes the motions that are free to first order because of it)"
             }
             Self::Loop => {
-                "it holds at this state, and not at others that the connectors about it can go to (proven to rounding; the whole is too large to be \
-                 moved): at this one only, unless the rest of the assembly keeps them here"
+                "it holds at this state, and not at others that the connectors about it can go to (proven to rounding; the whole could not \
+                 be moved): at this one only, unless the rest of the assembly keeps them here"
             }
             Self::Large => {
-                "whether it holds at other states was not judged: the part is too large to be moved, and what it follows from was not found among the \
+                "whether it holds at other states was not judged: the part could not be moved as a whole, and what it follows from was not found among the \
                  connectors about it, of up to 20 000 degrees of freedom, or not looked for, for there are too many like it: audit its loop as a scene of \
                  its own"
             }

@@ -16,7 +16,7 @@ use super::{Assembly, Holds, Position, Unnamed, WhyUnnamed};
 use crate::audit::model::Finding;
 use crate::audit::sample::Draw;
 use crate::evaluate::{Fixed, Jacobian, Model, Plan, Sequence};
-use crate::scene::{Code, Scene, State};
+use crate::scene::{Code, NodeMotion, Scene, State};
 
 /// Rows over two or three groups of three columns each; of the last `dependent` rows each is a sum of multiples of three others that
 /// share their groups.
@@ -636,4 +636,34 @@ fn one_state_tells_what_several_tell() {
         let whole = judge_whole(&system, part, found);
         assert!(once.is_none_or(|once| once == whole), "{flat:?}");
     }
+}
+
+/// States that the assembly cannot come to, for whatever reason, are told once.
+#[test]
+fn states_off_are_told_once() {
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n*CONNECTOR SECTION, ELSET=C\nBEAM\n*BOUNDARY\n1, 1, 6\n";
+    let scene = Scene::parse("scene.inp", text).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let moved = |nodes: &[(&str, f64)], number: u64| {
+        let motion = |y: f64| NodeMotion { displacement: [0.0, y, 0.0], ..NodeMotion::default() };
+        State {
+            number: Some(number),
+            nodes: nodes.iter().map(|(node, y)| (node.parse().unwrap(), motion(*y))).collect(),
+            ..State::default()
+        }
+    };
+    let both = |y: f64, number: u64| moved(&[("1", y), ("2", y)], number);
+    let told = |states: &[State]| -> Vec<String> {
+        let assembly = super::analyse(&scene, &model, states, 1).unwrap();
+        let found = findings(&scene, &assembly);
+        found.iter().map(|finding| finding.message().to_string()).collect()
+    };
+    let off = [both(1.0, 1), moved(&[("2", 0.5)], 2), both(2.0, 3), both(3.0, 4)];
+    let all = told(&off);
+    assert_eq!(all.len(), 1, "{all:?}");
+    assert!(all[0].starts_with("no state given is one that the assembly can come to"), "{all:?}");
+    assert!(all[0].contains("state 2 does not satisfy the constraints, states 1, 3, 4 move what"), "{all:?}");
+    let some = told(&[both(0.0, 0), both(1.0, 1)]);
+    assert!(some.len() == 1 && some[0].contains("its rank there is not looked at: state 1 moves what"));
+    assert!(told(&[both(0.0, 0)]).is_empty());
 }
