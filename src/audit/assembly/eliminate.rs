@@ -40,10 +40,6 @@ const CANCELS: f64 = 1e3;
 /// than one grow with the number of nodes that are eliminated one after the other, and with them the condition of the pivots.
 const PREFERRED: f64 = 0.99;
 
-/// What is zero where entries do not know how uncertain they are, of rows whose largest entries are about one; and what rounding leaves.
-const PLAIN: f64 = 1e-10;
-const LEFT: f64 = 1e-14;
-
 /// Where a pivot row is taken from rows of so many entries in all, threads share them.
 const SHARED: usize = 30_000;
 /// Pivot rows are kept that have no more entries, in all.
@@ -125,9 +121,6 @@ pub(super) struct Task<'a> {
     pub(super) right: Option<&'a [f64]>,
     /// Whether pivot rows are kept, for solutions and null vectors.
     pub(super) keep: bool,
-    /// Whether only the rank of rows is asked that are known to be well apart from what is zero: no entry then knows how uncertain it is, which is
-    /// most of the work, and one below [`PLAIN`] is zero.
-    pub(super) plain: bool,
     /// What it may cost.
     pub(super) most: Most,
 }
@@ -273,9 +266,7 @@ impl Elimination<'_> {
         let entry = |place: usize| Entry {
             at: self.place[self.matrix.columns[place] as usize],
             value: self.matrix.values[place],
-            probes: if self.task.plain {
-                NONE
-            } else {
+            probes: {
                 let uncertain = if self.matrix.values[place] == 0.0 { zero } else { other };
                 random(place as u64).map(|number| number * uncertain)
             },
@@ -295,9 +286,6 @@ impl Elimination<'_> {
         if !(entry.value.is_finite() && noise.is_finite()) {
             self.outcome.overflows = true;
             return None;
-        }
-        if self.task.plain {
-            return Some(entry.value.abs()).filter(|size| *size > PLAIN);
         }
         let ratio = entry.value.abs() / noise;
         (ratio > self.zero).then_some(ratio)
@@ -356,7 +344,7 @@ impl Elimination<'_> {
 
     /// Takes multiples of a pivot row from rows of which nothing is left then at a place.
     fn reduce_all(&mut self, rows: &mut [Row], pivot: &Row, at: u32) {
-        let roundings = (!self.task.plain).then_some(&self.roundings);
+        let roundings = &self.roundings;
         self.work += rows.len() * pivot.entries.len();
         self.outcome.exhausted |= self.work > self.task.most.work;
         let largest = if rows.len() * pivot.entries.len() < SHARED {
@@ -459,7 +447,7 @@ impl Elimination<'_> {
 }
 
 /// Takes the multiple of a pivot row from a row of which nothing is left then at a place, and gives the largest |s|/n of what was put to zero.
-fn reduce(row: &mut Row, pivot: &Row, at: u32, roundings: Option<&Roundings>, spare: &mut Vec<Entry>) -> f64 {
+fn reduce(row: &mut Row, pivot: &Row, at: u32, roundings: &Roundings, spare: &mut Vec<Entry>) -> f64 {
     let (Some(of_row), Some(of_pivot)) = (row.entry(at).copied(), pivot.entry(at).copied()) else {
         return 0.0;
     };
@@ -515,7 +503,7 @@ struct Taking<'a> {
     slope: Probes,
     common: Probes,
     step: u64,
-    roundings: Option<&'a Roundings>,
+    roundings: &'a Roundings,
 }
 
 impl Taking<'_> {
@@ -523,12 +511,6 @@ impl Taking<'_> {
     fn take(&self, entry: &mut Entry, by: &Entry, largest: &mut f64) {
         let product = self.factor * by.value;
         entry.value -= product;
-        let Some(roundings) = self.roundings else {
-            if entry.value.abs() <= LEFT {
-                entry.value = 0.0;
-            }
-            return;
-        };
         let (value, size) = (by.value as f32, (product as f32).abs());
         noise::add(&mut entry.probes, -value, &self.slope);
         noise::add(&mut entry.probes, -self.narrow, &by.probes);
@@ -541,11 +523,11 @@ impl Taking<'_> {
         noise::add(
             &mut entry.probes,
             size + left as f32,
-            roundings.of((self.step >> 16).wrapping_add(place)),
+            self.roundings.of((self.step >> 16).wrapping_add(place)),
         );
         if left > 0.0 && left * CANCELS < product.abs() && left <= REMAINS * U * noise::size(&entry.probes) {
             *largest = largest.max(left / noise::size(&entry.probes));
-            let dropped = roundings.of((self.step >> 40).wrapping_add(place));
+            let dropped = self.roundings.of((self.step >> 40).wrapping_add(place));
             noise::add(&mut entry.probes, (left / U) as f32, dropped);
             entry.value = 0.0;
         }

@@ -3,7 +3,7 @@
 use super::dense;
 use super::modes::MODES;
 use super::redundant::EXPLAINED;
-use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant};
+use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant, Unnamed};
 use crate::audit::model::{About, Finding};
 use crate::evaluate::Freedom;
 use crate::grammar::{agree, count, ranges};
@@ -178,12 +178,13 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
 
 /// Redundant constraints of which no name is known.
 fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    let all = assembly.positions.first()?.redundant?;
-    let more = all.checked_sub(assembly.redundant.len()).filter(|more| *more > 0)?;
+    let Unnamed { count: more, why } = assembly.unnamed.as_ref()?;
+    let besides = if assembly.redundant.is_empty() { "" } else { " besides" };
     let message = format!(
-        "{} more {} redundant, which are not named: their part fills when it is eliminated, and its rank was found without",
-        count(more, "constraint"),
-        agree(more, ["is", "are"])
+        "{} {} redundant{besides}, counted and not named: {}",
+        count(*more, "constraint"),
+        agree(*more, ["is", "are"]),
+        why.meaning()
     );
     let reason = "the rank of the constraint Jacobian";
     let remedy = "audit smaller pieces of the part as scenes of their own to have them named";
@@ -393,30 +394,41 @@ fn without_derivative(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     Some(Finding::new(scene, Code::AssemblyUndecided, place, message, reason, remedy).about(about))
 }
 
-/// States given that were not looked at.
-fn off(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
-    let of = |states: &[u64], why: &str, remedy: &str| {
-        let first = *states.first()?;
-        let message = format!(
-            "{} {} not looked at, for {why}",
-            ranges("state", states),
-            agree(states.len(), ["was", "were"])
-        );
-        let reason = "a state that the assembly cannot come to says nothing of its rank";
-        let finding = Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy);
-        Some(finding.about(About { state: Some(first), ..About::default() }))
+/// States given that were not looked at, told once.
+fn off(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
+    let first = *assembly.off.iter().chain(&assembly.off_boundary).min()?;
+    let of = |states: &[u64], verbs: [&str; 2], what: &str| {
+        (!states.is_empty())
+            .then(|| format!("{} {} {what}", ranges("state", states), agree(states.len(), verbs)))
     };
-    let constraints = of(
-        &assembly.off,
-        "not satisfying the constraints (beyond 1e-4 rad, or 1e-4 of the length of a connector)",
-        "give states with more digits, or correct them",
+    let constraints = of(&assembly.off, ["does", "do"], "not satisfy the constraints");
+    let boundary = of(&assembly.off_boundary, ["moves", "move"], "what boundary conditions hold");
+    let which: Vec<String> = constraints.into_iter().chain(boundary).collect();
+    let is_all = assembly.positions.iter().all(|position| position.state.is_none());
+    let count = assembly.off.len() + assembly.off_boundary.len();
+    let begin = match (is_all, count) {
+        (true, 1) => {
+            "the state given is none that the assembly can come to, and its rank is known initially only"
+        }
+        (true, _) => {
+            "no state given is one that the assembly can come to, and its rank is known initially only"
+        }
+        (false, 1) => {
+            "a state given is none that the assembly can come to, and its rank there is not looked at"
+        }
+        (false, _) => {
+            "some states given are none that the assembly can come to, and its rank there is not looked at"
+        }
+    };
+    let message = format!(
+        "{begin}: {} (by more than 1e-4 rad, or 1e-4 of the length of a connector)",
+        which.join(", ")
     );
-    let boundary = of(
-        &assembly.off_boundary,
-        "moving what boundary conditions hold (by more than 1e-4 rad, or 1e-4 of the length of a connector)",
-        "correct the states, or the boundary conditions of the step that they belong to",
-    );
-    constraints.into_iter().chain(boundary).collect()
+    let reason = "each connector is audited at every state, whatever the others do; the rank of the whole is that of states which it can come to";
+    let remedy = "nothing is to be done where states are only to exercise the connectors one by one; else give states with more digits, or correct them, \
+                  or the boundary conditions of their step";
+    let finding = Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy);
+    Some(finding.about(About { state: Some(first), ..About::default() }))
 }
 
 /// Under the condition that what was taken for zero is zero.

@@ -1,6 +1,7 @@
 //! What is found of the parts of an assembly at one state, and of the whole.
 
 use super::dense;
+use super::echelon;
 use super::eliminate::{Outcome, Sparse, Task};
 use super::krylov;
 use super::naming::named;
@@ -105,10 +106,20 @@ pub(super) fn allowed(matrix: &Sparse, uncertainty: f64) -> f64 {
     U * (COMPUTED * computed + ROUNDED * rounded) + uncertainty * computed
 }
 
-/// The rank of the matrix of a part: by elimination, but of one that fills first by products with it.
+/// The rank of the matrix of a part: by elimination, but where that is dear first by products with it.
 fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>) -> Outcome {
-    let by_products = if part.fills { krylov::rank(matrix, task.uncertainty) } else { None };
-    by_products.unwrap_or_else(|| named(matrix, &part.order, task))
+    let by_products =
+        if part.is_dear() { krylov::rank(matrix, task.uncertainty, part.cost / 4.0) } else { None };
+    let Some(mut outcome) = by_products else { return named(matrix, part, task) };
+    if !outcome.names_all()
+        && part.is_named()
+        && let Some(dependent) =
+            echelon::dependent(matrix, &part.by_degree, outcome.redundant(), echelon::MOST)
+    {
+        outcome.dependent = dependent;
+        outcome.made_of.clear();
+    }
+    outcome
 }
 
 /// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system), and of which these rows have no

@@ -360,9 +360,10 @@ fn some_null_vectors(both: &mut Both<'_>, count: usize) -> Vec<Named> {
     found
 }
 
-/// The rank of a matrix whose entries are uncertain by that besides rounding, where it is certain; `None` where it is not, or would take too long.
-pub(super) fn rank(matrix: &Sparse, uncertainty: f64) -> Option<Outcome> {
-    let mut left = WORK;
+/// The rank of a matrix whose entries are uncertain by that besides rounding, where it is certain; `None` where it is not, or would take more than so many
+/// products, or [`WORK`].
+pub(super) fn rank(matrix: &Sparse, uncertainty: f64, most: f64) -> Option<Outcome> {
+    let mut left = WORK.min(most as u64);
     let by_rows = Compressed::of(matrix);
     let by_columns = by_rows.transposed(matrix.width());
     let top = by_rows.norm() * by_columns.norm();
@@ -485,7 +486,7 @@ mod tests {
     }
 
     fn rank_of(matrix: &Sparse) -> Option<Outcome> {
-        rank(matrix, 0.0)
+        rank(matrix, 0.0, f64::INFINITY)
     }
 
     /// A singular value far below the digits of decks is not decided.

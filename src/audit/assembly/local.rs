@@ -1,4 +1,4 @@
-//! Where do the redundancies of a part hold that is too large to be moved as a whole?
+//! Where do the redundancies of a part hold that could not be moved as a whole?
 //!
 //! What a constraint follows from lies in its neighbourhood, as a rule: in the loops that go through its connector. So a neighbourhood is cut
 //! out, with what holds it to the ground, and moved by itself; where it does not have all that the constraint follows from, a larger one. Cut out,
@@ -6,8 +6,8 @@
 //! what depends on others wherever the neighbourhood goes does so in the whole, and what cannot move by itself cannot move there. What does not
 //! depend on others elsewhere holds at this state only, unless the rest keeps the neighbourhood here ([`Holds::Loop`]).
 //!
-//! A neighbourhood that nothing holds is held by one node, for it is not to be moved as a rigid body. Its nodes are eliminated in the order of the whole,
-//! so that of constraints that depend on each other the same are named. Where loops meet, as in grids, a constraint that is named may close a way about
+//! A neighbourhood that nothing holds is held by one node, for it is not to be moved as a rigid body. What is named in it depends on constraints before
+//! it, and so it is named in the whole. Where loops meet, as in grids, a constraint that is named may close a way about
 //! many of them; and of many neighbourhoods only some are looked at ([`WORK`]). What is then not told is [`Holds::Large`].
 
 use super::Holds;
@@ -199,7 +199,7 @@ impl<'a> Surroundings<'a> {
         }
         for part in &own.parts {
             let (rows, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
-            let here = named(&matrix, &part.order, Task { keep: true, ..Task::default() });
+            let here = named(&matrix, part, Task { keep: true, ..Task::default() });
             let known: Vec<(u32, u32)> = here
                 .dependent
                 .iter()

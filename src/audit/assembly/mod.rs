@@ -28,6 +28,7 @@
 //! | `order` | in which order are nodes eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
 //! | `naming` | … and which rows may be named? |
+//! | `echelon` | which rows depend on those before them? |
 //! | `krylov` | what are they where elimination would fill the matrix? |
 //! | `noise` | what of that is rounding? |
 //! | `digits` | what of that do the digits of the scene leave open? |
@@ -38,12 +39,14 @@
 //! | `given` | what holds at the states given? |
 //! | `moving` | does a redundancy hold elsewhere? |
 //! | `second` | … which of the free motions does second order exclude? |
-//! | `local` | … where the part is too large to be moved as a whole? |
+//! | `once` | … of a large part? |
+//! | `local` | … where the part could not be moved as a whole? |
 //! | `unread` | which constraints of the deck were not read? |
 //! | `findings` | what is said of it? |
 
 mod dense;
 mod digits;
+mod echelon;
 mod eliminate;
 pub(super) mod findings;
 mod found;
@@ -54,6 +57,7 @@ mod modes;
 mod moving;
 mod naming;
 mod noise;
+mod once;
 mod order;
 mod redundant;
 mod second;
@@ -89,10 +93,10 @@ pub enum Holds {
     Differs,
     /// At a singular position: motions that are free to first order because of it are excluded to second order.
     Isolated,
-    /// At this state, and not at others that its neighbourhood, cut out of a part that is too large to be moved, can go to: at this one only, unless
+    /// At this state, and not at others that its neighbourhood, cut out of a part that could not be moved as a whole, can go to: at this one only, unless
     /// the rest of the assembly keeps it here.
     Loop,
-    /// It was not judged: the part is too large to be moved, and of the neighbourhoods that were looked at none has all it follows from.
+    /// It was not judged: the part could not be moved as a whole, and of the neighbourhoods that were looked at none has all it follows from.
     Large,
     /// It could not be judged.
     Unjudged,
@@ -116,11 +120,11 @@ impl Holds {
                 "it holds at this singular position (second order excludes the motions that are free to first order because of it)"
             }
             Self::Loop => {
-                "it holds at this state, and not at others that the connectors about it can go to (proven to rounding; the whole is too large to be \
-                 moved): at this one only, unless the rest of the assembly keeps them here"
+                "it holds at this state, and not at others that the connectors about it can go to (proven to rounding; the whole could not \
+                 be moved): at this one only, unless the rest of the assembly keeps them here"
             }
             Self::Large => {
-                "whether it holds at other states was not judged: the part is too large to be moved, and what it follows from was not found among the \
+                "whether it holds at other states was not judged: the part could not be moved as a whole, and what it follows from was not found among the \
                  connectors about it, of up to 20 000 degrees of freedom, or not looked for, for there are too many like it: audit its loop as a scene of \
                  its own"
             }
@@ -274,6 +278,9 @@ pub struct Assembly {
     pub positions: Vec<Position>,
     /// Redundant constraints at the initial state.
     pub redundant: Vec<Redundant>,
+    /// Those of them that are counted, and not named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unnamed: Option<Unnamed>,
     /// Drives that act, initially, on what is determined already.
     pub overdriven: Vec<Constraint>,
     /// Motions that nothing drives, at the initial state: at most a thousand.
@@ -308,6 +315,37 @@ pub struct Skipped {
     pub node: Label,
     /// The columns of the front at which it was given up.
     pub front: usize,
+}
+
+/// Redundant constraints that are counted, and not named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Unnamed {
+    /// Their number.
+    pub count: usize,
+    /// Why not.
+    pub why: WhyUnnamed,
+}
+
+/// Why redundant constraints are not named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum WhyUnnamed {
+    /// The rank came of products with the matrix, and to eliminate it for the names is predicted to cost too much.
+    Dear,
+    /// As many rows that depend on those before them were not found as the rank says.
+    Numbers,
+}
+
+impl WhyUnnamed {
+    /// In words.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Dear => {
+                "the rank came of products with the matrix, and elimination, which names them, would take too long"
+            }
+            Self::Numbers => "rows were not found, as many as the rank says, without which it is the same",
+        }
+    }
 }
 
 /// A state at which the Jacobian of the constraints could not be assembled.
@@ -393,6 +431,7 @@ fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bo
     let fixed: Vec<u32> = system.fixed_rows.iter().copied().filter(is_held).collect();
     assembly.positions.push(position(system, None, &found, fixed.len()));
     assembly.redundant = redundant::redundant(system, &found, &fixed);
+    assembly.unnamed = redundant::unnamed(&found);
     assembly.overdriven = overdriven(system, &found);
     assembly.modes = modes::modes(system, &found);
     given::along(system, (states, is_of), &found, fixed.len(), assembly);
@@ -421,6 +460,7 @@ impl Assembly {
             skipped: Vec::new(),
             positions: Vec::new(),
             redundant: Vec::new(),
+            unnamed: None,
             overdriven: Vec::new(),
             modes: Vec::new(),
             off: Vec::new(),

@@ -29,7 +29,7 @@ const STEPS: [f64; 4] = [0.05, 0.2, 0.3, 0.1];
 /// The same along each motion to which second order narrows them down.
 const BRANCH: [f64; 3] = [0.1, -0.1, 0.02];
 /// The residual at which constraints hold again.
-const HOLDS: f64 = 1e-11;
+pub(super) const HOLDS: f64 = 1e-11;
 /// The largest number of corrections: at a singular position each takes a quarter of the residual.
 const CORRECTIONS: usize = 40;
 /// A motion that gets less far than this part of its step is none.
@@ -37,7 +37,7 @@ const MOVED: f64 = 0.1;
 /// Free columns that begin with less than this part of the largest are not looked at when it is asked whether they moved.
 const BEGINS: f64 = 0.25;
 /// A singular value is well beyond √ε, and beyond what a correction moves, by this factor.
-const BEYOND: f64 = 100.0;
+pub(super) const BEYOND: f64 = 100.0;
 
 /// Where the dependences of a part hold, by dependent row: follows its free motions from the state to which the sequence comes next, to so many
 /// states at which the rank is certain, besides those to which second order leads.
@@ -96,7 +96,7 @@ fn motions(part: &Part, here: &Outcome, restrained: Option<&Second>) -> [Vec<Vec
 }
 
 /// All free motions at once, by well spread numbers: multiples of the golden ratio.
-fn spread(part: &Part, here: &Outcome, sample: usize, step: f64) -> Option<Vec<f64>> {
+pub(super) fn spread(part: &Part, here: &Outcome, sample: usize, step: f64) -> Option<Vec<f64>> {
     let free = |column: u32| {
         let turn = f64::from(column + 1) * 0.618_033_988_749_894_9 + sample as f64 * 0.414_213_562_373_095;
         2.0 * turn.fract() - 1.0
@@ -180,7 +180,7 @@ enum Correction {
     Basic,
 }
 
-fn is_constraint(role: Role) -> bool {
+pub(super) fn is_constraint(role: Role) -> bool {
     role != Role::Driven
 }
 
@@ -206,7 +206,7 @@ fn reach(
             return Reached::Lost;
         }
         let (rows, matrix) = system.matrix(part, &values, is_constraint);
-        let rank = |uncertainty: f64| named(&matrix, &part.order, Task { uncertainty, ..Task::default() });
+        let rank = |uncertainty: f64| named(&matrix, part, Task { uncertainty, ..Task::default() });
         let is_there = worst < HOLDS;
         if is_there {
             if largest_of(&total) < MOVED * step {
@@ -247,7 +247,7 @@ fn reach(
 }
 
 /// Whether none of the free motions was taken back.
-fn is_whole(here: &Outcome, motion: &[f64], total: &[f64]) -> bool {
+pub(super) fn is_whole(here: &Outcome, motion: &[f64], total: &[f64]) -> bool {
     let of = |column: &u32| Some((motion.get(*column as usize)?.abs(), total.get(*column as usize)?.abs()));
     let free: Vec<(f64, f64)> = here.free.iter().filter_map(of).collect();
     let largest = free.iter().map(|(began, _)| *began).fold(0.0, f64::max);

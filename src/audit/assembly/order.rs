@@ -34,9 +34,8 @@ type Neighbours = HashSet<u32, BuildHasherDefault<Mix>>;
 /// The vertices of a graph, each after those of least degree at its turn (Markowitz; Tinney and Walker, scheme 2): what is eliminated
 /// leaves its neighbours joined to each other. `cliques` are sets of vertices that are joined to each other.
 ///
-/// # Errors
-/// The number of neighbours of a vertex at its turn, where that is more than `most`: elimination would fill the matrix.
-pub(super) fn minimum_degree(count: usize, cliques: &[Vec<u32>], most: usize) -> Result<Vec<u32>, usize> {
+/// `None` where what is left joined has more than so many pairs in all: to find the order takes as long.
+pub(super) fn minimum_degree(count: usize, cliques: &[Vec<u32>], most: usize) -> Option<Vec<u32>> {
     let mut neighbours: Vec<Neighbours> = vec![Neighbours::default(); count];
     for clique in cliques {
         for v in clique {
@@ -47,13 +46,11 @@ pub(super) fn minimum_degree(count: usize, cliques: &[Vec<u32>], most: usize) ->
     }
     let mut queue: BTreeSet<(u32, u32)> =
         neighbours.iter().enumerate().map(|(v, joined)| (joined.len() as u32, v as u32)).collect();
-    let mut order = Vec::with_capacity(count);
+    let (mut order, mut left) = (Vec::with_capacity(count), most);
     while let Some((_, v)) = queue.pop_first() {
         order.push(v);
         let joined: Vec<u32> = std::mem::take(&mut neighbours[v as usize]).into_iter().collect();
-        if joined.len() > most {
-            return Err(joined.len());
-        }
+        left = left.checked_sub(joined.len().pow(2))?;
         for w in &joined {
             let set = &mut neighbours[*w as usize];
             queue.remove(&(set.len() as u32, *w));
@@ -62,7 +59,41 @@ pub(super) fn minimum_degree(count: usize, cliques: &[Vec<u32>], most: usize) ->
             queue.insert((set.len() as u32, *w));
         }
     }
-    Ok(order)
+    Some(order)
+}
+
+/// What an elimination will cost: Σ c f², where c is the number of columns of a vertex and f that of its front, which is it and what those
+/// before it leave joined to it (symbolic factorization along the elimination tree; Liu, 1990).
+pub(super) fn predicted(order: &[u32], cliques: &[Vec<u32>], columns: &[usize]) -> f64 {
+    let mut turn = vec![0; order.len()];
+    for (at, v) in (0..).zip(order) {
+        turn[*v as usize] = at;
+    }
+    // Sets of turns that are joined, each at the first of them.
+    let mut waiting: Vec<Vec<Vec<u32>>> = vec![Vec::new(); order.len()];
+    for clique in cliques {
+        let set: Vec<u32> = clique.iter().map(|v| turn[*v as usize]).collect();
+        if let Some(first) = set.iter().min() {
+            waiting[*first as usize].push(set);
+        }
+    }
+    let (mut sum, mut seen) = (0.0, vec![usize::MAX; order.len()]);
+    for (at, v) in order.iter().enumerate() {
+        let (mut later, mut front) = (Vec::new(), columns[*v as usize]);
+        seen[at] = at;
+        for other in std::mem::take(&mut waiting[at]).into_iter().flatten() {
+            if seen[other as usize] != at {
+                seen[other as usize] = at;
+                front += columns[order[other as usize] as usize];
+                later.push(other);
+            }
+        }
+        sum += columns[*v as usize] as f64 * (front as f64).powi(2);
+        if let Some(next) = later.iter().min() {
+            waiting[*next as usize].push(later);
+        }
+    }
+    sum
 }
 
 /// The vertices of a graph so that sets which others separate come before those (nested dissection; George, 1973, by levels of distance from
@@ -227,13 +258,13 @@ impl Union {
 
 #[cfg(test)]
 mod tests {
-    use super::{dissection, minimum_degree};
+    use super::{dissection, minimum_degree, predicted};
     use std::collections::BTreeSet;
 
     #[test]
     fn leaves_come_before_their_hub() {
         let star: Vec<Vec<u32>> = (1..6).map(|leaf| vec![0, leaf]).collect();
-        let order = minimum_degree(6, &star, 1).unwrap_or_default();
+        let order = minimum_degree(6, &star, 5).unwrap_or_default();
         assert_eq!(order.len(), 6);
         let hub = order.iter().position(|v| *v == 0).unwrap_or_default();
         assert!(hub >= 4, "{order:?}");
@@ -274,11 +305,23 @@ mod tests {
         assert!(most <= 2 * (n * n) as usize, "{most}");
     }
 
-    /// In a complete graph the first vertex has all others for neighbours.
+    /// In a complete graph the first vertex has all others for neighbours, and so on.
     #[test]
-    fn what_would_be_filled_is_refused() {
+    fn what_would_take_long_is_refused() {
         let complete = [(0..9).collect::<Vec<u32>>()];
-        assert_eq!(minimum_degree(9, &complete, 7), Err(8));
-        assert_eq!(minimum_degree(9, &complete, 8).map(|order| order.len()), Ok(9));
+        let squares = (0..9).map(|n| n * n).sum();
+        assert_eq!(minimum_degree(9, &complete, squares - 1), None);
+        assert_eq!(minimum_degree(9, &complete, squares).map(|order| order.len()), Some(9));
+    }
+
+    /// A path from one end has fronts of two vertices; from its middle of three, and then of two; a complete graph has all that are left.
+    #[test]
+    fn costs_are_those_of_fronts() {
+        let path: Vec<Vec<u32>> = (0..4).map(|v| vec![v, v + 1]).collect();
+        assert_eq!(predicted(&[0, 1, 2, 3, 4], &path, &[1; 5]), 4.0 * 4.0 + 1.0);
+        assert_eq!(predicted(&[2, 0, 1, 3, 4], &path, &[1; 5]), 9.0 + 3.0 * 4.0 + 1.0);
+        assert_eq!(predicted(&[0, 1, 2, 3, 4], &path, &[3; 5]), 27.0 * 17.0);
+        let complete = [(0..4).collect::<Vec<u32>>()];
+        assert_eq!(predicted(&[3, 1, 0, 2], &complete, &[1; 4]), 16.0 + 9.0 + 4.0 + 1.0);
     }
 }

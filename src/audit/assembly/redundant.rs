@@ -5,7 +5,7 @@ use super::found::{Found, constraint};
 use super::moving::{SAMPLES, elsewhere};
 use super::naming::named;
 use super::system::{Part, Role, System, request};
-use super::{Constraint, Holds, Redundant, dense, local};
+use super::{Constraint, Holds, Redundant, Unnamed, WhyUnnamed, dense, local, once};
 use crate::evaluate::{Plan, Sequence};
 use crate::scene::State;
 use rayon::prelude::*;
@@ -85,9 +85,10 @@ pub(super) fn only_here(dependent: &[u32], elsewhere: &[u32]) -> Vec<u32> {
 
 /// Where the redundancies of a part hold, in their order.
 fn judge(system: &System<'_>, part: &Part, found: &Found) -> Vec<Holds> {
-    let is_large = part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT || part.fills;
+    let is_large = part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT || part.is_dear();
     if is_large && found.constraints.mobility() > 0 {
-        return local::judge(system, part, found, &local::SIZES);
+        return once::judge(system, part, found)
+            .unwrap_or_else(|| local::judge(system, part, found, &local::SIZES));
     }
     judge_whole(system, part, found)
 }
@@ -119,9 +120,19 @@ pub(super) fn judge_whole(system: &System<'_>, part: &Part, found: &Found) -> Ve
         return all(Holds::Unjudged);
     }
     let (_, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
-    let here = named(&matrix, &part.order, Task { keep: true, ..Task::default() });
+    let here = named(&matrix, part, Task { keep: true, ..Task::default() });
     if here.dependent != *dependent {
         return all(Holds::Unjudged);
     }
     elsewhere(&own, part, &sequence, &start, &here, SAMPLES)
+}
+
+/// Redundant constraints of parts of which not all are named.
+pub(super) fn unnamed(found: &[Result<Found, usize>]) -> Option<Unnamed> {
+    let all = || found.iter().flatten().map(|found| &found.constraints);
+    let count = all().map(|outcome| outcome.redundant() - outcome.dependent.len()).sum();
+    // Where nothing was eliminated there is no front.
+    let is_dear = all().any(|outcome| !outcome.names_all() && outcome.front == 0);
+    let why = if is_dear { WhyUnnamed::Dear } else { WhyUnnamed::Numbers };
+    (count > 0).then_some(Unnamed { count, why })
 }

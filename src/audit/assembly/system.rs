@@ -3,7 +3,7 @@
 use super::Skipped;
 use super::digits::Digits;
 use super::eliminate::{Most, Sparse};
-use super::order::{Union, dissection, minimum_degree};
+use super::order::{Union, dissection, minimum_degree, predicted};
 use crate::catalog::COMPONENT;
 use crate::connector::{Flag, Mask, Output, Request};
 use crate::evaluate::{Equation, Fixed, Freedom, Item, Jacobian, Model, NUMBERS, Plan, Sequence, Source};
@@ -45,6 +45,8 @@ pub(super) struct Part {
     pub(super) columns: Vec<u32>,
     /// The groups of columns (nodes) in the order of elimination.
     pub(super) order: Vec<u32>,
+    /// The same by least degree, where that is known: in it rows that are put in one by one stay sparser than by dissection.
+    pub(super) by_degree: Vec<u32>,
     /// The length by which lengths are divided.
     pub(super) length: f64,
     /// Which connectors and MPCs of the model.
@@ -52,8 +54,24 @@ pub(super) struct Part {
     pub(super) mpcs: Vec<usize>,
     /// What its elimination may cost.
     pub(super) most: Most,
-    /// Whether its nodes are joined so densely that elimination fills the matrix.
-    pub(super) fills: bool,
+    /// What its elimination is predicted to cost ([`predicted`]).
+    pub(super) cost: f64,
+}
+
+impl Part {
+    /// Whether its elimination is so dear that products with the matrix are tried first.
+    pub(super) const fn is_dear(&self) -> bool {
+        /// Some two seconds of processor.
+        const CHEAP: f64 = 1e9;
+        self.cost > CHEAP
+    }
+
+    /// Whether redundant constraints are named, where the rank comes of products.
+    pub(super) const fn is_named(&self) -> bool {
+        /// Some tens of seconds of processor, as the elimination of a grid of four-bars of 1e5 connectors.
+        const AFFORDABLE: f64 = 3e10;
+        self.cost <= AFFORDABLE
+    }
 }
 
 /// What is enforced and held, by whether it is of a connector, and the index of that or of the MPC.
@@ -75,10 +93,11 @@ pub(super) struct System<'a> {
     hinges: HashSet<Label>,
 }
 
-/// Where a node would have more neighbours at its turn, nodes are ordered by dissection instead of least degree: to find that one takes time that
-/// grows with the square of their number, and of what is joined in three dimensions dissection leaves smaller fronts. Loops, chains, trees and grids
-/// in the plane stay below (317 neighbours at 1e5 connectors).
-const NEIGHBOURS: usize = 350;
+/// The pairs of nodes that may be joined while an order by least degree is sought, a second or two: of what is joined in three dimensions dissection
+/// leaves smaller fronts.
+const PAIRS: usize = 150_000_000;
+/// What costs more by least degree may cost less by dissection, which is tried.
+const DIVIDED: f64 = 1e8;
 
 /// What prescribed motions do in a step: components of connectors that are held or driven, degrees of freedom that are.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -332,10 +351,24 @@ impl<'a> System<'a> {
                 .into_iter()
                 .map(|clique| clique.into_iter().filter_map(|node| local.get(&node).copied()).collect())
                 .collect();
-            part.order = minimum_degree(local.len(), &cliques, NEIGHBOURS).unwrap_or_else(|_| {
-                part.fills = true;
-                dissection(local.len(), &cliques)
-            });
+            let mut widths = vec![0; local.len()];
+            for column in &part.columns {
+                if let Some(group) = local.get(&node_of[*column as usize]) {
+                    widths[*group as usize] += 1;
+                }
+            }
+            let cost = |order: &[u32]| predicted(order, &cliques, &widths);
+            let by_degree = minimum_degree(local.len(), &cliques, PAIRS);
+            let cost_by_degree = by_degree.as_ref().map_or(f64::INFINITY, |order| cost(order));
+            let (mut order, mut least) = (None, cost_by_degree);
+            if cost_by_degree > DIVIDED {
+                let by_dissection = dissection(local.len(), &cliques);
+                least = cost(&by_dissection);
+                order = Some(by_dissection).filter(|_| least < cost_by_degree);
+            }
+            part.cost = least.min(cost_by_degree);
+            part.by_degree = by_degree.or_else(|| order.clone()).unwrap_or_default();
+            part.order = order.unwrap_or_else(|| part.by_degree.clone());
         }
         self.parts = parts;
         self.fixed_rows = fixed_rows;
@@ -351,6 +384,7 @@ impl<'a> System<'a> {
             nodes.dedup();
             part.order = (0..nodes.len() as u32).collect();
             part.order.sort_by_key(|group| turn(nodes[*group as usize]));
+            part.by_degree = part.order.clone();
         }
     }
 

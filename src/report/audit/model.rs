@@ -1,7 +1,7 @@
 //! What is found in the models of an audit, for reading: findings, the assembly, coverage.
 
 use super::super::layout::{BOLD, CARE, DIM, styled, wrap};
-use crate::audit::assembly::{Assembly, Position};
+use crate::audit::assembly::{Assembly, Position, Unnamed};
 use crate::audit::coverage::{Coverage, Histogram};
 use crate::audit::model::{Finding, ModelReport, Nearest};
 use crate::grammar::{count, ranges};
@@ -125,6 +125,10 @@ pub(super) fn besides(assembly: &Assembly) -> Vec<String> {
             assembly.skipped.len(),
             count(assembly.parts, "part")
         ));
+    }
+    if let Some(Unnamed { count: number, why }) = &assembly.unnamed {
+        let constraints = count(*number, "redundant constraint");
+        lines.push(format!("{constraints} counted and not named: {}", why.meaning()));
     }
     lines.extend(along(assembly));
     if !assembly.unread.is_empty() {

@@ -1,0 +1,256 @@
+//! Which rows depend on those before them?
+//!
+//! Rows are put in one after the other. What is left of a row where the pivots so far have taken their columns from it becomes a pivot itself, or is
+//! nothing: then the row depends on those that were put in before. So what is named does not depend on the order of elimination, but on that
+//! of the rows alone. The columns are taken in an order of least degree, which keeps rows sparse.
+//!
+//! Where the entry of a row is larger than that of the pivot, the two change places: what is put in so far spans the same (pairwise pivoting;
+//! Wilkinson, 1965). Rounding may grow so from pivot to pivot; rotations (George and Heath, 1980) do not let it, and take twice the work or more. An entry
+//! does not know how uncertain it is, as it does in [`super::eliminate`]: rows are named where as many are found as are known to depend.
+
+use super::eliminate::Sparse;
+
+/// What is zero, of rows whose largest entries are about one; and what rounding leaves.
+const ZERO: f64 = 1e-10;
+const LEFT: f64 = 1e-14;
+
+/// The entries that may be looked at, of both rows each time: some ten seconds.
+pub(super) const MOST: usize = 5_000_000_000;
+
+/// How what a pivot has in common with a row is taken from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum By {
+    Multiples,
+    Rotations,
+}
+
+type Entries = Vec<(u32, f64)>;
+
+/// Rows put in so far.
+pub(super) struct Echelon<'a> {
+    matrix: &'a Sparse,
+    by: By,
+    /// The place of each column in the order of elimination.
+    place: Vec<u32>,
+    /// By column: the solution, where it is given.
+    given: Vec<Option<f64>>,
+    /// By place: the row of which it is the first entry, and its right-hand side.
+    pivots: Vec<(Entries, f64)>,
+    spare: [Entries; 2],
+    /// The entries that may still be looked at.
+    left: usize,
+}
+
+impl<'a> Echelon<'a> {
+    /// None yet, of a matrix whose groups of columns are taken in an order; so many entries may be looked at.
+    pub(super) fn new(matrix: &'a Sparse, order: &[u32], by: By, most: usize) -> Self {
+        let mut place = vec![0; matrix.width()];
+        let columns = order.iter().flat_map(|group| matrix.columns_of(*group as usize));
+        for (at, column) in (0..).zip(columns) {
+            place[column] = at;
+        }
+        let pivots = vec![Default::default(); matrix.width()];
+        let given = vec![None; matrix.width()];
+        Self { matrix, by, place, given, pivots, spare: Default::default(), left: most }
+    }
+
+    /// The same without these columns, whose part of the solution is given.
+    pub(super) fn without(mut self, columns: impl IntoIterator<Item = (u32, f64)>) -> Self {
+        for (column, value) in columns {
+            self.given[column as usize] = Some(value);
+        }
+        self
+    }
+
+    /// Puts in a row with its right-hand side: whether it does not depend on those before; `None` where that takes too long.
+    pub(super) fn put(&mut self, row: u32, mut right: f64) -> Option<bool> {
+        let range = self.matrix.range(row as usize);
+        let mut row = Entries::new();
+        for (column, value) in self.matrix.columns[range.clone()].iter().zip(&self.matrix.values[range]) {
+            match self.given[*column as usize] {
+                Some(given) => right -= value * given,
+                None if *value == 0.0 => {}
+                None => row.push((self.place[*column as usize], *value)),
+            }
+        }
+        row.sort_unstable_by_key(|(at, _)| *at);
+        loop {
+            let Some(first) = row.iter().position(|(_, value)| value.abs() > ZERO) else {
+                return Some(false);
+            };
+            row.drain(..first);
+            let Some((at, value)) = row.first().copied() else { return Some(false) };
+            let (pivot, of_pivot) = &mut self.pivots[at as usize];
+            let Some((_, of_first)) = pivot.first().copied() else {
+                row.shrink_to_fit();
+                (*pivot, *of_pivot) = (row, right);
+                return Some(true);
+            };
+            self.left = self.left.checked_sub(row.len() + pivot.len())?;
+            let [next, turned] = &mut self.spare;
+            match self.by {
+                By::Multiples => {
+                    let mut factor = value / of_first;
+                    if factor.abs() > 1.0 {
+                        std::mem::swap(pivot, &mut row);
+                        std::mem::swap(of_pivot, &mut right);
+                        factor = 1.0 / factor;
+                    }
+                    combined(&row, pivot, [1.0, -factor], next);
+                    right -= factor * *of_pivot;
+                }
+                By::Rotations => {
+                    let size = value.hypot(of_first);
+                    let [c, s] = [of_first / size, value / size];
+                    combined(&row, pivot, [c, -s], next);
+                    combined(&row, pivot, [s, c], turned);
+                    turned.insert(0, (at, size));
+                    std::mem::swap(pivot, turned);
+                    (right, *of_pivot) = (c * right - s * *of_pivot, s * right + c * *of_pivot);
+                }
+            }
+            std::mem::swap(&mut row, next);
+        }
+    }
+
+    /// A solution of the rows that are pivots: zero in columns without, where it is not given.
+    pub(super) fn solve(&self) -> Vec<f64> {
+        let mut by_place = vec![0.0; self.place.len()];
+        for (at, (pivot, right)) in self.pivots.iter().enumerate().rev() {
+            if let Some(((_, first), others)) = pivot.split_first() {
+                let sum: f64 = others.iter().map(|(at, value)| value * by_place[*at as usize]).sum();
+                by_place[at] = (right - sum) / first;
+            }
+        }
+        let columns = self.place.iter().zip(&self.given);
+        columns.map(|(at, given)| given.unwrap_or(by_place[*at as usize])).collect()
+    }
+}
+
+/// A sum of multiples of two rows but for their first entries, which are in the same place.
+fn combined(x: &[(u32, f64)], y: &[(u32, f64)], [of_x, of_y]: [f64; 2], sum: &mut Entries) {
+    sum.clear();
+    let (mut x, mut y) = (x.iter().skip(1).peekable(), y.iter().skip(1).peekable());
+    loop {
+        let places = [&x.peek(), &y.peek()].map(|next| next.map_or(u32::MAX, |(at, _)| *at));
+        let at = places[0].min(places[1]);
+        if at == u32::MAX {
+            return;
+        }
+        let mut value = 0.0;
+        if places[0] == at {
+            value += of_x * x.next().map_or(0.0, |(_, value)| *value);
+        }
+        if places[1] == at {
+            value += of_y * y.next().map_or(0.0, |(_, value)| *value);
+        }
+        if value.abs() > LEFT {
+            sum.push((at, value));
+        }
+    }
+}
+
+/// The rows that depend on those before them; `None` where they are not as many as are known to, or where that takes more than so many entries.
+pub(super) fn dependent(matrix: &Sparse, order: &[u32], count: usize, most: usize) -> Option<Vec<u32>> {
+    [By::Multiples, By::Rotations].into_iter().find_map(|by| dependent_by(by, matrix, order, count, most))
+}
+
+fn dependent_by(by: By, matrix: &Sparse, order: &[u32], count: usize, most: usize) -> Option<Vec<u32>> {
+    let mut echelon = Echelon::new(matrix, order, by, most);
+    let mut found = Vec::new();
+    for row in 0..matrix.rows() as u32 {
+        if !echelon.put(row, 0.0)? {
+            found.push(row);
+        }
+        if found.len() > count {
+            return None;
+        }
+    }
+    (found.len() == count).then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::dense;
+    use super::*;
+    use crate::audit::sample::Draw;
+
+    /// Random rows over a few of the columns, and sums of such that share them.
+    fn random(draw: &mut Draw) -> Sparse {
+        let width = 6 + draw.below(30);
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        for _ in 0..2 * width {
+            let mut row = vec![0.0; width];
+            if rows.len() > 3 && draw.below(3) == 0 {
+                for _ in 0..2 {
+                    let (of, times) = (draw.below(rows.len()), draw.between(0.5, 2.0));
+                    row.iter_mut().zip(&rows[of]).for_each(|(sum, x)| *sum += times * x);
+                }
+            } else {
+                let first = draw.below(width - 3);
+                row[first..first + 3].iter_mut().for_each(|x| *x = draw.between(-1.0, 1.0));
+            }
+            rows.push(row);
+        }
+        let mut matrix =
+            Sparse { groups: (0..=width as u32).collect(), offsets: vec![0], ..Sparse::default() };
+        for row in rows {
+            for (column, value) in (0..).zip(row).filter(|(_, value)| *value != 0.0) {
+                matrix.columns.push(column);
+                matrix.values.push(value);
+            }
+            matrix.offsets.push(matrix.columns.len());
+        }
+        matrix
+    }
+
+    /// Whatever the order of columns, by multiples and by rotations those rows are named that dense matrices name; and where others
+    /// are known to depend, none.
+    #[test]
+    fn names_are_those_of_dense_matrices() {
+        let mut draw = Draw::new("echelon");
+        for case in 0..100 {
+            let matrix = random(&mut draw);
+            let expected = dense::dependent(&matrix);
+            let count = expected.len();
+            assert!(count > 0, "case {case}");
+            let forwards: Vec<u32> = (0..matrix.width() as u32).collect();
+            let backwards: Vec<u32> = forwards.iter().rev().copied().collect();
+            for by in [By::Multiples, By::Rotations] {
+                for order in [&forwards, &backwards] {
+                    let found = dependent_by(by, &matrix, order, count, usize::MAX);
+                    assert_eq!(found.as_ref(), Some(&expected), "case {case} {by:?}");
+                }
+                assert_eq!(dependent_by(by, &matrix, &forwards, count - 1, usize::MAX), None);
+                assert_eq!(dependent_by(by, &matrix, &forwards, count + 1, usize::MAX), None);
+                assert_eq!(dependent_by(by, &matrix, &forwards, count, 10), None);
+            }
+        }
+    }
+
+    /// The pivots solve the rows that were put in.
+    #[test]
+    fn pivots_solve() {
+        let mut draw = Draw::new("solve");
+        for _ in 0..20 {
+            let matrix = random(&mut draw);
+            let order: Vec<u32> = (0..matrix.width() as u32).collect();
+            let solution: Vec<f64> = order.iter().map(|_| draw.between(-1.0, 1.0)).collect();
+            let times = |row: usize, x: &[f64]| -> f64 {
+                matrix.range(row).map(|at| matrix.values[at] * x[matrix.columns[at] as usize]).sum()
+            };
+            for by in [By::Multiples, By::Rotations] {
+                let mut echelon = Echelon::new(&matrix, &order, by, usize::MAX).without([(2, solution[2])]);
+                for row in 0..matrix.rows() {
+                    echelon.put(row as u32, times(row, &solution)).unwrap();
+                }
+                let found = echelon.solve();
+                assert_eq!(found[2], solution[2]);
+                for row in 0..matrix.rows() {
+                    let off = (times(row, &found) - times(row, &solution)).abs();
+                    assert!(off < 1e-9, "{by:?}: {off}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! Where do the redundancies of a large part hold? It is moved once, along all its free motions, and brought back to where its constraints hold.
+//!
+//! A random state of a branch of motion has the largest rank there is on it, but for states of no measure. There the constraints that were not redundant
+//! are solved for a random motion ([`mod@super::echelon`]): where it is one of those that were, too, they hold throughout, as is judged. Where it is
+//! not, elimination has the rank, with what is certain of it; then some held at the first state only.
+//!
+//! It counts as moved only where none of the free motions was taken back: others may be excluded to second order, of which nothing is known here.
+
+use super::Holds;
+use super::echelon::{By, Echelon, MOST};
+use super::eliminate::{Sparse, Task};
+use super::found::Found;
+use super::largest;
+use super::moving::{BEYOND, HOLDS, is_constraint, is_whole, spread};
+use super::naming::named;
+use super::noise::random;
+use super::redundant::only_here;
+use super::system::{Part, System};
+use crate::audit::bound::U;
+use crate::evaluate::Sequence;
+use crate::scene::State;
+
+/// How far it is moved (rad, or lengths of a connector): the first where that leads somewhere.
+const STEPS: [f64; 2] = [0.05, 0.01];
+/// The residual at which constraints hold to rounding, as they must where rows are to depend on each other: or as near as that gets.
+const ROUNDED: f64 = 1e-14;
+/// By so much of it a motion is off what a row allows, if it is: far more than rounding, and far less than the square of how far the part was moved.
+const FRESH: f64 = 1e-8;
+/// Corrections, each of which squares what is left.
+const CORRECTIONS: usize = 8;
+
+/// Where the dependences of a part hold, by dependent row; `None` where it could not be moved, or the rank elsewhere is not certain.
+pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found) -> Option<Vec<Holds>> {
+    let here = &found.constraints;
+    if !here.has_pivots() || !here.names_all() {
+        return None;
+    }
+    let sequence = Sequence::new(system.model, system.plan);
+    let mut there = None;
+    for (sample, step) in STEPS.into_iter().enumerate() {
+        let motion = spread(part, here, sample, step)?;
+        there = there.or_else(|| arrive(system, part, &sequence, found, &motion));
+    }
+    let There { matrix, is_fresh, uncertainty } = there?;
+    if !is_fresh {
+        return Some(vec![Holds::Throughout; here.dependent.len()]);
+    }
+    let outcome = named(&matrix, part, Task { uncertainty, most: part.most, ..Task::default() });
+    if !outcome.is_decided() || !outcome.names_all() || outcome.rank <= here.rank {
+        return None;
+    }
+    let only = only_here(&here.dependent, &outcome.dependent);
+    let holds = |row: &u32| if only.contains(row) { Holds::Here } else { Holds::Throughout };
+    Some(here.dependent.iter().map(holds).collect())
+}
+
+/// Another admissible state.
+struct There {
+    matrix: Sparse,
+    /// Whether a motion that the other rows allow is none that those allow which were dependent.
+    is_fresh: bool,
+    /// By how much the entries may be others, for the constraints hold to no more.
+    uncertainty: f64,
+}
+
+fn arrive(
+    system: &System<'_>,
+    part: &Part,
+    sequence: &Sequence<'_>,
+    found: &Found,
+    motion: &[f64],
+) -> Option<There> {
+    let here = &found.constraints;
+    let (step, mut total) = (largest(motion), motion.to_vec());
+    let mut state = system.moved(part, &State::default(), motion);
+    let (mut values, mut last, mut before) = (Vec::new(), f64::INFINITY, f64::INFINITY);
+    for _ in 0..CORRECTIONS {
+        let residuals = system.residuals(part, sequence, &state);
+        let worst = largest(&residuals);
+        if worst.is_nan() || worst > step {
+            return None;
+        }
+        let is_there = worst < ROUNDED || (worst < HOLDS && worst > before / 4.0);
+        before = worst;
+        sequence.clone().assemble(&state, &system.jacobian, &mut values).ok()?;
+        let (rows, matrix) = system.matrix(part, &values, is_constraint);
+        let residual = |row: u32| {
+            let place = rows.get(row as usize).and_then(|row| part.rows.binary_search(row).ok());
+            place.and_then(|place| residuals.get(place)).copied().unwrap_or_default()
+        };
+        if is_there && !is_whole(here, motion, &total) {
+            return None;
+        }
+        // What was free is left as it is, or moves at random.
+        let given = here.free.iter().map(|column| {
+            let [random, ..] = random(u64::from(*column));
+            (*column, if is_there { f64::from(random) } else { 0.0 })
+        });
+        let mut echelon = Echelon::new(&matrix, &part.by_degree, By::Multiples, MOST).without(given);
+        for row in (0..matrix.rows() as u32).filter(|row| here.dependent.binary_search(row).is_err()) {
+            let right = if is_there { 0.0 } else { -residual(row) };
+            if !echelon.put(row, right)? {
+                return None;
+            }
+        }
+        let change = echelon.solve();
+        if is_there {
+            let product = |row: &u32| -> f64 {
+                let entries = matrix.range(*row as usize);
+                entries.map(|at| matrix.values[at] * change[matrix.columns[at] as usize]).sum()
+            };
+            let products: Vec<f64> = here.dependent.iter().map(product).collect();
+            drop(echelon);
+            let is_fresh = largest(&products) > FRESH * largest(&change);
+            let uncertainty = BEYOND * worst.max(U).sqrt().max(last.powi(2));
+            return Some(There { matrix, is_fresh, uncertainty });
+        }
+        last = largest(&change);
+        if last.is_nan() || last > step {
+            return None;
+        }
+        for (sum, x) in total.iter_mut().zip(&change) {
+            *sum += x;
+        }
+        state = system.moved(part, &state, &change);
+    }
+    None
+}
