@@ -26,10 +26,12 @@ fn git(arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8_lossy(&output.stdout).trim().to_string())
 }
 
-/// The commit that is built, with a mark where tracked files are others than it has; none where the sources are not a repository of
-/// their own, as those of a registry.
+/// The commit that a release is built of, with a mark where tracked files are others than it has; none where the sources are not a
+/// repository of their own, as those of a registry.
 fn commit() -> Option<String> {
-    if !Path::new(".git").exists() {
+    // A build for development would be made anew after each commit.
+    let is_for_development = std::env::var("PROFILE").is_ok_and(|profile| profile == "debug");
+    if is_for_development || !Path::new(".git").exists() {
         return None;
     }
     let commit = git(&["rev-parse", "--short=12", "HEAD"])?;
@@ -39,10 +41,6 @@ fn commit() -> Option<String> {
     let branch = branch.map(|branch| place(&branch).or_else(|| place("packed-refs")));
     for path in [place("HEAD"), branch.flatten()].into_iter().flatten() {
         println!("cargo:rerun-if-changed={path}");
-    }
-    // Whether there are changes is asked again with each of them, which builds all again where a part would do: not while developing.
-    if std::env::var("PROFILE").is_ok_and(|profile| profile == "debug") {
-        return Some(format!("{commit}, perhaps with changes"));
     }
     let sources = ["src", "decks", "build.rs", "Cargo.toml", "Cargo.lock"];
     sources.iter().for_each(|path| println!("cargo:rerun-if-changed={path}"));

@@ -103,5 +103,6 @@ pub mod vector;
 /// The version of this crate, as every report states it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The commit of its repository that this crate was built from, with a mark where its sources had changes; none of a crate from a registry.
+/// The commit of its repository that a release of this crate was built from, with a mark where its sources had changes; none of a build for
+/// development (debug), and of a crate from a registry.
 pub const COMMIT: Option<&str> = option_env!("PINTLE_COMMIT");
