@@ -24,8 +24,9 @@ use crate::scene::State;
 const STEPS: [f64; 2] = [0.05, 0.01];
 /// The residual at which constraints hold to rounding, as they must where rows are to depend on each other: or as near as that gets.
 const ROUNDED: f64 = 1e-14;
-/// By so much of it a motion is off what a row allows, if it is: far more than rounding, and far less than the square of how far the part was moved.
-const FRESH: f64 = 1e-8;
+/// A motion is off what a row allows by more than this part of what the row is made of, and of the largest amount of the motion, if it is: more than
+/// rounding leaves.
+const FRESH: [f64; 2] = [1e-8, 1e-10];
 /// Corrections, each of which squares what is left.
 const CORRECTIONS: usize = 8;
 
@@ -105,13 +106,22 @@ fn arrive(
         }
         let change = echelon.solve();
         if is_there {
-            let product = |row: &u32| -> f64 {
-                let entries = matrix.range(*row as usize);
-                entries.map(|at| matrix.values[at] * change[matrix.columns[at] as usize]).sum()
-            };
-            let products: Vec<f64> = here.dependent.iter().map(product).collect();
             drop(echelon);
-            let is_fresh = largest(&products) > FRESH * largest(&change);
+            let (most, mut is_fresh) = (largest(&change), false);
+            for row in &here.dependent {
+                let (mut product, mut own, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
+                for at in matrix.range(*row as usize) {
+                    let (column, value) = (matrix.columns[at] as usize, matrix.values[at]);
+                    product += value * change[column];
+                    own += (value * change[column]).abs();
+                    moved += (value * total[column]).abs();
+                }
+                is_fresh |= product.abs() > FRESH[0] * own + FRESH[1] * most;
+                // What moves so little that a difference would not show tells nothing.
+                if own > FRESH[1] * most && own * moved < 10.0 * FRESH[1] * most {
+                    return None;
+                }
+            }
             let uncertainty = BEYOND * worst.max(U).sqrt().max(last.powi(2));
             return Some(There { matrix, is_fresh, uncertainty });
         }
