@@ -414,7 +414,11 @@ Examples:
 fn long_version() -> String {
     let here = Environment::here();
     let lines = [
-        ("commit", here.commit.unwrap_or_else(|| "not known: a build for development, or outside its repository".into())),
+        (
+            "commit",
+            here.commit
+                .unwrap_or_else(|| "not known: a build for development, or outside its repository".into()),
+        ),
         ("compiler", format!("{} for {}", here.rustc, here.target).into()),
         ("optimised", if here.is_optimised { "yes" } else { "no: for tests" }.into()),
     ];
