@@ -122,6 +122,10 @@ fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>) -> Outcome {
     outcome
 }
 
+/// Parts whose elimination is predicted to cost no more than this are looked at by as many threads as there are: their fronts have less than a
+/// thousand columns.
+const TOGETHER: f64 = 1e7;
+
 /// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system), and of which these rows have no
 /// derivative there. Of those whose elimination would
 /// cost too much, the columns of the front where that was.
@@ -192,7 +196,10 @@ pub(super) fn look(
             matrix,
         })
     };
-    system.parts.par_iter().map(of_part).collect()
+    // What is large is looked at one after the other, so that the limit of memory of one is that of all.
+    let of_small = |part: &Part| (part.cost <= TOGETHER).then(|| of_part(part));
+    let small: Vec<_> = system.parts.par_iter().map(of_small).collect();
+    small.into_iter().zip(&system.parts).map(|(found, part)| found.unwrap_or_else(|| of_part(part))).collect()
 }
 
 /// The whole at one state, from its parts and the number of constraints between nodes that are all fixed.

@@ -8,7 +8,10 @@
 //! *That there are no more* is certified from below: what is not a null vector is stretched by at least σ. The Lanczos process on M Mᵀ from
 //! a random start, orthogonal to the null vectors, overestimates its least eigenvalue λ after k steps by more than ε of the largest with
 //! probability 1.648 √p exp(−(2k − 1) √ε) at most (Kuczyński and Woźniakowski, 1992, theorem 4.2, for the largest eigenvalue, applied to
-//! top − M Mᵀ, p the number of rows). Steps go on until that is below [`MISSED`] with an ε of half of what was found.
+//! top − M Mᵀ, p the number of rows). Steps go on until that is below [`MISSED`] with an ε of half of what was found. The theorem is of exact
+//! arithmetic and a start uniform on the sphere. In doubles what is found does not fall below the least eigenvalue by more than roundings
+//! (Paige), but lost orthogonality may delay it by some steps, and the start is of sums of four uniform numbers: the probability is that of the
+//! model, not of the program.
 //! By Weyl the rank is then certain where σ exceeds the norm of what rounding can change, and the null vectors are
 //! mapped to less than that.
 
