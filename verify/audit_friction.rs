@@ -305,7 +305,9 @@ fn belts_are_judged_along_their_history() {
         let page = human(&report);
         assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{page}");
         for subject in &report.subjects {
-            assert_eq!(subject.derivative.headline().max(Verdict::Kink), Verdict::Kink, "{page}");
+            // Where the tensions are equal gradients have two sides, and second derivatives none.
+            let headline = subject.derivative.headline();
+            assert!(matches!(headline, Verdict::Pass | Verdict::Kink | Verdict::Singular), "{page}");
         }
         let of_first = || frictions(&report).filter(|(name, _)| name.contains("103"));
         assert!(of_first().count() >= 14, "{page}");
