@@ -59,6 +59,24 @@ fn converted_scenes_evaluate_to_the_same_numbers() {
     }
 }
 
+/// What is saved as JSON is not given another ending, by which it would be read; what `--strict` forbids leaves no file.
+#[test]
+fn states_are_saved_where_they_can_be_read() {
+    let [deck, csv, kept] = ["saved.inp", "saved.csv", "kept.json"].map(path);
+    let refused = |arguments: &[&str], code: i32, why: &str| {
+        let output = pintle(arguments);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{error}");
+        assert!(error.contains(why), "{error}");
+    };
+    let from = "gallery:slider_crank";
+    refused(&["convert", from, "-o", &deck, "--save-states", &csv], 2, "end its name in .json");
+    refused(&["convert", from, "-o", &deck, "--save-states", &kept, "--strict"], 1, "nothing was written");
+    for file in [deck, csv, kept] {
+        assert!(!std::path::Path::new(&file).exists(), "{file}");
+    }
+}
+
 const LOSSY: &str = "\
 *HEADING
  a deck with more than a scene holds

@@ -53,9 +53,6 @@ pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
     if is_apart {
         scene.states = states;
     }
-    if let Some(file) = &arguments.save_states {
-        save_states(file, &scene)?;
-    }
     for what in &converted.dropped {
         complain("dropped", what);
     }
@@ -64,6 +61,9 @@ pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
         let things = if count == 1 { "one thing" } else { "several things" };
         let message = format!("{things} would be lost, and --strict forbids it; nothing was written");
         return Err(Failure::Lost(message));
+    }
+    if let Some(file) = &arguments.save_states {
+        save_states(file, &scene)?;
     }
     match &arguments.output {
         None => {
@@ -87,6 +87,14 @@ fn read(name: &str) -> Result<Scene, Failure> {
 }
 
 fn save_states(file: &Path, scene: &Scene) -> Result<(), Failure> {
+    // What reads them goes by the ending.
+    if !file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
+        let message = format!(
+            "states are saved as JSON, and {} would not be read as such: end its name in .json",
+            file.display()
+        );
+        return Err(Failure::Usage(message));
+    }
     if scene.states.is_empty() {
         return Err(Failure::Usage("the scene has no states to save".to_owned()));
     }
