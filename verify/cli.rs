@@ -525,6 +525,31 @@ fn friction_along_a_history() {
     assert!(said.contains("not-known") && said.contains("what presses is the force"), "{said}");
 }
 
+/// Tables over temperature and field variables have what the command line gives; without it the force is said to be unknown.
+#[test]
+fn conditions_are_given() {
+    let deck = file(
+        "conditions.inp",
+        "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n\
+         *CONNECTOR SECTION, ELSET=E, BEHAVIOR=B\nCARTESIAN\n*CONNECTOR BEHAVIOR, NAME=B\n\
+         *CONNECTOR ELASTICITY, COMPONENT=1, DEPENDENCIES=1\n5., , 20., 1.\n6., , 30., 1.\n15., , 20., 2.\n16., , 30., 2.\n",
+    );
+    let states = file("conditions.csv", "state,node,u1\n1,2,2.0\n");
+    let ask = |given: &[&str]| {
+        let arguments =
+            [&["eval", &deck, "--states", &states, "--outputs", "CEF1", "--format", "csv"], given].concat();
+        stdout(&pintle(&arguments).assert().success())
+    };
+    let force = |text: &str| text.lines().nth(1).unwrap().rsplit(',').next().unwrap().to_string();
+    assert_eq!(force(&ask(&["--temperature", "25", "--fields", "1.5"])), "21.0");
+    assert_eq!(force(&ask(&["--temperature", "-5", "--fields", "1"])), "10.0");
+    for lacking in [&[][..], &["--temperature", "25"], &["--fields", "1"]] {
+        assert_eq!(force(&ask(lacking)), "", "{lacking:?}");
+    }
+    pintle(&["eval", &deck, "--temperature", "warm"]).assert().failure().code(2);
+    pintle(&["eval", &deck, "--fields", "1,inf"]).assert().failure().code(2);
+}
+
 /// The forces of one connector, by CSV, JSON, and in a scene itself in TOML and JSON, give one document; the page and the table of it.
 #[test]
 fn forces_from_files_and_scenes() {

@@ -138,6 +138,12 @@ pub(crate) struct Explain {
     format: ExplainFormat,
 }
 
+/// A number that is one.
+fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| format!("{text} is not a finite number"))
+}
+
 /// The forms of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SceneFormat {
@@ -252,6 +258,12 @@ pub(crate) struct Eval {
     /// What a positive force of a constrained component means in the file of forces
     #[arg(long, value_enum, default_value_t, requires = "forces")]
     force_sign: Sign,
+    /// The temperature, in every state, of tables that depend on it
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = finite, requires = "scene")]
+    temperature: Option<f64>,
+    /// Field variables in every state, from the first, separated by commas
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite, requires = "scene")]
+    fields: Vec<f64>,
     /// Outputs, separated by commas, such as CU,CPR1,RES (see below); ALL; NONE for derivatives only
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     outputs: Vec<String>,
