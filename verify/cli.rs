@@ -537,7 +537,8 @@ fn conditions_are_given() {
     let states = file("conditions.csv", "state,node,u1\n1,2,2.0\n");
     let ask = |given: &[&str]| {
         let arguments =
-            [&["eval", &deck, "--states", &states, "--outputs", "CEF1", "--format", "csv"], given].concat();
+            [&["eval", &deck, "--states", &states, "--outputs", "CU1,CEF1", "--format", "csv"], given]
+                .concat();
         stdout(&pintle(&arguments).assert().success())
     };
     let force = |text: &str| text.lines().nth(1).unwrap().rsplit(',').next().unwrap().to_string();
