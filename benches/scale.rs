@@ -1,9 +1,8 @@
-//! Time and memory of every phase of a run, from a thousand connectors to a million, and what threads bring:
-//! `cargo bench --bench scale [CONNECTORS]`.
+//! Time and memory of every phase of a run, from a thousand connectors to a million: `taskset -c 3 cargo bench --bench scale [CONNECTORS]`.
 //!
 //! A chain of connectors of every type, read from a file, evaluated at one state and written. What is linear is the same number in every
 //! column: microseconds on a core for each connector, the least of rounds; bytes for each connector, those that a phase leaves and the most that it
-//! takes while it is at work. Memory is asserted to be linear, and results to be the same for any number of threads; times are for reading.
+//! takes while it is at work. Memory is asserted to be linear; times are for reading.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
 
 #[path = "../verify/scale/chain.rs"]
@@ -194,74 +193,6 @@ fn measure(connectors: usize) -> Meter {
     meter
 }
 
-/// How many connectors the threads share.
-const SHARED: usize = 100_000;
-const ROUNDS: usize = 8;
-
-/// The least seconds of rounds that take turns, of each phase by each number of threads.
-fn threads() {
-    let [deck, states] = files(SHARED);
-    let scene = Scene::read(&deck).unwrap();
-    let model = Model::compile(&scene).unwrap();
-    let state = read(&scene, &states);
-    [deck, states].iter().for_each(|path| std::fs::remove_file(path).unwrap());
-    let (nothing, plan) =
-        (Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap(), planned(&model, 1));
-    let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::none());
-    let available = std::thread::available_parallelism().unwrap().get();
-    let counts: Vec<usize> = (0..).map(|k| 1 << k).take_while(|count| *count <= available).collect();
-    let pools: Vec<rayon::ThreadPool> = counts
-        .iter()
-        .map(|count| rayon::ThreadPoolBuilder::new().num_threads(*count).build().unwrap())
-        .collect();
-    let evaluated = || {
-        let mut sum = 0_u64;
-        let Ok(()) = Sequence::new(&model, &plan).visit(&state, |item| -> Result<(), Infallible> {
-            let Item::Connector(result) = item else { panic!("a chain has no MPC") };
-            let rows = result.evaluation.jacobian.iter().flatten().flatten();
-            sum = rows.fold(sum, |sum, entry| sum.rotate_left(1) ^ entry.to_bits());
-            Ok(())
-        });
-        sum.to_le_bytes().to_vec()
-    };
-    let filled = || {
-        let mut values = Vec::with_capacity(jacobian.entries());
-        Sequence::new(&model, &nothing).assemble(&state, &jacobian, &mut values).unwrap();
-        values.iter().flat_map(|value: &f64| value.to_le_bytes()).collect()
-    };
-    let written = || {
-        let mut text = Vec::new();
-        let mut sink: Box<dyn Write> = Box::new(&mut text);
-        write(&scene, &model, &plan, &state, &mut Csv::new(&mut sink, OUTPUTS.to_vec(), 1));
-        drop(sink);
-        text
-    };
-    let phases: [(&str, &(dyn Fn() -> Vec<u8> + Sync)); 3] = [
-        ("evaluate, order 1", &evaluated),
-        ("fill the Jacobian", &filled),
-        ("evaluate, CSV, order 1", &written),
-    ];
-    println!(
-        "{SHARED:e} connectors by threads, microseconds for each connector, beginning the walk included:"
-    );
-    println!("{:28}{}", "threads", counts.iter().map(|count| format!("{count:>9}")).collect::<String>());
-    for (phase, work) in phases {
-        let known = pools[0].install(work);
-        let mut least = vec![f64::INFINITY; pools.len()];
-        for _ in 0..ROUNDS {
-            for (pool, least) in pools.iter().zip(&mut least) {
-                let start = Instant::now();
-                let found = pool.install(work);
-                *least = least.min(start.elapsed().as_secs_f64());
-                assert!(found == known, "{phase}: {} threads give other bits", pool.current_num_threads());
-            }
-        }
-        let times: String =
-            least.iter().map(|seconds| format!("{:>9.3}", 1e6 * seconds / SHARED as f64)).collect();
-        println!("{phase:28}{times}");
-    }
-}
-
 fn main() {
     let most: usize = std::env::args().filter_map(|word| word.parse().ok()).next().unwrap_or(1_000_000);
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
@@ -312,5 +243,4 @@ fn main() {
             );
         }
     }
-    threads();
 }

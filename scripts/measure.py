@@ -373,7 +373,8 @@ MEASUREMENTS = {
     lanes: ("lanes", "lanes-summary"),
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
-    printed("scale", is_pinned=False): ("scale",),
+    printed("scale"): ("scale",),
+    printed("threads", is_pinned=False): ("threads",),
     printed("stress"): ("stress",),
 }
 
