@@ -30,6 +30,12 @@ pub enum Flag {
         /// The term, from 1.
         term: usize,
     },
+    /// A contribution to a potential with an exponent below 2 is at zero, where second derivatives of P are infinite. Those given are
+    /// what is left without it; so is a consistent tangent that has this flag.
+    InfiniteCurvature {
+        /// The term, from 1.
+        term: usize,
+    },
     /// Two contributions to a MAX potential are equal: the derivatives are those of the first.
     TiedMaximum {
         /// The terms, from 1.
@@ -88,6 +94,7 @@ impl Flag {
             Self::NoContactForce => "no-contact-force",
             Self::MacauleyAtZero { .. } => "macauley-at-zero",
             Self::ContributionAtZero { .. } => "contribution-at-zero",
+            Self::InfiniteCurvature { .. } => "infinite-curvature",
             Self::TiedMaximum { .. } => "tied-maximum",
             Self::NegativePotential => "negative-potential",
             Self::TableRow { .. } => "table-row",
