@@ -60,7 +60,8 @@ pub enum Flag {
     /// The traction was returned along its own direction, and not against the gradient of the potential, which has no solution
     /// that Newton's method finds: at an edge of the potential, or where this is not convex.
     ReturnedAlongTraction,
-    /// The limit falls faster with slip than the stick stiffness can carry: the traction jumps at this increment.
+    /// The limit falls faster with slip than the stick stiffness can carry, or than P of a potential that is not convex does: the
+    /// traction jumps at this increment.
     Unstable,
     /// No traction on the way to zero satisfies the criterion: P(0) exceeds the limit.
     NoAdmissibleTraction,
