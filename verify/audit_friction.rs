@@ -287,6 +287,48 @@ fn a_traction_of_zero_is_a_kink() {
     assert_eq!((worst.entry.as_str(), worst.one_sided), ("∂P/∂f1", Some([-1.0, 1.0])));
 }
 
+/// Where F_C takes away all but a trillionth of F_C^int, Φ is far smaller than what it is rounded by: that an error of a billionth in one
+/// of its slopes is lost there is no failure of the audit.
+#[test]
+fn a_contact_force_that_vanishes_asks_for_no_more_than_rounding_leaves() {
+    const DECK: &str = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E, BEHAVIOR=B\nBUSHING\nO\n\
+        *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR FRICTION, COMPONENT=4, CONTACT FORCE=1, STICK STIFFNESS=1.E-3\n, 0.001\n\
+        *FRICTION, EXPONENTIAL DECAY\n0.5, 0.2, 3.\n*CONNECTOR ELASTICITY, COMPONENT=1\n0.001\n\
+        *CONNECTOR ELASTICITY, COMPONENT=4, NONLINEAR\n-0.001, -1.\n0., 0.\n0.003, 1.\n";
+    let mut state = State { time: Some(1.0), ..State::default() };
+    for (node, u1, turned) in [(1_u64, 1e-9, 0.0), (2, -1.0, std::f64::consts::PI)] {
+        let motion = NodeMotion {
+            displacement: [u1, 0.0, 0.0],
+            rotation: Rotation::Vector([turned, 0.0, 0.0]),
+            ..NodeMotion::default()
+        };
+        state.nodes.insert(node.into(), motion);
+    }
+    let total = [0.003, 1e-15, 0.004, -0.002, -0.002, -0.002].map(Some);
+    state.forces.insert(101_u64.into(), ElementForces { total, ..ElementForces::default() });
+    let report = audited(&model(DECK), &[state], &brief());
+    assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{}", human(&report));
+}
+
+/// A traction that a power below 2 holds at zero: its second derivatives are nobody's, its tangent is right.
+#[test]
+fn a_power_below_two_at_zero_is_no_mismatch() {
+    for exponents in ["EXPONENT=1.5\n2, 1.\n3, 1.\n", "EXPONENT=1.25\n2, 1., 1.5\n3, 1., 1.5\n"] {
+        let model = model(&DECK.replace("EXPONENT=3.\n2, 1.\n3, 0.5\n", exponents));
+        let mut states = path();
+        for state in &mut states {
+            for (node, motion) in &mut state.nodes {
+                if *node == Label::from(6_u64) {
+                    motion.displacement[1] = 0.0;
+                }
+            }
+        }
+        let report = audited(&model, &states, &Settings { wide_states: 12, ..brief() });
+        assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{exponents}: {}", human(&report));
+    }
+}
+
 /// The belt of the gallery with its friction, pulled and let go: with the angle given, and measured between the segments.
 #[test]
 fn belts_are_judged_along_their_history() {

@@ -7,6 +7,7 @@ pub(crate) mod golden; // what JAX computes
 mod histories; // stick and slip along states
 mod laws; // stick, slip, energy, thresholds, range
 mod potentials; // potentials against their formulas
+mod powers; // exponents below 2 at zero
 mod tangents; // consistent tangents against differences
 mod users; // frictions that a deck defines
 

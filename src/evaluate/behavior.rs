@@ -197,6 +197,7 @@ const fn concerns_derivatives(flag: &friction::Flag) -> bool {
             | Flag::NoContactForce
             | Flag::MacauleyAtZero { .. }
             | Flag::ContributionAtZero { .. }
+            | Flag::InfiniteCurvature { .. }
             | Flag::TiedMaximum { .. }
             | Flag::TableRow { .. }
             | Flag::LimitAtMaximum

@@ -101,7 +101,8 @@ impl FrictionCase {
 
     /// Which entries of the gradients must show a relative error of a billionth, by the forces and the product's numbers alone: where no
     /// force is small beside others and not zero, those that are at least a thousandth of value over force, and that bend by no more than
-    /// thirty of that.
+    /// thirty of that. Where what is formed vanishes, as F_C beside F_C^int, its value says nothing of its rounding: the entries are a
+    /// ten-thousandth at least of what all forces make of it, of whatever size they are.
     fn demanded(&self, got: &[Derivatives<f64>; 4], sizes: &[f64; 6]) -> Vec<Vec<bool>> {
         const PLAIN: f64 = 0.05;
         let is_plain = self.clear(sizes) >= PLAIN && self.shift() == 0.0;
@@ -110,7 +111,10 @@ impl FrictionCase {
             let usual = values[p] / sizes[j];
             let bent: f64 =
                 got[p].hessian[j].iter().zip(self.point).map(|(bent, force)| (bent * force).abs()).sum();
-            is_plain && got[p].gradient[j].abs() >= 1e-3 * usual && bent <= 30.0 * usual
+            let all: f64 = got[p].gradient.iter().zip(sizes).map(|(slope, size)| (slope * size).abs()).sum();
+            let formed = (values[p] + all) / sizes[j];
+            let slope = got[p].gradient[j].abs();
+            is_plain && slope >= 1e-3 * usual && slope >= 1e-4 * formed && bent <= 30.0 * usual
         };
         (0..4).map(|p| (0..6).map(|j| of(p, j)).collect()).collect()
     }

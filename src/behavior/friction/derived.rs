@@ -307,7 +307,7 @@ impl Potential {
         }
         match self.operator {
             PotentialOperator::Max => self.maximum(&values, flags),
-            PotentialOperator::Sum => self.sum(&values, flags),
+            PotentialOperator::Sum => self.sum(&values, f, context, flags),
         }
     }
 
@@ -327,7 +327,7 @@ impl Potential {
             return length(&squares);
         }
         let signs: Vec<S::Real> = signs.into_iter().map(S::Real::from_f64).collect();
-        combined(&squares, &signs, 2.0, flags)
+        combined(&squares, &signs, 2.0, &[], flags)
     }
 
     fn maximum<S>(&self, values: &[S], flags: &mut Flags) -> S
@@ -364,7 +364,7 @@ impl Potential {
         Some(value)
     }
 
-    fn sum<S>(&self, values: &[S], flags: &mut Flags) -> S
+    fn sum<S>(&self, values: &[S], f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
     where
         S: Scalar,
         S::Real: Ordered,
@@ -386,15 +386,90 @@ impl Potential {
                 },
             )
             .collect();
-        combined(&roots, &signs().collect::<Vec<_>>(), self.exponent, flags)
+        // Where the root of a square is zero, so are its derivatives; those of the square are not.
+        let mut squares = Vec::new();
+        if S::ORDER > 1 {
+            for (i, (contribution, root)) in self.contributions.iter().zip(&roots).enumerate() {
+                if !is_zero(root.real()) {
+                    continue;
+                }
+                if contribution.exponent == 2.0 {
+                    let mut own = Vec::new();
+                    contribution.roots(i + 1, f, context, &mut Flags::default(), &mut own);
+                    squares.extend(own.into_iter().map(|x| (x, S::Real::from_f64(contribution.sign))));
+                } else if contribution.exponent < 2.0 && contribution.exponent != 1.0 {
+                    flags.add(Flag::InfiniteCurvature { term: i + 1 });
+                }
+            }
+        }
+        combined(&roots, &signs().collect::<Vec<_>>(), self.exponent, &squares, flags)
+    }
+
+    /// The components k whose only contribution is |f_k/R|^α with 1 < α < 2, with α and the factor of |f_k|^(α − 1) sign f_k in ∂P/∂f_k,
+    /// (α/β) P^(1 − β)/|R|^α, times a size to the power of α − 1.
+    pub(super) fn bent<R: Ordered>(&self, p: R, size: R) -> Vec<(usize, f64, R)> {
+        if self.operator == PotentialOperator::Max {
+            return Vec::new();
+        }
+        let is_alone = |k: usize| {
+            let of = self.contributions.iter().filter(|contribution| contribution.contains(k));
+            of.count() == 1
+        };
+        let is_bent = |contribution: &&Contribution| {
+            let Contribution { exponent, function, shift, sign, .. } = **contribution;
+            1.0 < exponent
+                && exponent < 2.0
+                && function == PotentialFunction::Abs
+                && shift == 0.0
+                && sign > 0.0
+        };
+        let of = |contribution: &Contribution| match contribution.of {
+            Form::Component(k) if is_alone(k) => {
+                let own = contribution.exponent;
+                let (alpha, beta, one) = (R::from_f64(own), R::from_f64(self.exponent), R::integer(1));
+                let radius = R::from_f64(contribution.scale).magnitude();
+                let raised = if own == self.exponent {
+                    (size / radius / p).power(alpha - one)
+                } else {
+                    (size / radius).power(alpha - one) * p.power(one - beta)
+                };
+                Some((k, own, alpha / beta * raised / radius))
+            }
+            _ => None,
+        };
+        self.contributions.iter().filter(is_bent).filter_map(of).collect()
+    }
+
+    /// The terms (from 1) with 1 < α < 2 whose curvature at zero is infinite, that are zero at given forces and are not among
+    /// [`Self::bent`].
+    pub(super) fn infinitely_curved<R: Ordered>(&self, f: &[R; 6], context: &Context<'_, R>) -> Vec<usize> {
+        let known: Vec<usize> =
+            self.bent(R::integer(1), R::integer(1)).into_iter().map(|(k, ..)| k).collect();
+        let is_known =
+            |contribution: &Contribution| matches!(contribution.of, Form::Component(k) if known.contains(&k));
+        let is_met = |(i, contribution): &(usize, &Contribution)| {
+            1.0 < contribution.exponent
+                && contribution.exponent < 2.0
+                && self.operator == PotentialOperator::Sum
+                && !is_known(contribution)
+                && is_zero(contribution.evaluate(i + 1, f, context, &mut Flags::default()))
+        };
+        self.contributions.iter().enumerate().filter(is_met).map(|(i, _)| i + 1).collect()
     }
 }
 
 /// (Σ s_i q_i^β)^(1/β) for q_i ≥ 0, or of any sign where β = 2; zero where the sum is not positive.
 ///
 /// With y_i = q_i/M, M the largest: no power overflows or vanishes. Lifted to second order in the nilpotent parts e_i,
-/// P + Σ g_i e_i + ½ (Σ a_i e_i (e_i/M) + b (Σ g_i e_i)²/M), so that 1/M is never squared.
-fn combined<S>(values: &[S], signs: &[S::Real], exponent: f64, flags: &mut Flags) -> S
+/// P + Σ g_i e_i + ½ (Σ a_i e_i (e_i/M) + b (Σ g_i e_i)²/M), so that 1/M is never squared. `squares` are terms s x² of the same sum at
+/// x = 0.
+fn combined<S>(
+    values: &[S],
+    signs: &[S::Real],
+    exponent: f64,
+    squares: &[(S, S::Real)],
+    flags: &mut Flags,
+) -> S
 where
     S: Scalar,
     S::Real: Ordered,
@@ -439,6 +514,11 @@ where
     }
     if S::ORDER > 1 {
         second = second + (first * first.scale(inverse)).scale((one - beta) / root);
+        for (x, sign) in squares {
+            let e = x.nilpotent();
+            let bend = *sign * slope * S::Real::integer(2) / beta * most.power(one - beta);
+            second = second + (e * e).scale(bend);
+        }
     }
     value + first + second.scale(S::Real::ratio(1, 2))
 }
@@ -452,6 +532,14 @@ impl Contribution {
                 _ => None,
             },
             _ => None,
+        }
+    }
+
+    /// Whether a component (from 0) takes part.
+    fn contains(&self, component: usize) -> bool {
+        match &self.of {
+            Form::Component(k) => *k == component,
+            Form::Derived(derived) => derived.components().any(|k| k == component),
         }
     }
 

@@ -30,6 +30,12 @@ pub enum Flag {
         /// The term, from 1.
         term: usize,
     },
+    /// A contribution to a potential with an exponent below 2 is at zero, where second derivatives of P are infinite. Those given are
+    /// what is left without it; so is a consistent tangent that has this flag.
+    InfiniteCurvature {
+        /// The term, from 1.
+        term: usize,
+    },
     /// Two contributions to a MAX potential are equal: the derivatives are those of the first.
     TiedMaximum {
         /// The terms, from 1.
@@ -54,7 +60,8 @@ pub enum Flag {
     /// The traction was returned along its own direction, and not against the gradient of the potential, which has no solution
     /// that Newton's method finds: at an edge of the potential, or where this is not convex.
     ReturnedAlongTraction,
-    /// The limit falls faster with slip than the stick stiffness can carry: the traction jumps at this increment.
+    /// The limit falls faster with slip than the stick stiffness can carry, or than P of a potential that is not convex does: the
+    /// traction jumps at this increment.
     Unstable,
     /// No traction on the way to zero satisfies the criterion: P(0) exceeds the limit.
     NoAdmissibleTraction,
@@ -88,6 +95,7 @@ impl Flag {
             Self::NoContactForce => "no-contact-force",
             Self::MacauleyAtZero { .. } => "macauley-at-zero",
             Self::ContributionAtZero { .. } => "contribution-at-zero",
+            Self::InfiniteCurvature { .. } => "infinite-curvature",
             Self::TiedMaximum { .. } => "tied-maximum",
             Self::NegativePotential => "negative-potential",
             Self::TableRow { .. } => "table-row",

@@ -14,7 +14,8 @@
 //!
 //! # Where there is no derivative
 //! A norm at zero, |f1| at 0, F_C + F_C^int = 0, a Macauley bracket at zero: the value is exact, derivatives are those of least
-//! norm (zero), and a [`Flag`] names the place. Norms are scaled: forces from 1e-300 to 1e300 neither overflow nor vanish.
+//! norm (zero), and a [`Flag`] names the place. Second derivatives of |f1|^α with 1 < α < 2 are infinite at f1 = 0: those given leave
+//! the term out and are flagged ([`Flag::InfiniteCurvature`]), while the consistent tangent is the limit, ∂f1 = 0. Norms are scaled: forces from 1e-300 to 1e300 neither overflow nor vanish.
 
 mod belt;
 mod build;
@@ -25,6 +26,7 @@ mod flags;
 mod read;
 mod root; // where a limit is met first; linear systems
 mod slip; // the slip equations, solved and lifted
+mod stretch; // their unknowns, where P is curved infinitely
 #[cfg(test)]
 mod tests;
 mod update;

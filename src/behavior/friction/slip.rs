@@ -3,6 +3,7 @@
 use super::derived::Potential;
 use super::flags::{Flag, Flags};
 use super::root::{Equations, SLOTS, slip_increment};
+use super::stretch::Stretch;
 use super::update::{Friction, Input};
 use super::{Ordered, is_zero, largest};
 use crate::behavior::table::Variable;
@@ -14,6 +15,13 @@ pub(super) struct Slip<S> {
     pub(super) force: [S; 6],
     pub(super) increment: S,
     pub(super) slip: [S; 6],
+}
+
+/// The slip equations at some forces and slip: their matrix, what is left of them, and their unknowns.
+struct Linearised<R> {
+    equations: Equations<R>,
+    residual: [R; SLOTS],
+    stretch: Stretch<R>,
 }
 
 /// An increment that slips.
@@ -88,28 +96,50 @@ where
         Slip { force, increment, slip }
     }
 
-    /// P is a potential: f against its gradient at f, by Newton's method on f and Δγ together.
+    /// P is a potential: f against its gradient at f, by Newton's method on f and Δγ together: from stick, then from what lies
+    /// along the traction.
     pub(super) fn against(&self, potential: &Potential, limit: S::Real, flags: &mut Flags) -> Slip<S> {
         let size = largest(&self.trial.map(Scalar::real));
-        match self.newton(potential, size, limit) {
-            Some((force, increment)) => self.lifted(potential, size, limit, force, increment, flags),
-            None => {
-                flags.add(Flag::ReturnedAlongTraction);
-                self.along_traction(potential, flags)
-            }
+        let (mut force, mut increment) = (self.trial.map(Scalar::real), S::Real::integer(0));
+        if Stretch::new(potential, self.magnitude.real(), size).is_any() {
+            // Without a slip small tractions would be sent far over zero.
+            let share = limit / self.magnitude.real();
+            force = force.map(|x| x * share);
+            increment = self.elastic_slip().real() * (S::Real::integer(1) - share);
         }
+        let scales = (size, limit);
+        let (force, increment) = match self.newton(potential, scales, (force, increment)) {
+            Some(solution) => solution,
+            None => {
+                let mut seen = Flags::default();
+                let along = self.along_traction(potential, &mut seen);
+                let start = (along.force.map(Scalar::real), along.increment.real());
+                let Some(solution) = self.newton(potential, scales, start) else {
+                    flags.add(Flag::ReturnedAlongTraction);
+                    seen.into_vec().into_iter().for_each(|flag| flags.add(flag));
+                    return along;
+                };
+                solution
+            }
+        };
+        let context = self.input.context.map(Scalar::real);
+        for term in potential.infinitely_curved(&force, &context) {
+            flags.add(Flag::InfiniteCurvature { term });
+        }
+        self.lifted(potential, scales, force, increment, flags)
     }
 
-    /// The unknowns f_k/size and K Δγ/size, K_k/K = R_k²; the residuals of the flow, over size, and of P = L, over the limit.
-    fn residual(
+    /// The unknowns f_k/size, or what stands for it, and K Δγ/size, K_k/K = R_k²; the residuals of the flow, over size, and of P = L,
+    /// over the limit.
+    fn linearised(
         &self,
         potential: &Potential,
         (size, scale): (S::Real, S::Real),
         force: &[S::Real; 6],
         increment: S::Real,
-    ) -> (Equations<S::Real>, [S::Real; SLOTS]) {
+    ) -> Linearised<S::Real> {
         let n = self.radii.len();
-        let (zero, one) = (S::Real::integer(0), S::Real::integer(1));
+        let zero = S::Real::integer(0);
         let stiffness = self.stiffness.real();
         let seeded = [0, 1, 2, 3, 4, 5].map(|k| <S::Real as Differentiable>::Hessian::<6>::seed(force[k], k));
         let context = self.input.context.map(|x| Scalar::from_real(x.real()));
@@ -117,59 +147,64 @@ where
         let (gradient, hessian) = (p.gradient(), p.hessian());
         let (limit, slope) = self.limit_and_slope(increment);
         let flow = increment * stiffness / size;
+        let stretch = Stretch::new(potential, p.real(), size);
         let mut jacobian = [[zero; SLOTS]; SLOTS];
         let mut residual = [zero; SLOTS];
         for (i, (k, radius)) in self.radii.iter().enumerate() {
             let square = *radius * *radius;
             residual[i] = (force[*k] - self.trial[*k].real()) / size + flow * square * gradient[*k];
             for (j, (l, _)) in self.radii.iter().enumerate() {
-                let unit = if i == j { one } else { zero };
-                jacobian[i][j] = unit + flow * square * hessian[*k][*l] * size;
+                let (rise, second) = (stretch.rise(*l, force[*l]), hessian[*k][*l]);
+                jacobian[i][j] = if i == j {
+                    rise + flow * square * stretch.curvature(*k, force[*k], second)
+                } else {
+                    flow * square * second * size * rise
+                };
             }
             jacobian[i][n] = square * gradient[*k];
-            jacobian[n][i] = gradient[*k] * (size / scale);
+            jacobian[n][i] = gradient[*k] * (size / scale) * stretch.rise(*k, force[*k]);
         }
         residual[n] = (p.real() - limit) / scale;
         jacobian[n][n] = -(slope / stiffness) * (size / scale);
-        (Equations { jacobian, n: n + 1 }, residual)
+        Linearised { equations: Equations { jacobian, n: n + 1 }, residual, stretch }
     }
 
-    /// f and Δγ, as real numbers; none where Newton's method with backtracking ends short of a solution.
+    /// f and Δγ, as real numbers, from a first guess; none where Newton's method with backtracking ends short of a solution.
     fn newton(
         &self,
         potential: &Potential,
-        size: S::Real,
-        scale: S::Real,
+        (size, scale): (S::Real, S::Real),
+        start: ([S::Real; 6], S::Real),
     ) -> Option<([S::Real; 6], S::Real)> {
         /// A residual this small is a solution, to rounding.
         const SOLVED: f64 = 1e-11;
         const STEPS: usize = 60;
         const HALVINGS: usize = 40;
         let (zero, stiffness) = (S::Real::integer(0), self.stiffness.real());
-        let (mut force, mut increment) = (self.trial.map(Scalar::real), zero);
-        let (mut equations, mut residual) = self.residual(potential, (size, scale), &force, increment);
-        let size_of = |residual: &[S::Real; SLOTS]| residual.iter().fold(zero, |sum, x| sum + x.magnitude());
-        let mut error = size_of(&residual);
+        let (mut force, mut increment) = start;
+        let mut here = self.linearised(potential, (size, scale), &force, increment);
+        let size_of = |of: &Linearised<S::Real>| of.residual.iter().fold(zero, |sum, x| sum + x.magnitude());
+        let mut error = size_of(&here);
         for _ in 0..STEPS {
-            let step = equations.solve(&residual)?;
+            let step = here.equations.solve(&here.residual)?;
             let mut fraction = S::Real::integer(1);
             let mut found = None;
             for _ in 0..HALVINGS {
                 let mut tried = force;
                 for (i, (k, _)) in self.radii.iter().enumerate() {
-                    tried[*k] = tried[*k] - fraction * step[i] * size;
+                    tried[*k] = here.stretch.stepped(*k, tried[*k], fraction * step[i]);
                 }
                 let slip = increment - fraction * step[self.radii.len()] * size / stiffness;
-                let (next, left) = self.residual(potential, (size, scale), &tried, slip);
-                let size_left = size_of(&left);
-                if size_left.less(error) {
-                    found = Some((tried, slip, next, left, size_left));
+                let there = self.linearised(potential, (size, scale), &tried, slip);
+                let left = size_of(&there);
+                if left.less(error) {
+                    found = Some((tried, slip, there, left));
                     break;
                 }
                 fraction = fraction * S::Real::ratio(1, 2);
             }
             let Some(found) = found else { break };
-            (force, increment, equations, residual, error) = found;
+            (force, increment, here, error) = found;
             if is_zero(error) {
                 break;
             }
@@ -182,8 +217,7 @@ where
     fn lifted(
         &self,
         potential: &Potential,
-        size: S::Real,
-        scale: S::Real,
+        (size, scale): (S::Real, S::Real),
         force: [S::Real; 6],
         increment: S::Real,
         flags: &mut Flags,
@@ -193,7 +227,8 @@ where
         let p = potential.evaluate(&constant, &self.input.context, flags);
         let limit = self.limit(S::from_real(increment), flags);
         let gradient = self.gradient(potential, &force);
-        let (equations, _) = self.residual(potential, (size, scale), &force, increment);
+        let Linearised { equations, stretch, .. } =
+            self.linearised(potential, (size, scale), &force, increment);
         let mut residual = [S::zero(); SLOTS];
         for (i, (k, radius)) in self.radii.iter().enumerate() {
             let flow = (self.stiffness * gradient[*k]).scale(*radius * *radius * increment / size);
@@ -201,12 +236,21 @@ where
         }
         residual[n] = (p - limit).scale(S::Real::integer(1) / scale);
         let step = equations.solve(&residual).unwrap_or([S::zero(); SLOTS]);
+        // The slope of P − L by the slip, the tractions following.
+        let mut of_excess = [S::Real::integer(0); SLOTS];
+        of_excess[n] = S::Real::integer(1);
+        let falls = equations.solve(&of_excess).is_some_and(|by| by[n].less(S::Real::integer(0)));
+        if !falls {
+            flags.add(Flag::Unstable);
+        }
         let (mut end, mut slip) = ([S::zero(); 6], [S::zero(); 6]);
         for (i, (k, radius)) in self.radii.iter().enumerate() {
-            end[*k] = constant[*k] - step[i].scale(size);
+            end[*k] = constant[*k] - step[i].scale(size * stretch.rise(*k, force[*k]));
             slip[*k] = (self.trial[*k] - end[*k]) * recip(self.stiffness.scale(*radius * *radius));
         }
         let increment = S::from_real(increment) - step[n].scale(size / self.stiffness.real());
+        let is_negative = increment.real().less(S::Real::integer(0));
+        let increment = if is_negative { increment.with_real(S::Real::integer(0)) } else { increment };
         Slip { force: end, increment, slip }
     }
 
@@ -240,17 +284,22 @@ where
         lifted
     }
 
-    /// f = s f_tr with P(f) = L and the slip that this takes, Δγ = (1 − s) Σ f_tr,k²/(K_k P(f_tr)): by bisection, which cannot
-    /// fail.
-    fn along_traction(&self, potential: &Potential, flags: &mut Flags) -> Slip<S> {
-        let (zero, one) = (S::Real::integer(0), S::Real::integer(1));
-        // Σ f_tr,k²/(K_k P), formed without squaring large numbers.
+    /// Σ f_tr,k²/(K_k P(f_tr)), formed without squaring large numbers.
+    fn elastic_slip(&self) -> S {
         let inverse = recip(self.magnitude);
         let mut whole = S::zero();
         for (k, radius) in self.radii {
             let elastic = self.trial[*k] * recip(self.stiffness.scale(*radius * *radius));
             whole = whole + elastic * (self.trial[*k] * inverse);
         }
+        whole
+    }
+
+    /// f = s f_tr with P(f) = L and the slip that this takes, Δγ = (1 − s) Σ f_tr,k²/(K_k P(f_tr)): by bisection, which cannot
+    /// fail.
+    fn along_traction(&self, potential: &Potential, flags: &mut Flags) -> Slip<S> {
+        let (zero, one) = (S::Real::integer(0), S::Real::integer(1));
+        let whole = self.elastic_slip();
         let excess = |share: S, flags: &mut Flags| {
             let increment = (S::one() - share) * whole;
             let p = potential.evaluate(&self.trial.map(|x| x * share), &self.input.context, flags);
