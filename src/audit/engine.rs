@@ -378,10 +378,7 @@ fn judge_numbers(
             }
             // A check that speaks has proved that it can; mutants are made of right numbers.
             let is_wrong = judgement.verdict.is_mismatch();
-            let is_put_before_another =
-                !oracle.is_independent() && is_wrong && judgement.verdict != Verdict::Invalid;
-            let excuse = is_put_before_another.then(|| referee.excuse(quantity, got, &around)).flatten();
-            if let Some(why) = excuse {
+            if let Some(why) = referee.excuse_of(oracle, &judgement, (quantity, got), &around) {
                 let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
                 check.add_excused(why, judgement.worst, judgement.compared as u64, &case.name);
                 checks.push(check);
