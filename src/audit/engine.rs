@@ -223,6 +223,7 @@ fn finding(demand: &invariant::Demand, units: f64, got: f64) -> Finding {
     Finding {
         entry: demand.what.to_string(),
         at: None,
+        demanded: demand.what.demanded(),
         got,
         want: demand.want,
         tolerance: demand.allowed,
@@ -477,6 +478,7 @@ fn taylor(
             worst = Some(Finding {
                 entry: format!("∂{}·v, {}", crate::catalog::COMPONENT[remainder.component], remainder.told()),
                 at: None,
+                demanded: None,
                 got: largest,
                 want: 0.0,
                 tolerance: allowed,
@@ -531,6 +533,7 @@ fn hyper_dual(
             worst = Some(Finding {
                 entry: format!("vᵀ ∂²{} w", crate::catalog::COMPONENT[k]),
                 at: None,
+                demanded: None,
                 got,
                 want,
                 tolerance: allowed,
