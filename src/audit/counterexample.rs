@@ -382,6 +382,11 @@ impl CounterExample {
         }
     }
 
+    /// Whether a law is broken: as it says, or in files of versions that had no such field, by the law's words.
+    pub(super) fn is_of_a_law(&self) -> bool {
+        self.law.is_some() || Invariant::ALL.iter().any(|law| law.name() == self.against)
+    }
+
     /// The case, bit for bit.
     ///
     /// # Errors

@@ -47,8 +47,7 @@ pub(super) struct Law {
 pub(super) fn law(example: &CounterExample, case: &Case) -> Result<Option<Law>, ExportError> {
     let lost = |why: &str| Err(ExportError::Lost(format!("{}: {why}", example.against)));
     let Some(BrokenLaw { name: law, demanded }) = example.law else {
-        // Files of versions that told a law by its words alone.
-        if Invariant::ALL.iter().any(|law| law.name() == example.against) {
+        if example.is_of_a_law() {
             return lost("it does not say which demand of the law is broken (`law`); audit again");
         }
         return Ok(None);
