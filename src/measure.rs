@@ -83,6 +83,8 @@ pub enum SingularClass {
     TrueSingularity,
     /// A principal value jumps by a period; the continued value does not.
     BranchCut,
+    /// The value jumps to its opposite, and with either sign the first derivatives jump with the direction of approach.
+    Reversal,
     /// A formula is 0/0 there, or a principal value jumps that is continued: value and derivatives have limits, and are these.
     Removable,
 }
@@ -541,10 +543,9 @@ impl Measure {
             Self::Torsion | Self::ProjectedPosition(_) => {
                 ("e3b = −e3a, α = π", SingularClass::TrueSingularity, "π − α", Unit::Angle)
             }
-            // α q, resolved in directions that are known there but for their sign: (α1, α2) jumps to its opposite.
-            Self::ComponentFlexion(_) => {
-                ("e3b = −e3a, α = π", SingularClass::BranchCut, "π − α", Unit::Angle)
-            }
+            // α q, resolved in directions that are known there but for their sign: (α1, α2) jumps to its opposite. With either
+            // sign it is (π − 2|(w, z)| + …) times the axis, which has no gradient at w = z = 0 (so3::component_flexions).
+            Self::ComponentFlexion(_) => ("e3b = −e3a, α = π", SingularClass::Reversal, "π − α", Unit::Angle),
             Self::Position(_)
             | Self::PositionAtB(_)
             | Self::Flow(_)

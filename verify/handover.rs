@@ -6,6 +6,7 @@ use crate::audit_counterexample::{of_constraint, others};
 use crate::cli::pintle;
 use crate::laws::mpc;
 use crate::tolerance::HANDOVER;
+use pintle::audit::counterexample::BrokenLaw;
 use pintle::audit::oracle::Narrow;
 use pintle::audit::sample::{Draw, Region, draw_case, extent};
 use pintle::audit::{
@@ -128,6 +129,7 @@ fn of_law(case: &Case, law: Invariant) -> Option<CounterExample> {
     let demand = demands.iter().max_by(|x, y| size(x).total_cmp(&size(y)))?;
     Some(CounterExample {
         entry: demand.what.to_string(),
+        law: Some(BrokenLaw { name: law, demanded: demand.what.demanded() }),
         got: Hex(demand.sum(|q, k, i| numbers.entries(q).get(k, i))),
         want: Hex(demand.want),
         tolerance: Hex(demand.allowed),

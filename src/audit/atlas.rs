@@ -179,8 +179,8 @@ pub(super) fn truth_to_f64(truth: &Numbers<Wide>) -> Numbers<f64> {
     narrow
 }
 
-/// What happens at a point: derivatives that grow without bound from every side, a value that jumps, a derivative that jumps, or
-/// nothing.
+/// What happens at a point: derivatives that grow without bound from every side, a value that jumps, with derivatives that jump or without,
+/// derivatives that jump alone, or nothing.
 fn classify(at: &impl Fn(f64, f64) -> Option<Case>, k: usize, site: &Site) -> Option<SingularClass> {
     // From one side, from the other, and from the side, towards one and the same point. A strain has no other side.
     let sides: &[(f64, f64)] = match site.measure {
@@ -218,7 +218,14 @@ fn classify(at: &impl Fn(f64, f64) -> Option<Case>, k: usize, site: &Site) -> Op
         others.iter().try_fold(0.0_f64, |most, other| Some(most.max(jump(&this, other, quantity)?)))
     };
     if largest(Quantity::Value)? > JUMP {
-        return (site.measure.unit() == Unit::Angle).then_some(SingularClass::BranchCut);
+        // From the sides where the value is the same, towards one and the same point.
+        let mut turns = false;
+        for other in &others {
+            let is_same = jump(&this, other, Quantity::Value)? <= JUMP;
+            turns |= is_same && jump(&this, other, Quantity::FirstDerivatives)? > JUMP;
+        }
+        let class = if turns { SingularClass::Reversal } else { SingularClass::BranchCut };
+        return (site.measure.unit() == Unit::Angle).then_some(class);
     }
     if largest(Quantity::FirstDerivatives)? > JUMP {
         return Some(SingularClass::Kink);

@@ -8,6 +8,74 @@ use crate::so3;
 use crate::vector::{self, Matrix, Vector, apply, product as matrix_product, scale};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+/// By what a singular point is approached: the one place that says it of a measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// |d|.
+    Distance,
+    /// The distance of b from the axis e3a.
+    Radius,
+    /// The material that is left.
+    Material,
+    /// The middle one of three Cardan angles.
+    Cardan,
+    /// The middle one of three Euler angles.
+    Euler,
+    /// The angle of two shafts, from where it is zero.
+    Shafts,
+    /// The angle of two shafts, from either end: what lies midway between them is regular where it is zero.
+    Midway,
+    /// A turn of b from its initial orientation.
+    Misalignment,
+    /// A turn of b against a.
+    Turn,
+}
+
+impl Way {
+    /// That of a measure; `None` where it has no singular point.
+    pub(super) const fn of(measure: Measure) -> Option<Self> {
+        Some(match measure {
+            Measure::Distance => Self::Distance,
+            Measure::RadialDistance => Self::Radius,
+            Measure::Strain => Self::Material,
+            Measure::Cardan(_) => Self::Cardan,
+            Measure::Euler(_) => Self::Euler,
+            Measure::Flexion | Measure::Sweep => Self::Shafts,
+            Measure::Torsion | Measure::ComponentFlexion(_) | Measure::ProjectedPosition(_) => Self::Midway,
+            Measure::Misalignment(_) => Self::Misalignment,
+            Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => Self::Turn,
+            Measure::Position(_)
+            | Measure::PositionAtB(_)
+            | Measure::Flow(_)
+            | Measure::Cosine(..)
+            | Measure::FlowConversion => return None,
+        })
+    }
+}
+
+fn about_2(angle: f64) -> Matrix<f64> {
+    turn([0.0, angle, 0.0])
+}
+
+fn composed(first: &Matrix<f64>, middle: &Matrix<f64>, last: &Matrix<f64>) -> Matrix<f64> {
+    matrix_product(&matrix_product(first, middle), last)
+}
+
+/// Rx(α) Ry(β) Rz(γ).
+pub(super) fn by_cardan_angles([alpha, beta, gamma]: [f64; 3]) -> Matrix<f64> {
+    composed(&about_1(alpha), &about_2(beta), &about_3(gamma))
+}
+
+/// Rz(α) Rx(β) Rz(γ).
+pub(super) fn by_euler_angles([alpha, beta, gamma]: [f64; 3]) -> Matrix<f64> {
+    composed(&about_3(alpha), &about_1(beta), &about_3(gamma))
+}
+
+/// Rz(φ) Ry(α) Rz(ψ): shafts at the angle α.
+pub(super) fn by_shafts([phi, alpha, psi]: [f64; 3]) -> Matrix<f64> {
+    composed(&about_3(phi), &about_2(alpha), &about_3(psi))
+}
+
 /// A singular point of a measure that is approached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
@@ -22,6 +90,11 @@ pub struct Site {
 }
 
 impl Site {
+    /// By what it is approached.
+    pub(super) const fn way(&self) -> Option<Way> {
+        Way::of(self.measure)
+    }
+
     /// Whether it lies at an angle of zero.
     pub(super) fn is_at_rest(&self) -> bool {
         self.angle == 0.0
@@ -39,7 +112,7 @@ impl Site {
 
     /// Every point of a measure that is approached: of each declared set one, of the turns of a rotation vector two.
     pub fn all(measure: Measure) -> impl Iterator<Item = Self> {
-        let is_vector = matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
+        let is_vector = Way::of(measure) == Some(Way::Turn);
         let declared = measure.singular_set().into_iter().flat_map(move |set| {
             let of = move |at, angle| Self { measure, set, at, angle };
             let once = if is_vector { of("|φ| = 2π", TAU) } else { of(set.at, PI) };
@@ -83,7 +156,8 @@ pub fn beside(
     azimuth: f64,
     draw: &mut Draw,
 ) -> Option<Case> {
-    let &Site { measure, angle, .. } = site;
+    let way = site.way()?;
+    let angle = site.angle;
     // The 24 orientations of a cube turn without rounding.
     let cubes = cube_orientations();
     let a0 = cubes[draw.below(cubes.len())];
@@ -95,59 +169,54 @@ pub fn beside(
         if is_structured { [0.0; 2] } else { [draw.between(0.3, 0.9), draw.between(-0.9, -0.3)] };
     let azimuth = if is_structured { 0.0 } else { azimuth };
     let offset = if is_structured { draw.direction() } else { [0.5, -0.25, 1.0] };
-    let about_2 = |angle: f64| turn([0.0, angle, 0.0]);
-    let between = |first: &Matrix<f64>, middle: &Matrix<f64>, last: &Matrix<f64>| {
-        matrix_product(&matrix_product(first, middle), last)
-    };
     let mut reference = apply(&a0, offset);
     let mut flow = [0.0; 2];
     // Q at the start, which is regular, and at the end.
     let still = if is_structured { vector::identity() } else { turn([0.2, -0.3, 0.1]) };
-    let (start, end) = match measure {
-        Measure::Distance => {
+    let (start, end) = match way {
+        Way::Distance => {
             reference = scale(direction, distance);
             (still, still)
         }
-        Measure::Strain => {
+        Way::Material => {
             reference = apply(&a0, [1.0, 0.0, 0.0]);
             flow = [0.0, 1.0 - distance];
             (still, still)
         }
-        Measure::RadialDistance if is_structured => {
+        Way::Radius if is_structured => {
             reference = apply(&a0, [distance, 0.0, 1.0]);
             (still, still)
         }
-        Measure::RadialDistance => {
+        Way::Radius => {
             reference = apply(&a0, [distance * (0.6 + azimuth).cos(), distance * (0.6 + azimuth).sin(), 1.0]);
             (still, still)
         }
-        Measure::Cardan(_) => {
+        Way::Cardan => {
             // At β = π/2 only γ + α is left.
-            let q = |beta: f64| between(&about_1(alpha + azimuth), &about_2(beta), &about_3(gamma - azimuth));
+            let q = |beta: f64| by_cardan_angles([alpha + azimuth, beta, gamma - azimuth]);
             (q(0.6), q(FRAC_PI_2 - distance))
         }
-        Measure::Euler(_) => {
-            let q = |beta: f64| between(&about_3(alpha + azimuth), &about_1(beta), &about_3(gamma - azimuth));
+        Way::Euler => {
+            let q = |beta: f64| by_euler_angles([alpha + azimuth, beta, gamma - azimuth]);
             (q(0.6), q(distance))
         }
-        Measure::Flexion | Measure::Sweep => {
-            let q = |beta: f64| between(&about_3(alpha + azimuth), &about_2(beta), &about_3(gamma - azimuth));
+        Way::Shafts => {
+            let q = |beta: f64| by_shafts([alpha + azimuth, beta, gamma - azimuth]);
             (q(0.6), q(distance))
         }
-        Measure::Torsion | Measure::ComponentFlexion(_) | Measure::ProjectedPosition(_) => {
+        Way::Midway => {
             // At α = π only the difference of the two is left, at α = 0 only their sum.
             let other = if angle > 0.0 { gamma + azimuth } else { gamma - azimuth };
-            let q = |beta: f64| between(&about_3(alpha + azimuth), &about_2(beta), &about_3(other));
+            let q = |beta: f64| by_shafts([alpha + azimuth, beta, other]);
             if angle > 0.0 { (q(2.0), q(angle - distance)) } else { (q(0.6), q(distance)) }
         }
-        Measure::Misalignment(_) => {
+        Way::Misalignment => {
             let spin = if angle > 0.0 { scale(axis, angle - distance) } else { scale(direction, distance) };
             (vector::identity(), turn(spin))
         }
-        Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => {
+        Way::Turn => {
             return Some(beside_a_turn(connection, site, [axis, direction], a0, distance, draw));
         }
-        _ => return None,
     };
     let definition = definition(connection, pair(reference, a0, &start), 1.0);
     let mut after = pair(reference, a0, &end);
@@ -168,7 +237,7 @@ pub fn random_near(connection: &ConnectionType, draw: &mut Draw) -> Option<Case>
     let sign = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
     let distance = sign * 10.0_f64.powf(-draw.between(1.0, 12.0));
     // A strain has no other side.
-    let distance = if site.measure == Measure::Strain { distance.abs() } else { distance };
+    let distance = if site.way() == Some(Way::Material) { distance.abs() } else { distance };
     let azimuth = draw.between(-PI, PI);
     let mut case = beside(connection, site, distance, azimuth, draw)?;
     // Turned together, exactly: entries change places and signs.
@@ -212,4 +281,35 @@ fn beside_a_turn(
     }
     let name = format!("{} {distance:e} from {}", connection.name, site.at);
     Case { name, definition, start: None, path, length: 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalog::TABLE;
+
+    /// What has a singular point has a way to it, and what has none has none; each way leads there.
+    #[test]
+    fn every_singular_point_has_a_way() {
+        let mut ways = Vec::new();
+        for connection in TABLE {
+            let slots = connection.slots.iter();
+            for measure in slots.flat_map(|slot| [slot.position(), slot.printed()]).flatten() {
+                let sites: Vec<Site> = Site::all(measure).collect();
+                assert_eq!(Way::of(measure).is_some(), !sites.is_empty(), "{measure:?}");
+                ways.extend(Way::of(measure).filter(|way| !ways.contains(way)));
+            }
+            let draw = &mut Draw::new(&connection.name);
+            for (k, site) in sites(connection) {
+                let case = beside(connection, &site, 1e-3, 0.4, draw).unwrap();
+                let (connector, step) = (case.connector(), *case.last().unwrap());
+                let after = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
+                let margin = connector.margins(&step.state, &after, [true; 6])[k];
+                let is_there = margin.is_some_and(|margin| (margin.distance - 1e-3).abs() < 1e-9);
+                let is_declared = Some(site.set) == site.measure.singular_set();
+                assert!(is_there || !is_declared, "{} {k} {}: {margin:?}", connection.name, site.at);
+            }
+        }
+        assert_eq!(ways.len(), 9, "{ways:?}");
+    }
 }

@@ -4,6 +4,7 @@
 use super::case::{Case, Step};
 use super::failing::Failing;
 use super::hex::Hex;
+use super::invariant::{Demanded, Invariant};
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use crate::catalog::{ConnectionType, NameError};
@@ -34,6 +35,9 @@ pub struct CounterExample {
     pub quantity: Option<Quantity>,
     /// The entry by name.
     pub entry: String,
+    /// The law that it breaks, where it was compared with one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<BrokenLaw>,
     /// What was given.
     pub got: Hex,
     /// What it must be.
@@ -46,6 +50,26 @@ pub struct CounterExample {
     pub start: Option<BranchValues>,
     /// The states up to the one judged.
     pub path: Vec<StepValues>,
+}
+
+/// A law that numbers break.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BrokenLaw {
+    /// The law.
+    pub name: Invariant,
+    /// Which of its demands; none of a law of types.
+    pub demanded: Option<Demanded>,
+}
+
+impl BrokenLaw {
+    /// What numbers were compared with, if it was a law, and which of its demands they meet least.
+    const fn of(against: Against, demanded: Option<Demanded>) -> Option<Self> {
+        match against {
+            Against::Law(name) => Some(Self { name, demanded }),
+            Against::Oracle(_) | Against::Own => None,
+        }
+    }
 }
 
 /// A connector in values.
@@ -329,6 +353,7 @@ impl CounterExample {
             against: check.against.name().to_string(),
             quantity: check.quantity,
             entry: worst.entry.clone(),
+            law: BrokenLaw::of(check.against, worst.demanded),
             got: Hex(worst.got),
             want: Hex(worst.want),
             tolerance: Hex(worst.tolerance),
@@ -347,6 +372,7 @@ impl CounterExample {
             against: against.name().to_string(),
             quantity: None,
             entry: String::new(),
+            law: BrokenLaw::of(against, None),
             got: Hex(0.0),
             want: Hex(0.0),
             tolerance: Hex(0.0),
@@ -354,6 +380,11 @@ impl CounterExample {
             start: case.start.as_ref().map(BranchValues::of),
             path: case.path.iter().map(StepValues::of).collect(),
         }
+    }
+
+    /// Whether a law is broken: as it says, or in files of versions that had no such field, by the law's words.
+    pub(super) fn is_of_a_law(&self) -> bool {
+        self.law.is_some() || Invariant::ALL.iter().any(|law| law.name() == self.against)
     }
 
     /// The case, bit for bit.

@@ -223,6 +223,7 @@ fn finding(demand: &invariant::Demand, units: f64, got: f64) -> Finding {
     Finding {
         entry: demand.what.to_string(),
         at: None,
+        demanded: demand.what.demanded(),
         got,
         want: demand.want,
         tolerance: demand.allowed,
@@ -378,10 +379,7 @@ fn judge_numbers(
             }
             // A check that speaks has proved that it can; mutants are made of right numbers.
             let is_wrong = judgement.verdict.is_mismatch();
-            let is_put_before_another =
-                !oracle.is_independent() && is_wrong && judgement.verdict != Verdict::Invalid;
-            let excuse = is_put_before_another.then(|| referee.excuse(quantity, got, &around)).flatten();
-            if let Some(why) = excuse {
+            if let Some(why) = referee.excuse_of(oracle, &judgement, (quantity, got), &around) {
                 let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
                 check.add_excused(why, judgement.worst, judgement.compared as u64, &case.name);
                 checks.push(check);
@@ -480,6 +478,7 @@ fn taylor(
             worst = Some(Finding {
                 entry: format!("∂{}·v, {}", crate::catalog::COMPONENT[remainder.component], remainder.told()),
                 at: None,
+                demanded: None,
                 got: largest,
                 want: 0.0,
                 tolerance: allowed,
@@ -534,6 +533,7 @@ fn hyper_dual(
             worst = Some(Finding {
                 entry: format!("vᵀ ∂²{} w", crate::catalog::COMPONENT[k]),
                 at: None,
+                demanded: None,
                 got,
                 want,
                 tolerance: allowed,

@@ -44,6 +44,8 @@ mod planted;
 pub mod quantity;
 mod recorded;
 mod referee;
+#[cfg(test)]
+mod right_angles;
 pub mod sample;
 mod scene;
 mod second;

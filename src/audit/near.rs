@@ -1,10 +1,9 @@
 //! States of a given connector beside its singular points: for somebody's own routine, which has one definition and no history.
 
-use super::beside::{Site, sites};
+use super::beside::{Site, Way, by_cardan_angles, by_euler_angles, by_shafts, sites};
 use super::case::{Case, Step, turn};
-use super::sample::{Draw, about_1, about_3, rates};
+use super::sample::{Draw, rates};
 use crate::connector::Definition;
-use crate::measure::Measure;
 use crate::node::Pair;
 use crate::scalar::elementary::norm;
 use crate::vector::{
@@ -52,15 +51,16 @@ pub(super) fn near_initial(
 /// Whether the nodes can be brought there, and what they give does not depend on how they came.
 fn leads_to(definition: &Definition, site: &Site) -> bool {
     let turns = (0..2).any(|end| definition.moves[end] && definition.rotates[end]);
-    match site.measure {
-        Measure::Distance => definition.moves != [false; 2],
-        Measure::RadialDistance => definition.moves != [false; 2] && !definition.planar,
-        Measure::Strain => definition.moves[1],
+    let Some(way) = site.way() else { return false };
+    match way {
+        Way::Distance => definition.moves != [false; 2],
+        Way::Radius => definition.moves != [false; 2] && !definition.planar,
+        Way::Material => definition.moves[1],
         // Whole turns, and which of two half turns it is, are a matter of history.
-        Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => {
-            site.is_at_rest() && turns && !definition.planar
+        Way::Turn => site.is_at_rest() && turns && !definition.planar,
+        Way::Cardan | Way::Euler | Way::Shafts | Way::Midway | Way::Misalignment => {
+            turns && !definition.planar
         }
-        _ => turns && !definition.planar,
     }
 }
 
@@ -80,8 +80,8 @@ fn beside(
         turn(if definition.planar { [0.0, 0.0, spin[2]] } else { spin })
     };
     let q0 = transposed_product(&initial.a.triad, &initial.b.triad);
-    let is_length = matches!(site.measure, Measure::Distance | Measure::RadialDistance | Measure::Strain);
-    let q = if is_length { None } else { Some(relative(site, &q0, distance, draw)?) };
+    let way = site.way()?;
+    let q = relative((site, way), &q0, distance, draw);
     let mut after = *initial;
     match (q, can_turn) {
         (Some(q), [true, true]) => {
@@ -101,18 +101,24 @@ fn beside(
         }
     }
     let a = &after.a.triad;
-    let separation = match site.measure {
-        Measure::Distance => {
+    let separation = match way {
+        Way::Distance => {
             let direction = in_plane(draw.direction());
             scale(direction, distance * length / norm(direction))
         }
-        Measure::RadialDistance => {
+        Way::Radius => {
             let angle = draw.between(-PI, PI);
             let [x, y] = [angle.cos(), angle.sin()].map(|part| part * distance * length);
             let along = apply_transposed(&initial.a.triad, initial.reference)[2];
             apply(a, [x, y, if along == 0.0 { length } else { along }])
         }
-        _ => {
+        Way::Material
+        | Way::Cardan
+        | Way::Euler
+        | Way::Shafts
+        | Way::Midway
+        | Way::Misalignment
+        | Way::Turn => {
             let by = scale(in_plane(draw.direction()), draw.between(0.0, 0.5) * length);
             let carried = apply(a, apply_transposed(&initial.a.triad, initial.separation()));
             [0, 1, 2].map(|i| carried[i] + by[i])
@@ -128,49 +134,50 @@ fn beside(
         [true, false] => after.a.displacement = [0, 1, 2].map(|i| after.b.displacement[i] - relative[i]),
         [false, false] => {}
     }
-    if site.measure == Measure::Strain {
+    if way == Way::Material {
         // The material that is left: l₀ + Ψ_a − Ψ_b.
         after.b.flow = norm(initial.reference) + after.a.flow - distance * length;
     }
     Some(after)
 }
 
-/// Q beside the point, its other angles within half a radian of those of the initial Q₀.
-fn relative(site: &Site, q0: &Matrix<f64>, distance: f64, draw: &mut Draw) -> Option<Matrix<f64>> {
-    let about_2 = |angle: f64| turn([0.0, angle, 0.0]);
-    let between = |first: &Matrix<f64>, middle: &Matrix<f64>, last: &Matrix<f64>| {
-        product(&product(first, middle), last)
-    };
+/// Q beside the point, its other angles within half a radian of those of the initial Q₀; `None` where it is a length that matters.
+fn relative(
+    (site, way): (&Site, Way),
+    q0: &Matrix<f64>,
+    distance: f64,
+    draw: &mut Draw,
+) -> Option<Matrix<f64>> {
     // Away from ±π, where a principal value jumps.
     let mut beside = |angle: f64| {
         let by = draw.between(0.05, 0.5);
         if angle > 0.0 { angle - by } else { angle + by }
     };
     let of_shafts = [q0[1][2].atan2(q0[0][2]), q0[2][1].atan2(-q0[2][0])];
-    Some(match site.measure {
-        Measure::Cardan(_) => {
+    Some(match way {
+        Way::Distance | Way::Radius | Way::Material => return None,
+        Way::Cardan => {
             let [alpha, gamma] = [(-q0[1][2]).atan2(q0[2][2]), (-q0[0][1]).atan2(q0[0][0])].map(&mut beside);
             let sign = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
-            between(&about_1(alpha), &about_2(sign * (FRAC_PI_2 - distance)), &about_3(gamma))
+            by_cardan_angles([alpha, sign * (FRAC_PI_2 - distance), gamma])
         }
-        Measure::Euler(_) => {
+        Way::Euler => {
             let [alpha, gamma] = [q0[0][2].atan2(-q0[1][2]), q0[2][0].atan2(q0[2][1])].map(&mut beside);
-            between(&about_3(alpha), &about_1(distance), &about_3(gamma))
+            by_euler_angles([alpha, distance, gamma])
         }
-        Measure::Flexion | Measure::Sweep => {
+        Way::Shafts => {
             let [sweep, rest] = of_shafts.map(&mut beside);
-            between(&about_3(sweep), &about_2(distance), &about_3(rest))
+            by_shafts([sweep, distance, rest])
         }
-        Measure::Torsion | Measure::ComponentFlexion(_) | Measure::ProjectedPosition(_) => {
+        Way::Midway => {
             let [sweep, rest] = of_shafts.map(&mut beside);
             let flexion = if site.is_at_rest() { distance } else { site.angle() - distance };
-            between(&about_3(sweep), &about_2(flexion), &about_3(rest))
+            by_shafts([sweep, flexion, rest])
         }
-        Measure::Misalignment(_) => {
+        Way::Misalignment => {
             let spin = if site.is_at_rest() { distance } else { site.angle() - distance };
             product(&turn(scale(draw.direction(), spin)), q0)
         }
-        Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => turn(scale(draw.direction(), distance)),
-        _ => return None,
+        Way::Turn => turn(scale(draw.direction(), distance)),
     })
 }

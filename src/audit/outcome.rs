@@ -105,6 +105,7 @@ impl Check {
         let worst = Finding {
             entry,
             at: None,
+            demanded: None,
             got,
             want: f64::NAN,
             tolerance: 0.0,

@@ -78,7 +78,7 @@ impl<'a> Referee<'a> {
 
     /// Why an oracle that calls numbers wrong does not decide: an independent one passes them, or there is none, and what it computes with
     /// leaves the range of doubles.
-    pub(super) fn excuse(
+    fn excuse(
         &self,
         quantity: Quantity,
         got: &Entries<f64>,
@@ -88,6 +88,19 @@ impl<'a> Referee<'a> {
             return self.is_out_of_range().then_some(OUT_OF_RANGE);
         }
         self.passes(quantity, got, around).then_some(OVERRULED)
+    }
+
+    /// The same of what any oracle says: one that is independent decides, and what is not finite is judged by nobody else.
+    pub(super) fn excuse_of(
+        &self,
+        oracle: Oracle,
+        judgement: &Judgement,
+        (quantity, got): (Quantity, &Entries<f64>),
+        around: &Surroundings<'_>,
+    ) -> Option<&'static str> {
+        let verdict = judgement.verdict;
+        let is_heard = !oracle.is_independent() && verdict.is_mismatch() && verdict != Verdict::Invalid;
+        is_heard.then(|| self.excuse(quantity, got, around)).flatten()
     }
 
     /// Whether the fourth power of a length, of which second derivatives are formed on the way, is no normal double, or its reciprocal is

@@ -131,6 +131,7 @@ impl Sheet {
             let finding = || Finding {
                 entry: name.clone(),
                 at: None,
+                demanded: None,
                 got: *got,
                 want: want.to_f64(),
                 tolerance,

@@ -41,6 +41,8 @@ pub struct Truth {
     of_components: [f64; 6],
     /// The components that are at a lock.
     locked: Locked,
+    /// The positions whose opposites are as good at the state ([`SingularClass::Reversal`]): what moves from there keeps their signs.
+    reversible: Components<Wide>,
     /// What first derivatives are differenced from, behind and ahead in each degree of freedom.
     places: OnceLock<[[Place; 2]; DOFS]>,
 }
@@ -93,6 +95,12 @@ pub(super) fn rotation(mut triad: Matrix<Wide>) -> Matrix<Wide> {
     triad
 }
 
+/// The positions of a state.
+fn positions(connector: &Connector<Wide>, state: &State<Wide>, branch: Branch<Wide>) -> Components<Wide> {
+    let asked = Request::new(&[Output::CP], [true; 6], 0);
+    connector.evaluate_on(state, branch, &asked, &mut Tally::default()).position
+}
+
 /// A step, and the values after it and before it.
 type Moved = (Wide, [Components<Wide>; 2]);
 
@@ -133,7 +141,7 @@ impl Truth {
         locked.everything = [0, 1, 2, 3, 4, 5].map(|k| {
             let is_undetermined = |Margin { distance, set }: Margin| match set.class {
                 SingularClass::TrueSingularity => true,
-                SingularClass::BranchCut => distance > 0.0 || !are_rotations,
+                SingularClass::BranchCut | SingularClass::Reversal => distance > 0.0 || !are_rotations,
                 SingularClass::Kink | SingularClass::Removable => false,
             };
             of_components[k] == 0.0 && margins[k].is_some_and(is_undetermined)
@@ -149,11 +157,23 @@ impl Truth {
             }
         }
         let given = (connector.clone(), given);
+        let connector = connector.oriented_from(initial);
+        let branch = exact_branch(&after);
+        let is_reversible = |k: usize| {
+            let on_set = margins[k].filter(|margin| margin.set.class == SingularClass::Reversal);
+            on_set.is_some_and(|margin| margin.distance == 0.0) && !locked.everything[k]
+        };
+        let mut reversible = [None; 6];
+        if (0..6).any(is_reversible) {
+            let here = positions(&connector, &state, branch);
+            reversible = [0, 1, 2, 3, 4, 5].map(|k| here[k].filter(|_| is_reversible(k)));
+        }
         Some(Self {
             given,
-            connector: connector.oriented_from(initial),
+            connector,
             state,
-            branch: exact_branch(&after),
+            branch,
+            reversible,
             length: case.length,
             nearness: of_components.into_iter().fold(1.0, f64::min),
             of_components,
@@ -225,7 +245,24 @@ impl Truth {
     pub(super) fn place_of(&self, by: NodalRow<Wide>, pair: Pair<Wide>) -> Place {
         let state = State { pair, ..self.state };
         let branch = self.connector.advance(&state, &Increment::none(), &self.branch);
-        Place { by, state, branch }
+        Place { by, state, branch: self.on_the_sheet(&state, branch) }
+    }
+
+    /// The branch on which what is reversible has the signs that it has at the state itself. A jump to the opposite is no derivative; what
+    /// lies on one sheet has one from each side.
+    fn on_the_sheet(&self, state: &State<Wide>, branch: Branch<Wide>) -> Branch<Wide> {
+        if self.reversible.iter().all(Option::is_none) {
+            return branch;
+        }
+        let there = positions(&self.connector, state, branch);
+        let pairs = self.reversible.iter().zip(there).filter_map(|(still, moved)| Some(((*still)?, moved?)));
+        let along = pairs.fold(Wide::zero(), |sum, (still, moved)| sum + still * moved);
+        let mut kept = branch;
+        if along < Wide::zero() {
+            // The directions midway between a and b turn by half of each turn of torsion.
+            kept.torsion.turns += Wide::integer(1);
+        }
+        kept
     }
 
     /// The degrees of freedom that the connector loads, those of the ground among them.

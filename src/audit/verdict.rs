@@ -3,6 +3,7 @@
 use super::bound::{Bound, C, U};
 use super::conditioned::{Conditioned, NOTICED};
 use super::diagnosis::Cause;
+use super::invariant::Demanded;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
 use super::quantity::{Entries, Numbers, Quantity};
@@ -83,6 +84,9 @@ pub struct Finding {
     /// The component (0-based) and the place within it, where it is one entry of a connector's.
     #[serde(skip)]
     pub at: Option<(usize, usize)>,
+    /// Where it is what a law demands of one state: which demand.
+    #[serde(skip)]
+    pub demanded: Option<Demanded>,
     /// What was given.
     #[schemars(with = "Option<f64>")]
     pub got: f64,
@@ -352,6 +356,7 @@ pub fn judge(
                 let finding = Finding {
                     entry: quantity.entry_name(k, i),
                     at: Some((k, i)),
+                    demanded: None,
                     got: *x,
                     want: want.to_f64(),
                     tolerance: allowed,

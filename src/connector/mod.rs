@@ -174,7 +174,12 @@ fn undetermined_origins(definition: &Definition, rows: &[Option<Row>; 6]) -> [Op
     let may_be = |measure: &Measure| {
         measure.singular_set().is_some_and(|set| {
             set.unit == Unit::Angle
-                && matches!(set.class, SingularClass::TrueSingularity | SingularClass::BranchCut)
+                && match set.class {
+                    SingularClass::TrueSingularity | SingularClass::BranchCut | SingularClass::Reversal => {
+                        true
+                    }
+                    SingularClass::Kink | SingularClass::Removable => false,
+                }
         })
     };
     if !measures.iter().flatten().any(may_be) {

@@ -682,6 +682,9 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
                     "neither value nor derivatives are determined there".to_string()
                 }
                 SingularClass::BranchCut => format!("the sign of {its} value is not determined there"),
+                SingularClass::Reversal => format!(
+                    "the sign of {its} value is not determined there, and derivatives do not exist; zero, or the direction kept, stands for them"
+                ),
                 SingularClass::Removable => "value and derivatives exist there".to_string(),
             };
             format!("{components} {are} singular, at {at}: {consequence}")
@@ -693,6 +696,9 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
                     "value and derivatives lose digits in proportion to 1/distance".to_string()
                 }
                 SingularClass::BranchCut => format!("rounding may decide the sign of {its} value"),
+                SingularClass::Reversal => format!(
+                    "rounding may decide the sign of {its} value, and derivatives lose digits in proportion to 1/distance"
+                ),
                 SingularClass::Removable => "nothing is lost".to_string(),
             };
             format!("{components} {are} ill-conditioned, {} from {at}: {consequence}", distances(group))

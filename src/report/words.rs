@@ -105,6 +105,9 @@ pub(crate) const fn singular_class(class: SingularClass) -> (&'static str, &'sta
         SingularClass::BranchCut => {
             ("branch cut", "the principal value jumps by a period, the continued one does not")
         }
+        SingularClass::Reversal => {
+            ("reversal", "the value jumps to its opposite, first derivatives depend on the approach")
+        }
         SingularClass::Removable => ("removable", "value and derivatives continue, nothing is lost"),
     }
 }

@@ -755,7 +755,7 @@ fn half_turns_in_one_increment() {
 /// others; beside them nothing is.
 #[test]
 fn singular_points_of_shafts_are_told() {
-    use pintle::measure::SingularClass::{BranchCut, Kink, TrueSingularity};
+    use pintle::measure::SingularClass::{Kink, Reversal, TrueSingularity};
     const ALONG: [f64; 3] = [0.0, 0.0, 1.5];
     const ACROSS: [f64; 3] = [0.7, -0.2, 1.5];
     let straight: Matrix<f64> = vector::identity();
@@ -763,7 +763,7 @@ fn singular_points_of_shafts_are_told() {
     let bent = crate::states::about_1(0.8);
     let kinked = [("u1", Kink)].to_vec();
     let coupling = [("ur1", Kink), ("ur3", TrueSingularity)].to_vec();
-    let over_bent = [("ur1", BranchCut), ("ur2", BranchCut), ("ur3", TrueSingularity)].to_vec();
+    let over_bent = [("ur1", Reversal), ("ur2", Reversal), ("ur3", TrueSingularity)].to_vec();
     let all = |names: &[&'static str]| names.iter().map(|name| (*name, TrueSingularity)).collect::<Vec<_>>();
     for (name, q, reference, expected) in [
         ("RADIAL-THRUST", bent, ALONG, kinked),

@@ -484,9 +484,10 @@ impl<'a> System<'a> {
         let mut flagged: HashSet<(Source, &'static str)> = HashSet::new();
         let mut note = |source: Source, flags: &[Flag]| {
             let is_one = |flag: &&Flag| match flag {
-                Flag::Singular { class, .. } | Flag::IllConditioned { class, .. } => {
-                    matches!(class, SingularClass::Kink | SingularClass::TrueSingularity)
-                }
+                Flag::Singular { class, .. } | Flag::IllConditioned { class, .. } => match class {
+                    SingularClass::Kink | SingularClass::TrueSingularity | SingularClass::Reversal => true,
+                    SingularClass::BranchCut | SingularClass::Removable => false,
+                },
                 flag => matches!(flag, Flag::NotFinite { .. }),
             };
             flagged.extend(flags.iter().filter(is_one).map(|flag| (source, flag.component())));

@@ -3,7 +3,6 @@
 use super::{Entry, ExportError, comment, entry, list, matrix, number, vector};
 use crate::audit::case::Case;
 use crate::audit::counterexample::CounterExample;
-use crate::audit::invariant::Invariant;
 use crate::audit::quantity::{Numbers, Quantity, request};
 use crate::catalog::Loading;
 use crate::connector::{Branch, Connector};
@@ -51,7 +50,7 @@ impl CounterExample {
     /// are conjugate to no component, reactions of the ground.
     pub fn jax(&self) -> Result<String, ExportError> {
         let case = self.case()?;
-        if Invariant::ALL.iter().any(|law| law.name() == self.against) {
+        if self.is_of_a_law() {
             let message = format!(
                 "{}: a law relates numbers of this program to each other, and the script has its own: export a Rust test",
                 self.against

@@ -3,8 +3,9 @@
 use super::ExportError;
 use crate::audit::bound::Bound;
 use crate::audit::case::Case;
+use crate::audit::counterexample::BrokenLaw;
 use crate::audit::counterexample::CounterExample;
-use crate::audit::invariant::{Context, Invariant, What};
+use crate::audit::invariant::{Claim, Context, Demanded, Invariant};
 use crate::audit::oracle::Narrow;
 use crate::audit::quantity::Quantity;
 use crate::catalog::Loading;
@@ -44,10 +45,13 @@ pub(super) struct Law {
 
 /// What a law demands that a counter-example breaks; `None` where it is of no law.
 pub(super) fn law(example: &CounterExample, case: &Case) -> Result<Option<Law>, ExportError> {
-    let Some(law) = Invariant::ALL.into_iter().find(|law| law.name() == example.against) else {
+    let lost = |why: &str| Err(ExportError::Lost(format!("{}: {why}", example.against)));
+    let Some(BrokenLaw { name: law, demanded }) = example.law else {
+        if example.is_of_a_law() {
+            return lost("it does not say which demand of the law is broken (`law`); audit again");
+        }
         return Ok(None);
     };
-    let lost = |why: &str| Err(ExportError::Lost(format!("{}: {why}", example.against)));
     match law {
         Invariant::Restored => {
             return lost(
@@ -79,7 +83,11 @@ pub(super) fn law(example: &CounterExample, case: &Case) -> Result<Option<Law>, 
     let bound = Bound::new(&numbers, velocity, acceleration, case.length, narrow.nearness());
     let Some(context) = Context::new(case, &numbers, &bound) else { return lost("it has no state") };
     let all = context.demands(law);
-    let Some(demand) = all.iter().find(|demand| demand.what.to_string() == example.entry) else {
+    let found = demanded.and_then(|broken| {
+        let demand = all.iter().find(|demand| demand.what.demanded() == Some(broken))?;
+        Some((broken, demand))
+    });
+    let Some((Demanded { claim, quantity, component: k, entry: i }, demand)) = found else {
         let what = if example.entry.is_empty() { "no entry" } else { &example.entry };
         return lost(&format!("it names {what}, which this law does not speak of at this state"));
     };
@@ -89,41 +97,102 @@ pub(super) fn law(example: &CounterExample, case: &Case) -> Result<Option<Law>, 
         want: nothing(),
         constant: 0.0,
     };
-    match (law, &demand.what) {
-        (Invariant::Frame, What::Entry(_, quantity, k, i, _)) => {
+    match claim {
+        Claim::TurnedAxes => {
             let (rotation, turned) = context.turned();
             found.want.case = Some(turned);
             found.want.terms = if quantity.entries() == 1 {
-                vec![(*quantity, *k, *i, 1.0)]
+                vec![(quantity, k, i, 1.0)]
             } else {
                 // Rᵀ times the vector of the node.
                 let component = i % (DOFS / 2) % 3;
-                (0..3).map(|j| (*quantity, *k, i - component + j, rotation[j][component])).collect()
+                (0..3).map(|j| (quantity, k, i - component + j, rotation[j][component])).collect()
             };
         }
-        (Invariant::NodeSwap, What::Entry(_, quantity, k, i, _)) => {
+        Claim::ExchangedNodes => {
             let twin = (i + DOFS / 2) % DOFS;
             found.want.case = Some(context.swapped());
-            let sign = context.exchanged(*k).unwrap_or(1.0);
-            found.want.terms = vec![(*quantity, *k, twin, sign)];
+            found.want.terms = vec![(quantity, k, twin, context.exchanged(k).unwrap_or(1.0))];
         }
-        (Invariant::Halves, What::Entry(_, quantity, k, i, _)) => {
-            found.want.case = context.half(*k);
-            found.want.terms = vec![(*quantity, *k, *i, 1.0)];
+        Claim::Half => {
+            found.want.case = context.half(k);
+            found.want.terms = vec![(quantity, k, i, 1.0)];
         }
-        (Invariant::Restricted, What::Entry(_, quantity, k, i, after)) => {
-            found.want.asked = if after.contains("alone") { Asked::Alone(*k) } else { Asked::Rows };
-            found.want.terms = vec![(*quantity, *k, *i, 1.0)];
+        Claim::Alone | Claim::WithoutRates => {
+            found.want.asked = if claim == Claim::Alone { Asked::Alone(k) } else { Asked::Rows };
+            found.want.terms = vec![(quantity, k, i, 1.0)];
         }
-        (Invariant::Power, _) if demand.want != 0.0 => {
-            let of_force =
-                demand.terms.iter().find(|term| term.0 == Quantity::NodalForces).map(|term| term.1);
-            match of_force.map(|k| (k, case.definition.connection.loading(k))) {
-                Some((k, Some(Loading::Conjugate))) => found.want.velocity = Some(k),
-                _ => found.constant = demand.want,
-            }
+        // The rate that a conjugate force works along is a number of the same evaluation.
+        Claim::Power
+            if demand.want != 0.0 && case.definition.connection.loading(k) == Some(Loading::Conjugate) =>
+        {
+            found.want.velocity = Some(k);
         }
-        _ => found.constant = demand.want,
+        Claim::Power
+        | Claim::Translation
+        | Claim::Rotation
+        | Claim::AlongRows
+        | Claim::Symmetry
+        | Claim::DeclaredZero
+        | Claim::RestoredHistory => found.constant = demand.want,
     }
     Ok(Some(found))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::outcome::Against;
+    use crate::audit::sample::{Extent, cases};
+    use crate::catalog::ConnectionType;
+
+    /// Every demand of every law is found by what it claims, and no other, whatever words stand in the file; and what is asked for is a
+    /// matter of that claim.
+    #[test]
+    fn demands_are_found_whatever_their_words() {
+        let mut alone = 0;
+        for name in ["REVOLUTE", "TRANSLATOR", "ROTATION", "SLIPRING"] {
+            let connection = ConnectionType::named(name, None).unwrap();
+            let case = cases(&connection, Extent::Brief).pop().unwrap();
+            let numbers = crate::audit::product(&case).unwrap();
+            let state = case.last().unwrap().state;
+            let bound = Bound::new(&numbers, &state.velocity, &state.acceleration, case.length, 1.0);
+            let context = Context::new(&case, &numbers, &bound).unwrap();
+            for invariant in Invariant::ALL {
+                let demands = context.demands(invariant);
+                for (n, demand) in demands.iter().enumerate() {
+                    let demanded = demand.what.demanded();
+                    let is_other =
+                        |other: &crate::audit::invariant::Demand| other.what.demanded() != demanded;
+                    assert!(demands.iter().skip(n + 1).all(is_other), "{name}: {}", demand.what);
+                    // What is bit for bit the same is a long list.
+                    if n % 23 != 0 && demands.len() > 100 || invariant == Invariant::Restored {
+                        continue;
+                    }
+                    let example = CounterExample {
+                        against: "a law".to_string(),
+                        entry: "alone".to_string(),
+                        law: Some(BrokenLaw { name: invariant, demanded }),
+                        ..CounterExample::record(&case, Against::Own)
+                    };
+                    let found = law(&example, &case).unwrap().unwrap();
+                    assert_eq!(found.got.terms, demand.terms.to_vec(), "{name}: {}", demand.what);
+                    let is_alone = demanded.is_some_and(|broken| broken.claim == Claim::Alone);
+                    assert_eq!(
+                        matches!(found.want.asked, Asked::Alone(_)),
+                        is_alone,
+                        "{name}: {}",
+                        demand.what
+                    );
+                    alone += usize::from(is_alone);
+                }
+            }
+            // A law told by its words alone, as earlier versions did, is refused, and says why.
+            let of_words =
+                CounterExample { law: None, ..CounterExample::record(&case, Against::Law(Invariant::Power)) };
+            let refused = law(&of_words, &case).err().map(|error| error.to_string());
+            assert!(refused.is_some_and(|why| why.contains("which demand of the law")));
+        }
+        assert!(alone > 20, "{alone}");
+    }
 }

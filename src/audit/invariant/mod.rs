@@ -17,14 +17,17 @@ use super::mutant::Mutant;
 use super::oracle::nearness;
 use super::quantity::{Numbers, OneOrMany, Quantity};
 use super::verdict::{Score, Verdict, moved_by};
+use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{Branch, Connector, Increment, State};
 use crate::measure::Measure;
 use crate::node::DOFS;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 
 /// A law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Invariant {
     /// The six rigid modes are in the kernel of every row.
@@ -126,26 +129,108 @@ pub struct Demand {
     pub want: f64,
     /// How far it may be from that.
     pub allowed: f64,
-    /// What is demanded, in words.
+    /// What is demanded.
     pub what: What,
 }
 
 /// What is demanded, written when somebody reads it.
 #[derive(Clone, Debug)]
 pub enum What {
-    /// A sentence.
+    /// A sentence, of a law of types.
     Said(String),
-    /// An entry of a component (0-based), with what is said before and after its name.
-    Entry(&'static str, Quantity, usize, usize, &'static str),
+    /// Of the numbers of one state.
+    Of(Demanded),
+}
+
+/// Which demand of a law at one state it is, whatever words it is told in: what is claimed of an entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Demanded {
+    /// What is claimed.
+    pub claim: Claim,
+    /// The kind of number.
+    pub quantity: Quantity,
+    /// The component (0-based).
+    pub component: usize,
+    /// The place within it; of rigid motions the axis.
+    pub entry: usize,
+}
+
+/// What a law claims of an entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Claim {
+    /// A row vanishes along a translation of everything.
+    Translation,
+    /// A row vanishes along a rotation of everything.
+    Rotation,
+    /// A rate, or an acceleration, is that along the rows.
+    AlongRows,
+    /// Nodal forces have the power of the component force.
+    Power,
+    /// Turned axes give the same, turned.
+    TurnedAxes,
+    /// ∂²/∂q_j∂q_k is ∂²/∂q_k∂q_j.
+    Symmetry,
+    /// It is declared zero.
+    DeclaredZero,
+    /// Exchanged nodes give the same, but for a sign.
+    ExchangedNodes,
+    /// The half of an assembled type gives the same.
+    Half,
+    /// A restored history gives the same.
+    RestoredHistory,
+    /// The component asked for alone gives the same.
+    Alone,
+    /// Values and first derivatives asked for alone are the same.
+    WithoutRates,
 }
 
 impl Display for What {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Self::Said(sentence) => f.write_str(sentence),
-            Self::Entry(before, quantity, k, i, after) => {
-                write!(f, "{before}{}{after}", quantity.entry_name(*k, *i))
-            }
+            Self::Of(demanded) => demanded.fmt(f),
+        }
+    }
+}
+
+impl Display for Demanded {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { claim, quantity, component: k, entry } = *self;
+        let name = quantity.entry_name(k, entry);
+        let is_of_forces = quantity == Quantity::NodalForces;
+        match claim {
+            Claim::Translation if is_of_forces => write!(f, "nodal forces of {}", FORCE[k]),
+            Claim::Translation => write!(f, "∂{} along a translation", COMPONENT[k]),
+            Claim::Rotation if is_of_forces => write!(f, "nodal moments of {}", FORCE[k]),
+            Claim::Rotation => write!(f, "∂{} along a rotation", COMPONENT[k]),
+            Claim::AlongRows if quantity == Quantity::Rate => write!(f, "{name} is J q̇"),
+            Claim::AlongRows => write!(f, "{name} is J q̈ + q̇ᵀ H q̇"),
+            Claim::Power => write!(f, "power of the nodal forces of {}", FORCE[k]),
+            Claim::TurnedAxes => write!(f, "{name} in turned axes"),
+            Claim::Symmetry => write!(f, "symmetry of {name}"),
+            Claim::DeclaredZero => write!(f, "{name} is declared zero"),
+            Claim::ExchangedNodes => write!(f, "{name} with exchanged nodes"),
+            Claim::Half => write!(f, "{name} of its half"),
+            Claim::RestoredHistory => write!(f, "{name} after a restored history"),
+            Claim::Alone => write!(f, "{name} asked for alone"),
+            Claim::WithoutRates => write!(f, "{name} asked for without rates"),
+        }
+    }
+}
+
+impl What {
+    /// A claim on an entry of a component (0-based).
+    pub(super) const fn of(claim: Claim, quantity: Quantity, component: usize, entry: usize) -> Self {
+        Self::Of(Demanded { claim, quantity, component, entry })
+    }
+
+    /// What is demanded of one state, as data.
+    pub const fn demanded(&self) -> Option<Demanded> {
+        match self {
+            Self::Said(_) => None,
+            Self::Of(demanded) => Some(*demanded),
         }
     }
 }
@@ -300,7 +385,7 @@ impl<'a> Context<'a> {
                 for l in 0..j {
                     let second = Quantity::SecondDerivatives;
                     let terms = vec![(second, k, j * DOFS + l, 1.0), (second, k, l * DOFS + j, -1.0)];
-                    let what = What::Entry("symmetry of ", second, k, j * DOFS + l, "");
+                    let what = What::of(Claim::Symmetry, second, k, j * DOFS + l);
                     found.push(self.sum(terms, 0.0, what));
                 }
             }
@@ -320,7 +405,7 @@ impl<'a> Context<'a> {
                         offset: 0.0,
                         want: 0.0,
                         allowed: 0.0,
-                        what: What::Entry("", Quantity::FirstDerivatives, k, j, " is declared zero"),
+                        what: What::of(Claim::DeclaredZero, Quantity::FirstDerivatives, k, j),
                     });
                 }
                 if !reach[j] && self.numbers.entries(Quantity::NodalForces).get(k, j).is_some() {
@@ -329,7 +414,7 @@ impl<'a> Context<'a> {
                         offset: 0.0,
                         want: 0.0,
                         allowed: 0.0,
-                        what: What::Entry("", Quantity::NodalForces, k, j, " is declared zero"),
+                        what: What::of(Claim::DeclaredZero, Quantity::NodalForces, k, j),
                     });
                 }
             }

@@ -1,9 +1,9 @@
 //! The law of power: rates and accelerations are those that the rows give along the motion, and the nodal forces do the work of the
 //! component forces.
 
-use super::{Context, Demand, What};
+use super::{Claim, Context, Demand, What};
 use crate::audit::quantity::Quantity;
-use crate::catalog::{COMPONENT, FORCE, Loading};
+use crate::catalog::Loading;
 use crate::connector::{NodalRow, Output, Request, Tally};
 use crate::node::{self, DOFS};
 use crate::scalar::elementary::norm;
@@ -30,7 +30,6 @@ impl Context<'_> {
             if measure.has_nodal_rates() || beside {
                 continue;
             }
-            let name = COMPONENT[k];
             let row = |rates: &NodalRow<f64>| {
                 let rates = *rates;
                 (0..DOFS)
@@ -39,7 +38,7 @@ impl Context<'_> {
             };
             let mut terms = vec![(Quantity::Rate, k, 0, 1.0)];
             terms.extend(row(v));
-            found.push(self.sum(terms, 0.0, What::Said(format!("d{name}/dt is J q̇"))));
+            found.push(self.sum(terms, 0.0, What::of(Claim::AlongRows, Quantity::Rate, k, 0)));
             let mut terms = vec![(Quantity::Acceleration, k, 0, 1.0)];
             terms.extend(row(a));
             let mut underflows = false;
@@ -51,7 +50,7 @@ impl Context<'_> {
                     }
                 }
             }
-            let mut demand = self.sum(terms, 0.0, What::Said(format!("d²{name}/dt² is J q̈ + q̇ᵀ H q̇")));
+            let mut demand = self.sum(terms, 0.0, What::of(Claim::AlongRows, Quantity::Acceleration, k, 0));
             if underflows {
                 // Squares of the rates are lost: nothing is decided.
                 demand.allowed = f64::INFINITY;
@@ -110,7 +109,7 @@ impl Context<'_> {
                     want = stretching + v[node::PSI_B] - v[node::PSI_A];
                 }
             }
-            let what = What::Said(format!("power of the nodal forces of {}", FORCE[k]));
+            let what = What::of(Claim::Power, Quantity::NodalForces, k, 0);
             let mut demand = self.sum(terms, want, what);
             // Both sides are rounded.
             demand.allowed *= 2.0;

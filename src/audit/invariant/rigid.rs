@@ -3,11 +3,11 @@
 //! A node may have no rotations, or be the ground; a connector may lie in a plane. Each law is asked of a component for the motions
 //! that are there: those of which every degree of freedom by which the component changes is among its columns.
 
-use super::{Context, Demand, What};
+use super::{Claim, Context, Demand, What};
 use crate::audit::bound::{C, U};
 use crate::audit::case::{Case, carried, dof_size, turn};
 use crate::audit::quantity::{OneOrMany, Quantity};
-use crate::catalog::{COMPONENT, FORCE, Loading};
+use crate::catalog::Loading;
 use crate::measure::Measure;
 use crate::node::{self, DOFS};
 use crate::vector::{Matrix, Vector, apply_transposed, cross};
@@ -39,7 +39,6 @@ impl Context<'_> {
         &self,
         (quantity, k): (Quantity, usize),
         is_there: impl Fn(usize) -> bool,
-        name: impl Fn(&str) -> String,
     ) -> Vec<Demand> {
         let separation = self.state.pair.separation();
         let [along, about] = self.motions();
@@ -48,7 +47,7 @@ impl Context<'_> {
             let columns = both(node::XA, node::XB, *i);
             if columns.iter().all(|j| is_there(*j)) {
                 let terms = columns.map(|j| (quantity, k, j, 1.0)).to_vec();
-                found.push(self.sum(terms, 0.0, What::Said(name("translation"))));
+                found.push(self.sum(terms, 0.0, What::of(Claim::Translation, quantity, k, *i)));
             }
         }
         for i in about {
@@ -57,7 +56,7 @@ impl Context<'_> {
             terms.extend((0..3).map(|j| (quantity, k, node::XB + j, arm[j])));
             terms.retain(|term| term.3 != 0.0);
             if terms.iter().all(|(_, _, j, _)| is_there(*j)) {
-                found.push(self.sum(terms, 0.0, What::Said(name("rotation"))));
+                found.push(self.sum(terms, 0.0, What::of(Claim::Rotation, quantity, k, *i)));
             }
         }
         found
@@ -67,11 +66,9 @@ impl Context<'_> {
         let active = self.connector.active();
         let components = self.components().filter(|(_, measure)| !self.is_fixed_in_space(*measure));
         let of = |(k, measure): (usize, Measure)| {
-            self.along_rigid_motions(
-                (Quantity::FirstDerivatives, k),
-                |j| active[j] || !self.depends(measure, j),
-                |motion| format!("∂{} along a {motion}", COMPONENT[k]),
-            )
+            self.along_rigid_motions((Quantity::FirstDerivatives, k), |j| {
+                active[j] || !self.depends(measure, j)
+            })
         };
         components.flat_map(of).collect()
     }
@@ -106,14 +103,7 @@ impl Context<'_> {
             self.connector.position_measure(k).is_some_and(|measure| self.is_fixed_in_space(measure))
         };
         let of = |k: usize| {
-            self.along_rigid_motions(
-                (Quantity::NodalForces, k),
-                |j| reach[j] || !self.loads(k, j),
-                |motion| {
-                    let what = if motion == "rotation" { "moments" } else { "forces" };
-                    format!("nodal {what} of {}", FORCE[k])
-                },
-            )
+            self.along_rigid_motions((Quantity::NodalForces, k), |j| reach[j] || !self.loads(k, j))
         };
         self.forces().filter(|k| !is_fixed(*k)).flat_map(of).collect()
     }
@@ -157,7 +147,7 @@ impl Context<'_> {
             };
             if let (Some(want), false) = (twin.entries(Quantity::Value).get(k, 0), measure.is_one_form()) {
                 let terms = OneOrMany::One([(Quantity::Value, k, 0, 1.0)]);
-                let what = What::Entry("", Quantity::Value, k, 0, " in turned axes");
+                let what = What::of(Claim::TurnedAxes, Quantity::Value, k, 0);
                 let mut demand = wider(self.sum(terms, want, what));
                 // Four times as much is rounded.
                 demand.allowed += 16.0 * self.bent(Quantity::Value, k, 0);
@@ -171,7 +161,7 @@ impl Context<'_> {
                 let back = apply_transposed(&rotation, [row[at], row[at + 1], row[at + 2]]);
                 for (i, want) in back.into_iter().enumerate() {
                     let terms = OneOrMany::One([(quantity, k, at + i, 1.0)]);
-                    let what = What::Entry("", quantity, k, at + i, " in turned axes");
+                    let what = What::of(Claim::TurnedAxes, quantity, k, at + i);
                     let mut demand = wider(self.sum(terms, want, what));
                     // A component of a vector is as uncertain as the vector.
                     demand.allowed = (0..3)

@@ -1,6 +1,6 @@
 //! Laws of twins: another connector, another history or a part of the request must give the same numbers.
 
-use super::{Context, Demand, What};
+use super::{Claim, Context, Demand, What};
 use crate::audit::case::{Case, Step};
 use crate::audit::force::add_forces_of;
 use crate::audit::quantity::{Numbers, OneOrMany, Quantity, request_of};
@@ -73,7 +73,7 @@ impl Context<'_> {
             let Some(row) = &twin.entries(Quantity::FirstDerivatives).0[k] else { continue };
             for j in 0..DOFS {
                 let terms = OneOrMany::One([(Quantity::FirstDerivatives, k, j, 1.0)]);
-                let what = What::Entry("", Quantity::FirstDerivatives, k, j, " with exchanged nodes");
+                let what = What::of(Claim::ExchangedNodes, Quantity::FirstDerivatives, k, j);
                 let mut demand = self.sum(terms, sign * row[(j + DOFS / 2) % DOFS], what);
                 // The rotation vector's components are taken along a's directions before and b's after.
                 let block = j - j % 7 % 3;
@@ -94,7 +94,7 @@ impl Context<'_> {
         twin: &Numbers<f64>,
         quantities: &[Quantity],
         components: std::ops::Range<usize>,
-        what: &'static str,
+        claim: Claim,
     ) -> Vec<Demand> {
         let mut found = Vec::new();
         for quantity in quantities.iter().copied() {
@@ -112,7 +112,7 @@ impl Context<'_> {
                         // A number that the twin lacks is one that nothing equals.
                         want: pair[1].unwrap_or(f64::NAN),
                         allowed: 0.0,
-                        what: What::Entry("", quantity, k, i, what),
+                        what: What::of(claim, quantity, k, i),
                     });
                 }
             }
@@ -134,7 +134,7 @@ impl Context<'_> {
     pub(super) fn halves(&self) -> Vec<Demand> {
         let of = |range: std::ops::Range<usize>| {
             let half = self.half(range.start).map(|case| self.numbers_of(&case));
-            half.map_or_else(Vec::new, |twin| self.same(&twin, &Quantity::ALL, range, " of its half"))
+            half.map_or_else(Vec::new, |twin| self.same(&twin, &Quantity::ALL, range, Claim::Half))
         };
         [0..3, 3..6].into_iter().flat_map(of).collect()
     }
@@ -144,7 +144,7 @@ impl Context<'_> {
         let restored: Option<Branch<f64>> = saved.and_then(|text| serde_json::from_str(&text).ok());
         let branch = restored.unwrap_or_else(|| self.connector.initial_branch());
         let again = asked(&self.connector, &self.state, &self.increment, &branch, [true; 6]);
-        self.same(&again, &Quantity::ALL, 0..6, " after a restored history")
+        self.same(&again, &Quantity::ALL, 0..6, Claim::RestoredHistory)
     }
 
     /// One component asked for alone, with everything; and all components without second derivatives, rates and forces.
@@ -154,13 +154,13 @@ impl Context<'_> {
             let mut only = [false; 6];
             only[k] = true;
             let part = asked(&self.connector, &self.state, &self.increment, &self.before, only);
-            found.extend(self.same(&part, &Quantity::ALL, k..k + 1, " asked for alone"));
+            found.extend(self.same(&part, &Quantity::ALL, k..k + 1, Claim::Alone));
         }
         let rows = Request::new(&[Output::CU, Output::RES], [true; 6], 1);
         let mut tally = Tally::default();
         let part = self.connector.evaluate(&self.state, &self.increment, &self.before, &rows, &mut tally);
         let both = [Quantity::Value, Quantity::FirstDerivatives];
-        found.extend(self.same(&Numbers::of(&part), &both, 0..6, " asked for without rates"));
+        found.extend(self.same(&Numbers::of(&part), &both, 0..6, Claim::WithoutRates));
         found
     }
 }

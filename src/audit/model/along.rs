@@ -315,11 +315,12 @@ fn violated(component: &str, residual: f64, of_length: bool) -> Found {
 }
 
 fn class(class: crate::measure::SingularClass) -> &'static str {
-    use crate::measure::SingularClass::{BranchCut, Kink, Removable, TrueSingularity};
+    use crate::measure::SingularClass::{BranchCut, Kink, Removable, Reversal, TrueSingularity};
     match class {
         Kink => "the first derivatives jump",
         TrueSingularity => "derivatives grow without bound",
         BranchCut => "the principal value jumps by a period",
+        Reversal => "the value jumps to its opposite, and the first derivatives jump",
         Removable => "value and derivatives continue",
     }
 }
