@@ -236,11 +236,7 @@ where
         }
         residual[n] = (p - limit).scale(S::Real::integer(1) / scale);
         let step = equations.solve(&residual).unwrap_or([S::zero(); SLOTS]);
-        // The slope of P − L by the slip, the tractions following.
-        let mut of_excess = [S::Real::integer(0); SLOTS];
-        of_excess[n] = S::Real::integer(1);
-        let falls = equations.solve(&of_excess).is_some_and(|by| by[n].less(S::Real::integer(0)));
-        if !falls {
+        if !falls(&equations, n) {
             flags.add(Flag::Unstable);
         }
         let (mut end, mut slip) = ([S::zero(); 6], [S::zero(); 6]);
@@ -347,4 +343,22 @@ where
         }
         Slip { force, increment: whole * lost, slip }
     }
+}
+
+/// Whether P − L falls as slip (unknown n) grows and the tractions follow, as far as rounding tells: where the stick stiffness is many orders
+/// stiffer than the limit, the slip is a difference of numbers that are as much larger.
+fn falls<R: Ordered + Differentiable>(equations: &Equations<R>, n: usize) -> bool {
+    let mut of_excess = [R::integer(0); SLOTS];
+    of_excess[n] = R::integer(1);
+    let Some(by) = equations.solve(&of_excess) else { return false };
+    let mut row = 0;
+    for i in 1..n {
+        if equations.jacobian[row][n].magnitude().less(equations.jacobian[i][n].magnitude()) {
+            row = i;
+        }
+    }
+    let parts = (0..n).map(|j| (equations.jacobian[row][j] * by[j]).magnitude());
+    let sum = parts.fold(R::integer(0), |sum, part| sum + part);
+    let noise = sum * R::from_f64(4.0 * f64::EPSILON) / equations.jacobian[row][n].magnitude();
+    by[n].less(noise)
 }
