@@ -795,6 +795,8 @@ mod tests {
         assert_eq!(scales(2.0, 1.5), [3.0, 8.5, 0.0, 7.0]);
         // Where two slopes meet, the larger.
         assert_eq!(scales(3.0, 1.5), [4.5, 10.25, 0.0, 7.5]);
+        // From the left, where there is nothing on the right.
+        assert_eq!(scales(4.0, 1.5), [4.5, 7.5, 0.0, 7.5]);
         // Beyond the rows it is constant.
         assert_eq!(scales(9.0, 1.5), [0.0, 7.5, 0.0, 7.5]);
         assert_eq!(scales(2.0, 5.0), [1.0, 0.0, 0.0, 7.0]);
