@@ -16,14 +16,18 @@ from shared import States, least_time, serve
 
 BATCHES = (32, 1000, 4096, 100_000)
 FLAGS = ("-O3", "-march=native", "-fPIC", "-shared")
+# Repeated in C: a call from Python takes as long as several states. What is in memory counts as changed each time.
 LOOP = """
-void batch_{index}(long count, const double *states, double *values, double *rows) {{
+void batch_{index}(long times, long count, const double *states, double *values, double *rows) {{
     casadi_int iw[type_{index}_SZ_IW + 1];
     casadi_real w[type_{index}_SZ_W + 1];
-    for (long i = 0; i < count; i++) {{
-        const casadi_real *arg[type_{index}_SZ_ARG + 1] = {{states + 27 * i}};
-        casadi_real *res[type_{index}_SZ_RES + 1] = {{values + {n} * i, rows + {n} * 12 * i}};
-        type_{index}(arg, res, iw, w, 0);
+    for (; times > 0; times--) {{
+        for (long i = 0; i < count; i++) {{
+            const casadi_real *arg[type_{index}_SZ_ARG + 1] = {{states + 27 * i}};
+            casadi_real *res[type_{index}_SZ_RES + 1] = {{values + {n} * i, rows + {n} * 12 * i}};
+            type_{index}(arg, res, iw, w, 0);
+        }}
+        __asm__ volatile("" ::: "memory");
     }}
 }}
 """
@@ -84,6 +88,14 @@ def compiled(folder, types):
     return ctypes.CDLL(str(library)), rows
 
 
+def caller(library, index, states, values, jacobian):
+    """What goes through all states so many times. The arrays must outlive it."""
+    run, pointer = getattr(library, f"batch_{index}"), ctypes.c_void_p
+    run.argtypes = [ctypes.c_long, ctypes.c_long, pointer, pointer, pointer]
+    arrays = (states.ctypes.data, values.ctypes.data, jacobian.ctypes.data)
+    return lambda times: run(times, len(states), *arrays)
+
+
 def versions():
     gcc = subprocess.run(["gcc", "-dumpfullversion"], capture_output=True, text=True, check=True).stdout.strip()
     return {"CasADi": ca.__version__, "gcc": gcc}
@@ -97,18 +109,8 @@ def main():
     def prepared(index, name, count):
         batch = states.repeated(count)
         values, jacobian = np.empty((count, rows[name])), np.empty((count, rows[name], 12))
-        run = getattr(library, f"batch_{index}")
-        pointer = ctypes.c_void_p
-        run.argtypes = [ctypes.c_long, pointer, pointer, pointer]
-        arguments = (count, batch.ctypes.data, values.ctypes.data, jacobian.ctypes.data)
-        calls = max(1, 2048 // count)
-
-        def call():
-            for _ in range(calls):
-                run(*arguments)
-
-        # The arrays must outlive the call.
-        return call, calls * count, (batch, values, jacobian)
+        run, times = caller(library, index, batch, values, jacobian), max(1, 2048 // count)
+        return lambda: run(times), times * count, (batch, values, jacobian)
 
     errors = {}
     for index, name in enumerate(states.types):

@@ -3,7 +3,6 @@
 Usage: with_casadi_precision.py STATES.json; started by scripts/measure.py. The states over and over.
 """
 
-import ctypes
 import pathlib
 import sys
 import tempfile
@@ -11,7 +10,7 @@ import tempfile
 import numpy as np
 
 from precision import Participant, read
-from with_casadi import compiled, versions
+from with_casadi import caller, compiled, versions
 
 
 def main():
@@ -24,20 +23,10 @@ def main():
         name, states = subject["connection"], np.ascontiguousarray(subject["states"])
         count = len(states)
         values, jacobian = np.empty((count, rows[name])), np.empty((count, rows[name], 12))
-        run = getattr(library, f"batch_{types.index(name)}")
-        pointer = ctypes.c_void_p
-        run.argtypes = [ctypes.c_long, pointer, pointer, pointer]
-        arguments = (count, states.ctypes.data, values.ctypes.data, jacobian.ctypes.data)
-        # The arrays must outlive the calls.
+        run, times = caller(library, types.index(name), states, values, jacobian), 2048 // count
         kept.append((states, values, jacobian))
-        run(*arguments)
-        calls = 2048 // count
-
-        def call(run=run, arguments=arguments):
-            for _ in range(calls):
-                run(*arguments)
-
-        participant.add(subject, "CasADi C", "Jacobian", jacobian, calls * count, call)
+        run(1)
+        participant.add(subject, "CasADi C", "Jacobian", jacobian, times * count, lambda run=run, times=times: run(times))
     participant.serve(versions())
 
 
