@@ -224,3 +224,21 @@ fn digits_that_are_not_given_decide_nothing() {
         assert!(!decided || (decimals >= 12 && mobility == Some(1)), "{decimals}: {:?}", some.positions[0]);
     }
 }
+
+/// Two LINKs in line between held nodes: the node between them can be nowhere else. A state that puts it aside by δ satisfies them but for δ²/2,
+/// and has a rank that this alone makes: it is not decided.
+#[test]
+fn a_rank_of_the_residual_is_not_decided() {
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 3., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=ROD\n101, 1, 2\n102, 2, 3\n\
+                *CONNECTOR SECTION, ELSET=ROD\nLINK\n*BOUNDARY\n1, 1, 3\n3, 1, 3\n";
+    let scene = Scene::parse("aside.inp", text).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    for aside in [1e-6, 1e-4, 1e-3, 5e-3] {
+        let moved = NodeMotion { displacement: [0.0, aside, 0.0], ..NodeMotion::default() };
+        let state = State { nodes: [("2".parse().unwrap(), moved)].into(), ..State::default() };
+        let assembly = analyse(&scene, &model, &[state], 1).unwrap();
+        let found: Vec<_> = assembly.positions.iter().map(|one| (one.rank, one.decided)).collect();
+        assert_eq!(found[0], (Some(1), true), "{:?}", assembly.positions);
+        assert!(found[1].0 == Some(1) || !found[1].1, "{aside}: {:?}", assembly.positions[1]);
+    }
+}

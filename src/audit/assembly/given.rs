@@ -85,12 +85,18 @@ pub(super) fn along(
         let is_less = |least: &Option<Vec<u32>>, now: &Vec<u32>| {
             least.as_ref().is_none_or(|least| now.len() < least.len())
         };
-        if least.iter().zip(&now).any(|(least, now)| now.as_ref().is_some_and(|now| is_less(least, now))) {
+        let has_fewer =
+            least.iter().zip(&now).any(|(least, now)| now.as_ref().is_some_and(|now| is_less(least, now)));
+        if position.differs || has_fewer {
             let open: Vec<f64> = residuals
                 .iter()
                 .map(|residual| SECOND_ORDER / TIMES * residual.abs().max(U).sqrt())
                 .collect();
             let strictly = look(system, &values, (&open, &without_derivative), false);
+            // A rank that the residual alone may have made is none of an admissible state.
+            position.decided &= found.iter().zip(&strictly).all(|(found, strictly)| {
+                strictly.as_ref().is_ok_and(Found::is_decided) && numbers(found) == numbers(strictly)
+            });
             for ((least, proven), now) in least.iter_mut().zip(&mut proven).zip(strictly.iter().map(rows)) {
                 if let Some(now) = now.filter(|now| is_less(least, now)) {
                     *least = Some(now);
