@@ -161,8 +161,7 @@ impl SlopesCase {
         let mut behavior = Behavior::default();
         (behavior.elasticity, behavior.damping) = (self.elasticity.clone(), self.damping.clone());
         // On a row of a table there are two slopes, and next to it rounding decides which.
-        let on_kink = !behavior.elasticity.kinks(motion, conditions).is_empty()
-            || !behavior.damping.kinks(motion, conditions).is_empty();
+        let on_kink = behavior.kinks(motion, conditions).next().is_some();
         // Without temperature and fields some forces are not known: their slopes are not judged, and that is said.
         let laws =
             [behavior.elasticity.forces(motion, conditions), behavior.damping.forces(motion, conditions)];
@@ -195,9 +194,7 @@ impl SlopesCase {
             .iter()
             .map(|(of_velocity, j)| format!("{}({})", if *of_velocity { "v" } else { "u" }, COMPONENT[*j]))
             .collect();
-        let mut scales = [[[0.0; 6]; 6]; 2];
-        behavior.elasticity.add_slope_scales(motion, conditions, &mut scales);
-        behavior.damping.add_slope_scales(motion, conditions, &mut scales);
+        let scales = behavior.slope_scales(motion, conditions);
         let of = |(of_velocity, j): (bool, usize)| {
             let size = size(j, if of_velocity { motion.velocity[j] } else { motion.constitutive[j] });
             let both = |h: Wide| [forces(of_velocity, j, -h), forces(of_velocity, j, h)];

@@ -6,10 +6,10 @@
 //! `TYPE=STRUCTURAL` is damping proportional to the displacement in a harmonic response, a complex stiffness D (1 + i s). It gives no
 //! force in time, and none here; [`Damping::structural`] says that there is one.
 
-use super::law::{Driver, ForceKink, Law, check_single, merged};
+use super::law::{Driver, Law, check_single, merged};
 use super::{Conditions, Forces, Motion};
 use crate::connector::Mask;
-use crate::scalar::{Real, Scalar};
+use crate::scalar::Scalar;
 use crate::scene::{self, DampingKind, Diagnostic, TableOptions};
 
 /// All dampings of a behaviour.
@@ -68,19 +68,8 @@ impl Damping {
         pairs.fold(S::zero(), |sum, (force, v)| sum + v * force.unwrap_or(S::zero()))
     }
 
-    /// What the rounding of each slope is measured by, added to that of other laws: by displacements, then by velocities.
-    pub(crate) fn add_slope_scales(
-        &self,
-        motion: &Motion<f64>,
-        conditions: &Conditions,
-        scales: &mut [[[f64; 6]; 6]; 2],
-    ) {
-        let [displacement, velocity] = scales;
-        self.laws.iter().for_each(|law| law.add_slope_scales(motion, conditions, [displacement, velocity]));
-    }
-
-    /// The kinks at which the motion lies.
-    pub fn kinks<R: Real>(&self, motion: &Motion<R>, conditions: &Conditions) -> Vec<ForceKink<R>> {
-        self.laws.iter().flat_map(|law| law.kinks(motion, conditions)).collect()
+    /// The laws, each by itself.
+    pub(super) fn laws(&self) -> &[Law] {
+        &self.laws
     }
 }

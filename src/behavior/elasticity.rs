@@ -10,10 +10,10 @@
 //! *RIGID.* The solver chooses a stiff spring, of a stiffness that is not documented. Here the component is kept at its
 //! reference: its residual is CCU, and its elastic force is what a given total force leaves for it; motions alone do not tell it.
 
-use super::law::{Driver, ForceKink, Law, check_single, merged};
+use super::law::{Driver, Law, check_single, merged};
 use super::{Conditions, Forces, Motion};
 use crate::connector::Mask;
-use crate::scalar::{Real, Scalar};
+use crate::scalar::Scalar;
 use crate::scene::{self, Diagnostic, TableOptions};
 
 /// All elasticities of a behaviour.
@@ -66,19 +66,8 @@ impl Elasticity {
         energies.into_iter().try_fold(S::zero(), |sum, energy| Some(sum + energy?))
     }
 
-    /// What the rounding of each slope is measured by, added to that of other laws: by displacements, then by velocities.
-    pub(crate) fn add_slope_scales(
-        &self,
-        motion: &Motion<f64>,
-        conditions: &Conditions,
-        scales: &mut [[[f64; 6]; 6]; 2],
-    ) {
-        let [displacement, velocity] = scales;
-        self.laws.iter().for_each(|law| law.add_slope_scales(motion, conditions, [displacement, velocity]));
-    }
-
-    /// The kinks at which the motion lies.
-    pub fn kinks<R: Real>(&self, motion: &Motion<R>, conditions: &Conditions) -> Vec<ForceKink<R>> {
-        self.laws.iter().flat_map(|law| law.kinks(motion, conditions)).collect()
+    /// The laws, each by itself.
+    pub(super) fn laws(&self) -> &[Law] {
+        &self.laws
     }
 }

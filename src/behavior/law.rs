@@ -1,5 +1,6 @@
 //! Forces over motions: what elasticity and damping have in common.
 
+use super::state::Behavior;
 use super::table::{Kink, Table, Variable};
 use super::{Conditions, Forces, Motion, Unknown};
 use crate::connector::{Components, Mask};
@@ -207,7 +208,7 @@ impl Law {
         &self,
         motion: &Motion<f64>,
         conditions: &Conditions,
-        [displacement, velocity]: [&mut [[f64; 6]; 6]; 2],
+        [displacement, velocity]: &mut [[[f64; 6]; 6]; 2],
     ) {
         if self.unknown(conditions).is_some() {
             return;
@@ -416,10 +417,31 @@ pub(super) fn check_single(laws: &[(Law, Span)], what: &str) -> Result<(), Diagn
     Ok(())
 }
 
+impl Behavior {
+    /// The laws of springs and dampers.
+    fn laws(&self) -> impl Iterator<Item = &Law> {
+        self.elasticity.laws().iter().chain(self.damping.laws())
+    }
+
+    /// The kinks of springs and dampers at which the motion lies.
+    pub(crate) fn kinks<R: Real>(
+        &self,
+        motion: &Motion<R>,
+        conditions: &Conditions,
+    ) -> impl Iterator<Item = ForceKink<R>> {
+        self.laws().flat_map(|law| law.kinks(motion, conditions))
+    }
+
+    /// What the rounding of each slope of springs and dampers is measured by: of ∂F_i/∂u_j, then of ∂F_i/∂v_j.
+    pub(crate) fn slope_scales(&self, motion: &Motion<f64>, conditions: &Conditions) -> [[[f64; 6]; 6]; 2] {
+        let mut scales = [[[0.0; 6]; 6]; 2];
+        self.laws().for_each(|law| law.add_slope_scales(motion, conditions, &mut scales));
+        scales
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::damping::Damping;
-    use super::super::elasticity::Elasticity;
     use super::*;
 
     const MOTION: Motion<f64> = Motion { position: [0.5; 6], constitutive: [0.25; 6], velocity: [-0.5; 6] };
@@ -436,8 +458,7 @@ mod tests {
     /// What a law adds to sizes that are 1.
     fn scales(law: &Law, conditions: &Conditions) -> [[[f64; 6]; 6]; 2] {
         let mut all = [[[1.0; 6]; 6]; 2];
-        let [displacement, velocity] = &mut all;
-        law.add_slope_scales(&MOTION, conditions, [displacement, velocity]);
+        law.add_slope_scales(&MOTION, conditions, &mut all);
         all
     }
 
@@ -511,12 +532,10 @@ mod tests {
         ];
         only(scales(&laws[0], &Conditions::default()), &[]);
         let json = serde_json::json!({ "laws": laws, "structural": 0 });
-        let mut found = [[[1.0; 6]; 6]; 2];
-        let elasticity: Elasticity = serde_json::from_value(json.clone()).unwrap();
-        elasticity.add_slope_scales(&MOTION, &Conditions::default(), &mut found);
-        only(found, &[(0, 3, 3, 2.0), (1, 3, 3, 4.0)]);
-        let damping: Damping = serde_json::from_value(json).unwrap();
-        damping.add_slope_scales(&MOTION, &Conditions::default(), &mut found);
-        only(found, &[(0, 3, 3, 4.0), (1, 3, 3, 8.0)]);
+        let mut behavior = Behavior::default();
+        behavior.elasticity = serde_json::from_value(json.clone()).unwrap();
+        behavior.damping = serde_json::from_value(json).unwrap();
+        let found = behavior.slope_scales(&MOTION, &Conditions::default());
+        only(found.map(|by| by.map(|row| row.map(|x| 1.0 + x))), &[(0, 3, 3, 4.0), (1, 3, 3, 8.0)]);
     }
 }

@@ -399,9 +399,7 @@ impl Behavior {
             }
         }
         let is_known = |kink: &ForceKink<f64>| !outcome.failed[kink.component];
-        let kinks = self.elasticity.kinks(&motion, conditions).into_iter();
-        let kinks = kinks.chain(self.damping.kinks(&motion, conditions));
-        events.extend(kinks.filter(is_known).map(Event::Kink));
+        events.extend(self.kinks(&motion, conditions).filter(is_known).map(Event::Kink));
 
         outcome.history.friction = self.slips_at_all().then(|| {
             outcome
