@@ -19,16 +19,21 @@ use std::fs;
 
 const START: [Turns<f64>; 2] = [Turns { turns: 0.0, principal: 0.0 }; 2];
 
-/// The counter-example of a constraint at a state, of its first derivative that a planted fault spoils.
-pub(crate) fn of_constraint(drawn: &mpc::Case) -> (MpcCase, Recorded) {
-    let case = MpcCase {
+/// A drawn constraint as the audit judges it.
+fn judged(drawn: &mpc::Case) -> MpcCase {
+    MpcCase {
         constraint: drawn.constraint(),
         name: drawn.name.clone(),
         state: drawn.state,
         turning: Turning::none(),
         before: START,
         length: drawn.length,
-    };
+    }
+}
+
+/// The counter-example of a constraint at a state, of its first derivative that a planted fault spoils.
+pub(crate) fn of_constraint(drawn: &mpc::Case) -> (MpcCase, Recorded) {
+    let case = judged(drawn);
     let checks = case.audit(&planted(Planted::WrongEntry), false);
     let wrong = checks.iter().find(|check| check.verdict.is_mismatch()).unwrap();
     let Some(Example::Other(recorded)) = Example::of(wrong, "a test") else { panic!("{wrong:?}") };
@@ -99,15 +104,7 @@ fn constraints_are_recorded() {
         if !kinds.insert(drawn.kind) {
             continue;
         }
-        let case = MpcCase {
-            constraint: drawn.constraint(),
-            name: drawn.name.clone(),
-            state: drawn.state,
-            turning: Turning::none(),
-            before: START,
-            length: drawn.length,
-        };
-        let checks = case.audit(&settings, false);
+        let checks = judged(&drawn).audit(&settings, false);
         let wrong: Vec<&Check> = checks.iter().filter(|check| check.verdict.is_mismatch()).collect();
         assert_eq!(wrong.len(), 1, "{}", drawn.name);
         fails_again(wrong[0], &settings, Kind::Mpc);

@@ -4,7 +4,7 @@ use super::dense::{dependent, least, made_of, singular_values};
 use super::echelon;
 use super::eliminate::{Most, Sparse, Task, eliminate};
 use super::findings::findings;
-use super::found::look;
+use super::found::{Found, look};
 use super::given::along;
 use super::local::judge;
 use super::naming::named;
@@ -50,6 +50,35 @@ fn random(groups: usize, independent: usize, dependent: usize, draw: &mut Draw) 
         matrix.offsets.push(matrix.columns.len());
     }
     matrix
+}
+
+/// A deck, with all that is analysed of it.
+struct Read {
+    scene: Scene,
+    model: Model,
+    plan: Plan,
+    prescribed: Prescribed,
+}
+
+impl Read {
+    fn of(text: &str) -> Self {
+        let scene = Scene::parse("scene.inp", text).unwrap();
+        let model = Model::compile(&scene).unwrap();
+        let prescribed = Prescribed::of(&scene, 1).unwrap();
+        Self { plan: Plan::everything(&model, request()), scene, model, prescribed }
+    }
+
+    fn system(&self) -> System<'_> {
+        System::new(&self.model, &self.plan, &self.prescribed)
+    }
+
+    /// What is found of the first part where everything is as it was given.
+    fn found(&self, system: &System<'_>) -> Found {
+        let mut values = Vec::new();
+        let mut sequence = Sequence::new(&self.model, &self.plan);
+        sequence.assemble(&State::default(), &system.jacobian, &mut values).unwrap();
+        look(system, &values, (&[], &[]), true).swap_remove(0).unwrap_or_else(|_| panic!())
+    }
 }
 
 fn order(matrix: &Sparse) -> Vec<u32> {
@@ -261,16 +290,13 @@ fn what_is_too_large_is_undecided_and_nothing_else_is() {
     let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n4, 5., 0., 0.\n5, 5., 1., 0.\n\
                 *ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n2, 2, 3\n3, 4, 5\n4, 4, 5\n\
                 *CONNECTOR SECTION, ELSET=C\nBEAM\n*BOUNDARY\n4, 1, 6\n";
-    let scene = Scene::parse("scene.inp", text).unwrap();
-    let model = Model::compile(&scene).unwrap();
-    let prescribed = Prescribed::of(&scene, 1).unwrap();
-    let plan = Plan::everything(&model, request());
-    let mut system = System::new(&model, &plan, &prescribed);
+    let read = Read::of(text);
+    let mut system = read.system();
     assert_eq!(system.parts.len(), 2);
     let analysed = |system: &System<'_>| {
         let mut assembly = Assembly::none(1);
         super::of_system(system, &[State::default()], &|_| true, &mut assembly);
-        let codes: Vec<Code> = findings(&scene, &assembly).iter().map(Finding::code).collect();
+        let codes: Vec<Code> = findings(&read.scene, &assembly).iter().map(Finding::code).collect();
         (assembly, codes)
     };
     let (whole, codes) = analysed(&system);
@@ -396,11 +422,8 @@ fn as_many_hold_here_as_are_gone_elsewhere() {
 fn what_is_not_assembled_is_told() {
     let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n2, 2, 3\n\
                 *CONNECTOR SECTION, ELSET=C\nBEAM\n";
-    let scene = Scene::parse("scene.inp", text).unwrap();
-    let model = Model::compile(&scene).unwrap();
-    let prescribed = Prescribed::of(&scene, 1).unwrap();
-    let plan = Plan::everything(&model, request());
-    let mut system = System::new(&model, &plan, &prescribed);
+    let read = Read::of(text);
+    let mut system = read.system();
     let told = |system: &System<'_>| {
         let mut assembly = Assembly::none(1);
         along(
@@ -410,13 +433,13 @@ fn what_is_not_assembled_is_told() {
             0,
             &mut assembly,
         );
-        let codes: Vec<Code> = findings(&scene, &assembly).iter().map(Finding::code).collect();
+        let codes: Vec<Code> = findings(&read.scene, &assembly).iter().map(Finding::code).collect();
         (assembly.positions.len(), assembly.not_assembled.and_then(|at| at.state), codes)
     };
     assert_eq!(told(&system), (2, None, vec![Code::AssemblyMechanism]));
     // The pattern of another plan.
-    let first = Plan { connectors: vec![0], ..plan.clone() };
-    system.jacobian = Jacobian::new(&model, &first, &Fixed::none(), |_, _| true);
+    let first = Plan { connectors: vec![0], ..read.plan.clone() };
+    system.jacobian = Jacobian::new(&read.model, &first, &Fixed::none(), |_, _| true);
     assert_eq!(told(&system), (0, Some(7), vec![Code::AssemblyNotAssembled]));
 }
 
@@ -470,15 +493,9 @@ fn four_bars(count: usize, flat: &[usize]) -> String {
 #[test]
 fn neighbourhoods_tell_what_the_whole_tells() {
     let (text, here) = (four_bars(4, &[1]), 1);
-    let scene = Scene::parse("scene.inp", &text).unwrap();
-    let model = Model::compile(&scene).unwrap();
-    let prescribed = Prescribed::of(&scene, 1).unwrap();
-    let plan = Plan::everything(&model, request());
-    let system = System::new(&model, &plan, &prescribed);
-    let mut values = Vec::new();
-    Sequence::new(&model, &plan).assemble(&State::default(), &system.jacobian, &mut values).unwrap();
-    let found = look(&system, &values, (&[], &[]), true);
-    let (part, found) = (&system.parts[0], found[0].as_ref().unwrap_or_else(|_| panic!()));
+    let read = Read::of(&text);
+    let system = read.system();
+    let (part, found) = (&system.parts[0], &read.found(&system));
     let count = |all: &[Holds], of: Holds| all.iter().filter(|holds| **holds == of).count();
     let whole = judge_whole(&system, part, found);
     assert_eq!(count(&whole, Holds::Here), here);
@@ -530,11 +547,8 @@ fn products_find_what_elimination_finds() {
         [at(1, 1, 0), at(0, 1, 1)],
     ];
     for (besides, redundant) in [(&braces[..6], 0), (&braces[..], 1)] {
-        let scene = Scene::parse("scene.inp", &lattice(n, besides)).unwrap();
-        let model = Model::compile(&scene).unwrap();
-        let prescribed = Prescribed::of(&scene, 1).unwrap();
-        let plan = Plan::everything(&model, request());
-        let mut system = System::new(&model, &plan, &prescribed);
+        let read = Read::of(&lattice(n, besides));
+        let mut system = read.system();
         let analysed = |system: &System<'_>| {
             let mut assembly = Assembly::none(1);
             super::of_system(system, &[], &|_| true, &mut assembly);
@@ -582,11 +596,8 @@ fn what_is_affordable_is_named() {
             }
         }
     }
-    let scene = Scene::parse("scene.inp", &lattice(n, &braces)).unwrap();
-    let model = Model::compile(&scene).unwrap();
-    let prescribed = Prescribed::of(&scene, 1).unwrap();
-    let plan = Plan::everything(&model, request());
-    let mut system = System::new(&model, &plan, &prescribed);
+    let read = Read::of(&lattice(n, &braces));
+    let mut system = read.system();
     let analysed = |system: &System<'_>| {
         let mut assembly = Assembly::none(1);
         super::of_system(system, &[], &|_| true, &mut assembly);
@@ -609,7 +620,7 @@ fn what_is_affordable_is_named() {
     assert!(!some.is_empty() && some.len() < names.len());
     let count = names.len() - some.len();
     assert_eq!(dear.unnamed, Some(Unnamed { count, why: WhyUnnamed::Dear }));
-    let told = findings(&scene, &dear).iter().any(|finding| {
+    let told = findings(&read.scene, &dear).iter().any(|finding| {
         let said = finding.message().to_string();
         said.contains(&format!("{count} constraints are redundant besides, counted and not named"))
     });
@@ -622,15 +633,9 @@ fn what_is_affordable_is_named() {
 fn one_state_tells_what_several_tell() {
     for (flat, must) in [(&[][..], true), (&[1][..], false)] {
         let text = four_bars(4, flat);
-        let scene = Scene::parse("scene.inp", &text).unwrap();
-        let model = Model::compile(&scene).unwrap();
-        let prescribed = Prescribed::of(&scene, 1).unwrap();
-        let plan = Plan::everything(&model, request());
-        let system = System::new(&model, &plan, &prescribed);
-        let mut values = Vec::new();
-        Sequence::new(&model, &plan).assemble(&State::default(), &system.jacobian, &mut values).unwrap();
-        let found = look(&system, &values, (&[], &[]), true);
-        let (part, found) = (&system.parts[0], found[0].as_ref().unwrap_or_else(|_| panic!()));
+        let read = Read::of(&text);
+        let system = read.system();
+        let (part, found) = (&system.parts[0], &read.found(&system));
         let once = once::judge(&system, part, found);
         assert!(once.is_some() || !must);
         let whole = judge_whole(&system, part, found);

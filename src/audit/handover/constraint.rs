@@ -1,7 +1,7 @@
 //! A counter-example of a multi-point constraint as a test in Rust, as a script for JAX, as a deck.
 
 use super::deck::{Deck, Difference, three_of};
-use super::jax::{FORMULAS, text};
+use super::jax::{FORMULAS, VERDICT, text};
 use super::{ExportError, list, matrix, number, vector};
 use crate::audit::mpc::MpcCase;
 use crate::audit::quantity::Quantity;
@@ -188,6 +188,7 @@ pub(super) fn jax(recorded: &Recorded, case: &MpcCase, place: Place) -> String {
         list(acceleration)
     ));
     script.push_str(JUDGES);
+    script.push_str(VERDICT);
     script
 }
 

@@ -18,6 +18,9 @@ pub(super) const FORMULAS: &str = include_str!("../../../scripts/reference_formu
 /// What the script does with the state, after formulas and values.
 const JUDGES: &str = include_str!("judge.py");
 
+/// The verdict on what a script found, its last lines.
+pub(super) const VERDICT: &str = include_str!("verdict.py");
+
 /// The number of whole turns by which a rotation vector is longer than its principal one, along it.
 fn sheet(pair: &Pair<f64>, continued: Vector<f64>) -> f64 {
     let principal = so3::log(&pair.relative().q);
@@ -82,6 +85,7 @@ impl CounterExample {
         ));
         script.push_str("\n\n");
         script.push_str(JUDGES);
+        script.push_str(VERDICT);
         Ok(script)
     }
 

@@ -1,7 +1,5 @@
 # The same number by these formulas
 
-ROUNDING = 4
-"""These formulas round as those of pintle do: by as many tolerances they may miss a right number."""
 ALIGNED = 1e-12
 """Dot products of initial directions at most this large count as zero."""
 
@@ -43,11 +41,3 @@ def counter_example():
     found = float(jax.jit(lambda state: derivatives(TYPE, state)[FIELD][PLACE])(state))
     by = PLACE[1:]
     return found if all(ACTIVE[j] for j in by) else 0.0
-
-
-found = counter_example()
-print(ABOUT)
-print(f"  given {GIVEN!r}, must be {WANTED!r}, tolerance {TOLERANCE!r}; JAX {found!r}")
-if not abs(found - WANTED) <= ROUNDING * TOLERANCE:
-    raise SystemExit("JAX does not confirm what must be")
-print("JAX confirms what must be")

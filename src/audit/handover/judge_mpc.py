@@ -1,8 +1,5 @@
 # The same number by these formulas
 
-ROUNDING = 4
-"""These formulas round as those of pintle do: by as many tolerances they may miss a right number."""
-
 
 def counter_example():
     """The equation in question, differentiated by those of the 16 degrees of freedom, and of time along the rates, that are asked for."""
@@ -22,11 +19,3 @@ def counter_example():
 
 def derivative(function, direction):
     return lambda y: jax.jvp(function, (y,), (direction,))[1]
-
-
-found = counter_example()
-print(ABOUT)
-print(f"  given {GIVEN!r}, must be {WANTED!r}, tolerance {TOLERANCE!r}; JAX {found!r}")
-if not abs(found - WANTED) <= ROUNDING * TOLERANCE:
-    raise SystemExit("JAX does not confirm what must be")
-print("JAX confirms what must be")
