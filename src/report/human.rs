@@ -1,9 +1,8 @@
 //! Evaluations as tables for reading.
 
-use super::block::{
-    Block, Derivative, HingeFacts, Kind, NodalDerivative, Value, flags_in_words, node_name, slopes,
-};
+use super::block::{Block, Derivative, HingeFacts, Kind, NodalDerivative, Value, node_name, slopes};
 use super::evaluation::{Format, Renderer, Subject, Unevaluated, unevaluated};
+use super::flags::flags_in_words;
 use super::layout::{self, BOLD, CARE, DIM, styled};
 use super::number::{Aligned, number};
 use super::words;

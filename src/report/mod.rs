@@ -10,6 +10,7 @@ pub mod csv;
 mod evaluation;
 pub mod explain;
 pub mod export;
+mod flags;
 pub mod formulas;
 pub mod human;
 pub mod json;
@@ -20,9 +21,7 @@ pub mod mpc;
 mod number;
 mod words;
 
-pub use block::{
-    Block, Column, Derivative, HingeFacts, Kind, MpcFacts, Nodal, NodalForce, Row, Value, flag_in_words,
-    flags_in_words,
-};
+pub use block::{Block, Column, Derivative, HingeFacts, Kind, MpcFacts, Nodal, NodalForce, Row, Value};
 pub use evaluation::{Format, Renderer, Subject, Unevaluated, unevaluated};
+pub use flags::{flag_in_words, flags_in_words};
 pub use words::{NOTATION, ROWS, SIGNS};
