@@ -307,8 +307,11 @@ fn a_contact_force_that_vanishes_asks_for_no_more_than_rounding_leaves() {
     }
     let total = [0.003, 1e-15, 0.004, -0.002, -0.002, -0.002].map(Some);
     state.forces.insert(101_u64.into(), ElementForces { total, ..ElementForces::default() });
-    let report = audited(&model(DECK), &[state], &brief());
-    assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{}", human(&report));
+    // The default stiffness is made of the same F_N as the limit, of which the slip then knows nothing.
+    for deck in [DECK.to_string(), DECK.replace(", STICK STIFFNESS=1.E-3", "")] {
+        let report = audited(&model(&deck), std::slice::from_ref(&state), &brief());
+        assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{deck}: {}", human(&report));
+    }
 }
 
 /// A traction that a power below 2 holds at zero: its second derivatives are nobody's, its tangent is right.
