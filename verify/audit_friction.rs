@@ -7,6 +7,7 @@ use pintle::audit::sample::Draw;
 use pintle::audit::{
     Against, Check, Invariant, Oracle, Planted, Quantity, Report, Settings, Target, Verdict, audit_scenes,
 };
+use pintle::behavior::Conditions;
 use pintle::behavior::friction::Status;
 use pintle::evaluate::{Model, Plan, Selection, Sequence, request};
 use pintle::report::{self, audit::Supplement};
@@ -233,6 +234,9 @@ fn frictions_without_forces_are_judged_at_drawn_ones() {
     assert_eq!((report.mismatches(), undecided(&report)), (0, vec!["102"]));
     let rod = report.subjects.iter().find(|subject| subject.name.contains("102")).unwrap();
     assert_eq!(rod.derivative.headline(), Verdict::Undecided, "{}", human(&report));
+    let conditions = Conditions { temperature: Some(35.0), fields: Vec::new() };
+    let report = audited(&crate::audit_friction::model(&text), &path(), &Settings { conditions, ..brief() });
+    assert_eq!((report.mismatches(), report.survivors(), undecided(&report)), (0, 0, vec![]), "{}", human(&report));
 }
 
 /// A component that has failed slides no more, and the friction that it shares with another goes on without it.
