@@ -2,7 +2,7 @@
 
 use crate::cli::{pintle, stderr, stdout};
 use pintle::scene::Code;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
 
@@ -270,10 +270,10 @@ fn results_and_progress_do_not_mix() {
     pintle(&brief(&[])).assert().code(0).stderr("");
 }
 
-/// A spring that depends on a field that is not given has no slope to judge: undecided, and not a pass of zeros.
+/// A spring that depends on a field that is not given has no slope to judge: undecided, and not a pass of zeros. Given, it has one.
 #[test]
 fn slopes_of_what_is_not_given_are_undecided() {
-    let verdict = |dependencies: &str, rows: &str| {
+    let verdict = |dependencies: &str, rows: &str, given: &[&str]| {
         let deck = folder(&format!("slopes{}", dependencies.len()));
         fs::create_dir_all(&deck).unwrap();
         let deck = deck.join("spring.inp");
@@ -284,14 +284,25 @@ fn slopes_of_what_is_not_given_are_undecided() {
         );
         fs::write(&deck, text).unwrap();
         let brief = ["--drawn-states", "2", "--wide-states", "1", "--format", "json"];
-        let found = pintle(&[&["audit", deck.to_str().unwrap()], &brief[..]].concat()).assert().code(0);
+        let arguments = [&["audit", deck.to_str().unwrap()], &brief[..], given].concat();
+        let found = pintle(&arguments).assert().code(0);
         let report: Value = serde_json::from_str(&stdout(&found)).unwrap();
         let checks = report["subjects"][0]["checks"].as_array().unwrap();
         let check = checks.iter().find(|check| check["quantity"] == "behavior-tangent").unwrap();
-        check["verdict"].as_str().unwrap().to_string()
+        let conditions = &report["settings"]["conditions"];
+        (check["verdict"].as_str().unwrap().to_string(), conditions.clone())
     };
-    assert_eq!(verdict("", "100."), "pass");
-    assert_eq!(verdict(", DEPENDENCIES=1", "100., 20., 1.\n200., 40., 2."), "undecided");
+    let nothing = json!({ "temperature": null, "fields": [] });
+    assert_eq!(verdict("", "100.", &[]), ("pass".into(), nothing.clone()));
+    let rows = "100., 20., 1.\n200., 40., 2.";
+    assert_eq!(verdict(", DEPENDENCIES=1", rows, &[]), ("undecided".into(), nothing));
+    let (told, conditions) = verdict(", DEPENDENCIES=1", rows, &["--temperature", "30"]);
+    assert_eq!((told.as_str(), &conditions["temperature"]), ("undecided", &json!(30.0)));
+    let (told, conditions) = verdict(", DEPENDENCIES=1", rows, &["--temperature=30", "--fields=1.5"]);
+    assert_eq!((told.as_str(), conditions), ("pass", json!({ "temperature": 30.0, "fields": [1.5] })));
+    // Of no scene, and of a model alone, they say nothing.
+    pintle(&["audit", "--fields", "1"]).assert().code(2);
+    pintle(&["audit", "gallery:slider_crank", "--model-only", "--temperature", "20"]).assert().code(2);
 }
 
 /// A state on a singular set is a kink, not a mismatch, wherever it stands in a long history: differences on doubles have no step there.

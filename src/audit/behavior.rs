@@ -22,7 +22,7 @@ use crate::scalar::{Real, Wide};
 const STEP: f64 = 1e-25;
 
 /// Why slopes are undecided.
-const LACKS: &str = "a force depends on a temperature or field that is not given";
+const LACKS: &str = "a force depends on a temperature or field that is not given (--temperature, --fields; Settings::conditions)";
 
 /// Mistakes in slopes: a secant, elastic for viscous, the matrix transposed, derivatives per degree, components exchanged. `rows` are
 /// the components (from 0) that have one; `secants` gives their places in a row, and what stands there.
@@ -94,12 +94,12 @@ pub(super) fn audit_behavior(
     if !settings.oracles.contains(&Oracle::WideDifferences) {
         return None;
     }
-    SlopesCase::of(case, behavior)?.audit(settings, proves)
+    SlopesCase::of(case, behavior, &settings.conditions)?.audit(settings, proves)
 }
 
 /// The slopes at the end of a case; `None` where nothing acts. On a kink of a table there are two slopes.
-pub fn slopes(case: &Case, behavior: &Behavior) -> Option<Slopes> {
-    SlopesCase::of(case, behavior)?.slopes()
+pub fn slopes(case: &Case, behavior: &Behavior, conditions: &Conditions) -> Option<Slopes> {
+    SlopesCase::of(case, behavior, conditions)?.slopes()
 }
 
 impl SlopesCase {
@@ -112,7 +112,7 @@ impl SlopesCase {
     }
 
     /// The end of a case; `None` where nothing acts.
-    fn of(case: &Case, behavior: &Behavior) -> Option<Self> {
+    fn of(case: &Case, behavior: &Behavior, conditions: &Conditions) -> Option<Self> {
         let acts = [behavior.elasticity.components(), behavior.damping.components()];
         if !acts.as_flattened().contains(&true) {
             return None;
@@ -129,7 +129,7 @@ impl SlopesCase {
                 constitutive: value(evaluation.constitutive),
                 velocity: value(evaluation.velocity),
             },
-            conditions: Conditions::default(),
+            conditions: conditions.clone(),
             length: case.length,
         })
     }

@@ -23,6 +23,7 @@ use super::verdict::{
     Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, decided, judge, try_along,
     try_mutants,
 };
+use crate::behavior::Conditions;
 use crate::catalog::{ConnectionType, TABLE};
 use crate::measure::Unit;
 use crate::node::DOFS;
@@ -49,6 +50,8 @@ pub struct Settings {
     pub oracles: BTreeSet<Oracle>,
     /// What the random states are drawn from.
     pub seed: String,
+    /// The temperature and the field variables of scenes: forces that depend on others are undecided.
+    pub conditions: Conditions,
     /// Whether the singular points of the catalogue are approached.
     pub atlas: bool,
     /// Whether what is undecided fails.
@@ -68,6 +71,7 @@ impl Default for Settings {
             drawn_states: 20,
             oracles: Oracle::ALL.into(),
             seed: "pintle".into(),
+            conditions: Conditions::default(),
             atlas: true,
             strict: false,
             planted: None,

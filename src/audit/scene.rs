@@ -78,6 +78,7 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
     // Walking needs every planned thing in the order of the plan.
     let follows = Plan { request: followed(target), ..plan.clone() };
     let mut walk = walk(model, &follows);
+    walk.set_conditions(settings.conditions.clone());
     let is_wide = |place: usize, index: usize| spread_of(states.len(), wide_states, place).contains(&index);
     // What the frictions of each connector remember.
     let mut left: Vec<History> = vec![History::default(); plan.connectors.len()];
@@ -92,7 +93,8 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
                     let slides = placed.behavior.as_ref().filter(|_| behavior.behavior.slips_at_all());
                     let now = slides.map(|outcome| outcome.history.clone()).unwrap_or_default();
                     let before = left.get_mut(place).map(|left| std::mem::replace(left, now));
-                    let slips = slipping(placed, &behavior, &case, before.unwrap_or_default());
+                    let left_and_given = (before.unwrap_or_default(), &settings.conditions);
+                    let slips = slipping(placed, &behavior, &case, left_and_given);
                     let slips = slips.or_else(|| drawn(&case, &behavior, &model.schedule, (settings, index)));
                     Work::Connector(Box::new(case), behavior, slips.map(Box::new))
                 }

@@ -1,7 +1,7 @@
 //! `pintle audit`.
 
 use super::eval::{Source, complain, read, show_diagnostic, source};
-use super::{Failure, Sign, page, page_width};
+use super::{ConditionOptions, Failure, Sign, page, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle::audit::model::{Level, Levels, audit_model};
@@ -97,19 +97,21 @@ impl From<Plant> for Planted {
 #[command(after_long_help = HELP)]
 pub(crate) struct Audit {
     /// Decks (.inp), TOML or JSON scenes (.toml, .json) or gallery:NAME; without any, the catalogue and the gallery
-    #[arg(value_name = "SCENE")]
+    #[arg(id = "scene", value_name = "SCENE")]
     scenes: Vec<String>,
     /// States of the nodes of the scene (.csv or .json); without it, those of the scene, or states drawn about the initial one
     #[arg(long, value_name = "FILE")]
     at: Option<PathBuf>,
     /// Component forces of connectors at the states (.csv or .json), as for `pintle eval`: what presses on frictions
-    #[arg(long, value_name = "FILE", requires = "scenes")]
+    #[arg(long, value_name = "FILE", requires = "scene")]
     forces: Option<PathBuf>,
     /// What a positive force of a constrained component means in the file of forces
     #[arg(long, value_enum, default_value_t, requires = "forces")]
     force_sign: Sign,
+    #[command(flatten)]
+    conditions: ConditionOptions,
     /// Only these connectors of the scenes, by element number or element set; MPCs are then left out
-    #[arg(long, value_name = "NUMBER|SET", value_delimiter = ',', requires = "scenes")]
+    #[arg(long, value_name = "NUMBER|SET", value_delimiter = ',', requires = "scene")]
     connector: Vec<String>,
     /// States per type for the oracles on doubles
     #[arg(long, value_name = "COUNT", default_value_t = Settings::default().states)]
@@ -158,7 +160,7 @@ pub(crate) struct Audit {
     #[arg(long, value_name = "CODE[@FILE[:LINE]]", value_delimiter = ',')]
     allow: Vec<String>,
     /// Look at the models of the scenes only: findings, rank and mobility of the assembly, coverage; audit no numbers
-    #[arg(long, requires = "scenes", conflicts_with_all = ["oracles", "counter_examples", "connector"])]
+    #[arg(long, requires = "scene", conflicts_with_all = ["oracles", "counter_examples", "connector", "temperature", "fields"])]
     model_only: bool,
     /// Exit with 3 where something is undecided
     #[arg(long)]
@@ -346,6 +348,7 @@ fn settings(arguments: &Audit) -> Settings {
         drawn_states: arguments.drawn_states,
         seed: arguments.seed.clone(),
         planted: arguments.plant.map(Planted::from),
+        conditions: (&arguments.conditions).into(),
         strict: arguments.strict,
         ..Settings::default()
     };

@@ -2,7 +2,6 @@
 
 use super::history::{Assigned, Forces, Given, History, Survey};
 use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
-use pintle::behavior::Conditions;
 use pintle::behavior::state::Velocities;
 use pintle::connector::{Flag, Output, Request};
 use pintle::evaluate::{
@@ -323,8 +322,7 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
         if !survey.moves {
             sequence.set_velocities(Velocities::Increments);
         }
-        let Eval { temperature, fields, .. } = arguments;
-        sequence.set_conditions(Conditions { temperature: *temperature, fields: fields.clone() });
+        sequence.set_conditions((&arguments.conditions).into());
         let [first, last] =
             [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
         format.scene(&Subject { scene, model, plan, states: numbers.len(), shown, first, last })?;

@@ -15,6 +15,7 @@ mod show;
 pub(crate) use failure::Failure;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use pintle::behavior::Conditions;
 use pintle::bench::Environment;
 use pintle::catalog::{ConnectionType, NameError, TABLE};
 use pintle::mpc;
@@ -243,6 +244,23 @@ pub(crate) enum Sign {
     ConstraintsOnB,
 }
 
+/// What forces depend on besides motions, of a command whose scenes have the id `scene`.
+#[derive(Clone, Debug, Args)]
+struct ConditionOptions {
+    /// The temperature, in every state, of tables that depend on it
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = finite, requires = "scene")]
+    temperature: Option<f64>,
+    /// Field variables in every state, from the first, separated by commas
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite, requires = "scene")]
+    fields: Vec<f64>,
+}
+
+impl From<&ConditionOptions> for Conditions {
+    fn from(ConditionOptions { temperature, fields }: &ConditionOptions) -> Self {
+        Self { temperature: *temperature, fields: fields.clone() }
+    }
+}
+
 #[derive(Debug, Args)]
 #[command(after_long_help = EVAL_HELP)]
 pub(crate) struct Eval {
@@ -258,12 +276,8 @@ pub(crate) struct Eval {
     /// What a positive force of a constrained component means in the file of forces
     #[arg(long, value_enum, default_value_t, requires = "forces")]
     force_sign: Sign,
-    /// The temperature, in every state, of tables that depend on it
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = finite, requires = "scene")]
-    temperature: Option<f64>,
-    /// Field variables in every state, from the first, separated by commas
-    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite, requires = "scene")]
-    fields: Vec<f64>,
+    #[command(flatten)]
+    conditions: ConditionOptions,
     /// Outputs, separated by commas, such as CU,CPR1,RES (see below); ALL; NONE for derivatives only
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     outputs: Vec<String>,

@@ -8,6 +8,7 @@ use pintle::audit::mutant::Mistake;
 use pintle::audit::sample::{Draw, about_initial};
 use pintle::audit::sheet::Sheet;
 use pintle::audit::{MpcCase, Quantity, Settings, friction_cases};
+use pintle::behavior::Conditions;
 use pintle::catalog::TABLE;
 use pintle::connector::Turns;
 use pintle::evaluate::Model;
@@ -91,7 +92,7 @@ fn of_behaviors() -> Vec<(String, Sheet)> {
     let cases =
         (1..6).filter_map(|i| about_initial(&element.definition(), i, 2.0, format!("state {i}"), draw));
     cases
-        .filter_map(|case| Some((case.name.clone(), slopes(&case, &element.behavior.behavior)?.sheet)))
+        .filter_map(|case| Some((case.name.clone(), slopes(&case, &element.behavior.behavior, &Conditions::default())?.sheet)))
         .collect()
 }
 

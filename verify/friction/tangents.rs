@@ -298,3 +298,44 @@ fn the_angle_of_wrap_has_exact_derivatives() {
     let folded = wrap_angle([0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]);
     assert_eq!(folded, (pi, vec![Flag::WrapAngle { angle: pi }]));
 }
+
+/// With the default stiffness, which is the limit over an elastic slip, the slip of the first increment does not change with what presses,
+/// however small it is: exactly, for every criterion that is homogeneous.
+#[test]
+fn slips_of_the_default_stiffness_know_nothing_of_what_presses() {
+    use PotentialFunction::Abs;
+    let sum =
+        |beta, terms| Tangential::Potential(Potential::new(PotentialOperator::Sum, beta, terms).unwrap());
+    let most =
+        Potential::new(PotentialOperator::Max, 1.0, vec![component(0, 1.0, Abs), component(3, 1.0, Abs)]);
+    let criteria = [
+        Tangential::Norm(vec![(0, 1.0), (3, 0.3)]),
+        sum(2.0, vec![component(0, 2.0, Abs), component(3, 2.0, Abs)]),
+        sum(3.0, vec![component(0, 3.0, Abs), component(3, 3.0, Abs)]),
+        sum(1.5, vec![component(0, 1.5, Abs), component(3, 1.5, Abs)]),
+        Tangential::Potential(most.unwrap()),
+    ];
+    let decay = Coefficient::Exponential { at_rest: 0.5, kinetic: 0.2, decay: 3.0 };
+    for (tangential, coefficient) in
+        criteria.iter().flat_map(|of| [(of, Coefficient::Constant(0.3)), (of, decay.clone())])
+    {
+        let pressing = Pressing::Component(4);
+        let criterion = criterion(tangential.clone(), pressing, Internal::Constant(1.0));
+        let friction = friction(&criterion, &coefficient, StickStiffness::ElasticSlip(1e-4));
+        let input = Input {
+            displacement: [2.0, 0.0, 0.0, 3.0, 0.0, 0.0],
+            forces: [0.0, 0.0, 0.0, 0.0, -1.0 + 3e-12, 0.0],
+            duration: Some(1.0),
+            context: Context::default(),
+        };
+        let (outcome, tangent) = friction.tangent(&State::default(), &input, Branch::Decided);
+        assert_eq!(outcome.status, Status::Slip, "{tangential:?}");
+        assert_eq!(tangent.slip_increment.forces, [0.0; 6], "{tangential:?}, {coefficient:?}");
+        // f = L n, with n the direction of the slip, so that ∂f/∂F_N is f/F_N.
+        for k in [0, 3] {
+            let ratio = outcome.force[k] / outcome.normal;
+            let error = (tangent.force[k].forces[4] - ratio).abs();
+            assert!(error <= 8.0 * U * ratio.abs(), "{tangential:?}, {coefficient:?}: {error} of {ratio}");
+        }
+    }
+}

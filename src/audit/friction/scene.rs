@@ -48,7 +48,7 @@ pub(in crate::audit) fn slipping(
     placed: &ConnectorResult,
     behavior: &ElementBehavior,
     case: &Case,
-    previous: History,
+    (previous, conditions): (History, &Conditions),
 ) -> Option<Slipping> {
     let outcome = placed.behavior.as_ref().filter(|_| behavior.behavior.slips_at_all())?;
     let is_lost = outcome.slips.iter().any(|slip| slip.outcome.as_ref().is_err_and(|why| lacks_forces(*why)));
@@ -56,7 +56,7 @@ pub(in crate::audit) fn slipping(
         name: case.name.clone(),
         outcome: outcome.clone(),
         tangent: placed.tangent.clone(),
-        conditions: Conditions::default(),
+        conditions: conditions.clone(),
         previous: Some(Box::new(previous)),
         length: case.length,
     })
@@ -153,14 +153,14 @@ pub(in crate::audit) fn drawn(
     });
     let time = Some(draw.between(0.01, 1.0));
     let now = Kinematics { beyond, ..Kinematics::of(&evaluation, time, Velocities::Rates) };
-    let conditions = Conditions::default();
-    let outcome = behavior.at(&now, &total, (&element.drives, schedule), &conditions, &history);
-    let tangent = behavior.consistent_tangent(&outcome, &conditions, &history);
+    let conditions = &settings.conditions;
+    let outcome = behavior.at(&now, &total, (&element.drives, schedule), conditions, &history);
+    let tangent = behavior.consistent_tangent(&outcome, conditions, &history);
     Some(Slipping {
         name: format!("{}, drawn forces", case.name),
         outcome: Box::new(outcome),
         tangent: Some(Box::new(tangent)),
-        conditions,
+        conditions: conditions.clone(),
         previous: None,
         length: case.length,
     })

@@ -15,7 +15,8 @@ use super::coefficient::Coefficient;
 use super::criterion::{Derivatives, Point, parts};
 use super::flags::{Flag, Flags};
 use super::root::slip_increment;
-use super::update::{Branch, Outcome, State, Status, StickStiffness, THRESHOLD};
+use super::stick::{Limit, Stick, StickStiffness};
+use super::update::{Branch, Outcome, State, Status, THRESHOLD};
 use super::{Context, Ordered, capped, is_finite, is_zero};
 use crate::behavior::Conditions;
 use crate::scalar::elementary::{abs, atan2, direction, exp_m1, norm, recip};
@@ -157,7 +158,7 @@ impl Belt {
     }
 
     /// μ, the limit and the slip rate after the slip Δγ.
-    fn limit<S>(&self, held: S, input: &BeltInput<'_, S>, increment: S, flags: &mut Flags) -> [S; 3]
+    fn limit<S>(&self, held: S, input: &BeltInput<'_, S>, increment: S, flags: &mut Flags) -> (S, Limit<S>, S)
     where
         S: Scalar,
         S::Real: Ordered + Differentiable,
@@ -173,8 +174,9 @@ impl Belt {
             }
         };
         let coefficient = self.coefficient.evaluate(rate, held, &context, flags);
-        let limit = capped(times(held, exp_m1(coefficient * input.angle)), self.maximum, flags);
-        [coefficient, limit, rate]
+        let growth = exp_m1(coefficient * input.angle);
+        let factors = if is_zero(held.real()) { [S::zero(); 2] } else { [held, growth] };
+        (coefficient, Limit::new(factors, self.maximum, flags), rate)
     }
 
     fn advance<S>(&self, state: &State<S::Real>, input: &BeltInput<'_, S>, branch: Branch) -> Outcome<S>
@@ -200,15 +202,11 @@ impl Belt {
             towards.less(zero)
         };
         let held = positive(if is_backward { input.tension[1] } else { input.tension[0] }, &mut flags);
-        let [_, at_rest, _] = self.limit(held, input, S::zero(), &mut flags);
+        let (_, limit_at_rest, _) = self.limit(held, input, S::zero(), &mut flags);
+        let at_rest = limit_at_rest.value();
         let is_held = zero.less(at_rest.real());
-        let stiffness = match (self.stick_stiffness, state.stick_stiffness) {
-            (StickStiffness::Given(stiffness), _) => Some(S::from_real(S::Real::from_f64(stiffness))),
-            (StickStiffness::ElasticSlip(_), Some(stiffness)) => Some(S::from_real(stiffness)),
-            (StickStiffness::ElasticSlip(slip), None) => {
-                is_held.then(|| at_rest.scale(S::Real::integer(1) / S::Real::from_f64(slip)))
-            }
-        };
+        let stick = self.stick_stiffness.stick(state.stick_stiffness, &limit_at_rest);
+        let stiffness = stick.map(|stick| stick.stiffness());
         let trial = stiffness.map_or(carried, |stiffness| carried + stiffness * input.flow);
         let sign = S::Real::integer(if is_backward { -1 } else { 1 });
         let magnitude = trial.scale(sign);
@@ -223,17 +221,19 @@ impl Belt {
         if is_held && !(S::Real::from_f64(THRESHOLD) * at_rest.real()).less(excess.real().magnitude()) {
             flags.add(Flag::Threshold);
         }
-        let (force, increment) = match (status, stiffness) {
+        let stretched = |stick: Stick<S>| (stick.stretch_of(state.force[FLOW]) + input.flow).scale(sign);
+        let (force, increment) = match (status, stick) {
             (Status::Stick, _) => (trial, S::zero()),
             (Status::Free, None) | (Status::Slip, None) => (S::zero(), abs(input.flow)),
-            (Status::Free, Some(stiffness)) => (S::zero(), abs(trial) * recip(stiffness)),
-            (Status::Slip, Some(stiffness)) => {
-                let increment = self.slip(held, input, magnitude, stiffness, &mut flags);
-                let [_, limit, _] = self.limit(held, input, increment, &mut flags);
-                (limit.scale(sign), increment)
+            (Status::Free, Some(stick)) => (S::zero(), abs(stretched(stick))),
+            (Status::Slip, Some(stick)) => {
+                let increment = self.slip(held, input, stretched(stick), &stick, &mut flags);
+                let (_, limit, _) = self.limit(held, input, increment, &mut flags);
+                (limit.value().scale(sign), increment)
             }
         };
-        let [coefficient, limit, slip_rate] = self.limit(held, input, increment, &mut flags);
+        let (coefficient, limit, slip_rate) = self.limit(held, input, increment, &mut flags);
+        let limit = limit.value();
         let stored = stiffness.map_or_else(S::zero, |stiffness| {
             (force * (force * recip(stiffness))).scale(S::Real::ratio(1, 2))
         });
@@ -264,8 +264,8 @@ impl Belt {
         }
     }
 
-    /// Δγ from |F_tr| − K Δγ = L(Δγ).
-    fn slip<S>(&self, held: S, input: &BeltInput<'_, S>, trial: S, stiffness: S, flags: &mut Flags) -> S
+    /// Δγ from |F_tr|/K − Δγ = L(Δγ)/K.
+    fn slip<S>(&self, held: S, input: &BeltInput<'_, S>, trial: S, stick: &Stick<S>, flags: &mut Flags) -> S
     where
         S: Scalar,
         S::Real: Ordered + Differentiable,
@@ -279,16 +279,18 @@ impl Belt {
             duration: input.duration.map(constant),
             conditions: input.conditions,
         };
+        let still = stick.map(constant);
         let along = |slip: S::Real| {
-            let [_, limit, _] =
+            let (_, limit, _) =
                 self.limit(constant(held), &fixed, Slope::<S::Real>::seed(slip, 0), &mut Flags::default());
+            let limit = still.stretch_at(&limit);
             (limit.real(), limit.gradient()[0])
         };
         let duration = input.duration.map(Scalar::real);
         let rates = self.coefficient.rates().into_iter();
         let breaks = rates.filter_map(|rate| Some(S::Real::from_f64(rate) * duration?));
-        let limit = |slip: S| self.limit(held, input, slip, &mut Flags::default())[1];
-        slip_increment(trial, stiffness, breaks, along, limit, flags)
+        let limit = |slip: S| stick.stretch_at(&self.limit(held, input, slip, &mut Flags::default()).1);
+        slip_increment(trial, breaks, along, limit, flags)
     }
 }
 

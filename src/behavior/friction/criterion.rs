@@ -266,7 +266,7 @@ impl Tangential {
                 }
                 norm(listed)
             }
-            Self::Potential(potential) => potential.evaluate(f, context, flags),
+            Self::Potential(potential) => potential.evaluate(f, S::one(), context, flags),
         };
         if is_zero(magnitude.real()) {
             flags.add(Flag::NoTraction);

@@ -3,7 +3,7 @@
 use super::flags::{Flag, Flags};
 use super::{Context, MOST_CONTRIBUTIONS, Ordered, is_zero, larger, length};
 use crate::behavior::table::{Table, Variable};
-use crate::scalar::elementary::{abs, power};
+use crate::scalar::elementary::{abs, power, recip};
 use crate::scalar::{Real, Scalar};
 use crate::scene::{Basis, Operator, PotentialFunction, PotentialOperator};
 
@@ -289,30 +289,31 @@ impl Potential {
         components
     }
 
-    /// P at given forces.
+    /// P(K t)/K for t = f/K, with K = `unit`: P as the springs of stick see it. K enters where P is not homogeneous, as a/K and as
+    /// K^(α_i − β), and nowhere else: what P does not feel of K leaves no rounding.
     ///
     /// The largest P_i^(α_i/β) is taken out of the sum as a real factor, so that no power overflows or vanishes.
-    pub(super) fn evaluate<S>(&self, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    pub(super) fn evaluate<S>(&self, t: &[S; 6], unit: S, context: &Context<'_, S>, flags: &mut Flags) -> S
     where
         S: Scalar,
         S::Real: Ordered,
     {
         let is_quadratic = self.exponent == 2.0 && self.contributions.iter().all(|c| c.exponent == 2.0);
         if self.operator == PotentialOperator::Sum && is_quadratic {
-            return self.root_of_squares(f, context, flags);
+            return self.root_of_squares(t, unit, context, flags);
         }
         let mut values = Vec::with_capacity(self.contributions.len());
         for (i, contribution) in self.contributions.iter().enumerate() {
-            values.push(contribution.evaluate(i + 1, f, context, flags));
+            values.push(contribution.evaluate(i + 1, t, unit, context, flags));
         }
         match self.operator {
             PotentialOperator::Max => self.maximum(&values, flags),
-            PotentialOperator::Sum => self.sum(&values, f, context, flags),
+            PotentialOperator::Sum => self.sum(&values, (t, unit), context, flags),
         }
     }
 
     /// √(Σ s_i P_i²): of squares, so that it is smooth where one of them is zero.
-    fn root_of_squares<S>(&self, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    fn root_of_squares<S>(&self, t: &[S; 6], unit: S, context: &Context<'_, S>, flags: &mut Flags) -> S
     where
         S: Scalar,
         S::Real: Ordered,
@@ -320,7 +321,7 @@ impl Potential {
         let mut squares = Vec::new();
         let mut signs = Vec::new();
         for (i, contribution) in self.contributions.iter().enumerate() {
-            contribution.roots(i + 1, f, context, flags, &mut squares);
+            contribution.roots(i + 1, (t, unit), context, flags, &mut squares);
             signs.resize(squares.len(), contribution.sign);
         }
         if signs.iter().all(|sign| *sign > 0.0) {
@@ -364,7 +365,7 @@ impl Potential {
         Some(value)
     }
 
-    fn sum<S>(&self, values: &[S], f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    fn sum<S>(&self, values: &[S], (t, unit): (&[S; 6], S), context: &Context<'_, S>, flags: &mut Flags) -> S
     where
         S: Scalar,
         S::Real: Ordered,
@@ -380,11 +381,13 @@ impl Potential {
         let roots: Vec<S> = values
             .iter()
             .zip(exponents())
-            .map(
-                |(value, own)| {
-                    if own == self.exponent { *value } else { power(*value, S::Real::from_f64(own) / beta) }
-                },
-            )
+            .map(|(value, own)| {
+                if own == self.exponent {
+                    return *value;
+                }
+                let of = S::Real::from_f64(own) / beta;
+                power(*value, of) * power(unit, of - S::Real::integer(1))
+            })
             .collect();
         // Where the root of a square is zero, so are its derivatives; those of the square are not.
         let mut squares = Vec::new();
@@ -395,8 +398,10 @@ impl Potential {
                 }
                 if contribution.exponent == 2.0 {
                     let mut own = Vec::new();
-                    contribution.roots(i + 1, f, context, &mut Flags::default(), &mut own);
-                    squares.extend(own.into_iter().map(|x| (x, S::Real::from_f64(contribution.sign))));
+                    contribution.roots(i + 1, (t, unit), context, &mut Flags::default(), &mut own);
+                    let factor = unit.real().power(S::Real::integer(1) - beta * S::Real::ratio(1, 2));
+                    let sign = S::Real::from_f64(contribution.sign);
+                    squares.extend(own.into_iter().map(|x| (x.scale(factor), sign)));
                 } else if contribution.exponent < 2.0 && contribution.exponent != 1.0 {
                     flags.add(Flag::InfiniteCurvature { term: i + 1 });
                 }
@@ -405,9 +410,9 @@ impl Potential {
         combined(&roots, &signs().collect::<Vec<_>>(), self.exponent, &squares, flags)
     }
 
-    /// The components k whose only contribution is |f_k/R|^α with 1 < α < 2, with α and the factor of |f_k|^(α − 1) sign f_k in ∂P/∂f_k,
-    /// (α/β) P^(1 − β)/|R|^α, times a size to the power of α − 1.
-    pub(super) fn bent<R: Ordered>(&self, p: R, size: R) -> Vec<(usize, f64, R)> {
+    /// The components k whose only contribution is |f_k/R|^α with 1 < α < 2, with α and the factor of |t_k|^(α − 1) sign t_k in ∂P/∂f_k,
+    /// (α/β) p^(1 − β) K^(α − β)/|R|^α, times a size of t to the power of α − 1; `p` is P/K, `unit` is K.
+    pub(super) fn bent<R: Ordered>(&self, p: R, size: R, unit: R) -> Vec<(usize, f64, R)> {
         if self.operator == PotentialOperator::Max {
             return Vec::new();
         }
@@ -431,7 +436,7 @@ impl Potential {
                 let raised = if own == self.exponent {
                     (size / radius / p).power(alpha - one)
                 } else {
-                    (size / radius).power(alpha - one) * p.power(one - beta)
+                    (size / radius).power(alpha - one) * p.power(one - beta) * unit.power(alpha - beta)
                 };
                 Some((k, own, alpha / beta * raised / radius))
             }
@@ -440,11 +445,16 @@ impl Potential {
         self.contributions.iter().filter(is_bent).filter_map(of).collect()
     }
 
-    /// The terms (from 1) with 1 < α < 2 whose curvature at zero is infinite, that are zero at given forces and are not among
+    /// The terms (from 1) with 1 < α < 2 whose curvature at zero is infinite, that are zero at f = K t and are not among
     /// [`Self::bent`].
-    pub(super) fn infinitely_curved<R: Ordered>(&self, f: &[R; 6], context: &Context<'_, R>) -> Vec<usize> {
-        let known: Vec<usize> =
-            self.bent(R::integer(1), R::integer(1)).into_iter().map(|(k, ..)| k).collect();
+    pub(super) fn infinitely_curved<R: Ordered>(
+        &self,
+        t: &[R; 6],
+        unit: R,
+        context: &Context<'_, R>,
+    ) -> Vec<usize> {
+        let one = R::integer(1);
+        let known: Vec<usize> = self.bent(one, one, one).into_iter().map(|(k, ..)| k).collect();
         let is_known =
             |contribution: &Contribution| matches!(contribution.of, Form::Component(k) if known.contains(&k));
         let is_met = |(i, contribution): &(usize, &Contribution)| {
@@ -452,7 +462,7 @@ impl Potential {
                 && contribution.exponent < 2.0
                 && self.operator == PotentialOperator::Sum
                 && !is_known(contribution)
-                && is_zero(contribution.evaluate(i + 1, f, context, &mut Flags::default()))
+                && is_zero(contribution.evaluate(i + 1, t, unit, context, &mut Flags::default()))
         };
         self.contributions.iter().enumerate().filter(is_met).map(|(i, _)| i + 1).collect()
     }
@@ -543,17 +553,17 @@ impl Contribution {
         }
     }
 
-    /// X/R − a.
-    fn argument<S: Scalar>(&self, value: S) -> S {
-        let inverse = S::Real::integer(1) / S::Real::from_f64(self.scale);
-        value.scale(inverse) - S::from_real(S::Real::from_f64(self.shift))
+    /// X/R − a over K.
+    fn argument<S: Scalar>(&self, value: S, unit: S) -> S {
+        let scaled = value.scale(S::Real::integer(1) / S::Real::from_f64(self.scale));
+        if self.shift == 0.0 { scaled } else { scaled - recip(unit).scale(S::Real::from_f64(self.shift)) }
     }
 
-    /// Numbers whose squares make H(X/R − a)².
+    /// Numbers whose squares make H(X/R − a)² over K².
     fn roots<S>(
         &self,
         term: usize,
-        f: &[S; 6],
+        (t, unit): (&[S; 6], S),
         context: &Context<'_, S>,
         flags: &mut Flags,
         squares: &mut Vec<S>,
@@ -562,10 +572,10 @@ impl Contribution {
         S::Real: Ordered,
     {
         if let Some(part) = self.norm() {
-            squares.extend(part.scaled(f, context, flags).into_iter().map(|x| self.argument(x)));
+            squares.extend(part.scaled(t, context, flags).into_iter().map(|x| self.argument(x, unit)));
             return;
         }
-        let argument = self.argument(self.value(f, context, flags));
+        let argument = self.argument(self.value(t, context, flags), unit);
         squares.push(match self.function {
             PotentialFunction::Macauley => macauley(argument, term, flags),
             PotentialFunction::Abs | PotentialFunction::None => argument,
@@ -583,13 +593,13 @@ impl Contribution {
         }
     }
 
-    /// H(X/R − a).
-    fn evaluate<S>(&self, term: usize, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> S
+    /// H(X/R − a) over K.
+    fn evaluate<S>(&self, term: usize, t: &[S; 6], unit: S, context: &Context<'_, S>, flags: &mut Flags) -> S
     where
         S: Scalar,
         S::Real: Ordered,
     {
-        let argument = self.argument(self.value(f, context, flags));
+        let argument = self.argument(self.value(t, context, flags), unit);
         match self.function {
             PotentialFunction::Abs => {
                 if is_zero(argument.real()) {

@@ -26,7 +26,8 @@ mod flags;
 mod read;
 mod root; // where a limit is met first; linear systems
 mod slip; // the slip equations, solved and lifted
-mod stretch; // their unknowns, where P is curved infinitely
+mod stick; // the springs of stick
+mod stretch; // unknowns of the slip equations where P is curved infinitely
 #[cfg(test)]
 mod tests;
 mod update;
@@ -38,10 +39,8 @@ pub(crate) use criterion::FactorMistake;
 pub use criterion::{Criterion, Derivatives, Internal, ParameterError, Point, Pressing, Tangential, Term};
 pub use derived::{Contribution, Derived, DerivedPart, Form, Potential, PotentialError};
 pub use flags::Flag;
-pub use update::{
-    Branch, ELASTIC_SLIP, Friction, Input, Outcome, Partial, State, Status, StickStiffness, THRESHOLD,
-    Tangent,
-};
+pub use stick::{ELASTIC_SLIP, StickStiffness};
+pub use update::{Branch, Friction, Input, Outcome, Partial, State, Status, THRESHOLD, Tangent};
 
 use super::Conditions;
 use crate::scalar::elementary::norm;
@@ -100,20 +99,25 @@ impl<'a, S: Scalar> Context<'a, S> {
     }
 }
 
+/// The maximum where it is below the limit.
+fn cap<R: Ordered>(limit: R, maximum: Option<f64>, flags: &mut Flags) -> Option<R> {
+    let maximum = R::from_f64(maximum?);
+    if limit.less(maximum) {
+        return None;
+    }
+    if !maximum.less(limit) {
+        flags.add(Flag::LimitAtMaximum);
+    }
+    Some(maximum)
+}
+
 /// min(limit, maximum).
 fn capped<S>(limit: S, maximum: Option<f64>, flags: &mut Flags) -> S
 where
     S: Scalar,
     S::Real: Ordered,
 {
-    let Some(maximum) = maximum.map(S::Real::from_f64) else { return limit };
-    if !limit.real().less(maximum) {
-        if !maximum.less(limit.real()) {
-            flags.add(Flag::LimitAtMaximum);
-        }
-        return S::from_real(maximum);
-    }
-    limit
+    cap(limit.real(), maximum, flags).map_or(limit, S::from_real)
 }
 
 /// Whether a number is positive, and it and its reciprocal are finite.

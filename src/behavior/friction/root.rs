@@ -5,12 +5,11 @@ use super::{Ordered, is_finite, is_zero};
 use crate::scalar::{Differentiable, Real, Scalar};
 use std::cmp::Ordering;
 
-/// Δγ from p − K Δγ = L(Δγ), the first one met from stick, with its derivatives.
+/// Δγ from p − Δγ = ℓ(Δγ), the first one met from stick, with its derivatives: p = P(f_tr)/K, ℓ = L/K.
 ///
-/// `limit_and_slope` is L and dL/dΔγ on real numbers, smooth between `breaks`; `limit` is L on the scalar.
+/// `limit_and_slope` is ℓ and dℓ/dΔγ on real numbers, smooth between `breaks`; `limit` is ℓ on the scalar.
 pub(super) fn slip_increment<S>(
     trial: S,
-    stiffness: S,
     breaks: impl Iterator<Item = S::Real>,
     limit_and_slope: impl Fn(S::Real) -> (S::Real, S::Real),
     limit: impl Fn(S) -> S,
@@ -20,18 +19,17 @@ where
     S: Scalar,
     S::Real: Ordered + Differentiable,
 {
-    let (p, k) = (trial.real(), stiffness.real());
-    let most = p / k;
+    let (most, one) = (trial.real(), S::Real::integer(1));
     let root = first_root(&sorted(breaks, most), most, |slip| {
         let (limit, slope) = limit_and_slope(slip);
-        (p - k * slip - limit, -(k + slope))
+        (most - slip - limit, -(one + slope))
     });
-    let fall = k + limit_and_slope(root).1;
+    let fall = one + limit_and_slope(root).1;
     if !S::Real::integer(0).less(fall) {
         flags.add(Flag::Unstable);
     }
     let there = S::from_real(root);
-    there + (trial - stiffness.scale(root) - limit(there)).scale(fall.reciprocal_or_zero())
+    there + (trial - there - limit(there)).scale(fall.reciprocal_or_zero())
 }
 
 /// The first root in [0, most] of a function that is positive at 0 and not at `most`, given with its slope; by Newton's method,
@@ -137,7 +135,7 @@ impl<R: Ordered + Differentiable> Equations<R> {
 mod tests {
     use super::{Equations, SLOTS, first_root, slip_increment, sorted};
     use crate::behavior::friction::flags::{Flag, Flags};
-    use crate::scalar::elementary::exp;
+    use crate::scalar::elementary::{exp, recip};
     use crate::scalar::{Differentiable, Scalar, Seeded};
     use std::cell::Cell;
 
@@ -181,7 +179,7 @@ mod tests {
         assert_eq!(counted(8.0, |x| (8.0 - x, -1.0)).0, 8.0);
     }
 
-    /// 6 − K x = 4 − 3 exp(−x/2): the slope of the limit counts among the steps and in the derivatives, 1/(K + L′) by the trial
+    /// 6/K − x = (4 − 3 exp(−x/2))/K: the slope of the limit counts among the steps and in the derivatives, 1/(K + L′) by the trial
     /// force and −x/(K + L′) by the stiffness.
     #[test]
     fn slips_have_their_derivatives() {
@@ -189,15 +187,15 @@ mod tests {
         let count = Cell::new(0);
         let steep = |x: f64| 1.5 * (-x / 2.0).exp();
         let mut flags = Flags::default();
+        let flexibility = recip(Number::seed(2.0, 1));
         let slip = slip_increment(
-            Number::seed(6.0, 0),
-            Number::seed(2.0, 1),
+            Number::seed(6.0, 0) * flexibility,
             [].into_iter(),
             |x: f64| {
                 count.set(count.get() + 1);
-                (4.0 - 2.0 * steep(x), steep(x))
+                (2.0 - steep(x), 0.5 * steep(x))
             },
-            |x: Number| Number::from_real(4.0) - exp(x.scale(-0.5)).scale(3.0),
+            |x: Number| (Number::from_real(4.0) - exp(x.scale(-0.5)).scale(3.0)) * flexibility,
             &mut flags,
         );
         let x = slip.real();
@@ -215,7 +213,7 @@ mod tests {
         for (fall, is_unstable) in [(0.5, false), (1.0, true), (2.0, true)] {
             let mut flags = Flags::default();
             let limit = |x: f64| 1.0 - fall * x;
-            slip_increment(1.5, 1.0, [].into_iter(), |x| (limit(x), -fall), limit, &mut flags);
+            slip_increment(1.5, [].into_iter(), |x| (limit(x), -fall), limit, &mut flags);
             assert_eq!(flags.into_vec(), if is_unstable { vec![Flag::Unstable] } else { vec![] }, "{fall}");
         }
     }

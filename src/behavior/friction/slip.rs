@@ -1,13 +1,16 @@
 //! The slip equations of an increment: f and Δγ on real numbers, then their derivatives.
+//!
+//! With t = f/K, p(t) = P(K t)/K and ℓ = L/K they are t_k = t_tr,k − R_k² Δγ ∂P/∂f_k and p(t) = ℓ(Δγ), in lengths.
 
 use super::derived::Potential;
 use super::flags::{Flag, Flags};
 use super::root::{Equations, SLOTS, slip_increment};
+use super::stick::{Limit, Stick};
 use super::stretch::Stretch;
 use super::update::{Friction, Input};
-use super::{Ordered, is_zero, largest};
+use super::{Context, Ordered, is_zero, largest};
 use crate::behavior::table::Variable;
-use crate::scalar::elementary::{direction, recip};
+use crate::scalar::elementary::{direction, norm, recip};
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 
 /// A solution of the slip equations.
@@ -31,10 +34,9 @@ pub(super) struct Problem<'a, 'b, S: Scalar> {
     pub(super) before: S::Real,
     pub(super) input: &'a Input<'b, S>,
     pub(super) contact: S,
+    /// t_tr.
     pub(super) trial: [S; 6],
-    /// P of the trial traction.
-    pub(super) magnitude: S,
-    pub(super) stiffness: S,
+    pub(super) stick: Stick<S>,
     pub(super) radii: &'a [(usize, S::Real)],
 }
 
@@ -43,21 +45,25 @@ where
     S: Scalar,
     S::Real: Ordered + Differentiable,
 {
-    /// The limit after the slip Δγ.
-    fn limit(&self, increment: S, flags: &mut Flags) -> S {
+    /// L after the slip Δγ.
+    fn limit(&self, increment: S, flags: &mut Flags) -> Limit<S> {
         self.friction.limit(self.contact, self.before, self.input, increment, flags).limit
     }
 
-    /// The limit after a real slip and its derivative, everything else being fixed.
+    /// ℓ after the slip Δγ.
+    fn limit_stretch(&self, increment: S, flags: &mut Flags) -> S {
+        self.stick.stretch_at(&self.limit(increment, flags))
+    }
+
+    /// ℓ after a real slip and its derivative, everything else being fixed.
     fn limit_and_slope(&self, increment: S::Real) -> (S::Real, S::Real) {
         type Slope<R> = <R as Differentiable>::Gradient<1>;
         let constant = |x: S| Slope::<S::Real>::from_real(x.real());
         let input = self.input.map(constant);
         let seeded = Slope::<S::Real>::seed(increment, 0);
-        let limit = self
-            .friction
-            .limit(constant(self.contact), self.before, &input, seeded, &mut Flags::default())
-            .limit;
+        let limited =
+            self.friction.limit(constant(self.contact), self.before, &input, seeded, &mut Flags::default());
+        let limit = self.stick.map(constant).stretch_at(&limited.limit);
         (limit.real(), limit.gradient()[0])
     }
 
@@ -72,21 +78,20 @@ where
         of_rates.chain(rows.map(move |row| S::Real::from_f64(row) - before))
     }
 
-    /// P is a norm: f = (L/P(f_tr)) f_tr and P(f_tr) − K Δγ = L(Δγ).
+    /// P is a norm: f = (L/P(f_tr)) f_tr and p(t_tr) − Δγ = ℓ(Δγ).
     pub(super) fn radial(&self, flags: &mut Flags) -> Slip<S> {
-        let increment = slip_increment(
-            self.magnitude,
-            self.stiffness,
-            self.breaks(),
-            |slip| self.limit_and_slope(slip),
-            |slip| self.limit(slip, &mut Flags::default()),
-            flags,
-        );
-        let limit = self.limit(increment, flags);
         let mut scaled = [S::zero(); 6];
         for (k, radius) in self.radii {
             scaled[*k] = self.trial[*k].scale(S::Real::integer(1) / *radius);
         }
+        let increment = slip_increment(
+            norm(scaled),
+            self.breaks(),
+            |slip| self.limit_and_slope(slip),
+            |slip| self.limit_stretch(slip, &mut Flags::default()),
+            flags,
+        );
+        let limit = self.limit(increment, flags).value();
         let along = direction(scaled);
         let (mut force, mut slip) = ([S::zero(); 6], [S::zero(); 6]);
         for (k, radius) in self.radii {
@@ -98,78 +103,96 @@ where
 
     /// P is a potential: f against its gradient at f, by Newton's method on f and Δγ together: from stick, then from what lies
     /// along the traction.
-    pub(super) fn against(&self, potential: &Potential, limit: S::Real, flags: &mut Flags) -> Slip<S> {
+    pub(super) fn against(&self, potential: &Potential, flags: &mut Flags) -> Slip<S> {
         let size = largest(&self.trial.map(Scalar::real));
-        let (mut force, mut increment) = (self.trial.map(Scalar::real), S::Real::integer(0));
-        if Stretch::new(potential, self.magnitude.real(), size).is_any() {
+        let limit = self.limit_and_slope(S::Real::integer(0)).0;
+        let (mut stretched, mut increment) = (self.trial.map(Scalar::real), S::Real::integer(0));
+        let magnitude = self.magnitude(potential, &mut Flags::default()).real();
+        if Stretch::new(potential, magnitude, size, self.stick.stiffness().real()).is_any() {
             // Without a slip small tractions would be sent far over zero.
-            let share = limit / self.magnitude.real();
-            force = force.map(|x| x * share);
-            increment = self.elastic_slip().real() * (S::Real::integer(1) - share);
+            let share = limit / magnitude;
+            stretched = stretched.map(|x| x * share);
+            increment = self.elastic_slip(potential).real() * (S::Real::integer(1) - share);
         }
         let scales = (size, limit);
-        let (force, increment) = match self.newton(potential, scales, (force, increment)) {
+        let (stretched, increment) = match self.newton(potential, scales, (stretched, increment)) {
             Some(solution) => solution,
             None => {
                 let mut seen = Flags::default();
                 let along = self.along_traction(potential, &mut seen);
-                let start = (along.force.map(Scalar::real), along.increment.real());
+                let (t, slip) = along;
+                let start = (t.map(Scalar::real), slip.real());
                 let Some(solution) = self.newton(potential, scales, start) else {
                     flags.add(Flag::ReturnedAlongTraction);
                     seen.into_vec().into_iter().for_each(|flag| flags.add(flag));
-                    return along;
+                    return self.returned(t, slip);
                 };
                 solution
             }
         };
-        let context = self.input.context.map(Scalar::real);
-        for term in potential.infinitely_curved(&force, &context) {
+        let (unit, context) = (self.stick.stiffness().real(), self.input.context.map(Scalar::real));
+        for term in potential.infinitely_curved(&stretched, unit, &context) {
             flags.add(Flag::InfiniteCurvature { term });
         }
-        self.lifted(potential, scales, force, increment, flags)
+        self.lifted(potential, scales, stretched, increment, flags)
     }
 
-    /// The unknowns f_k/size, or what stands for it, and K Δγ/size, K_k/K = R_k²; the residuals of the flow, over size, and of P = L,
-    /// over the limit.
+    /// p(t_tr).
+    fn magnitude(&self, potential: &Potential, flags: &mut Flags) -> S {
+        potential.evaluate(&self.trial, self.stick.stiffness(), &self.input.context, flags)
+    }
+
+    /// f = K t, and the slip of each component, (t_tr,k − t_k)/R_k².
+    fn returned(&self, t: [S; 6], increment: S) -> Slip<S> {
+        let stiffness = self.stick.stiffness();
+        let (mut force, mut slip) = ([S::zero(); 6], [S::zero(); 6]);
+        for (k, radius) in self.radii {
+            force[*k] = stiffness * t[*k];
+            slip[*k] = (self.trial[*k] - t[*k]).scale(S::Real::integer(1) / (*radius * *radius));
+        }
+        Slip { force, increment, slip }
+    }
+
+    /// The unknowns t_k/size, or what stands for it, and Δγ/size; the residuals of the flow, over size, and of p = ℓ, over the limit.
     fn linearised(
         &self,
         potential: &Potential,
         (size, scale): (S::Real, S::Real),
-        force: &[S::Real; 6],
+        t: &[S::Real; 6],
         increment: S::Real,
     ) -> Linearised<S::Real> {
         let n = self.radii.len();
         let zero = S::Real::integer(0);
-        let stiffness = self.stiffness.real();
-        let seeded = [0, 1, 2, 3, 4, 5].map(|k| <S::Real as Differentiable>::Hessian::<6>::seed(force[k], k));
+        let unit = self.stick.stiffness().real();
+        let seeded = [0, 1, 2, 3, 4, 5].map(|k| <S::Real as Differentiable>::Hessian::<6>::seed(t[k], k));
         let context = self.input.context.map(|x| Scalar::from_real(x.real()));
-        let p = potential.evaluate(&seeded, &context, &mut Flags::default());
+        let p = potential.evaluate(&seeded, Scalar::from_real(unit), &context, &mut Flags::default());
         let (gradient, hessian) = (p.gradient(), p.hessian());
         let (limit, slope) = self.limit_and_slope(increment);
-        let flow = increment * stiffness / size;
-        let stretch = Stretch::new(potential, p.real(), size);
+        let flow = increment / size;
+        let stretch = Stretch::new(potential, p.real(), size, unit);
         let mut jacobian = [[zero; SLOTS]; SLOTS];
         let mut residual = [zero; SLOTS];
         for (i, (k, radius)) in self.radii.iter().enumerate() {
             let square = *radius * *radius;
-            residual[i] = (force[*k] - self.trial[*k].real()) / size + flow * square * gradient[*k];
+            residual[i] = (t[*k] - self.trial[*k].real()) / size + flow * square * gradient[*k];
             for (j, (l, _)) in self.radii.iter().enumerate() {
-                let (rise, second) = (stretch.rise(*l, force[*l]), hessian[*k][*l]);
+                let (rise, second) = (stretch.rise(*l, t[*l]), hessian[*k][*l]);
                 jacobian[i][j] = if i == j {
-                    rise + flow * square * stretch.curvature(*k, force[*k], second)
+                    rise + flow * square * stretch.curvature(*k, t[*k], second)
                 } else {
                     flow * square * second * size * rise
                 };
             }
             jacobian[i][n] = square * gradient[*k];
-            jacobian[n][i] = gradient[*k] * (size / scale) * stretch.rise(*k, force[*k]);
+            jacobian[n][i] = gradient[*k] * (size / scale) * stretch.rise(*k, t[*k]);
         }
         residual[n] = (p.real() - limit) / scale;
-        jacobian[n][n] = -(slope / stiffness) * (size / scale);
+        jacobian[n][n] = -slope * (size / scale);
         Linearised { equations: Equations { jacobian, n: n + 1 }, residual, stretch }
     }
 
-    /// f and Δγ, as real numbers, from a first guess; none where Newton's method with backtracking ends short of a solution.
+    /// t and Δγ, as real numbers, from a first guess; none where Newton's method with backtracking ends short of a solution.
     fn newton(
         &self,
         potential: &Potential,
@@ -180,9 +203,9 @@ where
         const SOLVED: f64 = 1e-11;
         const STEPS: usize = 60;
         const HALVINGS: usize = 40;
-        let (zero, stiffness) = (S::Real::integer(0), self.stiffness.real());
-        let (mut force, mut increment) = start;
-        let mut here = self.linearised(potential, (size, scale), &force, increment);
+        let zero = S::Real::integer(0);
+        let (mut t, mut increment) = start;
+        let mut here = self.linearised(potential, (size, scale), &t, increment);
         let size_of = |of: &Linearised<S::Real>| of.residual.iter().fold(zero, |sum, x| sum + x.magnitude());
         let mut error = size_of(&here);
         for _ in 0..STEPS {
@@ -190,11 +213,11 @@ where
             let mut fraction = S::Real::integer(1);
             let mut found = None;
             for _ in 0..HALVINGS {
-                let mut tried = force;
+                let mut tried = t;
                 for (i, (k, _)) in self.radii.iter().enumerate() {
                     tried[*k] = here.stretch.stepped(*k, tried[*k], fraction * step[i]);
                 }
-                let slip = increment - fraction * step[self.radii.len()] * size / stiffness;
+                let slip = increment - fraction * step[self.radii.len()] * size;
                 let there = self.linearised(potential, (size, scale), &tried, slip);
                 let left = size_of(&there);
                 if left.less(error) {
@@ -204,34 +227,33 @@ where
                 fraction = fraction * S::Real::ratio(1, 2);
             }
             let Some(found) = found else { break };
-            (force, increment, here, error) = found;
+            (t, increment, here, error) = found;
             if is_zero(error) {
                 break;
             }
         }
         let is_solved = error.less(S::Real::from_f64(SOLVED)) && !increment.less(zero);
-        is_solved.then_some((force, increment))
+        is_solved.then_some((t, increment))
     }
 
-    /// One Newton step on the scalar at the real solution: derivatives of f and Δγ.
+    /// One Newton step on the scalar at the real solution: derivatives of t and Δγ.
     fn lifted(
         &self,
         potential: &Potential,
         (size, scale): (S::Real, S::Real),
-        force: [S::Real; 6],
+        t: [S::Real; 6],
         increment: S::Real,
         flags: &mut Flags,
     ) -> Slip<S> {
         let n = self.radii.len();
-        let constant = force.map(S::from_real);
-        let p = potential.evaluate(&constant, &self.input.context, flags);
-        let limit = self.limit(S::from_real(increment), flags);
-        let gradient = self.gradient(potential, &force);
-        let Linearised { equations, stretch, .. } =
-            self.linearised(potential, (size, scale), &force, increment);
+        let constant = t.map(S::from_real);
+        let p = potential.evaluate(&constant, self.stick.stiffness(), &self.input.context, flags);
+        let limit = self.limit_stretch(S::from_real(increment), flags);
+        let gradient = self.gradient(potential, &t);
+        let Linearised { equations, stretch, .. } = self.linearised(potential, (size, scale), &t, increment);
         let mut residual = [S::zero(); SLOTS];
         for (i, (k, radius)) in self.radii.iter().enumerate() {
-            let flow = (self.stiffness * gradient[*k]).scale(*radius * *radius * increment / size);
+            let flow = gradient[*k].scale(*radius * *radius * increment / size);
             residual[i] = (constant[*k] - self.trial[*k]).scale(S::Real::integer(1) / size) + flow;
         }
         residual[n] = (p - limit).scale(S::Real::integer(1) / scale);
@@ -239,39 +261,49 @@ where
         if !falls(&equations, n) {
             flags.add(Flag::Unstable);
         }
-        let (mut end, mut slip) = ([S::zero(); 6], [S::zero(); 6]);
-        for (i, (k, radius)) in self.radii.iter().enumerate() {
-            end[*k] = constant[*k] - step[i].scale(size * stretch.rise(*k, force[*k]));
-            slip[*k] = (self.trial[*k] - end[*k]) * recip(self.stiffness.scale(*radius * *radius));
+        let mut end = constant;
+        for (i, (k, _)) in self.radii.iter().enumerate() {
+            end[*k] = constant[*k] - step[i].scale(size * stretch.rise(*k, t[*k]));
         }
-        let increment = S::from_real(increment) - step[n].scale(size / self.stiffness.real());
+        let increment = S::from_real(increment) - step[n].scale(size);
         let is_negative = increment.real().less(S::Real::integer(0));
         let increment = if is_negative { increment.with_real(S::Real::integer(0)) } else { increment };
-        Slip { force: end, increment, slip }
+        self.returned(end, increment)
     }
 
-    /// ∂P/∂f at real forces, as the scale factors of derived components move with the context.
-    fn gradient(&self, potential: &Potential, force: &[S::Real; 6]) -> [S; 6] {
+    /// ∂P/∂f at real t, as K moves, and as the scale factors of derived components move with the context.
+    fn gradient(&self, potential: &Potential, t: &[S::Real; 6]) -> [S; 6] {
         type First<R> = <R as Differentiable>::Gradient<6>;
         type Mixed<R> = <R as Differentiable>::Hessian<2>;
-        let seeded = [0, 1, 2, 3, 4, 5].map(|k| First::<S::Real>::seed(force[k], k));
-        let context = &self.input.context;
+        let seeded = [0, 1, 2, 3, 4, 5].map(|k| First::<S::Real>::seed(t[k], k));
+        let (context, stiffness) = (&self.input.context, self.stick.stiffness());
         let still = context.map(|x| First::<S::Real>::from_real(x.real()));
-        let p = potential.evaluate(&seeded, &still, &mut Flags::default());
+        let unit = First::<S::Real>::from_real(stiffness.real());
+        let p = potential.evaluate(&seeded, unit, &still, &mut Flags::default());
         let mut lifted = p.gradient().map(S::from_real);
-        if S::ORDER == 0 || !potential.moves() {
+        if S::ORDER == 0 {
             return lifted;
         }
         for (k, _) in self.radii {
-            let mut forces = force.map(Mixed::<S::Real>::from_real);
-            forces[*k] = Mixed::<S::Real>::seed(force[*k], 0);
+            let mut turned = t.map(Mixed::<S::Real>::from_real);
+            turned[*k] = Mixed::<S::Real>::seed(t[*k], 0);
+            let mixed = |unit: Mixed<S::Real>, context: &Context<'_, Mixed<S::Real>>| {
+                potential.evaluate(&turned, unit, context, &mut Flags::default()).hessian()[0][1]
+            };
+            let mut moving = context.map(|x| Mixed::<S::Real>::from_real(x.real()));
+            let by_stiffness = mixed(Mixed::<S::Real>::seed(stiffness.real(), 1), &moving);
+            lifted[*k] = lifted[*k] + stiffness.nilpotent().scale(by_stiffness);
+            if !potential.moves() {
+                continue;
+            }
+            let unit = Mixed::<S::Real>::from_real(stiffness.real());
             for j in 0..6 {
-                let mut moving = context.map(|x| Mixed::<S::Real>::from_real(x.real()));
                 moving.position[j] = Mixed::<S::Real>::seed(context.position[j].real(), 1);
-                let by_position = potential.evaluate(&forces, &moving, &mut Flags::default()).hessian()[0][1];
+                let by_position = mixed(unit, &moving);
                 moving.position[j] = Mixed::<S::Real>::from_real(context.position[j].real());
                 moving.motion[j] = Mixed::<S::Real>::seed(context.motion[j].real(), 1);
-                let by_motion = potential.evaluate(&forces, &moving, &mut Flags::default()).hessian()[0][1];
+                let by_motion = mixed(unit, &moving);
+                moving.motion[j] = Mixed::<S::Real>::from_real(context.motion[j].real());
                 lifted[*k] = lifted[*k]
                     + context.position[j].nilpotent().scale(by_position)
                     + context.motion[j].nilpotent().scale(by_motion);
@@ -280,26 +312,26 @@ where
         lifted
     }
 
-    /// Σ f_tr,k²/(K_k P(f_tr)), formed without squaring large numbers.
-    fn elastic_slip(&self) -> S {
-        let inverse = recip(self.magnitude);
+    /// Σ (t_tr,k/R_k)²/p(t_tr), formed without squaring large numbers.
+    fn elastic_slip(&self, potential: &Potential) -> S {
+        let inverse = recip(self.magnitude(potential, &mut Flags::default()));
         let mut whole = S::zero();
         for (k, radius) in self.radii {
-            let elastic = self.trial[*k] * recip(self.stiffness.scale(*radius * *radius));
+            let elastic = self.trial[*k].scale(S::Real::integer(1) / (*radius * *radius));
             whole = whole + elastic * (self.trial[*k] * inverse);
         }
         whole
     }
 
-    /// f = s f_tr with P(f) = L and the slip that this takes, Δγ = (1 − s) Σ f_tr,k²/(K_k P(f_tr)): by bisection, which cannot
+    /// t = s t_tr with p(t) = ℓ and the slip that this takes, Δγ = (1 − s) Σ (t_tr,k/R_k)²/p(t_tr): by bisection, which cannot
     /// fail.
-    fn along_traction(&self, potential: &Potential, flags: &mut Flags) -> Slip<S> {
+    fn along_traction(&self, potential: &Potential, flags: &mut Flags) -> ([S; 6], S) {
         let (zero, one) = (S::Real::integer(0), S::Real::integer(1));
-        let whole = self.elastic_slip();
+        let (whole, unit) = (self.elastic_slip(potential), self.stick.stiffness());
         let excess = |share: S, flags: &mut Flags| {
             let increment = (S::one() - share) * whole;
-            let p = potential.evaluate(&self.trial.map(|x| x * share), &self.input.context, flags);
-            p - self.limit(increment, flags)
+            let p = potential.evaluate(&self.trial.map(|x| x * share), unit, &self.input.context, flags);
+            p - self.limit_stretch(increment, flags)
         };
         let mut unseen = Flags::default();
         let (mut low, mut high) = (zero, one);
@@ -327,21 +359,15 @@ where
             let seeded = Slope::<S::Real>::seed(share, 0);
             let slip = (Slope::<S::Real>::one() - seeded).scale(whole.real());
             let context = self.input.context.map(constant);
-            let p = potential.evaluate(&self.trial.map(constant).map(|x| x * seeded), &context, &mut unseen);
-            let limit = self
-                .friction
-                .limit(constant(self.contact), self.before, &self.input.map(constant), slip, &mut unseen)
-                .limit;
-            let slope = (p - limit).gradient()[0];
+            let t = self.trial.map(constant).map(|x| x * seeded);
+            let p = potential.evaluate(&t, constant(unit), &context, &mut unseen);
+            let input = self.input.map(constant);
+            let limit =
+                self.friction.limit(constant(self.contact), self.before, &input, slip, &mut unseen).limit;
+            let slope = (p - self.stick.map(constant).stretch_at(&limit)).gradient()[0];
             lifted = lifted - excess(lifted, flags).scale(slope.reciprocal_or_zero());
         }
-        let lost = S::one() - lifted;
-        let (mut force, mut slip) = ([S::zero(); 6], [S::zero(); 6]);
-        for (k, radius) in self.radii {
-            force[*k] = self.trial[*k] * lifted;
-            slip[*k] = self.trial[*k] * recip(self.stiffness.scale(*radius * *radius)) * lost;
-        }
-        Slip { force, increment: whole * lost, slip }
+        (self.trial.map(|x| x * lifted), whole * (S::one() - lifted))
     }
 }
 

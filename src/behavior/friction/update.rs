@@ -6,6 +6,9 @@
 //! else:         f_k = f_tr,k − K_k Δγ ∂P/∂f_k(f),  P(f) = L(Δγ)
 //! ```
 //!
+//! They are solved in stretches of the springs of stick, t_k = f_k/K_s: K_s may be made of the same F_N as L, and what neither knows
+//! is never multiplied in.
+//!
 //! L depends on Δγ where μ depends on the slip rate Δγ/Δt, or the internal contact force on the accumulated slip: the scalar
 //! equation is solved, not lagged. For P a norm the return is radial. Where several Δγ satisfy it (a limit that falls with
 //! slip), it is the first one met from stick. Derivatives come from one Newton step on dual numbers at the solution, which
@@ -15,27 +18,14 @@ use super::coefficient::Coefficient;
 use super::criterion::{Criterion, Tangential};
 use super::flags::{Flag, Flags};
 use super::slip::{Problem, Slip};
-use super::{Context, Ordered, capped, is_finite, length};
+use super::stick::{Limit, StickStiffness};
+use super::{Context, Ordered, is_finite, length};
 use crate::scalar::elementary::recip;
 use crate::scalar::{Differentiable, Real, Scalar, Seeded};
 use serde::{Deserialize, Serialize};
 
-/// The elastic slip allowed in stick by default, as a fraction of a characteristic length; in radians where the slip is an
-/// angle (Abaqus/Standard; `SLIP TOLERANCE` replaces it).
-pub const ELASTIC_SLIP: f64 = 1e-4;
-
 /// A trial traction this near to the limit, relative to it, is flagged.
 pub const THRESHOLD: f64 = 1e-12;
-
-/// The stiffness of stick.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub enum StickStiffness {
-    /// `STICK STIFFNESS`: K_s, in the unit of P over that of the slip.
-    Given(f64),
-    /// Our default rule \[R\]: K_s = L / s_el, with L the limit, without slip, of the first increment in which anything presses;
-    /// kept from then on ([`State::stick_stiffness`]). `ElasticSlip(s_el)`, s_el = [`ELASTIC_SLIP`] · characteristic length.
-    ElasticSlip(f64),
-}
 
 /// One friction of a connector.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -247,10 +237,10 @@ const INPUTS: usize = 13;
 
 /// F_N, μ, the limit and the slip rate after some slip.
 #[derive(Clone, Copy)]
-pub(super) struct Limit<S> {
+pub(super) struct Limited<S> {
     normal: S,
     coefficient: S,
-    pub(super) limit: S,
+    pub(super) limit: Limit<S>,
     rate: S,
 }
 
@@ -354,9 +344,9 @@ impl Friction {
     ) -> [R; 2] {
         let flags = &mut Flags::default();
         let contact = self.criterion.pressing.evaluate(&input.forces, &input.context, flags);
-        let Limit { normal, limit, .. } =
+        let Limited { normal, limit, .. } =
             self.limit(contact, state.accumulated_slip, input, increment, flags);
-        [normal, limit]
+        [normal, limit.value()]
     }
 
     /// F_N, μ and the limit after the slip Δγ.
@@ -367,7 +357,7 @@ impl Friction {
         input: &Input<'_, S>,
         increment: S,
         flags: &mut Flags,
-    ) -> Limit<S>
+    ) -> Limited<S>
     where
         S: Scalar,
         S::Real: Ordered + Differentiable,
@@ -385,8 +375,8 @@ impl Friction {
             }
         };
         let coefficient = self.coefficient.evaluate(rate, normal, &context, flags);
-        let limit = capped(coefficient * normal, self.maximum, flags);
-        Limit { normal, coefficient, limit, rate }
+        let limit = Limit::new([coefficient, normal], self.maximum, flags);
+        Limited { normal, coefficient, limit, rate }
     }
 
     /// The increment on any scalar with at most first derivatives.
@@ -403,23 +393,19 @@ impl Friction {
         let contact = self.criterion.pressing.evaluate(&input.forces, &input.context, &mut flags);
         let before = state.accumulated_slip;
         let at_rest = self.limit(contact, before, input, S::zero(), &mut flags);
-        let is_pressed = zero.less(at_rest.limit.real());
-        let stiffness = match (self.stick_stiffness, state.stick_stiffness) {
-            (StickStiffness::Given(stiffness), _) => Some(S::from_real(S::Real::from_f64(stiffness))),
-            (StickStiffness::ElasticSlip(_), Some(stiffness)) => Some(S::from_real(stiffness)),
-            (StickStiffness::ElasticSlip(slip), None) => {
-                is_pressed.then(|| at_rest.limit.scale(S::Real::integer(1) / S::Real::from_f64(slip)))
-            }
-        };
-        let mut trial = [S::zero(); 6];
+        let most = at_rest.limit.value();
+        let is_pressed = zero.less(most.real());
+        let stick = self.stick_stiffness.stick(state.stick_stiffness, &at_rest.limit);
+        let stiffness = stick.map(|stick| stick.stiffness());
+        let (mut trial, mut stretched) = ([S::zero(); 6], [S::zero(); 6]);
         for (k, radius) in &radii {
-            let elastic = stiffness.map_or_else(S::zero, |stiffness| {
-                stiffness * input.displacement[*k].scale(*radius * *radius)
-            });
+            let turned = input.displacement[*k].scale(*radius * *radius);
+            let elastic = stiffness.map_or_else(S::zero, |stiffness| stiffness * turned);
             trial[*k] = S::from_real(state.force[*k]) + elastic;
+            stretched[*k] = stick.map_or_else(S::zero, |stick| stick.stretch_of(state.force[*k])) + turned;
         }
         let magnitude = self.criterion.tangential.evaluate(&trial, &input.context, &mut flags);
-        let excess = magnitude - at_rest.limit;
+        let excess = magnitude - most;
         let status = match branch {
             Branch::Stick => Status::Stick,
             _ if !is_pressed => Status::Free,
@@ -427,34 +413,32 @@ impl Friction {
             Branch::Decided if zero.less(excess.real()) => Status::Slip,
             Branch::Decided => Status::Stick,
         };
-        let distance = excess.real() / larger_or_one(at_rest.limit.real());
+        let distance = excess.real() / larger_or_one(most.real());
         if is_pressed && !S::Real::from_f64(THRESHOLD).less(distance.magnitude()) {
             flags.add(Flag::Threshold);
         }
-        let solved = match (status, stiffness) {
+        let solved = match (status, stick) {
             (Status::Stick, _) => Slip { force: trial, increment: S::zero(), slip: [S::zero(); 6] },
-            (Status::Free, _) | (_, None) => freed(&radii, stiffness, &state.force, &input.displacement),
-            (Status::Slip, Some(stiffness)) => {
+            (Status::Free, _) | (_, None) => freed(&radii, &stretched),
+            (Status::Slip, Some(stick)) => {
                 let problem = Problem {
                     friction: self,
                     before,
                     input,
                     contact,
-                    trial,
-                    magnitude,
-                    stiffness,
+                    trial: stretched,
+                    stick,
                     radii: &radii,
                 };
                 match &self.criterion.tangential {
                     Tangential::Norm(_) => problem.radial(&mut flags),
-                    Tangential::Potential(potential) => {
-                        problem.against(potential, at_rest.limit.real(), &mut flags)
-                    }
+                    Tangential::Potential(potential) => problem.against(potential, &mut flags),
                 }
             }
         };
         let Slip { force, increment, slip } = solved;
         let end = self.limit(contact, before, input, increment, &mut flags);
+        let limit = end.limit.value();
         let tangential = self.criterion.tangential.evaluate(&force, &input.context, &mut Flags::default());
         let half = S::Real::ratio(1, 2);
         let (mut dissipation, mut stored) = (S::zero(), S::zero());
@@ -474,7 +458,7 @@ impl Friction {
             }
         };
         force.iter().for_each(|x| finite(*x, "friction force"));
-        finite(end.limit, "limit");
+        finite(limit, "limit");
         finite(increment, "slip increment");
         Outcome {
             status,
@@ -483,8 +467,8 @@ impl Friction {
             contact,
             normal: end.normal,
             coefficient: end.coefficient,
-            limit: end.limit,
-            criterion: tangential - end.limit,
+            limit,
+            criterion: tangential - limit,
             trial: excess,
             slip_increment: increment,
             slip,
@@ -498,13 +482,8 @@ impl Friction {
     }
 }
 
-/// Nothing holds: the force is zero, and all of the motion, with what was stored in stick, is slip.
-fn freed<S>(
-    radii: &[(usize, S::Real)],
-    stiffness: Option<S>,
-    force: &[S::Real; 6],
-    displacement: &[S; 6],
-) -> Slip<S>
+/// Nothing holds: the force is zero, and all that stretches the springs is slip.
+fn freed<S>(radii: &[(usize, S::Real)], stretched: &[S; 6]) -> Slip<S>
 where
     S: Scalar,
     S::Real: Ordered + Differentiable,
@@ -512,10 +491,9 @@ where
     let mut slip = [S::zero(); 6];
     let mut scaled = [S::zero(); 6];
     for (k, radius) in radii {
-        let stored = stiffness
-            .map_or_else(S::zero, |stiffness| recip(stiffness.scale(*radius * *radius)).scale(force[*k]));
-        slip[*k] = displacement[*k] + stored;
-        scaled[*k] = slip[*k].scale(*radius);
+        let inverse = S::Real::integer(1) / *radius;
+        scaled[*k] = stretched[*k].scale(inverse);
+        slip[*k] = scaled[*k].scale(inverse);
     }
     Slip { force: [S::zero(); 6], increment: length(&scaled), slip }
 }
