@@ -362,3 +362,27 @@ fn hessians_without_end_are_singular() {
     let given = files("power-beside", section, beside);
     assert_eq!(check(&subject(&given, &[], 0), "friction-hessian", "wide-differences")["verdict"], "pass");
 }
+
+/// A shaft turned about its own axis: every entry is 0, ±1 or half an angle, and the rows round as angles of many turns do.
+#[test]
+fn a_shaft_of_many_turns_rounds_as_its_angle_does() {
+    let angles: Vec<f64> = (0..120).map(|i| 0.237 * f64::from(i)).collect();
+    let given = files("shaft", "\nROTATION\nO,\n", &turned(0, &angles));
+    let text = report(&given, &["--wide-states", "60"], 0);
+    assert!(text.contains("no mismatch"), "{text}");
+    report(&given, &["--plant", "wrong-entry"], 1);
+}
+
+/// Where all is released, or nothing is known of what presses, there is no tangent to judge.
+#[test]
+fn frictions_without_a_tangent_are_audited() {
+    let friction = "*CONNECTOR FRICTION, COMPONENT=1, STICK STIFFNESS=10.\n, 1.0\n*FRICTION\n0.1\n";
+    let failing = format!(
+        ", BEHAVIOR=B\nCARTESIAN\nO,\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR FAILURE, COMPONENT=1, RELEASE=ALL\n-0.5, 0.5\n{friction}"
+    );
+    let states = "state,time,node,u1\n0,0,2,0.6\n1,1,2,0.6\n";
+    report(&files("released", &failing, states), &[], 0);
+    let stopped = ", BEHAVIOR=B\nAXIAL\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR STOP, COMPONENT=1\n-0.1, 0.1\n\
+                   *CONNECTOR FRICTION, COMPONENT=1, CONTACT FORCE=1\n, 0.0\n*FRICTION\n0.1\n";
+    report(&files("stopped", stopped, states), &[], 0);
+}

@@ -16,7 +16,7 @@ use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::planted::Planted;
 use super::quantity::{Numbers, Quantity};
 use super::referee::Referee;
-use super::sample::{Draw, Extent, cases, random_case};
+use super::sample::{Draw, Extent, cases_drawn, random_case};
 use super::stage::invalid_stage;
 use super::truth::{Locked, Truth};
 use super::verdict::{
@@ -40,7 +40,7 @@ pub struct Settings {
     pub states: usize,
     /// States per type near its singular sets, besides.
     pub near_singular_states: usize,
-    /// States per type for the oracles on 237 bits, chosen to cover the regions; without any the claim on derivatives is undecided.
+    /// States per type for the oracles on 237 bits, one from every region before any other; without any the claim on derivatives is undecided.
     pub wide_states: usize,
     /// States on 237 bits of a scene in all: at least one of each connector, at most `wide_states`; none where that is 0.
     pub wide_states_of_a_scene: usize,
@@ -150,14 +150,24 @@ fn halved(n: usize, last: usize) -> usize {
     usize::try_from(place).unwrap_or(last)
 }
 
+/// Which of the regular states of a type, of which the first come one from a region, and of those near its singular sets after them are judged
+/// on 237 bits: three quarters of those wanted are regular.
+fn wide_states(regions: usize, (regular, near): (usize, usize), wanted: usize) -> BTreeSet<usize> {
+    let of_near = if near > 0 { wanted / 4 } else { 0 };
+    let of_regular = wanted - of_near;
+    let others = spread(regular.saturating_sub(regions), of_regular.saturating_sub(regions));
+    let mut wide = spread(regions, of_regular);
+    wide.extend(others.into_iter().map(|i| regions + i));
+    wide.extend(spread(near, of_near).into_iter().map(|i| regular + i));
+    wide
+}
+
 fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
-    let regions = cases(connection, Extent::Full);
+    let draw = &mut Draw::new(&format!("{} {}", settings.seed, connection.name));
+    let regions = cases_drawn(connection, Extent::Full, draw);
     let near = if atlas::sites(connection).is_empty() { 0 } else { settings.near_singular_states };
-    // Most of the wide states cover the regions, the others lie near singular sets.
-    let near_wide = if near > 0 { settings.wide_states / 4 } else { 0 };
     let regular = settings.states.max(regions.len());
-    let mut wide = spread(regions.len(), settings.wide_states - near_wide);
-    wide.extend(spread(near, near_wide).into_iter().map(|i| regular + i));
+    let wide = wide_states(regions.len(), (regular, near), settings.wide_states);
     let golden = if settings.oracles.contains(&Oracle::Jax) { states_of(connection) } else { 0 };
     let count = regular + near + golden;
     let mut checks = gather((0..count).into_par_iter().map(|i| {
@@ -610,8 +620,21 @@ fn laws(
 
 #[cfg(test)]
 mod tests {
-    use super::{spread, spread_of};
+    use super::{spread, spread_of, wide_states};
     use std::collections::BTreeSet;
+
+    #[test]
+    fn as_many_states_are_wide_as_are_asked_for() {
+        let of = |wanted: usize| {
+            let found = wide_states(42, (10_000, 10_000), wanted);
+            [0..42, 42..10_000, 10_000..20_000]
+                .map(|range: std::ops::Range<usize>| found.range(range).count())
+        };
+        assert_eq!(of(30), [23, 0, 7]);
+        assert_eq!(of(1000), [42, 708, 250]);
+        assert_eq!(of(40_000), [42, 9_958, 10_000]);
+        assert_eq!(wide_states(42, (42, 0), 1000).len(), 42);
+    }
 
     #[test]
     fn wide_states_are_spread_over_the_history() {

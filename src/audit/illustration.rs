@@ -31,6 +31,13 @@ pub struct Compared {
     pub units: f64,
 }
 
+impl Compared {
+    /// Whether it is zero to rounding, as what is zero by its formula is, whatever digits rounding left of it on either side.
+    pub fn is_zero(&self) -> bool {
+        self.units <= 1.0 && self.got.abs().max(self.want.abs()) <= self.tolerance
+    }
+}
+
 /// A Jacobian beside what it must be: rows by component, columns by nodal degree of freedom ([`crate::node::DOF`]).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Comparison(pub Components<[Compared; DOFS]>);

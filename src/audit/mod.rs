@@ -77,7 +77,7 @@ pub use illustration::{Compared, Comparison, Illustration, Steps, illustrate_cat
 pub use invariant::Invariant;
 pub use mpc::MpcCase;
 pub use oracle::Oracle;
-pub use outcome::{Against, Check, Report, Subject};
+pub use outcome::{Against, Check, Found, Report, Subject};
 pub use planted::Planted;
 pub use quantity::{Entries, Numbers, Quantity};
 pub use recorded::{FoundIn, Kind, Recorded};

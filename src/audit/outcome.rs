@@ -72,6 +72,9 @@ pub struct Check {
     /// Why it is wrong, at the state that tells most.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diagnosis: Option<Box<Diagnosis>>,
+    /// The file to which its counter-example was written: `pintle replay` runs it again.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counter_example: Option<String>,
     /// The matrix of first derivatives at the worst state, where it is wrong.
     #[serde(skip)]
     pub comparison: Option<Box<Comparison>>,
@@ -95,6 +98,7 @@ impl Check {
             worst_state: None,
             score: Score::default(),
             diagnosis: None,
+            counter_example: None,
             comparison: None,
             failing: None,
         }
@@ -379,7 +383,23 @@ pub struct Report {
     pub models: Vec<ModelReport>,
 }
 
+/// A counter-example of a report.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The subject and the check of which it is one, by their places in the report.
+    pub at: [usize; 2],
+    /// A name for its file, of which there is no other.
+    pub name: String,
+    /// Its values.
+    pub example: Example,
+}
+
 impl Report {
+    /// The check at a place of [`Found`].
+    pub fn check_mut(&mut self, [subject, check]: [usize; 2]) -> Option<&mut Check> {
+        self.subjects.get_mut(subject)?.checks.get_mut(check)
+    }
+
     /// A report of subjects and singular points.
     pub(super) fn new(settings: &Settings, subjects: Vec<Subject>, atlas: Vec<Approach>) -> Self {
         Self {
@@ -462,12 +482,20 @@ impl Report {
         laws.into_iter().filter(|(_, found)| is_blind(*found)).map(|(law, _)| law).collect()
     }
 
-    /// A counter-example for every failed check, by file name, shrunk to the simplest values that still fail.
-    pub fn counter_examples(&self) -> Vec<(String, Example)> {
-        let mut found: Vec<(String, Example)> = Vec::new();
-        for subject in &self.subjects {
-            let failed = subject.checks.iter().filter(|check| check.verdict.is_mismatch());
-            for (i, check) in failed.enumerate() {
+    /// Whether anything is wrong of which a counter-example can be written, and none was.
+    pub fn lacks_counter_examples(&self) -> bool {
+        let mut checks = self.subjects.iter().flat_map(|subject| &subject.checks);
+        checks.any(|check| {
+            check.verdict.is_mismatch() && check.failing.is_some() && check.counter_example.is_none()
+        })
+    }
+
+    /// A counter-example for every failed check, shrunk to the simplest values that still fail.
+    pub fn counter_examples(&self) -> Vec<Found> {
+        let mut found: Vec<Found> = Vec::new();
+        for (of, subject) in self.subjects.iter().enumerate() {
+            let failed = subject.checks.iter().enumerate().filter(|(_, check)| check.verdict.is_mismatch());
+            for (i, (place, check)) in failed.enumerate() {
                 let Some(failing) = &check.failing else { continue };
                 // Of what is no connector, sheets of other oracles are made apart.
                 let oracles = match (check.against, failing.as_ref()) {
@@ -498,8 +526,9 @@ impl Report {
                     .collect();
                 // Connectors of two scenes may have one name.
                 let mut names = (i..).map(|i| format!("{words}-{i}.json"));
-                let name = names.find(|name| found.iter().all(|(taken, _)| taken != name));
-                found.extend(name.zip(example));
+                let name = names.find(|name| found.iter().all(|other| other.name != *name));
+                let with = |(name, example)| Found { at: [of, place], name, example };
+                found.extend(name.zip(example).map(with));
             }
         }
         found

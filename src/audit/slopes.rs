@@ -77,8 +77,12 @@ struct Truth {
 }
 
 impl Slopes<'_> {
-    /// The sheets of the oracles that are asked, each with the mistakes to be tried on it; on doubles only unless `wide`.
+    /// The sheets of the oracles that are asked, each with the mistakes to be tried on it; on doubles only unless `wide`. None of a function
+    /// without outputs.
     pub(in crate::audit) fn sheets(&self, settings: &Settings, wide: bool) -> Vec<(Oracle, Sheet)> {
+        if self.outputs.is_empty() {
+            return Vec::new();
+        }
         let asked = |oracle: Oracle| settings.oracles.contains(&oracle);
         let scales = self.scales();
         let mut found = Vec::new();

@@ -6,7 +6,8 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle::audit::model::{Level, Levels, audit_model};
 use pintle::audit::{
-    Example, Oracle, Planted, Quantity, Recorded, Report, Settings, Target, audit_catalogue, audit_scenes,
+    Example, Found, Oracle, Planted, Quantity, Recorded, Report, Settings, Target, audit_catalogue,
+    audit_scenes,
 };
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
@@ -237,6 +238,9 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     };
     let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
     report.models = loaded.iter().map(of_model).collect();
+    if let Some(folder) = &arguments.counter_examples {
+        save(folder, &mut report, &sound)?;
+    }
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
         let scenes =
@@ -247,9 +251,6 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     }
     if !is_page {
         write(arguments.format, arguments.verbose, &report)?;
-    }
-    if let Some(folder) = &arguments.counter_examples {
-        save(folder, &report, &sound)?;
     }
     say_what_stays(&levels, &report);
     let refused = loaded.iter().filter(|loaded| loaded.is_refused).map(|loaded| loaded.name.as_str());
@@ -362,7 +363,7 @@ fn settings(arguments: &Audit) -> Settings {
 }
 
 /// Writes the counter-examples of a report, shrunk to the simplest values that still fail.
-fn save(folder: &Path, report: &Report, sound: &[&Loaded]) -> Result<(), Failure> {
+fn save(folder: &Path, report: &mut Report, sound: &[&Loaded]) -> Result<(), Failure> {
     // Several scenes may have connectors of one name.
     let of = |recorded: &Recorded| {
         let mut having = sound.iter().filter(|loaded| {
@@ -374,14 +375,18 @@ fn save(folder: &Path, report: &Report, sound: &[&Loaded]) -> Result<(), Failure
         Failure::Input(format!("cannot write counter-examples to {}: {error}", folder.display()))
     };
     fs::create_dir_all(folder).map_err(|error| cannot(&error))?;
-    for (name, mut example) in report.counter_examples() {
+    for Found { at, name, mut example } in report.counter_examples() {
         if let Example::Other(recorded) = &mut example
             && let Some(loaded) = of(recorded)
         {
             **recorded = recorded.as_ref().clone().found_in(&loaded.scene, &loaded.states);
         }
         let text = serde_json::to_string_pretty(&example).map_err(|error| cannot(&error))?;
-        fs::write(folder.join(name), text + "\n").map_err(|error| cannot(&error))?;
+        let file = folder.join(name);
+        fs::write(&file, text + "\n").map_err(|error| cannot(&error))?;
+        if let Some(check) = report.check_mut(at) {
+            check.counter_example = Some(file.display().to_string());
+        }
     }
     for (subject, kinds) in report.without_counter_example() {
         let kinds: Vec<&str> = kinds.into_iter().map(Quantity::name).collect();

@@ -13,6 +13,6 @@ pub(super) use region::rates;
 pub use domain::{Turning, about_1, about_3, aligned, is_in_table, needs_length, spin_axis, turning, types};
 pub use draw::Draw;
 pub use region::{
-    Extent, Motion, Region, about_initial, cases, cube_orientations, definition, draw_case, extent, pair,
-    random_case,
+    Extent, Motion, Region, about_initial, cases, cases_drawn, cube_orientations, definition, draw_case,
+    extent, pair, random_case,
 };

@@ -198,7 +198,11 @@ fn clear(end: f64, mut make: impl FnMut() -> Case) -> Option<Case> {
 
 /// The cases of a type, one from each of its regions, always the same.
 pub fn cases(connection: &ConnectionType, extent: Extent) -> Vec<Case> {
-    let draw = &mut Draw::new(&connection.name);
+    cases_drawn(connection, extent, &mut Draw::new(&connection.name))
+}
+
+/// A case from each region of a type.
+pub fn cases_drawn(connection: &ConnectionType, extent: Extent, draw: &mut Draw) -> Vec<Case> {
     let regions = Region::of(connection, extent);
     regions.into_iter().filter_map(|region| draw_case(connection, region, draw)).collect()
 }

@@ -5,7 +5,7 @@ use super::summary::{
     LEGEND, Outcome, Row, detectable, headline, outcome, self_test as tested, sides, symbols, telling,
     undecided,
 };
-use crate::audit::{Against, Approach, Check, Quantity, Report, Subject, Verdict};
+use crate::audit::{Against, Approach, Check, Comparison, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
 use crate::grammar::{agree, count};
 use crate::node::{DOF, DOFS};
@@ -57,6 +57,13 @@ fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) ->
                 writeln!(out, "\n{}", styled(BOLD, subject.title()))?;
             }
             self::check(out, check, width)?;
+        }
+    }
+    if report.lacks_counter_examples() {
+        let text = "replay: --counter-examples FOLDER writes what is wrong as values; pintle replay FOLDER/FILE runs it again";
+        writeln!(out)?;
+        for line in wrap(text, width) {
+            writeln!(out, "{line}")?;
         }
     }
     atlas(out, report)?;
@@ -178,26 +185,47 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     for (mistake, entry) in &check.score.survivors {
         writeln!(out, "    {} {mistake} ({entry})", styled(CARE, "survived:"))?;
     }
-    if check.verdict == Verdict::Wrong && check.quantity == Some(Quantity::FirstDerivatives) {
-        diagram(out, check)?;
+    if let Some(comparison) = &check.comparison {
+        diagram(out, comparison)?;
+    }
+    if let Some(file) = &check.counter_example {
+        writeln!(out, "    replay: pintle replay {}", quoted(file))?;
     }
     Ok(())
 }
 
-/// The blocks of the Jacobian, with the wrong entry marked.
-fn diagram(out: &mut dyn Write, check: &Check) -> io::Result<()> {
-    let Some((k, j)) = check.worst.as_ref().and_then(|worst| worst.at) else { return Ok(()) };
+/// A file's name as a shell takes it.
+fn quoted(file: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "/\\:._-+".contains(c);
+    if file.chars().all(is_plain) { file.to_string() } else { format!("'{}'", file.replace('\'', "'\\''")) }
+}
+
+/// The Jacobian in its blocks: ✗ where an entry is beyond its tolerance, ■ where it is not zero, · where it is.
+fn diagram(out: &mut dyn Write, comparison: &Comparison) -> io::Result<()> {
     let widths = DOF.map(|name| name.chars().count());
-    let heading: Vec<String> = DOF.iter().map(|name| (*name).to_string()).collect();
-    writeln!(out, "         {}", heading.join(" "))?;
-    for (row, component) in COMPONENT.iter().enumerate() {
-        let cells: Vec<String> = (0..DOFS)
-            .map(|column| {
-                let mark = if (row, column) == (k, j) { "✗" } else { "·" };
-                left(mark, widths[column])
-            })
-            .collect();
-        writeln!(out, "    ∂{} {}", left(component, 3), cells.join(" ").trim_end())?;
+    let line = |cells: [&str; DOFS]| -> String {
+        let mut text = String::new();
+        for (j, cell) in cells.into_iter().enumerate() {
+            // Translations and rotations of each node.
+            let starts_block = matches!(j % (DOFS / 2), 0 | 3);
+            text.push_str(match j {
+                0 => "",
+                _ if starts_block => " │ ",
+                _ => " ",
+            });
+            text.push_str(&left(cell, widths[j]));
+        }
+        text.trim_end().to_string()
+    };
+    writeln!(out, "         {}", line(DOF))?;
+    for (component, row) in COMPONENT.iter().zip(&comparison.0) {
+        let Some(row) = row else { continue };
+        let cells = row.map(|entry| match () {
+            () if entry.units > 1.0 => "✗",
+            () if entry.is_zero() => "·",
+            () => "■",
+        });
+        writeln!(out, "    ∂{} {}", left(component, 3), line(cells))?;
     }
     Ok(())
 }

@@ -442,8 +442,6 @@ pub(super) fn heat(title: &str, comparison: &Comparison, place: Place) -> String
         rows.push(Head { x: 36.0, y: y + 14.0, name: COMPONENT[k].to_string() });
         for (j, x) in &columns {
             let entry = row[*j];
-            // What is zero by its formula is zero to rounding here, whatever digits rounding left of it on either side.
-            let is_zero = entry.units <= 1.0 && entry.got.abs().max(entry.want.abs()) <= entry.tolerance;
             let is_plain = entry.got == 0.0 && entry.units == 0.0;
             let title = (!is_plain).then(|| {
                 format!(
@@ -451,7 +449,7 @@ pub(super) fn heat(title: &str, comparison: &Comparison, place: Place) -> String
                     COMPONENT[k], DOF[*j], entry.got, entry.want, entry.units, entry.tolerance
                 )
             });
-            let class = if is_zero { "zero" } else { class(entry.units) };
+            let class = if entry.is_zero() { "zero" } else { class(entry.units) };
             let mark = (class == "bad").then_some("✗");
             cells.push(Cell { x: *x, y, w: SIZE[0], h: SIZE[1], class, title, mark });
         }
