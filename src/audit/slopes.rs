@@ -77,12 +77,8 @@ struct Truth {
 }
 
 impl Slopes<'_> {
-    /// The sheets of the oracles that are asked, each with the mistakes to be tried on it; on doubles only unless `wide`. None of a function
-    /// without outputs.
+    /// The sheets of the oracles that are asked, each with the mistakes to be tried on it; on doubles only unless `wide`.
     pub(in crate::audit) fn sheets(&self, settings: &Settings, wide: bool) -> Vec<(Oracle, Sheet)> {
-        if self.outputs.is_empty() {
-            return Vec::new();
-        }
         let asked = |oracle: Oracle| settings.oracles.contains(&oracle);
         let scales = self.scales();
         let mut found = Vec::new();
@@ -180,7 +176,7 @@ impl Slopes<'_> {
         let Some(Held { known, wide: Some(held) }) = &self.held else { return Vec::new() };
         let (m, n) = (self.outputs.len(), self.inputs.len());
         let mut slopes = vec![vec![Wide::zero(); n]; m];
-        for j in (0..n).filter(|j| known(0, *j).is_none()) {
+        for j in (0..n).filter(|j| (0..m).any(|i| known(i, *j).is_none())) {
             let h = Wide::from_f64(self.step * self.sizes[j]);
             let (plus, minus) = (held(j, h), held(j, -h));
             for i in 0..m {
