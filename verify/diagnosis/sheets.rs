@@ -92,7 +92,12 @@ fn of_behaviors() -> Vec<(String, Sheet)> {
     let cases =
         (1..6).filter_map(|i| about_initial(&element.definition(), i, 2.0, format!("state {i}"), draw));
     cases
-        .filter_map(|case| Some((case.name.clone(), slopes(&case, &element.behavior.behavior, &Conditions::default())?.sheet)))
+        .filter_map(|case| {
+            Some((
+                case.name.clone(),
+                slopes(&case, &element.behavior.behavior, &Conditions::default())?.sheet,
+            ))
+        })
         .collect()
 }
 
