@@ -9,7 +9,7 @@ pub(crate) mod formula;
 mod tests;
 
 use crate::node::{self, DOFS, Dependence, NodalRates, Pair, Relative};
-use crate::scalar::elementary::{norm, recip};
+use crate::scalar::elementary::{norm, ratio};
 use crate::scalar::{Real, Scalar, unrolled};
 use crate::so3;
 use crate::vector::{self, Matrix, Vector, add, column, dot, scale, sub};
@@ -309,7 +309,7 @@ impl<S: Scalar> Shared<'_, S> {
     pub(crate) fn strain(&mut self) -> S {
         let Relative { d, flow, .. } = *self.relative;
         let material = S::from_real(self.section.initial_length) + flow[0] - flow[1];
-        norm(d) * recip(material) - S::one()
+        ratio(norm(d), material) - S::one()
     }
 
     /// [`Measure::Flow`].

@@ -129,14 +129,16 @@ fn certificates_follow_from_the_tests() {
     behavior.insert("BEHAVIOR springs and dampers".into(), crate::behavior::states_of_jax());
     let of_behavior = behavior.into_iter().map(|(name, jax_states)| {
         let page = "no summary table".to_string();
-        (name, Certificate { jax_states, manual_page: page })
+        (name, Certificate { jax_states, manual_page: page, unread: None })
     });
     let want: BTreeMap<String, Certificate> = manual::pages()
         .map(|(name, page)| (name.to_string(), page))
         .chain(manual::mpc_pages())
         .map(|(name, page)| {
             let jax_states = states.get(&name).copied().unwrap_or(0);
-            (name, Certificate { jax_states, manual_page: page.to_string() })
+            let told = page.strip_suffix(" unread").and_then(|told| told.rsplit_once("; "));
+            let (page, unread) = told.map_or((page, None), |(page, unread)| (page, Some(unread.to_string())));
+            (name, Certificate { jax_states, manual_page: page.to_string(), unread })
         })
         .chain(of_behavior)
         .collect();
@@ -309,35 +311,64 @@ fn mistakes_are_beyond_the_tolerance() {
     }
 }
 
+/// The same case in another unit of length; flows are lengths.
+fn in_unit(case: &Case, unit: f64) -> Case {
+    let mut case = case.clone();
+    let shorten = |pair: &mut Pair<f64>| {
+        pair.reference = pair.reference.map(|x| x / unit);
+        for node in [&mut pair.a, &mut pair.b] {
+            node.displacement = node.displacement.map(|x| x / unit);
+            node.flow /= unit;
+        }
+    };
+    shorten(&mut case.definition.initial);
+    case.definition.flow_scale *= unit;
+    case.length /= unit;
+    for step in &mut case.path {
+        shorten(&mut step.state.pair);
+        step.increment.flow = step.increment.flow.map(|x| x / unit);
+        for rates in [&mut step.state.velocity, &mut step.state.acceleration] {
+            for (j, rate) in rates.iter_mut().enumerate() {
+                if !matches!(j % 7, 3..=5) {
+                    *rate /= unit;
+                }
+            }
+        }
+    }
+    case
+}
+
+/// At lengths from 1e-300 to 1e300, and where they overflow doubles, nothing is wrong or invalid in any type, and no mutant survives: what
+/// is beyond the range of doubles is undecided, and says so.
+#[test]
+fn lengths_at_the_ends_of_the_range_are_no_mismatch() {
+    let states = |name: &str, connection: &ConnectionType, unit: f64| {
+        let draw = &mut Draw::new(&format!("{name} {unit:e}"));
+        let case = draw_case(connection, Region::Misaligned, draw).unwrap();
+        let mut case = in_unit(&case, unit);
+        case.name = format!("{name} in units of {unit:e}");
+        (case.name.clone(), vec![case])
+    };
+    let units = [2.0_f64.powi(1000), 2.0_f64.powi(-1000), 2.0_f64.powi(-1022)];
+    let all: Vec<_> = TABLE.iter().flat_map(|of| units.map(|unit| states(&of.name, of, unit))).collect();
+    let report = audit_cases(&Settings { atlas: false, ..Settings::default() }, &all, &|_| {});
+    let page =
+        || crate::reports::text(|out, report| pintle::report::audit::human(out, report, 120, false), &report);
+    assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{}", page());
+    assert!(report.subjects.iter().any(|subject| subject.derivative == Verdict::Pass));
+    let open: Vec<_> = report.subjects.iter().flat_map(|subject| &subject.checks).collect();
+    for check in open.iter().filter(|check| check.verdict == Verdict::Undecided) {
+        assert!(!check.undecided.is_empty(), "{:?} {:?}", check.quantity, check.worst);
+    }
+}
+
 /// The verdict is the same in metres and millimetres, and in any axes: error and tolerance grow by the same factor, exactly so
 /// for a factor of 1024.
 #[test]
 fn units_and_axes_do_not_change_the_verdict() {
-    const FACTOR: f64 = 1024.0;
     for connection in TABLE {
         for case in cases(connection, Extent::Brief) {
-            let mut small = case.clone();
-            let shorten = |pair: &mut Pair<f64>| {
-                pair.reference = pair.reference.map(|x| x / FACTOR);
-                for node in [&mut pair.a, &mut pair.b] {
-                    node.displacement = node.displacement.map(|x| x / FACTOR);
-                    node.flow /= FACTOR;
-                }
-            };
-            shorten(&mut small.definition.initial);
-            small.definition.flow_scale *= FACTOR;
-            small.length /= FACTOR;
-            for step in &mut small.path {
-                shorten(&mut step.state.pair);
-                step.increment.flow = step.increment.flow.map(|x| x / FACTOR);
-                for rates in [&mut step.state.velocity, &mut step.state.acceleration] {
-                    for (j, rate) in rates.iter_mut().enumerate() {
-                        if !matches!(j % 7, 3..=5) {
-                            *rate /= FACTOR;
-                        }
-                    }
-                }
-            }
+            let small = in_unit(&case, 1024.0);
             let [(large, bound, near), (little, fine, same)] = [judged(&case), judged(&small)];
             assert_eq!(near, same);
             for quantity in Quantity::ALL {

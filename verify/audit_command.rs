@@ -294,7 +294,7 @@ fn slopes_of_what_is_not_given_are_undecided() {
     };
     let nothing = json!({ "temperature": null, "fields": [] });
     assert_eq!(verdict("", "100.", &[]), ("pass".into(), nothing.clone()));
-    let rows = "100., 20., 1.\n200., 40., 2.";
+    let rows = "100., , 20., 1.\n200., , 40., 2.";
     assert_eq!(verdict(", DEPENDENCIES=1", rows, &[]), ("undecided".into(), nothing));
     let (told, conditions) = verdict(", DEPENDENCIES=1", rows, &["--temperature", "30"]);
     assert_eq!((told.as_str(), &conditions["temperature"]), ("undecided", &json!(30.0)));

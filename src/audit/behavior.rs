@@ -2,6 +2,7 @@
 
 use super::bound::{C, U};
 use super::case::Case;
+use super::differences::FIRST_STEP;
 use super::engine::Settings;
 use super::failing::Failing;
 use super::mutant::Mistake;
@@ -17,9 +18,6 @@ use crate::behavior::{Conditions, Motion, Unknown};
 use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{Output, Request};
 use crate::scalar::{Real, Wide};
-
-/// The step of differences, in sizes of the motion.
-const STEP: f64 = 1e-25;
 
 /// Why slopes are undecided.
 const LACKS: &str = "a force depends on a temperature or field that is not given (--temperature, --fields; Settings::conditions)";
@@ -198,7 +196,7 @@ impl SlopesCase {
         let of = |(of_velocity, j): (bool, usize)| {
             let size = size(j, if of_velocity { motion.velocity[j] } else { motion.constitutive[j] });
             let both = |h: Wide| [forces(of_velocity, j, -h), forces(of_velocity, j, h)];
-            let h = Wide::from_f64(STEP * size);
+            let h = Wide::from_f64(FIRST_STEP * size);
             let [minus, plus] = both(h);
             let slope = [0, 1, 2, 3, 4, 5].map(|i| (plus[i] - minus[i]) / (h + h));
             if !on_kink {

@@ -63,6 +63,8 @@ pub fn scales(
 pub struct Bound {
     tolerance: Numbers<f64>,
     scale: Numbers<f64>,
+    /// Whether it rests on numbers of 237 bits, which do not overflow.
+    is_of_wide: bool,
 }
 
 impl Bound {
@@ -117,6 +119,17 @@ impl Bound {
             of.scale.set(quantity, scale);
         }
         of
+    }
+
+    /// The same from numbers of 237 bits, if so: what has no finite scale then is formed of numbers beyond the range of doubles.
+    #[must_use]
+    pub(super) fn of_wide(self, is_of_wide: bool) -> Self {
+        Self { is_of_wide, ..self }
+    }
+
+    /// Whether an entry is formed of numbers beyond the range of doubles.
+    pub(super) fn overflows(&self, quantity: Quantity, k: usize, i: usize) -> bool {
+        self.is_of_wide && !self.scale(quantity, k, i).is_finite()
     }
 
     /// How far an entry may be from the truth, where that is known.

@@ -25,26 +25,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::bound::Bound;
 use super::case::{Case, dof_size, moved};
 use super::certificate::certificate;
-use super::conditioned::Conditioned;
 use super::coverage::{Coverage, Lack};
-use super::diagnosis::Symptoms;
 use super::engine::{Settings, checks_of, spread};
+use super::examined::{Examined, Trusted};
 use super::model::{Finding, ModelReport};
-use super::mutant::{self, mutants};
 use super::near::{has_sites, near_initial};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
-use super::outcome::{Against, Check, Expected, Report, Subject};
+use super::outcome::{Against, Check, Expected, OVERFLOW, Report, Subject};
 use super::quantity::{Entries, Numbers, Quantity};
 use super::referee::Referee;
 use super::sample::{Draw, about_initial};
-use super::stage::invalid_stage;
 use super::truth::Truth;
-use super::verdict::{Score, Surroundings, Verdict, judge, try_mutants};
+use super::verdict::{Score, Surroundings, Verdict, judge};
 use crate::connector::{Components, Connector, Definition, NodalRow, State};
-use crate::measure::Unit;
 use crate::node::DOFS;
 use crate::scalar::elementary::norm;
 use crate::scene::{Diagnostic, Span};
@@ -238,59 +233,29 @@ impl<'a> Candidate<'a> {
         // On a singular set only the wide differences tell its two sides.
         let answers = (wide || nearness == 0.0).then(|| WideAnswers::of_kinematics(&truth));
         let of_components = truth.nearness_of_components();
-        let is_smooth = of_components.map(|near| near > 0.0);
-        let trusted = answers.as_ref().map_or(product, |answers| answers.trusted(&is_smooth));
-        let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
-        let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, &of_components);
-        let sides = (nearness == 0.0).then(|| truth.sides(&bound));
+        let trusted = match &answers {
+            Some(answers) => Trusted::Wide(answers.trusted(&of_components.map(|near| near > 0.0))),
+            None => Trusted::Others(product),
+        };
+        let examined = Examined::new(case, &given, trusted, &narrow, &of_components);
+        let Some(examined) = examined else { return checks };
+        let (bound, units) = (&examined.bound, &examined.units);
+        let sides = (nearness == 0.0).then(|| truth.sides(bound));
         let connector = case.connector();
         let connection = &self.definition.connection.name;
         let is_one_form = std::array::from_fn::<bool, 6, _>(|k| {
             connector.differentiated(k).is_some_and(|measure| measure.is_one_form())
         });
-        let units: [Option<Unit>; 6] =
-            std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
-        // A routine's numbers are not all there: what must be noticed of its derivatives is told of the product's.
-        let conditioned = Conditioned::new(&trusted, case, &units, &of_components);
-        let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
-        let turns = branch.turns.map(|turns| turns.turns);
-        // The same checks of the routine's numbers with a mistake in them, at the states on 237 bits.
-        let prove = |quantity: Quantity, answer: &Answer| {
-            if !wide {
-                return Score::default();
-            }
-            let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
-            let scene = mutant::Scene { numbers: &given, case, units, turns, scale: &scale };
-            let size = |i: usize| quantity.entry_size(i, case.length);
-            let size: (&dyn Fn(usize) -> f64, _) = (&size, &conditioned);
-            let mut made = mutants(quantity, &scene);
-            made.retain(|mutant| mutant.changes.iter().all(|(k, ..)| is_smooth[*k]));
-            try_mutants(quantity, given.entries(quantity), answer, &bound, size, &made)
-        };
         let referee = Referee::new(case, &self.settings, Some(&truth));
+        let locked = truth.locked();
+        let around =
+            Surroundings { bound, exact: None, nearness: of_components, sides: sides.as_ref(), locked };
         let mut compare = |quantity: Quantity, answer: &Answer| {
-            let got = given.entries(quantity);
-            let sides = sides.as_ref();
-            let locked = truth.locked();
-            let around = Surroundings { bound: &bound, exact: None, nearness: of_components, sides, locked };
-            let judgement = judge(quantity, got, answer, &around);
+            // Mutants of the routine's numbers, at the states on 237 bits.
+            let mut check = examined.check(quantity, answer, &around, (Some(&referee), wide));
             let may_lack = |k: usize| quantity == Quantity::Value && is_one_form[k];
-            let mut wanted = answer.numbers.iter().filter(|(k, ..)| !may_lack(*k));
-            let missing = wanted.find(|(k, i, _)| got.get(*k, *i).is_none());
-            let beyond = got.iter().find(|(k, ..)| units[*k].is_none());
-            let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
-            if let Some(why) = referee.excuse_of(answer.oracle, &judgement, (quantity, got), &around) {
-                check.add_excused(why, judgement.worst, judgement.compared as u64, &case.name);
-            } else {
-                check.add(judgement, prove(quantity, answer), case);
-                check.name_stage(|| invalid_stage(&step.state, &given));
-                let symptoms = Symptoms { quantity, got, want: &trusted, case, bound: &bound };
-                check.explain(&symptoms, &answer.numbers);
-            }
-            if let Some((k, i, _)) = missing {
-                check.misplaced(format!("{} is missing", quantity.entry_name(k, i)), f64::NAN, case);
-            }
-            if let Some((k, i, x)) = beyond {
+            examined.add_missing(&mut check, quantity, answer, may_lack);
+            if let Some((k, i, x)) = given.entries(quantity).iter().find(|(k, ..)| units[*k].is_none()) {
                 let name = quantity.entry_name(k, i);
                 let told = format!("{name} is given, and {connection} has no such component");
                 check.misplaced(told, x, case);
@@ -308,7 +273,7 @@ impl<'a> Candidate<'a> {
                 }
             }
             _ if asked(Oracle::NodalDual) && nearness > 0.0 => {
-                compare(Quantity::FirstDerivatives, &narrow.nodal_dual(&bound));
+                compare(Quantity::FirstDerivatives, &narrow.nodal_dual(bound));
             }
             _ => {}
         }
@@ -321,22 +286,22 @@ impl<'a> Candidate<'a> {
                 routine(&state).0
             },
             std::array::from_fn(|k| {
-                values[k].is_some() && rows[k].is_some() && is_smooth[k] && !is_one_form[k]
+                values[k].is_some() && rows[k].is_some() && examined.is_smooth[k] && !is_one_form[k]
             }),
             &|j| dof_size(j, case.length) * near,
             narrow.active(),
-            &bound,
+            bound,
         );
         if own.numbers.is_empty() {
             return checks;
         }
         let mut check = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
-        let locked = truth.locked();
-        let around =
-            Surroundings { bound: &bound, exact: None, nearness: of_components, sides: None, locked };
+        let around = Surroundings { sides: None, ..around };
         let judgement =
             judge(Quantity::FirstDerivatives, given.entries(Quantity::FirstDerivatives), &own, &around);
-        check.add(judgement, prove(Quantity::FirstDerivatives, &own), case);
+        let proves = wide && !judgement.verdict.is_mismatch();
+        let score = if proves { examined.score(Quantity::FirstDerivatives, &own) } else { Score::default() };
+        check.add(judgement, score, case);
         checks.push(check);
         checks
     }
@@ -384,13 +349,10 @@ impl Report {
 
     /// What was not decided of the numbers of each subject, and how to get a decision.
     fn open_claims(&self) -> Vec<String> {
-        const OVERFLOWN: &str = "where numbers overflow there is no finite tolerance; judge states at which they do not, or choose other units";
-        // An independent oracle answered, and nothing could be decided, for no reason that it gives.
+        // An independent oracle answered, and nothing could be decided.
         let is_beyond_range = |check: &Check| {
             matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
-                && check.compared > 0
-                && check.verdict == Verdict::Undecided
-                && check.undecided.is_empty()
+                && check.undecided.contains_key(OVERFLOW)
         };
         let mut found = Vec::new();
         for subject in &self.subjects {
@@ -405,15 +367,13 @@ impl Report {
                 tell(
                     "derivative",
                     if !lacking.is_empty() && subject.checks.iter().any(is_beyond_range) {
-                        OVERFLOWN.to_string()
+                        OVERFLOW.to_string()
                     } else if !lacking.is_empty() {
                         format!(
                             "no independent oracle judged its {}; put wide-differences among Settings::oracles, and let \
                              Settings::wide_states be 1 or more",
                             lacking.join(", ")
                         )
-                    } else if reasons.is_empty() {
-                        OVERFLOWN.to_string()
                     } else {
                         Vec::from_iter(reasons).join("; ")
                     },

@@ -15,14 +15,25 @@ use std::sync::LazyLock;
 pub struct Certificate {
     /// States at which JAX, with formulas of its own, gives the same values, rates, rows and second derivatives.
     pub jax_states: u64,
-    /// The page of the manual whose summary was typed a second time and agrees; it says what of it could not be read.
+    /// The page of the manual whose summary was typed a second time and agrees.
     pub manual_page: String,
+    /// What of it could not be read, if anything.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unread: Option<String>,
 }
 
 impl Certificate {
     /// Whether all that the declaration says was read in the manual.
     pub fn is_declaration_read(&self) -> bool {
-        !self.manual_page.is_empty() && !self.manual_page.contains("unread")
+        !self.manual_page.is_empty() && self.unread.is_none()
+    }
+
+    /// The page, and what of it could not be read.
+    pub fn source(&self) -> String {
+        match &self.unread {
+            Some(unread) => format!("{}; {unread} unread", self.manual_page),
+            None => self.manual_page.clone(),
+        }
     }
 }
 
@@ -44,6 +55,7 @@ pub fn certificate(connection: &ConnectionType) -> Option<Certificate> {
     Some(Certificate {
         jax_states: t.jax_states.min(r.jax_states),
         manual_page: format!("{} + {}", t.manual_page, r.manual_page),
+        unread: t.unread.iter().chain(&r.unread).cloned().reduce(|one, other| format!("{one}, {other}")),
     })
 }
 

@@ -1,32 +1,26 @@
 //! The audit: cases × quantities × oracles and laws, in parallel, gathered per connector.
 
 use super::atlas::{self, Approach};
-use super::bound::Bound;
 use super::case::Case;
 use super::certificate::{certificate, certifies_predefined};
-use super::conditioned::Conditioned;
-use super::diagnosis::Symptoms;
+use super::examined::{Examined, Trusted};
 use super::force::product_with_forces as product;
 use super::friction::{self, friction_cases};
 use super::golden::{audit_golden, states_of};
 use super::invariant::{self, Context, Invariant};
-use super::mutant::{self, Mistake, Mutant, mutants};
-use super::oracle::{Answer, Narrow, Oracle, WideAnswers, remainders};
+use super::mutant::{Mistake, Mutant};
+use super::oracle::{Answer, Narrow, Oracle, WideAnswers};
 use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::planted::Planted;
 use super::quantity::{Numbers, Quantity};
 use super::referee::Referee;
 use super::sample::{Draw, Extent, cases_drawn, random_case};
 use super::stage::invalid_stage;
+use super::sums::{hyper_dual, taylor};
 use super::truth::{Locked, Truth};
-use super::verdict::{
-    Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, decided, judge, try_along,
-    try_mutants,
-};
+use super::verdict::{Exact, Finding, Judgement, Score, Surroundings, Verdict};
 use crate::behavior::Conditions;
 use crate::catalog::{ConnectionType, TABLE};
-use crate::measure::Unit;
-use crate::node::DOFS;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -302,7 +296,7 @@ pub fn audit_case(case: &Case, settings: &Settings, wide: bool, index: usize) ->
     judge_numbers(case, &numbers, &narrow, settings, wide, index)
 }
 
-/// Judges numbers, the product's or another's, at the end of a case.
+/// Judges the product's numbers at the end of a case.
 fn judge_numbers(
     case: &Case,
     numbers: &Numbers<f64>,
@@ -314,51 +308,36 @@ fn judge_numbers(
     let mut checks = Vec::new();
     let Some(step) = case.last() else { return checks };
     let asked = |oracle: Oracle| settings.oracles.contains(&oracle);
-    // On a singular set differences on doubles have no step: only the wide ones tell its two sides.
-    let truth = (wide || narrow.nearness() == 0.0).then(|| Truth::of(case)).flatten();
+    // On a singular set differences on doubles have no step: only the wide ones tell its two sides. What is not finite is invalid, or
+    // beyond the range of doubles: only the wide numbers tell which.
+    let asks = wide || narrow.nearness() == 0.0 || invalid_stage(&step.state, numbers).is_some();
+    let truth = asks.then(|| Truth::of(case)).flatten();
     let answers = truth.as_ref().map(WideAnswers::of);
     let nearness = truth.as_ref().map_or_else(|| narrow.nearness(), Truth::nearness);
     // Of a component on its singular set there are no differences to trust; any other is judged as everywhere.
     let of_components =
         truth.as_ref().map_or_else(|| narrow.nearness_of_components(), Truth::nearness_of_components);
-    let locked = truth.as_ref().map_or_else(Locked::default, Truth::locked);
-    let is_smooth = of_components.map(|near| near > 0.0);
-    let trusted = answers.as_ref().map_or_else(|| numbers.clone(), |answers| answers.trusted(&is_smooth));
-    let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
-    let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, &of_components);
-    let scale = |quantity: Quantity| {
-        let bound = &bound;
-        move |k: usize, i: usize| bound.scale(quantity, k, i)
-    };
-    let connector = case.connector();
-    let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(|m| m.unit()));
-    let conditioned = Conditioned::new(numbers, case, &units, &of_components);
-    let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
-    let turns: [f64; 6] = std::array::from_fn(|k| branch.turns[k].turns);
-    let make = |quantity: Quantity| {
-        let scale = scale(quantity);
-        let mut made = mutants(quantity, &mutant::Scene { numbers, case, units, turns, scale: &scale });
-        made.retain(|mutant| mutant.changes.iter().all(|(k, ..)| is_smooth[*k]));
-        made
-    };
-    let sides = truth.as_ref().filter(|_| nearness == 0.0).map(|truth| truth.sides(&bound));
+    let trusted = answers.as_ref().map_or(Trusted::Own, |answers| {
+        Trusted::Wide(answers.trusted(&of_components.map(|near| near > 0.0)))
+    });
+    let Some(examined) = Examined::new(case, numbers, trusted, narrow, &of_components) else { return checks };
+    let bound = &examined.bound;
+    let sides = truth.as_ref().filter(|_| nearness == 0.0).map(|truth| truth.sides(bound));
     let rotations = AtRotations::new(case);
     let exact = |quantity: Quantity| rotations.exact(quantity);
     // 196 second derivatives take about as long as all that is done on doubles besides.
     let often = wide || index.is_multiple_of(SOMETIMES);
     let nested = (often && asked(Oracle::NestedDual)).then(|| narrow.nested_dual());
     let traced = asked(Oracle::Symbolic).then(|| narrow.symbolic());
-    let counts_from_rounding = narrow.undetermined_origins().iter().any(Option::is_some);
     let referee = Referee::new(case, settings, truth.as_ref());
     let around = Surroundings {
-        bound: &bound,
+        bound,
         exact: Some(&exact).filter(|_| answers.is_some()).map(|exact| exact as _),
         nearness: of_components,
         sides: sides.as_ref(),
-        locked,
+        locked: truth.as_ref().map_or_else(Locked::default, Truth::locked),
     };
     for quantity in Quantity::ALL {
-        let mut made: Option<Vec<Mutant>> = None;
         for oracle in Oracle::ALL.into_iter().filter(|oracle| oracle.answers(quantity) && asked(*oracle)) {
             let answer = match oracle {
                 Oracle::WideDifferences | Oracle::WideDual | Oracle::WideSymbolic => {
@@ -366,217 +345,49 @@ fn judge_numbers(
                     let answer = answers.answer(oracle, quantity);
                     answer.map(|answer| match oracle {
                         Oracle::WideDifferences => {
-                            Answer { error: truth.own_error(quantity, &bound), ..answer }
+                            Answer { error: truth.own_error(quantity, bound), ..answer }
                         }
                         _ => answer,
                     })
                 }
-                Oracle::NodalDual => Some(narrow.nodal_dual(&bound)),
+                Oracle::NodalDual => Some(narrow.nodal_dual(bound)),
                 Oracle::NestedDual | Oracle::Symbolic => {
                     let found = if oracle == Oracle::Symbolic { &traced } else { &nested };
                     let Some(numbers) = found.as_ref().map(|found| found.entries(quantity)) else { continue };
                     Some(match oracle {
-                        Oracle::Symbolic => Answer::traced(quantity, numbers, &bound, &of_components),
-                        _ => Answer::rounded(oracle, quantity, numbers, &bound),
+                        Oracle::Symbolic => Answer::traced(quantity, numbers, bound, &of_components),
+                        _ => Answer::rounded(oracle, quantity, numbers, bound),
                     })
                 }
-                _ => Some(narrow.differences(&bound)),
+                _ => Some(narrow.differences(bound)),
             };
             let Some(mut answer) = answer.filter(|answer| !answer.numbers.is_empty()) else { continue };
             if let Some(planted) = settings.planted.filter(|_| oracle.is_wide()) {
                 planted.blind(&mut answer);
             }
-            let got = numbers.entries(quantity);
-            let mut judgement = judge(quantity, got, &answer, &around);
-            if quantity == Quantity::Value && counts_from_rounding && judgement.verdict == Verdict::Pass {
-                judgement.verdict = Verdict::IllConditioned;
-            }
-            // A check that speaks has proved that it can; mutants are made of right numbers.
-            let is_wrong = judgement.verdict.is_mismatch();
-            if let Some(why) = referee.excuse_of(oracle, &judgement, (quantity, got), &around) {
-                let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
-                check.add_excused(why, judgement.worst, judgement.compared as u64, &case.name);
-                checks.push(check);
-                continue;
-            }
-            let proves = often && !is_wrong;
-            let score = if proves {
-                let made = made.get_or_insert_with(|| make(quantity));
-                let size = |i: usize| quantity.entry_size(i, case.length);
-                try_mutants(quantity, got, &answer, &bound, (&size, &conditioned), made)
-            } else {
-                Score::default()
-            };
-            let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
-            check.add(judgement, score, case);
-            check.name_stage(|| invalid_stage(&step.state, numbers));
-            if is_wrong {
-                // Without 237 bits, what is right is what the oracle says.
-                let told = answers.is_none().then(|| {
-                    let mut told = trusted.clone();
-                    told.set(quantity, got.map(|k, i, x| answer.numbers.get(k, i).map_or(x, Wanted::to_f64)));
-                    told
-                });
-                let want = told.as_ref().unwrap_or(&trusted);
-                check.explain(&Symptoms { quantity, got, want, case, bound: &bound }, &answer.numbers);
-            }
-            checks.push(check);
+            checks.push(examined.check(quantity, &answer, &around, (Some(&referee), often)));
         }
     }
     let draw = &mut Draw::new(&case.name);
-    let made = |quantity: Quantity| if often { make(quantity) } else { Vec::new() };
+    let made = |quantity: Quantity| if often { examined.mutants(quantity) } else { &[] };
     if asked(Oracle::Taylor) {
-        let of = |truth| taylor(case, numbers, truth, (&bound, &of_components), draw, &made);
-        checks.extend(truth.as_ref().and_then(of));
+        let made = made(Quantity::FirstDerivatives);
+        checks.extend(truth.as_ref().and_then(|truth| taylor(&examined, truth, &of_components, draw, made)));
     }
     if asked(Oracle::HyperDual) {
-        let mut of_sum = hyper_dual(case, numbers, narrow, (&bound, &is_smooth), draw, &made);
+        let mut of_sum = hyper_dual(&examined, narrow, draw, made(Quantity::SecondDerivatives));
         referee.hears(of_sum.as_mut_slice(), numbers, &around, &case.name);
         checks.extend(of_sum);
     }
     if often {
-        checks.extend(laws(case, numbers, &bound, wide, &make));
+        checks.extend(laws(&examined, wide));
     }
     checks
 }
 
-/// A random direction of the nodes: 1 rad, one length.
-fn direction(draw: &mut Draw, length: f64, active: &[bool; DOFS]) -> [f64; DOFS] {
-    let mut v = draw.rates(length);
-    for (x, active) in v.iter_mut().zip(active) {
-        if !active {
-            *x = 0.0;
-        }
-    }
-    v
-}
-
-/// Whether a sum, so many tolerances off, tells more than the worst known: one without a tolerance tells less than a wrong one, and
-/// more than a right one.
-fn is_worse((units, allowed): (f64, f64), worst: Option<&Finding>) -> bool {
-    let order = |units: f64, allowed: f64| (decided(0.0, allowed, units), units);
-    worst.is_none_or(|worst| order(units, allowed) > order(worst.units, worst.tolerance))
-}
-
-/// The verdict on the sum that is worst.
-fn of_sum(worst: Option<&Finding>) -> Verdict {
-    match worst {
-        Some(worst) => decided(worst.want, worst.tolerance, worst.units),
-        None => Verdict::Pass,
-    }
-}
-
-fn taylor(
-    case: &Case,
-    numbers: &Numbers<f64>,
-    truth: &Truth,
-    (bound, nearness): (&Bound, &[f64; 6]),
-    draw: &mut Draw,
-    make: &dyn Fn(Quantity) -> Vec<Mutant>,
-) -> Option<Check> {
-    let quantity = Quantity::FirstDerivatives;
-    let mut active = [false; DOFS];
-    for j in truth.active() {
-        active[j] = true;
-    }
-    let v = direction(draw, case.length, &active);
-    let rows = numbers.entries(quantity);
-    let mut worst: Option<Finding> = None;
-    let mut compared = 0;
-    let mut off = [None; 6];
-    for remainder in remainders(truth, rows, bound, &v, nearness) {
-        compared += 1;
-        off[remainder.component] = Some((remainder.off, remainder.allowed));
-        let (units, [largest, allowed]) = (remainder.units(), remainder.largest);
-        if is_worse((units, allowed), worst.as_ref()) {
-            worst = Some(Finding {
-                entry: format!("∂{}·v, {}", crate::catalog::COMPONENT[remainder.component], remainder.told()),
-                at: None,
-                demanded: None,
-                got: largest,
-                want: 0.0,
-                tolerance: allowed,
-                units,
-                one_sided: None,
-                lack: None,
-            });
-        }
-    }
-    let verdict = of_sum(worst.as_ref());
-    let mut check = Check::new(Some(quantity), Against::Oracle(Oracle::Taylor));
-    let score = match verdict {
-        Verdict::Pass => try_along(quantity, rows, &Along { weight: &|j| v[j], off }, &make(quantity)),
-        _ => Score::default(),
-    };
-    check.add(Judgement { verdict, worst, compared }, score, case);
-    (compared > 0).then_some(check)
-}
-
-fn hyper_dual(
-    case: &Case,
-    numbers: &Numbers<f64>,
-    narrow: &Narrow,
-    (bound, is_smooth): (&Bound, &[bool; 6]),
-    draw: &mut Draw,
-    make: &dyn Fn(Quantity) -> Vec<Mutant>,
-) -> Option<Check> {
-    let quantity = Quantity::SecondDerivatives;
-    let v = direction(draw, case.length, narrow.active());
-    let w = direction(draw, case.length, narrow.active());
-    let mut worst: Option<Finding> = None;
-    let mut compared = 0;
-    let rows = numbers.entries(quantity);
-    let weight = |i: usize| v[i / DOFS] * w[i % DOFS];
-    let mut off = [None; 6];
-    for (k, want) in narrow.hyper_dual(&v, &w).into_iter().enumerate().filter(|(k, _)| is_smooth[*k]) {
-        let (Some(want), Some(matrix)) = (want, &rows.0[k]) else { continue };
-        compared += 1;
-        let mut got = 0.0;
-        let mut allowed = 0.0;
-        for (i, entry) in matrix.iter().enumerate() {
-            let product = weight(i);
-            got += entry * product;
-            // Once for the product's entries, once for the oracle's.
-            allowed += 2.0 * bound.tolerance(quantity, k, i) * product.abs();
-        }
-        off[k] = Some((want - got, allowed));
-        let error = (got - want).abs();
-        let units = if error == 0.0 { 0.0 } else { error / allowed };
-        let units = if units.is_nan() { f64::INFINITY } else { units };
-        if is_worse((units, allowed), worst.as_ref()) {
-            worst = Some(Finding {
-                entry: format!("vᵀ ∂²{} w", crate::catalog::COMPONENT[k]),
-                at: None,
-                demanded: None,
-                got,
-                want,
-                tolerance: allowed,
-                units,
-                one_sided: None,
-                lack: None,
-            });
-        }
-    }
-    let verdict = of_sum(worst.as_ref());
-    let mut check = Check::new(Some(quantity), Against::Oracle(Oracle::HyperDual));
-    let score = match verdict {
-        Verdict::Pass => try_along(quantity, rows, &Along { weight: &weight, off }, &make(quantity)),
-        _ => Score::default(),
-    };
-    check.add(Judgement { verdict, worst, compared }, score, case);
-    (compared > 0).then_some(check)
-}
-
-/// Why a law is undecided.
-const OVERFLOW: &str = "numbers overflow, so that the law has no finite tolerance, or no finite sum";
-
-fn laws(
-    case: &Case,
-    numbers: &Numbers<f64>,
-    bound: &Bound,
-    wide: bool,
-    make: &dyn Fn(Quantity) -> Vec<Mutant>,
-) -> Vec<Check> {
+/// What relates the numbers to each other; with mutants of them where `wide`.
+fn laws(examined: &Examined<'_>, wide: bool) -> Vec<Check> {
+    let Examined { case, numbers, bound, .. } = examined;
     let mut checks = Vec::new();
     let Some(context) = Context::new(case, numbers, bound) else { return checks };
     let mut made: BTreeMap<Quantity, Vec<Mutant>> = BTreeMap::new();
@@ -603,16 +414,14 @@ fn laws(
                         Mistake::Scaled(delta) => delta == 1e-6,
                         _ => true,
                     };
-                    make(quantity).into_iter().filter(|mutant| coarse(mutant.mistake)).collect()
+                    let all = examined.mutants(quantity).iter();
+                    all.filter(|mutant| coarse(mutant.mistake)).cloned().collect()
                 });
                 score.merge(invariant::try_mutants(quantity, numbers, &demands, made));
             }
         }
         let mut check = Check::new(None, Against::Law(law));
         check.add(judgement, score, case);
-        if verdict == Verdict::Undecided {
-            check.undecided.insert(OVERFLOW.to_string(), 1);
-        }
         checks.push(check);
     }
     checks

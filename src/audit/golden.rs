@@ -3,21 +3,20 @@
 //! The numbers are those that `scripts/reference.py` and `scripts/reference_forces.py` wrote and `--check` recomputes
 //! (`verify/golden`): values, rows and rates at every state, second derivatives and geometric stiffness at some, each with an estimate
 //! of its own error. They are embedded as they are, three megabytes of text, of which a state is read when it is judged: a second copy
-//! of some of them would have to be kept in step, for less evidence. Elsewhere JAX says nothing.
+//! of some of them would have to be kept in step, for less evidence. Elsewhere JAX says nothing. The test suite reads the files by a reader of its
+//! own (`verify/golden.rs`), which takes no field that it does not know.
 
 use super::bound::{Bound, C, U};
 use super::case::{Case, Step};
-use super::conditioned::Conditioned;
 use super::engine::{AtRotations, Settings};
+use super::examined::{Examined, Trusted};
 use super::force::product_with_forces as product;
-use super::mutant::{self, mutants};
 use super::oracle::{Answer, Narrow, Oracle};
-use super::outcome::{Against, Check};
+use super::outcome::Check;
 use super::quantity::{Entries, Numbers, Quantity};
 use super::sheet::{Entry, Sheet};
-use super::stage::invalid_stage;
 use super::truth::Locked;
-use super::verdict::{Score, Surroundings, Wanted, judge, try_mutants};
+use super::verdict::{Surroundings, Wanted};
 use crate::catalog::{ConnectionType, FORCE, TABLE};
 use crate::connector::{Components, Definition, Increment, State};
 use crate::node::{DOF, DOFS, Node, Pair};
@@ -245,16 +244,11 @@ impl Golden {
     /// The checks of every quantity that JAX has here, each with mutants.
     fn audit(&self, settings: &Settings) -> Vec<Check> {
         let Self { case, given, .. } = self;
-        let (Some(mut numbers), Some(narrow), Some(step)) = (product(case), Narrow::of(case), case.last())
-        else {
-            return Vec::new();
-        };
+        let (Some(mut numbers), Some(narrow)) = (product(case), Narrow::of(case)) else { return Vec::new() };
         if let Some(planted) = settings.planted {
             planted.spoil(&mut numbers);
         }
         let nearness = narrow.nearness_of_components();
-        let is_smooth = nearness.map(|near| near > 0.0);
-        let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
         // The bound does not rest on the numbers that are judged: on what JAX says, else on dual numbers by the nodes, as far as either goes.
         let mut trusted = numbers.clone();
         let nested = narrow.nested_dual();
@@ -266,16 +260,12 @@ impl Golden {
             };
             trusted.set(quantity, numbers.entries(quantity).map(of));
         }
-        let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, &nearness);
-        let connector = case.connector();
-        let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
-        let conditioned = Conditioned::new(&numbers, case, &units, &nearness);
-        let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
-        let turns = branch.turns.map(|turns| turns.turns);
+        let examined = Examined::new(case, &numbers, Trusted::Others(trusted), &narrow, &nearness);
+        let Some(examined) = examined else { return Vec::new() };
         let rotations = AtRotations::new(case);
         let exact = |quantity: Quantity| rotations.exact(quantity);
         let around = Surroundings {
-            bound: &bound,
+            bound: &examined.bound,
             exact: Some(&exact),
             nearness,
             sides: None,
@@ -284,29 +274,11 @@ impl Golden {
         let mut checks = Vec::new();
         for quantity in Quantity::ALL {
             let Some(answer) = given.answer(quantity) else { continue };
-            let got = numbers.entries(quantity);
-            let judgement = judge(quantity, got, &answer, &around);
-            let missing = answer.numbers.iter().find(|(k, i, _)| got.get(*k, *i).is_none());
-            let mut score = Score::default();
-            if !judgement.verdict.is_mismatch() {
-                let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
-                let scene = mutant::Scene { numbers: &numbers, case, units, turns, scale: &scale };
-                let size = |i: usize| quantity.entry_size(i, case.length);
-                let mut made = mutants(quantity, &scene);
-                made.retain(|mutant| mutant.changes.iter().all(|(k, ..)| is_smooth[*k]));
-                score = try_mutants(quantity, got, &answer, &bound, (&size, &conditioned), &made);
-            }
-            let mut check = Check::new(Some(quantity), Against::Oracle(Oracle::Jax));
-            check.add(judgement, score, case);
-            check.name_stage(|| invalid_stage(&step.state, &numbers));
-            let symptoms = super::diagnosis::Symptoms { quantity, got, want: &trusted, case, bound: &bound };
-            check.explain(&symptoms, &answer.numbers);
-            if let Some((k, i, _)) = missing {
-                check.misplaced(format!("{} is missing", quantity.entry_name(k, i)), f64::NAN, case);
-            }
+            let mut check = examined.check(quantity, &answer, &around, (None, true));
+            examined.add_missing(&mut check, quantity, &answer, |_| false);
             checks.push(check);
         }
-        for sheet in self.force_sheets(&numbers, &bound) {
+        for sheet in self.force_sheets(&numbers, &examined.bound) {
             checks.push(sheet.check_against(Oracle::Jax, true, &case.name, Some(case)));
         }
         checks

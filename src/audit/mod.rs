@@ -25,7 +25,9 @@ pub mod conditioned;
 pub mod counterexample;
 pub mod coverage;
 pub mod diagnosis;
+mod differences;
 mod engine;
+mod examined;
 mod failing;
 mod force;
 pub mod friction;
@@ -57,6 +59,7 @@ mod slopes;
 mod stage;
 #[cfg(feature = "proptest")]
 pub mod strategies;
+mod sums;
 pub mod truth;
 pub mod verdict;
 

@@ -497,7 +497,7 @@ pub fn remainder_of(component: usize, over_h: &[(f64, f64)], allowed: f64, nearn
     /// Above ½ of the second derivatives, and above 4/3 of the higher ones, to leave room for what bends them between two steps and how
     /// they grow on the way to the singular set.
     const ROOM: f64 = 10.0;
-    let smooth = |h: f64| allowed + ROOM * (h + (h / nearness).powi(2)) * allowed / (C * U);
+    let smooth = |h: f64| allowed + ROOM * (h + (h / nearness).powi(2)) * (allowed / (C * U));
     let units = |&(h, r): &(f64, f64)| if r == 0.0 { 0.0 } else { r.abs() / smooth(h) };
     let exceeds = |x: f64, y: f64| x > y || x.is_nan();
     let mut worst = 0;

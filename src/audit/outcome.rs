@@ -83,6 +83,10 @@ pub struct Check {
     pub failing: Option<Box<Failing>>,
 }
 
+/// Why numbers that were compared, or a law, are undecided.
+pub(super) const OVERFLOW: &str = "numbers overflow, so that there is no finite tolerance, or no finite sum: judge states at which they do \
+     not, or choose other units";
+
 impl Check {
     pub(super) fn new(quantity: Option<Quantity>, against: Against) -> Self {
         Self {
@@ -138,7 +142,11 @@ impl Check {
         *self.undecided.entry(why.to_string()).or_default() += 1;
     }
 
+    /// Adds what was found at the end of a case.
     pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
+        if judgement.verdict == Verdict::Undecided {
+            *self.undecided.entry(OVERFLOW.to_string()).or_default() += 1;
+        }
         self.add_at(judgement, score, &case.name, Some(case));
     }
 

@@ -6,9 +6,10 @@
 
 use super::bound::Bound;
 use super::case::dof_size;
+use super::differences::{FIRST_STEP, SECOND_STEP};
 use super::quantity::{Entries, Numbers, Quantity};
 use super::sides::Sides;
-use super::truth::{FIRST_STEP, Place, SECOND_STEP, Truth};
+use super::truth::{Place, Truth};
 use crate::connector::Components;
 use crate::measure::Unit;
 use crate::node::DOFS;

@@ -11,39 +11,22 @@ use super::sides::Sides;
 use super::verdict::Verdict;
 use crate::scalar::{Scalar, Wide};
 
-/// The step of differences on 237 bits, in sizes of an input.
-pub(in crate::audit) const FIRST_STEP: f64 = 1e-25;
-
 /// Where one of its inputs has moved by some amount, what a function gives there.
 type At<'a, T, V> = Box<dyn Fn(usize, T) -> V + 'a>;
 
 /// A function with the slopes that are given for it. Slopes are by outputs, then by inputs.
 pub(in crate::audit) struct Slopes<'a> {
     pub(in crate::audit) quantity: Quantity,
-    /// The names of slopes are `∂{output}{over}∂{input}`.
-    pub(in crate::audit) outputs: Vec<String>,
-    pub(in crate::audit) over: &'static str,
-    pub(in crate::audit) inputs: Vec<String>,
-    /// What an input is measured by, positive.
-    pub(in crate::audit) sizes: Vec<f64>,
-    /// What each input is rounded by, in units of rounding: the number itself where it is given, its size where it is formed of others.
-    pub(in crate::audit) rounded: Vec<f64>,
+    /// What the slopes are of: `∂{output}/∂{input}`.
+    pub(in crate::audit) outputs: Vec<Output>,
+    /// What they are by.
+    pub(in crate::audit) inputs: Vec<Argument>,
+    /// Where the outputs are slopes themselves, `²{function}/∂{input}`, the matrices that they make, as sentences name them: `∂²{function}`.
+    pub(in crate::audit) matrices: Option<Vec<String>>,
     /// Which slopes must show a relative error of a billionth, whatever is allowed; none where that is not known.
     pub(in crate::audit) demanded: Vec<Vec<bool>>,
-    /// As if by how much an input were rounded besides, in units of rounding: what it is combined with may be larger than it is. Nothing
-    /// where it is combined with nothing.
-    pub(in crate::audit) beside: Vec<f64>,
-    /// How far an input may go while the function bends little: steps on doubles are parts of it.
-    pub(in crate::audit) reach: Vec<f64>,
-    /// The rows of the sheet, and what stands in their columns, as sentences name them; a matrix in one row has no columns.
-    pub(in crate::audit) rows: Vec<String>,
-    pub(in crate::audit) columns: Vec<String>,
     /// The class of each slope.
     pub(in crate::audit) class: fn(usize, usize) -> (usize, usize, usize),
-    /// Outputs with the same number share what they are computed from: each is as uncertain as the largest of them.
-    pub(in crate::audit) kinds: Vec<usize>,
-    /// The magnitude of what each output is formed from.
-    pub(in crate::audit) magnitudes: Vec<f64>,
     /// The slopes given.
     pub(in crate::audit) got: Vec<Vec<f64>>,
     /// The step of differences on 237 bits, in sizes.
@@ -60,6 +43,52 @@ pub(in crate::audit) struct Slopes<'a> {
     pub(in crate::audit) mistaken: Vec<(Mistake, Vec<Vec<f64>>)>,
     /// The same function where what presses is held, of a friction.
     pub(in crate::audit) held: Option<Held<'a>>,
+}
+
+/// What a function gives.
+pub(in crate::audit) struct Output {
+    pub(in crate::audit) name: String,
+    /// The magnitude of what it is formed from.
+    pub(in crate::audit) magnitude: f64,
+    /// Outputs with the same number share what they are computed from: each is as uncertain as the largest of them.
+    pub(in crate::audit) kind: usize,
+}
+
+/// What a function depends on.
+pub(in crate::audit) struct Argument {
+    pub(in crate::audit) name: String,
+    /// What it is measured by, positive.
+    pub(in crate::audit) size: f64,
+    /// How far it may go while the function bends little: steps on doubles are parts of it.
+    pub(in crate::audit) reach: f64,
+    /// What it is rounded by, in units of rounding: the number itself where it is given, its size where it is formed of others; and more
+    /// where it is combined with what is larger than it is.
+    pub(in crate::audit) rounded: f64,
+}
+
+impl Output {
+    /// Outputs of those names, each formed of what has that magnitude and is of that kind.
+    pub(in crate::audit) fn list(of: impl IntoIterator<Item = (impl Into<String>, f64, usize)>) -> Vec<Self> {
+        of.into_iter().map(|(name, magnitude, kind)| Self { name: name.into(), magnitude, kind }).collect()
+    }
+}
+
+impl Argument {
+    /// Inputs of those names, sizes and reaches, rounded as their sizes are, and by what they are combined with besides.
+    pub(in crate::audit) fn list<N: AsRef<str>>(
+        names: &[N],
+        sizes: &[f64],
+        reach: &[f64],
+        beside: impl Fn(usize) -> f64,
+    ) -> Vec<Self> {
+        let of = |(j, ((name, size), reach)): (usize, ((&N, &f64), &f64))| Self {
+            name: name.as_ref().to_string(),
+            size: *size,
+            reach: *reach,
+            rounded: size + beside(j),
+        };
+        names.iter().zip(sizes).zip(reach).enumerate().map(of).collect()
+    }
 }
 
 /// A function of which some inputs only press, while that is held: the mistake of a tangent without the coupling to what presses.
@@ -126,7 +155,8 @@ impl Slopes<'_> {
         for (i, output) in self.outputs.iter().enumerate() {
             for (j, input) in self.inputs.iter().enumerate() {
                 let (want, error, sides) = at(i, j);
-                let name = format!("∂{output}{}∂{input}", self.over);
+                let over = if self.matrices.is_some() { "" } else { "/" };
+                let name = format!("∂{}{over}∂{}", output.name, input.name);
                 let (got, scale) = (self.got[i][j], scales.entries[i][j]);
                 let class = (self.class)(i, j);
                 let is_demanded = self.demanded.get(i).and_then(|row| row.get(j)) == Some(&true);
@@ -139,7 +169,14 @@ impl Slopes<'_> {
             }
         }
         let mut sheet = Sheet::new(self.quantity);
-        (sheet.rows, sheet.columns, sheet.entries) = (self.rows.clone(), self.columns.clone(), entries);
+        sheet.entries = entries;
+        match &self.matrices {
+            Some(matrices) => sheet.rows.clone_from(matrices),
+            None => {
+                sheet.rows = self.outputs.iter().map(|output| format!("∂{}", output.name)).collect();
+                sheet.columns = self.inputs.iter().map(|input| input.name.clone()).collect();
+            }
+        }
         let is_kink = |place: &usize| sheet.entries.get(*place).is_some_and(|entry| entry.sides.is_some());
         let of = |(mistake, wrong): &(Mistake, Vec<Vec<f64>>)| Change {
             mistake: *mistake,
@@ -177,7 +214,7 @@ impl Slopes<'_> {
         let (m, n) = (self.outputs.len(), self.inputs.len());
         let mut slopes = vec![vec![Wide::zero(); n]; m];
         for j in (0..n).filter(|j| (0..m).any(|i| known(i, *j).is_none())) {
-            let h = Wide::from_f64(self.step * self.sizes[j]);
+            let h = Wide::from_f64(self.step * self.inputs[j].size);
             let (plus, minus) = (held(j, h), held(j, -h));
             for i in 0..m {
                 slopes[i][j] = (plus[i] - minus[i]) / (h + h);
@@ -188,7 +225,7 @@ impl Slopes<'_> {
 
     /// The slopes along an input by differences with a step, in its size, and both sides.
     fn along(&self, still: &[Wide], j: usize, step: f64) -> Vec<(Wide, Sides)> {
-        let h = Wide::from_f64(step * self.sizes[j]);
+        let h = Wide::from_f64(step * self.inputs[j].size);
         let (plus, minus) = ((self.wide)(j, h), (self.wide)(j, -h));
         let sides = |i: usize| Sides::known([(still[i] - minus[i]) / h, (plus[i] - still[i]) / h]);
         (0..self.outputs.len()).map(|i| ((plus[i] - minus[i]) / (h + h), sides(i))).collect()
@@ -247,23 +284,23 @@ impl Slopes<'_> {
         const STEP: f64 = 1e-5;
         let (m, n) = (self.outputs.len(), self.inputs.len());
         let own = |i: usize| {
-            let slopes = self.got[i].iter().zip(&self.sizes).map(|(slope, size)| slope.abs() * size);
-            self.magnitudes[i] + slopes.sum::<f64>()
+            let slopes = self.got[i].iter().zip(&self.inputs).map(|(slope, input)| slope.abs() * input.size);
+            self.outputs[i].magnitude + slopes.sum::<f64>()
         };
         let own: Vec<f64> = (0..m).map(own).collect();
         let of_kind = |i: usize| {
-            let alike = (0..m).filter(|other| self.kinds[*other] == self.kinds[i]);
+            let alike = (0..m).filter(|other| self.outputs[*other].kind == self.outputs[i].kind);
             alike.map(|other| own[other]).fold(0.0, f64::max)
         };
         let values: Vec<f64> = (0..m).map(of_kind).collect();
         let mut entries: Vec<Vec<f64>> =
-            values.iter().map(|f| self.sizes.iter().map(|size| f / size).collect()).collect();
+            values.iter().map(|f| self.inputs.iter().map(|input| f / input.size).collect()).collect();
         for l in 0..n {
-            let rounded = self.rounded[l] + self.beside.get(l).copied().unwrap_or(0.0);
+            let Argument { rounded, reach, .. } = self.inputs[l];
             if rounded == 0.0 {
                 continue;
             }
-            let h = STEP * self.reach[l];
+            let h = STEP * reach;
             let (plus, minus) = ((self.slopes)(l, h), (self.slopes)(l, -h));
             for i in 0..m {
                 for j in 0..n {
@@ -285,7 +322,7 @@ impl Slopes<'_> {
         let mut found = vec![vec![(f64::NAN, f64::INFINITY); n]; m];
         for j in 0..n {
             let sides = LADDER.map(|h| {
-                let h = h * self.reach[j];
+                let h = h * self.inputs[j].reach;
                 ((self.narrow)(j, h), (self.narrow)(j, -h), h)
             });
             for i in 0..m {
@@ -332,7 +369,7 @@ impl Slopes<'_> {
         let still = (self.wide)(0, Wide::zero());
         let mut smooth = vec![true; self.outputs.len()];
         for j in 0..self.inputs.len() {
-            let noise = |i: usize| NOISE * values[i] / (self.step * self.sizes[j]);
+            let noise = |i: usize| NOISE * values[i] / (self.step * self.inputs[j].size);
             for (smooth, (_, sides)) in smooth.iter_mut().zip(self.kinked(&still, j, &noise)) {
                 *smooth &= sides.is_none();
             }

@@ -8,6 +8,7 @@
 
 use super::bound::Bound;
 use super::case::{Case, dof_size, exact_branch, exact_state, moved};
+use super::differences::{self, FIRST_STEP, NOISE, SECOND_STEP};
 use super::quantity::{Entries, Numbers, Quantity, request};
 use crate::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
@@ -17,11 +18,6 @@ use crate::node::{self, DOFS, Pair};
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
 use crate::vector::{Matrix, product, sub, transpose, transposed_product};
 use std::sync::OnceLock;
-
-pub(super) const FIRST_STEP: f64 = 1e-25;
-pub(super) const SECOND_STEP: f64 = 1e-18;
-/// A hundred roundings of 237 bits.
-const NOISE: f64 = 6e-70;
 
 /// A case on 237-bit numbers, from the same doubles.
 pub struct Truth {
@@ -385,25 +381,17 @@ impl Truth {
 
     /// The speed of the fastest degree of freedom, in its sizes.
     pub(super) fn speed(&self) -> f64 {
-        (0..DOFS).fold(0.0_f64, |most, j| {
-            let size = dof_size(j, self.length);
-            let (v, a) = (self.state.velocity[j].to_f64() / size, self.state.acceleration[j].to_f64() / size);
-            most.max(v.abs()).max(a.abs().sqrt())
-        })
+        differences::speed(&self.state.velocity, &self.state.acceleration, |j| dof_size(j, self.length))
     }
 
     /// How far the degrees of freedom move in a time: q̇ t + q̈ t²/2.
     pub(super) fn carried_on(&self, t: Wide) -> NodalRow<Wide> {
-        std::array::from_fn(|j| {
-            self.state.velocity[j] * t + self.state.acceleration[j] * t * t / Wide::integer(2)
-        })
+        differences::carried_on(&self.state.velocity, &self.state.acceleration, t)
     }
 
     /// The steps in time of first and second differences of a component: 1e-25 δ, and 1e-18 √δ as that of second derivatives.
     fn times(&self, k: usize, speed: f64) -> [f64; 2] {
-        let near = if self.of_components[k] > 0.0 { self.of_components[k] } else { 1.0 };
-        let of = |step: f64| if speed > 0.0 { step / speed } else { step };
-        [of(FIRST_STEP * near), of(SECOND_STEP * near.sqrt())]
+        differences::times(self.of_components[k], speed)
     }
 
     /// Rate and acceleration: values at ±h along q(t) = q̇ t + q̈ t²/2, which turns the nodes by exp(q_θ(t)^), differenced. Each
@@ -440,8 +428,7 @@ impl Truth {
                 rate[k] = Some(vec![(plus - minus) / (first_step + first_step)]);
             }
             if let (Some(plus), Some(minus), Some(middle)) = (far[k], far_behind[k], still[k]) {
-                acceleration[k] =
-                    Some(vec![((plus - middle) - (middle - minus)) / (second_step * second_step)]);
+                acceleration[k] = Some(vec![differences::acceleration([minus, middle, plus], second_step)]);
             }
         }
         [Entries(rate), Entries(acceleration)]

@@ -254,6 +254,8 @@ pub(super) struct Point {
     pub(super) is_open: bool,
     /// Of a derivative whose two sides differ there: what one of them lacks, if anything.
     pub(super) sides: Option<Option<&'static str>>,
+    /// Whether it is formed of numbers beyond the range of doubles.
+    pub(super) overflows: bool,
 }
 
 /// What is formed of derivatives that do not exist.
@@ -270,7 +272,8 @@ const LOCKED_SCALE: f64 = std::f64::consts::TAU;
 /// kink from what may stand there, in units of what is `allowed`.
 ///
 /// A component that is not on a singular set is judged as everywhere, whatever the others of its connector do. On one, a value exists,
-/// and of derivatives what their sides show. Nothing is decided where what is allowed, or what it must be, is no number.
+/// and of derivatives what their sides show. Nothing is decided where what is allowed, or what it must be, is no number: what is not
+/// finite there is no error of a formula, and anywhere else it is invalid.
 pub(super) fn verdict_of_entry(
     quantity: Quantity,
     (got, want): (f64, f64),
@@ -280,7 +283,8 @@ pub(super) fn verdict_of_entry(
 ) -> (Verdict, Option<&'static str>) {
     let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
     if !got.is_finite() {
-        return (Verdict::Invalid, None);
+        let is_lost = at.overflows || want.is_infinite();
+        return (if is_lost { Verdict::Undecided } else { Verdict::Invalid }, None);
     }
     match decided(want, allowed, units) {
         Verdict::Pass => match at.sides {
@@ -342,7 +346,9 @@ pub fn judge(
             let units = want.units(*x, allowed);
             coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
             let is_open = around.nearness[k] == 0.0 && around.sides_of(quantity, k, i).is_none();
-            let at = Point { is_open, sides: kink.map(Sides::lack) };
+            // On a singular set there is no finite scale either.
+            let overflows = around.nearness[k] > 0.0 && around.bound.overflows(quantity, k, i);
+            let at = Point { is_open, sides: kink.map(Sides::lack), overflows };
             let (verdict, lack) = match verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at) {
                 (Verdict::Wrong, _) if around.is_locked(quantity, k) => (Verdict::Singular, Some(KEPT)),
                 other => other,

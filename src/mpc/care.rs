@@ -1,6 +1,6 @@
 //! What needs care at a state: singular sets and how near they are, violations of the axes, turns that are not certain.
 
-use super::{Constraint, Evaluation, RHO, ROWS, Rows, State, Turning, angle_between};
+use super::{Constraint, Evaluation, Kind, RHO, ROWS, Rows, State, Turning, angle_between};
 use crate::connector::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, Flag, ILL_CONDITIONED, Turns};
 use crate::measure::{Margin, Unit};
 use crate::scalar::elementary::norm;
@@ -73,8 +73,7 @@ impl Constraint<f64> {
         let mut flags = Vec::new();
         let Margins { angles, rows } = self.margins(state, evaluation);
         let names = self.kind.entry().angles;
-        // The three equations of rotation share their set.
-        let once = rows.into_iter().enumerate().filter(|(row, _)| *row <= RHO);
+        let once = rows.into_iter().enumerate().filter(|(row, _)| Kind::flagged_row(*row) == *row);
         let named = once.map(|(row, margin)| (self.kind.row_name(row), margin));
         let of_angles = names.iter().copied().zip(angles);
         for (component, margin) in of_angles.chain(named) {

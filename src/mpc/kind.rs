@@ -298,6 +298,14 @@ impl Kind {
         if row >= 3 && row < 6 { Unit::Angle } else { Unit::Length }
     }
 
+    /// The equation by whose name flags tell of an equation's singular set: the three of rotation share theirs.
+    pub(crate) const fn flagged_row(row: usize) -> usize {
+        match Self::row_unit(row) {
+            Unit::Angle => super::RHO,
+            _ => row,
+        }
+    }
+
     /// The degrees of freedom that enter it.
     pub fn columns(self, flow: bool) -> [bool; DOFS] {
         let entry = self.entry();

@@ -57,6 +57,18 @@ pub fn recip<S: Scalar>(x: S) -> S {
     inverse_one_plus(x.nilpotent().scale(inverse)).scale(inverse)
 }
 
+/// x / y for y ≠ 0, of quotients alone: no power of 1 / y underflows or overflows that the result does not have; at y = 0 the value and
+/// the derivatives, which do not exist, are 0.
+#[inline(always)]
+pub(crate) fn ratio<S: Scalar>(x: S, y: S) -> S {
+    let inverse = y.real().reciprocal_or_zero();
+    let scaled = x.scale(inverse);
+    if S::ORDER == 0 {
+        return scaled;
+    }
+    scaled * inverse_one_plus(y.nilpotent().scale(inverse))
+}
+
 /// 1 / (1 + r) = 1 − r + r² … for nilpotent r.
 #[inline(always)]
 fn inverse_one_plus<S: Scalar>(r: S) -> S {

@@ -16,8 +16,9 @@
 //! second order, of which the first says nothing. By how much an entry was changed is added to its uncertainty.
 
 use super::krylov::Named;
-use super::noise::{self, NONE, Probes, Roundings, mix, random};
+use super::noise::{self, NONE, Probes, Roundings, random};
 pub(super) use super::sparse::Sparse;
+use crate::audit::sample::splitmix64;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashSet};
@@ -456,7 +457,7 @@ fn reduce(row: &mut Row, pivot: &Row, at: u32, roundings: &Roundings, spare: &mu
     let slope: Probes =
         std::array::from_fn(|i| (of_row.probes[i] - narrow * of_pivot.probes[i]) / of_pivot.value as f32);
     // The rounding of the factor is that of the whole row; each product and difference has one of its own.
-    let step = mix(mix(u64::from(row.name) << 32 | u64::from(pivot.name)) ^ u64::from(at));
+    let step = splitmix64(splitmix64(u64::from(row.name) << 32 | u64::from(pivot.name)) ^ u64::from(at));
     let taking = Taking { factor, narrow, slope, common: random(step), step, roundings };
     row.right -= factor * pivot.right;
     let mut largest = 0.0_f64;

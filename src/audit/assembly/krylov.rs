@@ -21,6 +21,7 @@ use super::found::{SECOND_ORDER, allowed};
 use super::noise::random;
 use super::redundant::EXPLAINED;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// The probability that the least singular value is smaller than certified.
 const MISSED: f64 = 6e-12;
@@ -38,26 +39,26 @@ const SHARED: usize = 50_000;
 /// A vector that stands for a row or column.
 pub(super) type Named = (u32, Vec<f64>);
 
-/// A matrix by rows.
-struct Compressed {
-    offsets: Vec<usize>,
-    indices: Vec<u32>,
-    values: Vec<f64>,
+/// A matrix by rows: the entries of one that is given, or of its transpose.
+struct Compressed<'a> {
+    offsets: Cow<'a, [usize]>,
+    indices: Cow<'a, [u32]>,
+    values: Cow<'a, [f64]>,
 }
 
-impl Compressed {
+impl<'a> Compressed<'a> {
     fn rows(&self) -> usize {
         self.offsets.len() - 1
     }
 
-    fn of(matrix: &Sparse) -> Self {
-        let (offsets, indices) = (matrix.offsets.clone(), matrix.columns.clone());
-        Self { offsets, indices, values: matrix.values.clone() }
+    fn of(matrix: &'a Sparse) -> Self {
+        let Sparse { offsets, columns, values, .. } = matrix;
+        Self { offsets: offsets.into(), indices: columns.into(), values: values.into() }
     }
 
-    fn transposed(&self, width: usize) -> Self {
+    fn transposed(&self, width: usize) -> Compressed<'static> {
         let mut offsets = vec![0; width + 1];
-        for column in &self.indices {
+        for column in self.indices.iter() {
             offsets[*column as usize + 1] += 1;
         }
         for column in 0..width {
@@ -73,7 +74,7 @@ impl Compressed {
                 *place += 1;
             }
         }
-        Self { offsets, indices, values }
+        Compressed { offsets: offsets.into(), indices: indices.into(), values: values.into() }
     }
 
     /// The product with a vector.
@@ -101,8 +102,8 @@ impl Compressed {
 
 /// A matrix M of p rows with its transpose, and what may still be spent on it.
 struct Both<'a> {
-    by_rows: &'a Compressed,
-    by_columns: &'a Compressed,
+    by_rows: &'a Compressed<'a>,
+    by_columns: &'a Compressed<'a>,
     /// A bound of the largest eigenvalue of M Mᵀ.
     top: f64,
     left: &'a mut u64,

@@ -9,6 +9,8 @@
 //! Roundings must be told apart, each with directions of its own: were those of two entries taken for one, they would cancel where the
 //! entries are subtracted, and what rounding left would look certain.
 
+use crate::audit::sample::splitmix64;
+
 /// The number of random directions.
 const PROBES: usize = 4;
 /// The number of random directions of roundings that are told apart.
@@ -20,18 +22,10 @@ pub(super) type Probes = [f32; PROBES];
 /// Of a number that is what it is.
 pub(super) const NONE: Probes = [0.0; PROBES];
 
-/// A number of the sequence of splitmix64.
-pub(super) fn mix(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
 /// Four random numbers, nearly normal: sums of four uniform ones.
 pub(super) fn random(seed: u64) -> Probes {
     std::array::from_fn(|i| {
-        let bits = mix(seed.wrapping_mul(PROBES as u64).wrapping_add(i as u64));
+        let bits = splitmix64(seed.wrapping_mul(PROBES as u64).wrapping_add(i as u64));
         let sum: i32 = (0..4).map(|part| i32::from((bits >> (16 * part)) as u16)).sum();
         (sum - 2 * 65_535) as f32 * (3.0_f32.sqrt() / 65_536.0)
     })
@@ -57,7 +51,7 @@ pub(super) struct Roundings {
 
 impl Roundings {
     pub(super) fn new() -> Self {
-        Self { table: (0..TABLE as u64).map(|k| random(mix(k))).collect() }
+        Self { table: (0..TABLE as u64).map(|k| random(splitmix64(k))).collect() }
     }
 
     /// That of one rounding; those of neighbouring numbers are not the same.

@@ -507,11 +507,11 @@ impl<'a> System<'a> {
             Origin::Equation(Equation { source, component }) => {
                 let name = match source {
                     Source::Connector(_) => COMPONENT[*component],
-                    Source::Mpc(index) => self.model.mpcs[*index].constraint.kind().row_name(*component),
+                    Source::Mpc(index) => {
+                        self.model.mpcs[*index].constraint.kind().row_name(Kind::flagged_row(*component))
+                    }
                 };
                 flagged.contains(&(*source, name))
-                    // The three equations of rotation of a constraint share their set, which is named once.
-                    || matches!(source, Source::Mpc(_)) && name.starts_with('ρ') && flagged.contains(&(*source, "ρ1"))
             }
         };
         (0..).zip(&self.origins).filter(|(_, origin)| is_flagged(origin)).map(|(row, _)| row).collect()

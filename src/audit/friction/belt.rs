@@ -7,6 +7,7 @@ use super::criterion::{PARTS, magnitudes, parts};
 use super::increment::{branch_of, exact_state, forced};
 use super::solve::{Unsolved, root};
 use super::{Judged, checks, reach};
+use crate::audit::differences::{FIRST_STEP, SECOND_STEP};
 use crate::audit::engine::Settings;
 use crate::audit::failing::Failing;
 use crate::audit::mutant::Mistake;
@@ -14,15 +15,13 @@ use crate::audit::oracle::Oracle;
 use crate::audit::outcome::Check;
 use crate::audit::quantity::Quantity;
 use crate::audit::sheet::{Change, Entry, Sheet};
-use crate::audit::slopes::{FIRST_STEP, Held, Slopes};
+use crate::audit::slopes::{Argument, Held, Output, Slopes};
 use crate::behavior::Conditions;
 use crate::behavior::friction::{
     Belt, BeltInput, BeltTangent, Branch, Derivatives, FLOW, Ordered, Outcome, State, Status, StickStiffness,
 };
 use crate::scalar::elementary::exp;
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
-
-const SECOND_STEP: f64 = 1e-18;
 
 /// What an increment of a belt depends on.
 const INPUTS: [&str; 5] = ["Δu2", "T1", "T2", "α", "Δt"];
@@ -109,21 +108,14 @@ impl BeltCase {
         let gradients_of = |all: [Derivatives<f64>; 4]| all.map(|part| part.gradient[..3].to_vec()).to_vec();
         // min(T1, T2) (exp(μ α) − 1) is of the size of the tensions.
         let magnitudes = magnitudes(&values);
+        let inputs = || Argument::list(&POINT, &sizes, &reach(&point, &sizes), |_| 0.0);
         let gradients = Slopes {
             quantity: Quantity::FrictionGradient,
-            outputs: PARTS.map(String::from).to_vec(),
-            over: "/",
-            rows: PARTS.map(|part| format!("∂{part}")).to_vec(),
-            columns: POINT.map(String::from).to_vec(),
-            class: |_, j| (0, j / 2, 0),
-            inputs: POINT.map(String::from).to_vec(),
-            sizes: sizes.to_vec(),
-            rounded: sizes.to_vec(),
+            outputs: Output::list((0..4).map(|p| (PARTS[p], magnitudes[p], p))),
+            inputs: inputs(),
+            matrices: None,
             demanded: Vec::new(),
-            beside: Vec::new(),
-            reach: reach(&point, &sizes),
-            kinds: vec![0, 1, 2, 3],
-            magnitudes: magnitudes.clone(),
+            class: |_, j| (0, j / 2, 0),
             got: gradients_of(got),
             step: FIRST_STEP,
             wide: Box::new(|k, h| self.values(self.point(k, h), coefficient).to_vec()),
@@ -141,26 +133,20 @@ impl BeltCase {
         // Where a part has a kink it has no second derivatives.
         let are_smooth = gradients.are_smooth();
         let smooth: Vec<usize> = (0..4).filter(|p| are_smooth[*p]).collect();
-        let named = |(p, k): (usize, usize)| format!("²{}/∂{}", PARTS[p], POINT[k]);
+        let output = |(n, (p, k)): (usize, &(usize, usize))| {
+            (format!("²{}/∂{}", PARTS[*p], POINT[*k]), scales[*p] / sizes[*k], n)
+        };
         let all: Vec<(usize, usize)> = smooth.iter().flat_map(|p| (0..3).map(|k| (*p, k))).collect();
         let hessian_of = |found: [Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
             all.iter().map(|(p, k)| found[*p].hessian[*k][..3].to_vec()).collect()
         };
         let hessians = Slopes {
             quantity: Quantity::FrictionHessian,
-            outputs: all.iter().copied().map(named).collect(),
-            over: "",
-            rows: smooth.iter().map(|p| format!("∂²{}", PARTS[*p])).collect(),
-            columns: Vec::new(),
-            class: |i, j| (0, i % 3 / 2, j / 2),
-            inputs: POINT.map(String::from).to_vec(),
-            sizes: sizes.to_vec(),
-            rounded: sizes.to_vec(),
+            outputs: Output::list(all.iter().enumerate().map(output)),
+            inputs: inputs(),
+            matrices: Some(smooth.iter().map(|p| format!("∂²{}", PARTS[*p])).collect()),
             demanded: Vec::new(),
-            beside: Vec::new(),
-            reach: reach(&point, &sizes),
-            kinds: (0..all.len()).collect(),
-            magnitudes: all.iter().map(|(p, k)| scales[*p] / sizes[*k]).collect(),
+            class: |i, j| (0, i % 3 / 2, j / 2),
             got: hessian_of(got),
             step: SECOND_STEP,
             wide: Box::new(|l, h| {
@@ -240,19 +226,11 @@ impl BeltCase {
         let force = |outcome: &Outcome<f64>| vec![outcome.force[FLOW]];
         let slopes = Slopes {
             quantity: Quantity::FrictionTangent,
-            outputs: vec!["CSF2".into()],
-            over: "/",
-            rows: vec!["∂CSF2".into()],
-            columns: INPUTS.map(String::from).to_vec(),
-            class: |_, j| (0, [0, 1, 1, 2, 3][j], 0),
-            inputs: INPUTS.map(String::from).to_vec(),
-            rounded: sizes.clone(),
-            sizes,
+            outputs: Output::list([("CSF2", outcome.force[FLOW].abs(), 0)]),
+            inputs: Argument::list(&INPUTS, &sizes, &reaches, |_| 0.0),
+            matrices: None,
             demanded: Vec::new(),
-            beside: Vec::new(),
-            reach: reaches,
-            kinds: vec![0],
-            magnitudes: vec![outcome.force[FLOW].abs()],
+            class: |_, j| (0, [0, 1, 1, 2, 3][j], 0),
             got,
             step: FIRST_STEP,
             wide: Box::new(|j, h| vec![belt.update(&before, &self.input(j, h), on).force[FLOW]]),

@@ -1,17 +1,16 @@
 //! P, F_C, F_N and Φ at given forces, with first and second derivatives.
 
 use super::{FrictionCase, Judged, group_sizes, reach};
+use crate::audit::differences::{FIRST_STEP, SECOND_STEP};
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::oracle::Oracle;
 use crate::audit::quantity::Quantity;
 use crate::audit::sheet::{Change, Entry, Sheet};
-use crate::audit::slopes::{FIRST_STEP, Slopes};
+use crate::audit::slopes::{Argument, Output, Slopes};
 use crate::behavior::friction::{Criterion, Derivatives, Ordered, Point, Tangential};
 use crate::catalog::FORCE;
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
-
-const SECOND_STEP: f64 = 1e-18;
 
 /// What is judged of a criterion, by name.
 pub(super) const PARTS: [&str; 4] = ["P", "F_C", "F_N", "Φ"];
@@ -138,6 +137,16 @@ impl FrictionCase {
         found
     }
 
+    /// The forces at the point, which are given, and rounded so.
+    fn inputs(&self, sizes: &[f64; 6]) -> Vec<Argument> {
+        let (reach, beside) = (reach(&self.point, sizes), self.beside_shift());
+        let mut inputs = Argument::list(&FORCE, sizes, &reach, |_| 0.0);
+        for (j, input) in inputs.iter_mut().enumerate() {
+            input.rounded = self.point[j].abs() + beside[j];
+        }
+        inputs
+    }
+
     pub(super) fn criterion_sheets(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
         let criterion = &self.friction.criterion;
         let sizes = self.point_sizes();
@@ -148,26 +157,18 @@ impl FrictionCase {
             .map(|(mistake, criterion)| (Mistake::from(mistake), self.derivatives(&criterion, &self.point)))
             .collect();
         let named = |part: &str| format!("{part}{}", self.title);
-        let inputs = || FORCE.map(String::from).to_vec();
+        let magnitudes = self.part_magnitudes(&got.map(|part| part.value));
         let values = got.map(|part| part.value);
         let gradient_of = |all: &[Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
             all.iter().map(|part| part.gradient.to_vec()).collect()
         };
         let gradients = Slopes {
             quantity: Quantity::FrictionGradient,
-            outputs: PARTS.map(named).to_vec(),
-            over: "/",
-            rows: PARTS.map(|part| format!("∂{}", named(part))).to_vec(),
-            columns: inputs(),
-            class: |_, j| (0, j / 3, 0),
-            inputs: inputs(),
-            sizes: sizes.to_vec(),
-            rounded: self.point.map(f64::abs).to_vec(),
+            outputs: Output::list((0..4).map(|p| (named(PARTS[p]), magnitudes[p], p))),
+            inputs: self.inputs(&sizes),
+            matrices: None,
             demanded: self.demanded(&got, &sizes),
-            beside: self.beside_shift(),
-            reach: reach(&self.point, &sizes),
-            kinds: vec![0, 1, 2, 3],
-            magnitudes: self.part_magnitudes(&values),
+            class: |_, j| (0, j / 3, 0),
             got: gradient_of(&got),
             step: FIRST_STEP * self.clear(&sizes),
             wide: Box::new(|k, h| self.values(&self.moved(k, h)).to_vec()),
@@ -216,29 +217,17 @@ impl FrictionCase {
         let hessian_of = |all: &[Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
             smooth.iter().flat_map(|p| all[*p].hessian.map(|row| row.to_vec())).collect()
         };
-        let mut outputs = Vec::new();
-        let mut magnitudes = Vec::new();
-        for p in smooth {
-            for k in 0..6 {
-                outputs.push(format!("²{}{}/∂{}", PARTS[*p], self.title, FORCE[k]));
-                magnitudes.push(scales[*p] / sizes[k]);
-            }
-        }
+        let all = smooth.iter().flat_map(|p| (0..6).map(|k| (*p, k))).enumerate();
+        let output = |(n, (p, k)): (usize, (usize, usize))| {
+            (format!("²{}{}/∂{}", PARTS[p], self.title, FORCE[k]), scales[p] / sizes[k], n)
+        };
         let hessians = Slopes {
             quantity: Quantity::FrictionHessian,
-            over: "",
-            rows: smooth.iter().map(|p| format!("∂²{}{}", PARTS[*p], self.title)).collect(),
-            columns: Vec::new(),
-            class: |i, j| (0, i % 6 / 3, j / 3),
-            inputs: FORCE.map(String::from).to_vec(),
-            sizes: sizes.to_vec(),
-            rounded: self.point.map(f64::abs).to_vec(),
+            outputs: Output::list(all.map(output)),
+            inputs: self.inputs(&sizes),
+            matrices: Some(smooth.iter().map(|p| format!("∂²{}{}", PARTS[*p], self.title)).collect()),
             demanded: Vec::new(),
-            beside: self.beside_shift(),
-            reach: reach(&self.point, &sizes),
-            kinds: (0..outputs.len()).collect(),
-            outputs,
-            magnitudes,
+            class: |i, j| (0, i % 6 / 3, j / 3),
             got: hessian_of(got),
             step: self.second_step(&sizes),
             wide: Box::new(|k, h| {

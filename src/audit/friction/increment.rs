@@ -6,12 +6,13 @@
 use super::solve::{STEPS, Unsolved, is_converged, linear, root};
 use super::{FrictionCase, Judged, force_sizes, group_sizes, kind, reach};
 use crate::audit::bound::{C, U};
+use crate::audit::differences::FIRST_STEP;
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::oracle::Oracle;
 use crate::audit::quantity::Quantity;
 use crate::audit::sheet::{Change, Entry, Sheet};
-use crate::audit::slopes::{FIRST_STEP, Held, Slopes};
+use crate::audit::slopes::{Argument, Held, Output, Slopes};
 use crate::behavior::friction::{
     Branch, Context, Flag, Friction, Input, Outcome, Partial, State, Status, StickStiffness, Tangent,
     Tangential,
@@ -172,22 +173,17 @@ impl FrictionCase {
         let inputs = inputs.chain(FORCE.map(String::from)).chain(["Δt".to_string()]);
         let inputs: Vec<String> = inputs.collect();
         let update = |j: usize, h: Wide| friction.update(&before, &self.input(j, h), on);
+        let (magnitudes, beside) = (self.magnitudes(&outcome), self.beside(&outcome));
         let slopes = Slopes {
             quantity: Quantity::FrictionTangent,
-            outputs: (0..RESULTS).map(|i| format!("{}{}", names(i), self.title)).collect(),
-            over: "/",
-            rows: (0..RESULTS).map(|i| format!("∂{}{}", names(i), self.title)).collect(),
-            columns: inputs.clone(),
-            class: |i, j| (kind(i), j / 3, 0),
-            inputs,
-            sizes: sizes.to_vec(),
-            rounded: sizes.to_vec(),
-            demanded: Vec::new(),
-            beside: self.beside(&outcome),
-            reach: reaches.to_vec(),
             // The forces share what they are returned from: each is as uncertain as the largest of its kind.
-            kinds: vec![0, 0, 0, 1, 1, 1, 2, 3, 4],
-            magnitudes: self.magnitudes(&outcome),
+            outputs: Output::list(
+                (0..RESULTS).map(|i| (format!("{}{}", names(i), self.title), magnitudes[i], kind(i))),
+            ),
+            inputs: Argument::list(&inputs, &sizes, &reaches, |j| beside[j]),
+            matrices: None,
+            demanded: Vec::new(),
+            class: |i, j| (kind(i), j / 3, 0),
             got,
             step: FIRST_STEP,
             wide: Box::new(|j, h| results(&update(j, h)).to_vec()),

@@ -1,7 +1,7 @@
 //! Equations solved on 237 bits by Newton's method, from the product's solution on: an oracle of its own, which says where it has no
 //! answer.
 
-use crate::audit::slopes::FIRST_STEP;
+use crate::audit::differences::FIRST_STEP;
 use crate::behavior::friction::Flag;
 use crate::scalar::{Scalar, Wide};
 

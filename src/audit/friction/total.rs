@@ -5,10 +5,11 @@
 
 use super::increment::{branch_of, exact_state, forced};
 use super::{Judged, group_sizes, reach};
+use crate::audit::differences::FIRST_STEP;
 use crate::audit::engine::Settings;
 use crate::audit::mutant::Mistake;
 use crate::audit::quantity::Quantity;
-use crate::audit::slopes::{FIRST_STEP, Held, Slopes};
+use crate::audit::slopes::{Argument, Held, Output, Slopes};
 use crate::behavior::friction::{self, BeltInput, Branch, Context, FLOW, Input, Ordered};
 use crate::behavior::state::{Behavior, Outcome};
 use crate::behavior::{Beyond, Conditions, Motion, Slip, Tangent, Wrap};
@@ -298,19 +299,11 @@ impl Total<'_> {
         };
         let slopes = Slopes {
             quantity: Quantity::ConsistentTangent,
-            outputs: rows.iter().map(|k| FORCE[*k].to_string()).collect(),
-            over: "/",
-            rows: rows.iter().map(|k| format!("∂{}", FORCE[*k])).collect(),
-            columns: inputs.clone(),
-            class: |i, j| (i, j / 3, 0),
-            inputs,
-            rounded: sizes.clone(),
-            sizes,
+            outputs: Output::list(rows.iter().map(|k| (FORCE[*k], still[*k].abs(), k / 3))),
+            inputs: Argument::list(&inputs, &sizes, &reach, |_| 0.0),
+            matrices: None,
             demanded: Vec::new(),
-            beside: Vec::new(),
-            reach,
-            kinds: rows.iter().map(|k| k / 3).collect(),
-            magnitudes: rows.iter().map(|k| still[*k].abs()).collect(),
+            class: |i, j| (i, j / 3, 0),
             got,
             step: FIRST_STEP,
             wide: Box::new(|j, h| pick(self.forces(j, h, branch_of))),

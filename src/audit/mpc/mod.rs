@@ -8,6 +8,7 @@ mod mistakes;
 
 use super::bound::scales;
 use super::case::turn;
+use super::differences::{self, FIRST_STEP, NOISE, SECOND_STEP};
 use super::engine::Settings;
 use super::failing::Failing;
 use super::oracle::Oracle;
@@ -25,11 +26,6 @@ use crate::mpc::{
 };
 use crate::scalar::{Real, Scalar, Wide};
 use crate::vector::{self, add, product, sub};
-
-/// The step of first differences, in sizes of the degree of freedom.
-const FIRST_STEP: f64 = 1e-25;
-/// The step of second differences, in sizes of the degree of freedom, or in time.
-const SECOND_STEP: f64 = 1e-18;
 
 /// A constraint at a state.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -359,8 +355,6 @@ impl Truth {
     /// How far differences are off by rounding on 237 bits, of an equation with such a scale: next to nothing but very close to singular
     /// sets, and where a tolerance is zero.
     fn own_error(&self, quantity: Quantity, scale: f64, row: usize) -> f64 {
-        /// A hundred roundings.
-        const NOISE: f64 = 6e-70;
         let extent = if row < 3 { self.sizes[XS] } else { 1.0 };
         let noise = NOISE * scale.max(extent);
         let [first, second] = self.times();
@@ -443,10 +437,7 @@ impl Truth {
 
     /// The values after a time along q(t) = q̇ t + q̈ t²/2.
     fn after(&self, t: Wide) -> Rows<Wide> {
-        let half = Wide::integer(2);
-        self.values(&std::array::from_fn(|j| {
-            self.state.velocity[j] * t + self.state.acceleration[j] * t * t / half
-        }))
+        self.values(&differences::carried_on(&self.state.velocity, &self.state.acceleration, t))
     }
 
     /// Rates and accelerations, by differences along that.
@@ -465,23 +456,23 @@ impl Truth {
         let still = self.values(&[Wide::zero(); DOFS]);
         let (ahead, behind) = (self.after(h), self.after(-h));
         std::array::from_fn(|row| {
-            let middle = still[row]?;
-            Some(((ahead[row]? - middle) - (middle - behind[row]?)) / (h * h))
+            Some(differences::acceleration([behind[row]?, still[row]?, ahead[row]?], h))
         })
     }
 
     /// The time in which the fastest degree of freedom moves by its size.
     fn time(&self) -> f64 {
-        let fastest = (0..DOFS).fold(0.0_f64, |most, j| {
-            let [v, a] = [self.state.velocity[j], self.state.acceleration[j]].map(|x| x.to_f64().abs());
-            most.max(v / self.sizes[j]).max((a / self.sizes[j]).sqrt())
-        });
+        let fastest = self.speed();
         if fastest > 0.0 { 1.0 / fastest } else { 1.0 }
     }
 
-    /// The steps of first and second differences in time: parts of that, 1e-25 δ and 1e-18 √δ.
+    /// The speed of the fastest degree of freedom, in its sizes.
+    fn speed(&self) -> f64 {
+        differences::speed(&self.state.velocity, &self.state.acceleration, |j| self.sizes[j])
+    }
+
+    /// The steps of first and second differences in time.
     fn times(&self) -> [f64; 2] {
-        let (near, time) = (self.near(), self.time());
-        [FIRST_STEP * near * time, SECOND_STEP * near.sqrt() * time]
+        differences::times(self.near(), self.speed())
     }
 }

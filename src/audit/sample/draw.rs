@@ -6,6 +6,17 @@ use crate::scalar::Real;
 use crate::vector::{Matrix, Vector, scale};
 use std::f64::consts::PI;
 
+/// By what the state of splitmix64 grows.
+const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// The number of the sequence of splitmix64 that follows a state.
+pub(in crate::audit) const fn splitmix64(state: u64) -> u64 {
+    let mut z = state.wrapping_add(STEP);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
 /// A reproducible stream of numbers (splitmix64), seeded by a name (FNV-1a): the same on every machine and in every version.
 #[derive(Clone, Debug)]
 pub struct Draw {
@@ -35,11 +46,9 @@ impl Draw {
 
     /// Uniform in [0, 1).
     pub fn unit(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        let drawn = splitmix64(self.state);
+        self.state = self.state.wrapping_add(STEP);
+        (drawn >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// Uniform in [low, high).

@@ -8,6 +8,7 @@ mod domain;
 mod draw;
 mod region;
 
+pub(super) use draw::splitmix64;
 pub(super) use region::rates;
 
 pub use domain::{Turning, about_1, about_3, aligned, is_in_table, needs_length, spin_axis, turning, types};

@@ -227,7 +227,8 @@ impl Belt {
             (Status::Free, None) | (Status::Slip, None) => (S::zero(), abs(input.flow)),
             (Status::Free, Some(stick)) => (S::zero(), abs(stretched(stick))),
             (Status::Slip, Some(stick)) => {
-                let increment = self.slip(held, input, stretched(stick), &stick, &mut flags);
+                let stretched = (stretched(stick), excess.real() / stick.stiffness().real());
+                let increment = self.slip(held, input, stretched, &stick, &mut flags);
                 let (_, limit, _) = self.limit(held, input, increment, &mut flags);
                 (limit.value().scale(sign), increment)
             }
@@ -264,8 +265,15 @@ impl Belt {
         }
     }
 
-    /// Δγ from |F_tr|/K − Δγ = L(Δγ)/K.
-    fn slip<S>(&self, held: S, input: &BeltInput<'_, S>, trial: S, stick: &Stick<S>, flags: &mut Flags) -> S
+    /// Δγ from |F_tr|/K − Δγ = L(Δγ)/K, of |F_tr|/K and what of it is beyond L(0)/K as the forces have it.
+    fn slip<S>(
+        &self,
+        held: S,
+        input: &BeltInput<'_, S>,
+        (trial, beyond): (S, S::Real),
+        stick: &Stick<S>,
+        flags: &mut Flags,
+    ) -> S
     where
         S: Scalar,
         S::Real: Ordered + Differentiable,
@@ -290,7 +298,13 @@ impl Belt {
         let rates = self.coefficient.rates().into_iter();
         let breaks = rates.filter_map(|rate| Some(S::Real::from_f64(rate) * duration?));
         let limit = |slip: S| stick.stretch_at(&self.limit(held, input, slip, &mut Flags::default()).1);
-        slip_increment(trial, breaks, along, limit, flags)
+        let at_rest = limit(S::zero());
+        let excess = (trial - at_rest).with_real(beyond);
+        let rise_and_slope = |slip: S::Real| {
+            let (limit, slope) = along(slip);
+            (limit - at_rest.real(), slope)
+        };
+        slip_increment(excess, trial.real(), breaks, rise_and_slope, |slip| limit(slip) - at_rest, flags)
     }
 }
 

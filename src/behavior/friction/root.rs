@@ -5,31 +5,33 @@ use super::{Ordered, is_finite, is_zero};
 use crate::scalar::{Differentiable, Real, Scalar};
 use std::cmp::Ordering;
 
-/// Δγ from p − Δγ = ℓ(Δγ), the first one met from stick, with its derivatives: p = P(f_tr)/K, ℓ = L/K.
+/// Δγ from p − ℓ(0) − Δγ = ℓ(Δγ) − ℓ(0), the first one met from stick, with its derivatives: p = P(f_tr)/K, ℓ = L/K.
 ///
-/// `limit_and_slope` is ℓ and dℓ/dΔγ on real numbers, smooth between `breaks`; `limit` is ℓ on the scalar.
+/// `excess` is p − ℓ(0), positive, and `most` is p. `rise_and_slope` is ℓ − ℓ(0) and dℓ/dΔγ on real numbers, smooth between `breaks`;
+/// `rise` is the first on the scalar.
 pub(super) fn slip_increment<S>(
-    trial: S,
+    excess: S,
+    most: S::Real,
     breaks: impl Iterator<Item = S::Real>,
-    limit_and_slope: impl Fn(S::Real) -> (S::Real, S::Real),
-    limit: impl Fn(S) -> S,
+    rise_and_slope: impl Fn(S::Real) -> (S::Real, S::Real),
+    rise: impl Fn(S) -> S,
     flags: &mut Flags,
 ) -> S
 where
     S: Scalar,
     S::Real: Ordered + Differentiable,
 {
-    let (most, one) = (trial.real(), S::Real::integer(1));
+    let one = S::Real::integer(1);
     let root = first_root(&sorted(breaks, most), most, |slip| {
-        let (limit, slope) = limit_and_slope(slip);
-        (most - slip - limit, -(one + slope))
+        let (rise, slope) = rise_and_slope(slip);
+        (excess.real() - slip - rise, -(one + slope))
     });
-    let fall = one + limit_and_slope(root).1;
+    let fall = one + rise_and_slope(root).1;
     if !S::Real::integer(0).less(fall) {
         flags.add(Flag::Unstable);
     }
     let there = S::from_real(root);
-    there + (trial - there - limit(there)).scale(fall.reciprocal_or_zero())
+    there + (excess - there - rise(there)).scale(fall.reciprocal_or_zero())
 }
 
 /// The first root in [0, most] of a function that is positive at 0 and not at `most`, given with its slope; by Newton's method,
@@ -179,7 +181,7 @@ mod tests {
         assert_eq!(counted(8.0, |x| (8.0 - x, -1.0)).0, 8.0);
     }
 
-    /// 6/K − x = (4 − 3 exp(−x/2))/K: the slope of the limit counts among the steps and in the derivatives, 1/(K + L′) by the trial
+    /// (6 − 1)/K − x = (3 − 3 exp(−x/2))/K: the slope of the limit counts among the steps and in the derivatives, 1/(K + L′) by the trial
     /// force and −x/(K + L′) by the stiffness.
     #[test]
     fn slips_have_their_derivatives() {
@@ -189,13 +191,14 @@ mod tests {
         let mut flags = Flags::default();
         let flexibility = recip(Number::seed(2.0, 1));
         let slip = slip_increment(
-            Number::seed(6.0, 0) * flexibility,
+            (Number::seed(6.0, 0) - Number::one()) * flexibility,
+            3.0,
             [].into_iter(),
             |x: f64| {
                 count.set(count.get() + 1);
-                (2.0 - steep(x), 0.5 * steep(x))
+                (1.5 - steep(x), 0.5 * steep(x))
             },
-            |x: Number| (Number::from_real(4.0) - exp(x.scale(-0.5)).scale(3.0)) * flexibility,
+            |x: Number| (Number::one() - exp(x.scale(-0.5))).scale(3.0) * flexibility,
             &mut flags,
         );
         let x = slip.real();
@@ -212,8 +215,8 @@ mod tests {
     fn a_limit_that_falls_faster_is_told() {
         for (fall, is_unstable) in [(0.5, false), (1.0, true), (2.0, true)] {
             let mut flags = Flags::default();
-            let limit = |x: f64| 1.0 - fall * x;
-            slip_increment(1.5, [].into_iter(), |x| (limit(x), -fall), limit, &mut flags);
+            let rise = |x: f64| -fall * x;
+            slip_increment(0.5, 1.5, [].into_iter(), |x| (rise(x), -fall), rise, &mut flags);
             assert_eq!(flags.into_vec(), if is_unstable { vec![Flag::Unstable] } else { vec![] }, "{fall}");
         }
     }

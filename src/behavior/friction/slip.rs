@@ -79,16 +79,24 @@ where
     }
 
     /// P is a norm: f = (L/P(f_tr)) f_tr and p(t_tr) − Δγ = ℓ(Δγ).
-    pub(super) fn radial(&self, flags: &mut Flags) -> Slip<S> {
+    ///
+    /// `excess` is P(f_tr) − L(0) as the forces have it, by which slip was told from stick: derivatives are those of p − ℓ(0).
+    pub(super) fn radial(&self, excess: S::Real, flags: &mut Flags) -> Slip<S> {
         let mut scaled = [S::zero(); 6];
         for (k, radius) in self.radii {
             scaled[*k] = self.trial[*k].scale(S::Real::integer(1) / *radius);
         }
+        let at_rest = self.limit_stretch(S::zero(), &mut Flags::default());
+        let magnitude = norm(scaled);
         let increment = slip_increment(
-            norm(scaled),
+            (magnitude - at_rest).with_real(excess / self.stick.stiffness().real()),
+            magnitude.real(),
             self.breaks(),
-            |slip| self.limit_and_slope(slip),
-            |slip| self.limit_stretch(slip, &mut Flags::default()),
+            |slip| {
+                let (limit, slope) = self.limit_and_slope(slip);
+                (limit - at_rest.real(), slope)
+            },
+            |slip| self.limit_stretch(slip, &mut Flags::default()) - at_rest,
             flags,
         );
         let limit = self.limit(increment, flags).value();
@@ -230,6 +238,20 @@ where
             (t, increment, here, error) = found;
             if is_zero(error) {
                 break;
+            }
+        }
+        // What is tiny beside other unknowns is as exact as they are only after a step that their rounding hides.
+        if !is_zero(error)
+            && let Some(step) = here.equations.solve(&here.residual)
+        {
+            let mut last = t;
+            for (i, (k, _)) in self.radii.iter().enumerate() {
+                last[*k] = here.stretch.stepped(*k, last[*k], step[i]);
+            }
+            let slip = increment - step[self.radii.len()] * size;
+            let left = size_of(&self.linearised(potential, (size, scale), &last, slip));
+            if !(error + error).less(left) {
+                (t, increment, error) = (last, slip, left);
             }
         }
         let is_solved = error.less(S::Real::from_f64(SOLVED)) && !increment.less(zero);

@@ -431,7 +431,7 @@ impl Friction {
                     radii: &radii,
                 };
                 match &self.criterion.tangential {
-                    Tangential::Norm(_) => problem.radial(&mut flags),
+                    Tangential::Norm(_) => problem.radial(excess.real(), &mut flags),
                     Tangential::Potential(potential) => problem.against(potential, &mut flags),
                 }
             }

@@ -5,6 +5,7 @@ use super::summary::{
     LEGEND, Outcome, Row, detectable, headline, outcome, self_test as tested, sides, symbols, telling,
     undecided,
 };
+use crate::audit::certificate::Certificate;
 use crate::audit::{Against, Approach, Check, Comparison, Report, Subject, Verdict};
 use crate::catalog::COMPONENT;
 use crate::grammar::{agree, count};
@@ -77,9 +78,12 @@ fn word(verdict: Verdict) -> String {
 
 /// Why declarations are undecided: once for each reason.
 fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
-    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let mut reasons: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
-        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
+        let page = subject
+            .certificate
+            .as_ref()
+            .map_or_else(|| "never typed a second time".to_string(), Certificate::source);
         let names = reasons.entry(page).or_default();
         if !names.contains(&subject.name.as_str()) {
             names.push(&subject.name);

@@ -4,6 +4,7 @@ use super::drawing::name_of;
 use super::figure::{self, Bin, Curve, LogPlot, Map, Place, STYLE};
 use super::{Supplement, drawing};
 use crate::audit::assembly::Assembly;
+use crate::audit::certificate::Certificate;
 use crate::audit::coverage::Histogram;
 use crate::audit::model::{ModelReport, Nearest};
 use crate::audit::oracle::Shares;
@@ -587,7 +588,10 @@ fn verdict_row(subject: &Subject) -> VerdictRow {
 fn undecided(report: &Report) -> Vec<String> {
     let open = report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided);
     let line = |subject: &Subject| {
-        let page = subject.certificate.as_ref().map_or("never typed a second time", |c| &c.manual_page);
+        let page = subject
+            .certificate
+            .as_ref()
+            .map_or_else(|| "never typed a second time".to_string(), Certificate::source);
         format!("{}: declaration undecided: {page}", full_name(subject))
     };
     let mut lines: Vec<String> = open.map(line).collect();

@@ -1,0 +1,160 @@
+//! Numbers at the end of a case, the product's or another's, and how they are compared with what an oracle says: the verdict, the mutants
+//! that prove that the comparison would have spoken, and the reason where they are wrong.
+
+use super::bound::Bound;
+use super::case::Case;
+use super::conditioned::Conditioned;
+use super::diagnosis::Symptoms;
+use super::mutant::{self, Mutant, mutants};
+use super::oracle::{Answer, Narrow};
+use super::outcome::{Against, Check};
+use super::quantity::{Numbers, Quantity};
+use super::referee::Referee;
+use super::stage::invalid_stage;
+use super::verdict::{Score, Surroundings, Verdict, Wanted, judge, try_mutants};
+use crate::connector::State;
+use crate::measure::Unit;
+use std::cell::OnceCell;
+
+/// What the tolerances rest on.
+pub(super) enum Trusted {
+    /// Numbers of 237 bits.
+    Wide(Numbers<f64>),
+    /// Other numbers than those that are judged.
+    Others(Numbers<f64>),
+    /// The numbers that are judged.
+    Own,
+}
+
+/// Numbers at the end of a case.
+pub(super) struct Examined<'a> {
+    pub(super) case: &'a Case,
+    pub(super) numbers: &'a Numbers<f64>,
+    /// What the bound rests on, as numbers.
+    pub(super) trusted: Numbers<f64>,
+    pub(super) bound: Bound,
+    /// The units of the components, where there is one.
+    pub(super) units: [Option<Unit>; 6],
+    /// Which components are on no singular set.
+    pub(super) is_smooth: [bool; 6],
+    state: &'a State<f64>,
+    is_own: bool,
+    conditioned: Conditioned,
+    turns: [f64; 6],
+    /// Whether a displacement counts from an origin that rounding decided.
+    counts_from_rounding: bool,
+    /// Every mistake in a quantity, once it is asked for.
+    made: [OnceCell<Vec<Mutant>>; Quantity::ALL.len()],
+}
+
+impl<'a> Examined<'a> {
+    /// `None` of an empty case; `nearness` is that of each component.
+    pub(super) fn new(
+        case: &'a Case,
+        numbers: &'a Numbers<f64>,
+        trusted: Trusted,
+        narrow: &Narrow,
+        nearness: &[f64; 6],
+    ) -> Option<Self> {
+        let step = case.last()?;
+        let (is_wide, is_own) = (matches!(trusted, Trusted::Wide(_)), matches!(trusted, Trusted::Own));
+        let trusted = match trusted {
+            Trusted::Wide(numbers) | Trusted::Others(numbers) => numbers,
+            Trusted::Own => numbers.clone(),
+        };
+        let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
+        let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, nearness);
+        let connector = case.connector();
+        let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
+        let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
+        Some(Self {
+            case,
+            numbers,
+            conditioned: Conditioned::new(&trusted, case, &units, nearness),
+            trusted,
+            bound: bound.of_wide(is_wide),
+            units,
+            is_smooth: nearness.map(|near| near > 0.0),
+            state: &step.state,
+            is_own,
+            turns: branch.turns.map(|turns| turns.turns),
+            counts_from_rounding: narrow.undetermined_origins().iter().any(Option::is_some),
+            made: Default::default(),
+        })
+    }
+
+    /// Every mistake in a quantity, of components that are on no singular set.
+    pub(super) fn mutants(&self, quantity: Quantity) -> &[Mutant] {
+        self.made[quantity as usize].get_or_init(|| {
+            let Self { case, numbers, units, turns, bound, .. } = self;
+            let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
+            let scene = mutant::Scene { numbers, case, units: *units, turns: *turns, scale: &scale };
+            let mut made = mutants(quantity, &scene);
+            made.retain(|mutant| mutant.changes.iter().all(|(k, ..)| self.is_smooth[*k]));
+            made
+        })
+    }
+
+    /// Whether a comparison with an answer would have noticed them.
+    pub(super) fn score(&self, quantity: Quantity, answer: &Answer) -> Score {
+        let size = |i: usize| quantity.entry_size(i, self.case.length);
+        let got = self.numbers.entries(quantity);
+        let sizes: (&dyn Fn(usize) -> f64, _) = (&size, &self.conditioned);
+        try_mutants(quantity, got, answer, &self.bound, sizes, self.mutants(quantity))
+    }
+
+    /// The check of a quantity against an answer; with mutants where it `proves`. What the referee excuses is undecided.
+    pub(super) fn check(
+        &self,
+        quantity: Quantity,
+        answer: &Answer,
+        around: &Surroundings<'_>,
+        (referee, proves): (Option<&Referee<'_>>, bool),
+    ) -> Check {
+        let got = self.numbers.entries(quantity);
+        let mut check = Check::new(Some(quantity), Against::Oracle(answer.oracle));
+        let mut judgement = judge(quantity, got, answer, around);
+        if quantity == Quantity::Value && self.counts_from_rounding && judgement.verdict == Verdict::Pass {
+            judgement.verdict = Verdict::IllConditioned;
+        }
+        let excuse =
+            |referee: &Referee<'_>| referee.excuse_of(answer.oracle, &judgement, (quantity, got), around);
+        if let Some(why) = referee.and_then(excuse) {
+            check.add_excused(why, judgement.worst, judgement.compared as u64, &self.case.name);
+            return check;
+        }
+        // A check that speaks has proved that it can; mutants are made of right numbers.
+        let proves = proves && !judgement.verdict.is_mismatch();
+        let score = if proves { self.score(quantity, answer) } else { Score::default() };
+        check.add(judgement, score, self.case);
+        check.name_stage(|| invalid_stage(self.state, self.numbers));
+        if check.verdict.is_mismatch() {
+            // Where the bound rests on what is wrong, what is right is what the oracle says.
+            let told = self.is_own.then(|| {
+                let mut told = self.trusted.clone();
+                let of_oracle = |k, i, x| answer.numbers.get(k, i).map_or(x, Wanted::to_f64);
+                told.set(quantity, got.map(of_oracle));
+                told
+            });
+            let want = told.as_ref().unwrap_or(&self.trusted);
+            let Self { case, bound, .. } = self;
+            check.explain(&Symptoms { quantity, got, want, case, bound }, &answer.numbers);
+        }
+        check
+    }
+
+    /// Adds to a check what is missing, but for entries of components that may be: the first of them.
+    pub(super) fn add_missing(
+        &self,
+        check: &mut Check,
+        quantity: Quantity,
+        answer: &Answer,
+        may_lack: impl Fn(usize) -> bool,
+    ) {
+        let got = self.numbers.entries(quantity);
+        let mut wanted = answer.numbers.iter().filter(|(k, ..)| !may_lack(*k));
+        if let Some((k, i, _)) = wanted.find(|(k, i, _)| got.get(*k, *i).is_none()) {
+            check.misplaced(format!("{} is missing", quantity.entry_name(k, i)), f64::NAN, self.case);
+        }
+    }
+}
