@@ -11,7 +11,7 @@ use super::friction::{self, friction_cases};
 use super::golden::{audit_golden, states_of};
 use super::invariant::{self, Context, Invariant};
 use super::mutant::{self, Mistake, Mutant, mutants};
-use super::oracle::{Answer, Narrow, Oracle, WideAnswers, remainders};
+use super::oracle::{Answer, Narrow, Oracle, Remainder, WideAnswers, remainders};
 use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::planted::Planted;
 use super::quantity::{Numbers, Quantity};
@@ -20,8 +20,8 @@ use super::sample::{Draw, Extent, cases, random_case};
 use super::stage::invalid_stage;
 use super::truth::{Locked, Truth};
 use super::verdict::{
-    Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, decided, judge, try_along,
-    try_mutants,
+    Along, Exact, Finding, Judgement, Score, Summand, Surroundings, Verdict, Wanted, decided, judge,
+    try_along, try_mutants,
 };
 use crate::catalog::{ConnectionType, TABLE};
 use crate::measure::Unit;
@@ -224,6 +224,7 @@ fn finding(demand: &invariant::Demand, units: f64, got: f64) -> Finding {
         entry: demand.what.to_string(),
         at: None,
         demanded: demand.what.demanded(),
+        sum: Vec::new(),
         got,
         want: demand.want,
         tolerance: demand.allowed,
@@ -437,6 +438,24 @@ fn direction(draw: &mut Draw, length: f64, active: &[bool; DOFS]) -> [f64; DOFS]
     v
 }
 
+/// A row, or a matrix, times as many numbers.
+fn along(quantity: Quantity, component: usize, by: &[f64]) -> Vec<Summand> {
+    let of = |(entry, by): (usize, &f64)| Summand { quantity, component, entry, by: *by };
+    by.iter().enumerate().map(of).filter(|summand| summand.by != 0.0).collect()
+}
+
+/// Taylor's remainder of a component of the product along a direction.
+pub(super) fn remainder_along(case: &Case, component: usize, v: &[f64; DOFS]) -> Option<Remainder> {
+    let (numbers, truth, step) = (product(case)?, Truth::of(case)?, case.last()?);
+    let nearness = truth.nearness_of_components();
+    let trusted = WideAnswers::of(&truth).trusted(&nearness.map(|near| near > 0.0));
+    let state = &step.state;
+    let bound = Bound::of_components(&trusted, &state.velocity, &state.acceleration, case.length, &nearness);
+    let rows = numbers.entries(Quantity::FirstDerivatives);
+    let mut all = remainders(&truth, rows, &bound, v, &nearness).into_iter();
+    all.find(|remainder| remainder.component == component)
+}
+
 /// Whether a sum, so many tolerances off, tells more than the worst known: one without a tolerance tells less than a wrong one, and
 /// more than a right one.
 fn is_worse((units, allowed): (f64, f64), worst: Option<&Finding>) -> bool {
@@ -479,6 +498,7 @@ fn taylor(
                 entry: format!("∂{}·v, {}", crate::catalog::COMPONENT[remainder.component], remainder.told()),
                 at: None,
                 demanded: None,
+                sum: along(quantity, remainder.component, &v),
                 got: largest,
                 want: 0.0,
                 tolerance: allowed,
@@ -534,6 +554,7 @@ fn hyper_dual(
                 entry: format!("vᵀ ∂²{} w", crate::catalog::COMPONENT[k]),
                 at: None,
                 demanded: None,
+                sum: along(quantity, k, &std::array::from_fn::<f64, { DOFS * DOFS }, _>(weight)),
                 got,
                 want,
                 tolerance: allowed,

@@ -106,6 +106,7 @@ impl Check {
             entry,
             at: None,
             demanded: None,
+            sum: Vec::new(),
             got,
             want: f64::NAN,
             tolerance: 0.0,
@@ -489,7 +490,14 @@ impl Report {
                             && (is_told(other) || !is_told(check))
                     })
                 };
-                let small = failing.shrunk(&|failing| same(failing).is_some());
+                // What a scene can hold is shrunk to what one can hold, and where every number is known, to where it is.
+                let (has_deck, is_known) = (failing.has_deck(), failing.is_known());
+                let is_kept = |failing: &Failing| {
+                    same(failing).is_some()
+                        && (!has_deck || failing.has_deck())
+                        && (!is_known || failing.is_known())
+                };
+                let small = failing.shrunk(&is_kept);
                 let example = Example::of(same(&small).as_ref().unwrap_or(check), &subject.name);
                 let words: String = subject
                     .name
