@@ -279,7 +279,7 @@ fn page() -> (String, Report, Vec<(String, String)>, ModelReport) {
     let target = Target { name: "gallery:slider_crank", model: &model, plan: &plan, states: &states };
     let settings = Settings { wide_states: 1, ..Settings::default() };
     let of_scene = audit_scenes(&settings, &[target], &|_| {});
-    let mut illustrations = illustrate_catalogue();
+    let mut illustrations = illustrate_catalogue(&of_scene);
     illustrations.extend(illustrate_scene(&target, &of_scene, 3));
     illustrations[0].subject = HOSTILE.to_string();
     illustrations[0].state = HOSTILE.to_string();
@@ -371,7 +371,7 @@ fn the_page_is_self_contained_and_escapes_its_input() {
 /// A wrong matrix has its wrong entries marked in the heat map.
 #[test]
 fn a_wrong_matrix_shows() {
-    let mut shown: Vec<Illustration> = illustrate_catalogue();
+    let mut shown: Vec<Illustration> = illustrate_catalogue(&wrong());
     let row = shown[5].comparison.0.iter_mut().flatten().next().unwrap();
     (row[0].got, row[0].units) = (7.0, 1e12);
     let supplement = Supplement { illustrations: shown, ..Supplement::default() };

@@ -5,6 +5,7 @@ use super::case::{Case, dof_size};
 use super::force::product_with_forces as product;
 use super::oracle::{Narrow, WideAnswers};
 use super::outcome::Report;
+use super::planted::Planted;
 use super::quantity::{Entries, Quantity};
 use super::sample::{Draw, Extent, cases};
 use super::scene::{self, Target};
@@ -81,11 +82,12 @@ pub struct Illustration {
     pub steps: Steps,
 }
 
-/// One state of every type of the catalogue: both nodes turned and moved, axes aligned initially.
-pub fn illustrate_catalogue() -> Vec<Illustration> {
+/// One state of every type of the catalogue: both nodes turned and moved, axes aligned initially; with the fault that was planted in what a
+/// report judged.
+pub fn illustrate_catalogue(report: &Report) -> Vec<Illustration> {
     let of = |connection: &ConnectionType| {
         let mut tried = cases(connection, Extent::Brief).into_iter();
-        tried.find_map(|case| Illustration::of(&connection.name, &case))
+        tried.find_map(|case| Illustration::of(&connection.name, &case, report.settings.planted))
     };
     TABLE.par_iter().filter_map(of).collect()
 }
@@ -108,7 +110,9 @@ pub fn illustrate_scene(target: &Target<'_>, report: &Report, most: usize) -> Ve
     let cases = scene::last_cases(target, &connectors);
     cases
         .into_par_iter()
-        .filter_map(|(title, case)| Illustration::of(&format!("{}: {title}", target.name), &case))
+        .filter_map(|(title, case)| {
+            Illustration::of(&format!("{}: {title}", target.name), &case, report.settings.planted)
+        })
         .collect()
 }
 
@@ -119,15 +123,16 @@ const WIDE_STEPS: std::ops::RangeInclusive<i32> = -24..=-1;
 const STEPS: std::ops::RangeInclusive<i32> = -14..=-1;
 
 impl Illustration {
-    /// Of the product at the end of a case; `None` for an empty path, or on a singular set.
-    pub fn of(subject: &str, case: &Case) -> Option<Self> {
+    /// Of the product at the end of a case, with the fault that is planted in it; `None` for an empty path, or on a singular set.
+    pub fn of(subject: &str, case: &Case, planted: Option<Planted>) -> Option<Self> {
         let truth = Truth::of(case)?;
         let step = case.last()?;
         let nearness = truth.nearness();
         if nearness == 0.0 {
             return None;
         }
-        let numbers = product(case)?;
+        let mut numbers = product(case)?;
+        planted.into_iter().for_each(|planted| planted.spoil(&mut numbers));
         let answers = WideAnswers::of(&truth);
         let trusted = super::atlas::truth_to_f64(&answers.differences);
         let bound =
@@ -196,13 +201,22 @@ fn steps(case: &Case, rows: &Entries<f64>, truth: &Truth, bound: &Bound) -> Opti
 mod tests {
     use super::*;
 
+    /// What is shown is what was judged: the entry that is planted.
+    #[test]
+    fn a_planted_fault_is_shown() {
+        let case = cases(&TABLE[0], Extent::Brief).swap_remove(0);
+        let worst =
+            |planted| Illustration::of("it", &case, planted).map_or(0.0, |shown| shown.comparison.worst());
+        assert!(worst(None) <= 1.0 && worst(Some(Planted::WrongEntry)) > 1e6);
+    }
+
     /// The rows are right at every type, Taylor's remainder falls to the rounding of the row, and a difference quotient on
     /// doubles never gets there.
     #[test]
     fn curves_say_what_they_must() {
         for connection in TABLE {
             let case = cases(connection, Extent::Brief).swap_remove(0);
-            let shown = Illustration::of(&connection.name, &case).unwrap();
+            let shown = Illustration::of(&connection.name, &case, None).unwrap();
             assert!(shown.comparison.worst() <= 1.0, "{}", connection.name);
             let last = shown.steps.remainder[0][1];
             assert!(last <= 1.0, "{}: {last}", connection.name);
