@@ -3,18 +3,20 @@
 use super::bound::Bound;
 use super::case::{Case, dof_size};
 use super::force::product_with_forces as product;
+use super::mpc::MpcCase;
 use super::oracle::{Narrow, WideAnswers};
 use super::outcome::Report;
 use super::planted::Planted;
 use super::quantity::{Entries, Quantity};
 use super::sample::{Draw, Extent, cases};
 use super::scene::{self, Target};
+use super::sheet::{Entry, Sheet};
 use super::truth::Truth;
-use super::verdict::{Verdict, Wanted};
-use crate::catalog::{ConnectionType, TABLE};
+use super::verdict::{Verdict, Wanted, units};
+use crate::catalog::{COMPONENT, ConnectionType, TABLE};
 use crate::connector::Components;
 use crate::evaluate::ConnectorElement;
-use crate::node::DOFS;
+use crate::node::{DOF, DOFS};
 use crate::scalar::Wide;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -32,29 +34,48 @@ pub struct Compared {
     pub units: f64,
 }
 
-/// A Jacobian beside what it must be: rows by component, columns by nodal degree of freedom ([`crate::node::DOF`]).
+/// A Jacobian beside what it must be.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Comparison(pub Components<[Compared; DOFS]>);
+pub struct Comparison {
+    /// Nodal degrees of freedom: of a connector [`DOF`], of a constraint those of its nodes and the angles of its hinges.
+    pub columns: Vec<String>,
+    /// Components of a connector, or equations of a constraint, each with its row.
+    pub rows: Vec<(String, Vec<Compared>)>,
+}
 
 impl Comparison {
     /// Of rows given, in the units of the bound.
     pub fn new(got: &Entries<f64>, want: &Entries<Wanted>, bound: &Bound) -> Self {
         let row = |k: usize| {
             got.0[k].as_ref().zip(want.0[k].as_ref())?;
-            Some(std::array::from_fn(|j| {
+            let of = |j: usize| {
                 let missing = f64::NAN;
                 let given = got.get(k, j).unwrap_or(missing);
                 let want = want.get(k, j).unwrap_or(Wanted::exactly(missing));
                 let tolerance = bound.tolerance(Quantity::FirstDerivatives, k, j);
                 Compared { got: given, want: want.to_f64(), tolerance, units: want.units(given, tolerance) }
-            }))
+            };
+            Some((COMPONENT[k].to_string(), (0..DOFS).map(of).collect()))
         };
-        Self(std::array::from_fn(row))
+        Self { columns: DOF.map(String::from).to_vec(), rows: (0..COMPONENT.len()).filter_map(row).collect() }
+    }
+
+    /// Of the numbers in a sheet.
+    fn of_sheet(sheet: &Sheet) -> Self {
+        let compared = |entry: &Entry| {
+            let tolerance = entry.tolerance();
+            let units = units(entry.got, entry.want, tolerance);
+            Compared { got: entry.got, want: entry.want.to_f64(), tolerance, units }
+        };
+        let name = |row: &String| row.trim_start_matches('∂').to_string();
+        let entries = sheet.entries.chunks(sheet.width());
+        let rows = sheet.rows.iter().map(name).zip(entries.map(|row| row.iter().map(compared).collect()));
+        Self { columns: sheet.columns.clone(), rows: rows.collect() }
     }
 
     /// The largest error in units of its tolerance.
     pub fn worst(&self) -> f64 {
-        self.0.iter().flatten().flatten().fold(0.0_f64, |most, entry| most.max(entry.units))
+        self.rows.iter().flat_map(|(_, row)| row).fold(0.0_f64, |most, entry| most.max(entry.units))
     }
 }
 
@@ -69,7 +90,7 @@ pub struct Steps {
     pub differences: Vec<[f64; 2]>,
 }
 
-/// One state for looking at.
+/// One state of a connector or a constraint for looking at.
 #[derive(Clone, Debug)]
 pub struct Illustration {
     /// The connector or type.
@@ -78,7 +99,7 @@ pub struct Illustration {
     pub state: String,
     /// Its Jacobian.
     pub comparison: Comparison,
-    /// How approximations depend on the step.
+    /// How approximations depend on the step; empty of a constraint.
     pub steps: Steps,
 }
 
@@ -92,7 +113,7 @@ pub fn illustrate_catalogue(report: &Report) -> Vec<Illustration> {
     TABLE.par_iter().filter_map(of).collect()
 }
 
-/// The last state of the connectors of a scene, at most so many, those first that did not pass in a report; where a scene has
+/// The last state of the connectors and constraints of a scene, of each at most so many, those connectors first that did not pass in a report; where a scene has
 /// no states, one drawn about the initial one.
 pub fn illustrate_scene(target: &Target<'_>, report: &Report, most: usize) -> Vec<Illustration> {
     let passed: HashSet<&str> = report
@@ -108,12 +129,17 @@ pub fn illustrate_scene(target: &Target<'_>, report: &Report, most: usize) -> Ve
     connectors.truncate(most);
     connectors.sort_unstable();
     let cases = scene::last_cases(target, &connectors);
-    cases
+    let mut shown: Vec<Illustration> = cases
         .into_par_iter()
         .filter_map(|(title, case)| {
             Illustration::of(&format!("{}: {title}", target.name), &case, report.settings.planted)
         })
-        .collect()
+        .collect();
+    let mut constraints = scene::last_constraints(target);
+    constraints.truncate(most);
+    let of = |case: MpcCase| Illustration::of_constraint(target.name, &case, report.settings.planted);
+    shown.extend(constraints.into_par_iter().filter_map(of).collect::<Vec<_>>());
+    shown
 }
 
 /// The steps on 237 bits, by powers of ten.
@@ -123,6 +149,21 @@ const WIDE_STEPS: std::ops::RangeInclusive<i32> = -24..=-1;
 const STEPS: std::ops::RangeInclusive<i32> = -14..=-1;
 
 impl Illustration {
+    /// Of a constraint of a scene; `None` for one without equations.
+    fn of_constraint(scene: &str, case: &MpcCase, planted: Option<Planted>) -> Option<Self> {
+        let mut sheets = case.sheets().into_iter();
+        let mut rows = sheets.find(|sheet| sheet.quantity == Quantity::FirstDerivatives)?;
+        planted.into_iter().for_each(|planted| planted.spoil_sheet(&mut rows));
+        // Its state names the constraint: `MPC PIN 10-20 at state 3`.
+        let name = case.name.split(" at state ").next().unwrap_or_default();
+        Some(Self {
+            subject: format!("{scene}: {name}"),
+            state: case.name.clone(),
+            comparison: Comparison::of_sheet(&rows),
+            steps: Steps::default(),
+        })
+    }
+
     /// Of the product at the end of a case, with the fault that is planted in it; `None` for an empty path, or on a singular set.
     pub fn of(subject: &str, case: &Case, planted: Option<Planted>) -> Option<Self> {
         let truth = Truth::of(case)?;
