@@ -548,3 +548,55 @@ fn distances_and_values_are_told_of_each() {
         .collect();
     assert_eq!(values, [4.0, 2.0]);
 }
+
+/// Orientations that define no directions are findings, all of them, in every form; the other scenes of the call are audited, and the exit code
+/// is 6 in the end.
+#[test]
+fn degenerate_orientations_are_findings() {
+    let deck = crate::cli::file(
+        "degenerate.inp",
+        "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ORIENTATION, NAME=LINE\n1., 0., 0., 2., 0., 0.\n*ORIENTATION, NAME=UNUSED\n\
+         0., 0., 0., 0., 1., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n\
+         *ELEMENT, TYPE=CONN3D2, ELSET=D\n2, 1, 2\n3, 1, 2\n*CONNECTOR SECTION, ELSET=C\nBEAM\nLINE,\n*CONNECTOR SECTION, ELSET=D\n\
+         HINGE\nO,\n",
+    );
+    let folder = folder("degenerate-orientations");
+    let page = folder.join("page.html");
+    let arguments = [
+        "audit",
+        &deck,
+        "gallery:hinge_pendulum",
+        "--model-only",
+        "--format",
+        "json",
+        "--html",
+        page.to_str().unwrap(),
+    ];
+    let found = pintle(&arguments).assert().code(6);
+    let document: Value = serde_json::from_str(&stdout(&found)).unwrap();
+    let models = document["models"].as_array().unwrap();
+    assert_eq!(models.len(), 2);
+    let findings = models[0]["findings"].as_array().unwrap();
+    let of = |code: &str| -> Vec<u64> {
+        let found = findings.iter().filter(|finding| finding["code"] == code);
+        found.map(|finding| finding["line"].as_u64().unwrap_or_default()).collect()
+    };
+    assert_eq!(of("deck::degenerate-orientation"), [4, 6], "{findings:#?}");
+    // What can be found without the element that is refused is found.
+    assert!(!of("model::duplicate-connector").is_empty(), "{findings:#?}");
+    for finding in findings.iter().filter(|finding| finding["code"] == "deck::degenerate-orientation") {
+        assert!(
+            finding["severity"] == "error" && finding["remedy"].as_str().unwrap().contains("move"),
+            "{finding}"
+        );
+        assert!(finding["file"].as_str().unwrap().ends_with("degenerate.inp"), "{finding}");
+    }
+    assert!(stderr(&found).contains("degenerate.inp: refused by rules"), "{}", stderr(&found));
+    let page = fs::read_to_string(page).unwrap();
+    assert!(page.contains("orientation UNUSED") || page.contains("Orientation UNUSED"));
+    // Who evaluates it, or converts it, is told the first.
+    for arguments in [["eval", &deck].to_vec(), ["convert", &deck, "--to", "toml"].to_vec()] {
+        let refused = pintle(&arguments).assert().code(6);
+        assert!(stderr(&refused).contains("orientation LINE does not define three directions"));
+    }
+}

@@ -4,7 +4,7 @@ use crate::audit::spoiled;
 use pintle::audit::assembly::{Assembly, NotAssembled};
 use pintle::audit::model::{Level, Levels, ModelReport, audit_model};
 use pintle::audit::{
-    Illustration, Quantity, Report, Settings, Target, Verdict, audit_catalogue, audit_scenes,
+    Illustration, Planted, Quantity, Report, Settings, Target, Verdict, audit_catalogue, audit_scenes,
     illustrate_catalogue, illustrate_scene,
 };
 use pintle::connector::Request;
@@ -279,7 +279,7 @@ fn page() -> (String, Report, Vec<(String, String)>, ModelReport) {
     let target = Target { name: "gallery:slider_crank", model: &model, plan: &plan, states: &states };
     let settings = Settings { wide_states: 1, ..Settings::default() };
     let of_scene = audit_scenes(&settings, &[target], &|_| {});
-    let mut illustrations = illustrate_catalogue();
+    let mut illustrations = illustrate_catalogue(&of_scene);
     illustrations.extend(illustrate_scene(&target, &of_scene, 3));
     illustrations[0].subject = HOSTILE.to_string();
     illustrations[0].state = HOSTILE.to_string();
@@ -371,8 +371,8 @@ fn the_page_is_self_contained_and_escapes_its_input() {
 /// A wrong matrix has its wrong entries marked in the heat map.
 #[test]
 fn a_wrong_matrix_shows() {
-    let mut shown: Vec<Illustration> = illustrate_catalogue();
-    let row = shown[5].comparison.0.iter_mut().flatten().next().unwrap();
+    let mut shown: Vec<Illustration> = illustrate_catalogue(&wrong());
+    let (_, row) = shown[5].comparison.rows.first_mut().unwrap();
     (row[0].got, row[0].units) = (7.0, 1e12);
     let supplement = Supplement { illustrations: shown, ..Supplement::default() };
     let page = text(|out, report| report::html(out, report, &supplement), &wrong());
@@ -613,4 +613,36 @@ fn a_browser_shows_the_page() {
     // The console would have spoken.
     let (_, console) = browsed(&chromium, "broken.html", &page.replace("\"use strict\"", "missing()"), 1280);
     assert!(console.contains("missing is not defined"), "{console}");
+}
+
+/// Constraints have their matrices on the page as connectors have, and with a fault planted both show what was judged.
+#[test]
+fn constraints_and_planted_faults_show() {
+    let example = GALLERY.iter().find(|example| example.name == "revolute_mpc").unwrap();
+    let scene = example.scene().unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let states = example.states(&scene).unwrap().states;
+    let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+    for states in [&states[..], &[]] {
+        let target = Target { name: "scene", model: &model, plan: &plan, states };
+        let shown = |planted: Option<Planted>| {
+            let mut report = brief().clone();
+            report.settings.planted = planted;
+            illustrate_scene(&target, &report, 48)
+        };
+        let (right, wrong) = (shown(None), shown(Some(Planted::WrongEntry)));
+        assert_eq!(right.len(), model.connectors.len() + model.mpcs.len());
+        for (right, wrong) in right.iter().zip(&wrong) {
+            assert!(right.comparison.worst() <= 1.0, "{}", right.subject);
+            assert!(wrong.comparison.worst() > 1e3, "{}", right.subject);
+            assert_eq!(right.comparison.columns.len(), right.comparison.rows[0].1.len(), "{}", right.subject);
+        }
+        let of_constraints = right.iter().filter(|shown| shown.subject.starts_with("scene: MPC "));
+        assert_eq!(of_constraints.count(), model.mpcs.len());
+        let supplement = Supplement { illustrations: wrong, ..Supplement::default() };
+        let page = text(|out, report| report::html(out, report, &supplement), &brief());
+        assert!(
+            page.contains("must be") && page.contains(">θS1</text>") && page.contains("<rect class=\"bad\"")
+        );
+    }
 }

@@ -5,8 +5,11 @@ use super::case::{Case, Step};
 use super::failing::Failing;
 use super::hex::Hex;
 use super::invariant::{Demanded, Invariant};
+use super::oracle::{Oracle, Remainder};
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
+use super::sums::remainder_along;
+use super::verdict::Summand;
 use crate::catalog::{ConnectionType, NameError};
 use crate::connector::{Branch, Definition, Increment, State, Stop, Turns};
 use crate::node::{DOFS, Node, Pair};
@@ -38,6 +41,9 @@ pub struct CounterExample {
     /// The law that it breaks, where it was compared with one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<BrokenLaw>,
+    /// The numbers that are added up, where it is a sum: along a direction, or over component forces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sum: Vec<SummandValues>,
     /// What was given.
     pub got: Hex,
     /// What it must be.
@@ -69,6 +75,27 @@ impl BrokenLaw {
             Against::Law(name) => Some(Self { name, demanded }),
             Against::Oracle(_) | Against::Own => None,
         }
+    }
+}
+
+/// A number of a connector in a sum, in values.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SummandValues {
+    /// The kind of number.
+    pub quantity: Quantity,
+    /// The component (0-based).
+    pub component: usize,
+    /// The place within it.
+    pub entry: usize,
+    /// What it is multiplied by.
+    pub by: Hex,
+}
+
+impl SummandValues {
+    const fn of(summand: &Summand) -> Self {
+        let Summand { quantity, component, entry, by } = *summand;
+        Self { quantity, component, entry, by: Hex(by) }
     }
 }
 
@@ -354,6 +381,7 @@ impl CounterExample {
             quantity: check.quantity,
             entry: worst.entry.clone(),
             law: BrokenLaw::of(check.against, worst.demanded),
+            sum: worst.sum.iter().map(SummandValues::of).collect(),
             got: Hex(worst.got),
             want: Hex(worst.want),
             tolerance: Hex(worst.tolerance),
@@ -373,6 +401,7 @@ impl CounterExample {
             quantity: None,
             entry: String::new(),
             law: BrokenLaw::of(against, None),
+            sum: Vec::new(),
             got: Hex(0.0),
             want: Hex(0.0),
             tolerance: Hex(0.0),
@@ -384,7 +413,56 @@ impl CounterExample {
 
     /// Whether a law is broken: as it says, or in files of versions that had no such field, by the law's words.
     pub(super) fn is_of_a_law(&self) -> bool {
-        self.law.is_some() || Invariant::ALL.iter().any(|law| law.name() == self.against)
+        self.broken_law().is_some()
+    }
+
+    /// The law that is broken.
+    pub(super) fn broken_law(&self) -> Option<Invariant> {
+        let named = || Invariant::ALL.into_iter().find(|law| law.name() == self.against);
+        self.law.map(|law| law.name).or_else(named)
+    }
+
+    /// Whether a law is broken that is asked of every state of a connector.
+    pub(super) fn is_of_a_law_of_states(&self) -> bool {
+        use Invariant::{Carried, FreeAxis, Start, Turns};
+        self.broken_law().is_some_and(|law| !matches!(law, Start | Turns | FreeAxis | Carried))
+    }
+
+    /// Whether it is Taylor's remainder that falls too slowly.
+    pub(super) fn is_of_taylor(&self) -> bool {
+        self.against == Oracle::Taylor.name()
+    }
+
+    /// Taylor's remainder f(q + hv) − f(q) − h ∂f·v over h of the row in question, as this version of the program gives it at the recorded
+    /// state along the recorded direction v, in units of what it may be, at the worst of the steps h: at most 1 of a right row. Values
+    /// are on 237 bits.
+    ///
+    /// # Errors
+    /// What cannot be replayed; what is no such remainder, or does not say along which direction.
+    pub fn remainder(&self) -> Result<f64, ReplayError> {
+        self.taylor().map(|(_, remainder)| remainder.units())
+    }
+
+    /// The direction and the remainder.
+    pub(super) fn taylor(&self) -> Result<([f64; DOFS], Remainder), ReplayError> {
+        let refuse = |why: &str| Err(ReplayError::Values(format!("{}: {why}", self.entry)));
+        let case = self.case()?;
+        let Some(first) = self.sum.first().filter(|_| self.is_of_taylor()) else {
+            return refuse("it is no remainder of Taylor's along a direction that it says (`sum`)");
+        };
+        let mut v = [0.0; DOFS];
+        for SummandValues { quantity, component, entry, by } in &self.sum {
+            match v.get_mut(*entry) {
+                Some(x) if (*quantity, *component) == (Quantity::FirstDerivatives, first.component) => {
+                    *x = by.0;
+                }
+                _ => return refuse("`sum` is no row along a direction"),
+            }
+        }
+        match remainder_along(&case, first.component, &v) {
+            Some(remainder) => Ok((v, remainder)),
+            None => refuse("the connector has no such row that Taylor's test can judge"),
+        }
     }
 
     /// The case, bit for bit.
@@ -403,6 +481,7 @@ impl CounterExample {
         }
         let start = self.start.as_ref().map(BranchValues::branch).transpose()?;
         self.check_values()?;
+        finite("sum", self.sum.iter().map(|summand| summand.by))?;
         let name = format!("{} replayed", definition.connection.name);
         Ok(Case { name, definition, start, path, length: self.connector.length.0 })
     }

@@ -232,6 +232,7 @@ fn finding(demand: &invariant::Demand, units: f64, got: f64) -> Finding {
         entry: demand.what.to_string(),
         at: None,
         demanded: demand.what.demanded(),
+        sum: Vec::new(),
         got,
         want: demand.want,
         tolerance: demand.allowed,

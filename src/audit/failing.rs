@@ -8,7 +8,7 @@ use super::engine::{Settings, audit_case};
 use super::friction::{BeltCase, FrictionCase};
 use super::golden::audit_at;
 use super::mpc::MpcCase;
-use super::outcome::{Check, Expected, Report, Subject};
+use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::recorded::Recorded;
 use super::sheet::Sheet;
 use super::shrink::shrink;
@@ -52,6 +52,28 @@ impl Failing {
             Self::Friction(case) => case.all_sheets(),
             Self::Belt(case) => case.sheets(),
             Self::Slopes(case) => case.sheets(),
+        }
+    }
+
+    /// Whether a deck and its states can hold it; what is of forces has the scene that it was found in, or none.
+    pub(super) fn has_deck(&self) -> bool {
+        match self {
+            Self::Connector(case) => CounterExample::record(case, Against::Own).deck().is_ok(),
+            Self::Mpc(_) => Recorded::stated(self).is_some_and(|recorded| recorded.deck().is_ok()),
+            Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => true,
+        }
+    }
+
+    /// Whether it is known of each number what it must be, and how far it may be from that.
+    pub(super) fn is_known(&self) -> bool {
+        let is_finite = |sheet: &Sheet| {
+            let mut entries = sheet.entries.iter();
+            entries.all(|entry| entry.want.to_f64().is_finite() && entry.tolerance().is_finite())
+        };
+        match self {
+            Self::Connector(_) => true,
+            Self::Mpc(case) => case.sheets().iter().all(is_finite),
+            Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => self.sheets().iter().all(is_finite),
         }
     }
 

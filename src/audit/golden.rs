@@ -16,7 +16,7 @@ use super::outcome::Check;
 use super::quantity::{Entries, Numbers, Quantity};
 use super::sheet::{Entry, Sheet};
 use super::truth::Locked;
-use super::verdict::{Surroundings, Wanted};
+use super::verdict::{Summand, Surroundings, Wanted};
 use crate::catalog::{ConnectionType, FORCE, TABLE};
 use crate::connector::{Components, Definition, Increment, State};
 use crate::node::{DOF, DOFS, Node, Pair};
@@ -279,16 +279,32 @@ impl Golden {
             checks.push(check);
         }
         for sheet in self.force_sheets(&numbers, &examined.bound) {
-            checks.push(sheet.check_against(Oracle::Jax, true, &case.name, Some(case)));
+            let mut check = sheet.check_against(Oracle::Jax, true, &case.name, Some(case));
+            if let Some(worst) = &mut check.worst {
+                let place = sheet.entries.iter().position(|entry| entry.name == worst.entry);
+                worst.sum = place.map_or_else(Vec::new, |place| self.summands(sheet.quantity, place));
+            }
+            checks.push(check);
         }
         checks
+    }
+
+    /// The component forces that JAX was given.
+    fn given_forces(&self) -> Vec<(usize, f64)> {
+        let all = self.forces.as_ref().map_or(&[][..], |told| &told.forces[..]);
+        all.iter().enumerate().filter_map(|(k, force)| Some((k, (*force)?))).collect()
+    }
+
+    /// What is added up in an entry of nodal forces.
+    fn summands(&self, quantity: Quantity, entry: usize) -> Vec<Summand> {
+        let of = |(component, by): (usize, f64)| Summand { quantity, component, entry, by };
+        self.given_forces().into_iter().map(of).collect()
     }
 
     /// Nodal forces of given component forces, and their derivatives: sums over the components, for JAX differentiates one potential.
     fn force_sheets(&self, numbers: &Numbers<f64>, bound: &Bound) -> Vec<Sheet> {
         let (Some(told), errors) = (&self.forces, &self.given.error) else { return Vec::new() };
-        let forces: Vec<(usize, f64)> =
-            told.forces.iter().enumerate().filter_map(|(k, force)| Some((k, (*force)?))).collect();
+        let forces = self.given_forces();
         let all: f64 = forces.iter().map(|(_, force)| force.abs()).sum();
         // The errors of the rows, and a few roundings of each force.
         let error = |of: &Components<f64>| {

@@ -3,17 +3,20 @@
 use super::bound::Bound;
 use super::case::{Case, dof_size};
 use super::force::product_with_forces as product;
+use super::mpc::MpcCase;
 use super::oracle::{Narrow, WideAnswers};
 use super::outcome::Report;
+use super::planted::Planted;
 use super::quantity::{Entries, Quantity};
 use super::sample::{Draw, Extent, cases};
 use super::scene::{self, Target};
+use super::sheet::{Entry, Sheet};
 use super::truth::Truth;
-use super::verdict::{Verdict, Wanted};
-use crate::catalog::{ConnectionType, TABLE};
+use super::verdict::{Verdict, Wanted, units};
+use crate::catalog::{COMPONENT, ConnectionType, TABLE};
 use crate::connector::Components;
 use crate::evaluate::ConnectorElement;
-use crate::node::DOFS;
+use crate::node::{DOF, DOFS};
 use crate::scalar::Wide;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -38,29 +41,68 @@ impl Compared {
     }
 }
 
-/// A Jacobian beside what it must be: rows by component, columns by nodal degree of freedom ([`crate::node::DOF`]).
+/// A Jacobian beside what it must be.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Comparison(pub Components<[Compared; DOFS]>);
+pub struct Comparison {
+    /// Nodal degrees of freedom: of a connector [`DOF`], of a constraint those of its nodes and the angles of its hinges.
+    pub columns: Vec<String>,
+    /// Components of a connector, or equations of a constraint, each with its row.
+    pub rows: Vec<(String, Vec<Compared>)>,
+}
 
 impl Comparison {
+    /// The columns in blocks, three displacements or three rotations of a node; flows and angles of hinges only where something depends on
+    /// them.
+    pub fn blocks(&self) -> Vec<Vec<usize>> {
+        let kind = |name: &str| name.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_string();
+        let depends = |j: usize| {
+            let mut entries = self.rows.iter().filter_map(|(_, row)| row.get(j));
+            entries.any(|entry| entry.got != 0.0 || entry.want != 0.0)
+        };
+        let shown = self.columns.iter().enumerate();
+        let shown = shown.filter(|(j, name)| name.starts_with(['x', 'θ']) || depends(*j));
+        let mut blocks: Vec<(String, Vec<usize>)> = Vec::new();
+        for (j, name) in shown {
+            match blocks.last_mut().filter(|(of, _)| *of == kind(name)) {
+                Some((_, block)) => block.push(j),
+                None => blocks.push((kind(name), vec![j])),
+            }
+        }
+        blocks.into_iter().map(|(_, block)| block).collect()
+    }
+
     /// Of rows given, in the units of the bound.
     pub fn new(got: &Entries<f64>, want: &Entries<Wanted>, bound: &Bound) -> Self {
         let row = |k: usize| {
             got.0[k].as_ref().zip(want.0[k].as_ref())?;
-            Some(std::array::from_fn(|j| {
+            let of = |j: usize| {
                 let missing = f64::NAN;
                 let given = got.get(k, j).unwrap_or(missing);
                 let want = want.get(k, j).unwrap_or(Wanted::exactly(missing));
                 let tolerance = bound.tolerance(Quantity::FirstDerivatives, k, j);
                 Compared { got: given, want: want.to_f64(), tolerance, units: want.units(given, tolerance) }
-            }))
+            };
+            Some((COMPONENT[k].to_string(), (0..DOFS).map(of).collect()))
         };
-        Self(std::array::from_fn(row))
+        Self { columns: DOF.map(String::from).to_vec(), rows: (0..COMPONENT.len()).filter_map(row).collect() }
+    }
+
+    /// Of the numbers in a sheet.
+    fn of_sheet(sheet: &Sheet) -> Self {
+        let compared = |entry: &Entry| {
+            let tolerance = entry.tolerance();
+            let units = units(entry.got, entry.want, tolerance);
+            Compared { got: entry.got, want: entry.want.to_f64(), tolerance, units }
+        };
+        let name = |row: &String| row.trim_start_matches('∂').to_string();
+        let entries = sheet.entries.chunks(sheet.width());
+        let rows = sheet.rows.iter().map(name).zip(entries.map(|row| row.iter().map(compared).collect()));
+        Self { columns: sheet.columns.clone(), rows: rows.collect() }
     }
 
     /// The largest error in units of its tolerance.
     pub fn worst(&self) -> f64 {
-        self.0.iter().flatten().flatten().fold(0.0_f64, |most, entry| most.max(entry.units))
+        self.rows.iter().flat_map(|(_, row)| row).fold(0.0_f64, |most, entry| most.max(entry.units))
     }
 }
 
@@ -75,7 +117,7 @@ pub struct Steps {
     pub differences: Vec<[f64; 2]>,
 }
 
-/// One state for looking at.
+/// One state of a connector or a constraint for looking at.
 #[derive(Clone, Debug)]
 pub struct Illustration {
     /// The connector or type.
@@ -84,20 +126,21 @@ pub struct Illustration {
     pub state: String,
     /// Its Jacobian.
     pub comparison: Comparison,
-    /// How approximations depend on the step.
+    /// How approximations depend on the step; empty of a constraint.
     pub steps: Steps,
 }
 
-/// One state of every type of the catalogue: both nodes turned and moved, axes aligned initially.
-pub fn illustrate_catalogue() -> Vec<Illustration> {
+/// One state of every type of the catalogue: both nodes turned and moved, axes aligned initially; with the fault that was planted in what a
+/// report judged.
+pub fn illustrate_catalogue(report: &Report) -> Vec<Illustration> {
     let of = |connection: &ConnectionType| {
         let mut tried = cases(connection, Extent::Brief).into_iter();
-        tried.find_map(|case| Illustration::of(&connection.name, &case))
+        tried.find_map(|case| Illustration::of(&connection.name, &case, report.settings.planted))
     };
     TABLE.par_iter().filter_map(of).collect()
 }
 
-/// The last state of the connectors of a scene, at most so many, those first that did not pass in a report; where a scene has
+/// The last state of the connectors and constraints of a scene, of each at most so many, those connectors first that did not pass in a report; where a scene has
 /// no states, one drawn about the initial one.
 pub fn illustrate_scene(target: &Target<'_>, report: &Report, most: usize) -> Vec<Illustration> {
     let passed: HashSet<&str> = report
@@ -113,10 +156,17 @@ pub fn illustrate_scene(target: &Target<'_>, report: &Report, most: usize) -> Ve
     connectors.truncate(most);
     connectors.sort_unstable();
     let cases = scene::last_cases(target, &connectors);
-    cases
+    let mut shown: Vec<Illustration> = cases
         .into_par_iter()
-        .filter_map(|(title, case)| Illustration::of(&format!("{}: {title}", target.name), &case))
-        .collect()
+        .filter_map(|(title, case)| {
+            Illustration::of(&format!("{}: {title}", target.name), &case, report.settings.planted)
+        })
+        .collect();
+    let mut constraints = scene::last_constraints(target);
+    constraints.truncate(most);
+    let of = |case: MpcCase| Illustration::of_constraint(target.name, &case, report.settings.planted);
+    shown.extend(constraints.into_par_iter().filter_map(of).collect::<Vec<_>>());
+    shown
 }
 
 /// The steps on 237 bits, by powers of ten.
@@ -126,15 +176,31 @@ const WIDE_STEPS: std::ops::RangeInclusive<i32> = -24..=-1;
 const STEPS: std::ops::RangeInclusive<i32> = -14..=-1;
 
 impl Illustration {
-    /// Of the product at the end of a case; `None` for an empty path, or on a singular set.
-    pub fn of(subject: &str, case: &Case) -> Option<Self> {
+    /// Of a constraint of a scene; `None` for one without equations.
+    fn of_constraint(scene: &str, case: &MpcCase, planted: Option<Planted>) -> Option<Self> {
+        let mut sheets = case.sheets().into_iter();
+        let mut rows = sheets.find(|sheet| sheet.quantity == Quantity::FirstDerivatives)?;
+        planted.into_iter().for_each(|planted| planted.spoil_sheet(&mut rows));
+        // Its state names the constraint: `MPC PIN 10-20 at state 3`.
+        let name = case.name.split(" at state ").next().unwrap_or_default();
+        Some(Self {
+            subject: format!("{scene}: {name}"),
+            state: case.name.clone(),
+            comparison: Comparison::of_sheet(&rows),
+            steps: Steps::default(),
+        })
+    }
+
+    /// Of the product at the end of a case, with the fault that is planted in it; `None` for an empty path, or on a singular set.
+    pub fn of(subject: &str, case: &Case, planted: Option<Planted>) -> Option<Self> {
         let truth = Truth::of(case)?;
         let step = case.last()?;
         let nearness = truth.nearness();
         if nearness == 0.0 {
             return None;
         }
-        let numbers = product(case)?;
+        let mut numbers = product(case)?;
+        planted.into_iter().for_each(|planted| planted.spoil(&mut numbers));
         let answers = WideAnswers::of(&truth);
         let trusted = super::atlas::truth_to_f64(&answers.differences);
         let bound =
@@ -203,13 +269,22 @@ fn steps(case: &Case, rows: &Entries<f64>, truth: &Truth, bound: &Bound) -> Opti
 mod tests {
     use super::*;
 
+    /// What is shown is what was judged: the entry that is planted.
+    #[test]
+    fn a_planted_fault_is_shown() {
+        let case = cases(&TABLE[0], Extent::Brief).swap_remove(0);
+        let worst =
+            |planted| Illustration::of("it", &case, planted).map_or(0.0, |shown| shown.comparison.worst());
+        assert!(worst(None) <= 1.0 && worst(Some(Planted::WrongEntry)) > 1e6);
+    }
+
     /// The rows are right at every type, Taylor's remainder falls to the rounding of the row, and a difference quotient on
     /// doubles never gets there.
     #[test]
     fn curves_say_what_they_must() {
         for connection in TABLE {
             let case = cases(connection, Extent::Brief).swap_remove(0);
-            let shown = Illustration::of(&connection.name, &case).unwrap();
+            let shown = Illustration::of(&connection.name, &case, None).unwrap();
             assert!(shown.comparison.worst() <= 1.0, "{}", connection.name);
             let last = shown.steps.remainder[0][1];
             assert!(last <= 1.0, "{}: {last}", connection.name);

@@ -16,6 +16,7 @@ use super::verdict::{Finding, Judgement, Score, Verdict, Wanted};
 use crate::connector::Connector;
 use crate::scene::Severity;
 use serde::Serialize;
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What numbers were compared with.
@@ -114,6 +115,7 @@ impl Check {
             entry,
             at: None,
             demanded: None,
+            sum: Vec::new(),
             got,
             want: f64::NAN,
             tolerance: 0.0,
@@ -525,7 +527,18 @@ impl Report {
                             && (is_told(other) || !is_told(check))
                     })
                 };
-                let small = failing.shrunk(&|failing| same(failing).is_some());
+                // Once a scene can hold it, it stays what one can hold, and where every number is known, it stays where it is.
+                let has_deck = Cell::new(failing.has_deck());
+                let is_known = failing.is_known();
+                let is_kept = |failing: &Failing| {
+                    let deck = failing.has_deck();
+                    let kept = (deck || !has_deck.get())
+                        && same(failing).is_some()
+                        && (!is_known || failing.is_known());
+                    has_deck.set(has_deck.get() || kept && deck);
+                    kept
+                };
+                let small = failing.shrunk(&is_kept);
                 let example = Example::of(same(&small).as_ref().unwrap_or(check), &subject.name);
                 let words: String = subject
                     .name

@@ -15,6 +15,9 @@ pub enum Planted {
     WrongEntry,
     /// The same derivative has the wrong sign: a mutant that changes it once more is right.
     WrongSign,
+    /// The largest second derivative of the first component of a connector, or of a constraint, and the largest nodal force of that
+    /// component are multiplied by 1 + 1e-6.
+    WrongSecond,
     /// The largest slope of a friction force is multiplied by 1 + 1e-6.
     WrongFriction,
     /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
@@ -26,6 +29,7 @@ impl Planted {
     pub const fn place(self) -> &'static str {
         match self {
             Self::WrongEntry | Self::WrongSign => "a derivative or a slope of a behaviour",
+            Self::WrongSecond => "a second derivative or a nodal force",
             Self::WrongFriction => "a slope of a friction force",
             Self::LostAnswer => "an answer of an oracle on 237 bits",
         }
@@ -37,6 +41,7 @@ impl Planted {
         check.compared > 0
             && match self {
                 Self::WrongEntry | Self::WrongSign => of(&Self::FIRST),
+                Self::WrongSecond => of(&Self::SECOND),
                 Self::WrongFriction => of(&[Quantity::FrictionTangent]),
                 Self::LostAnswer => matches!(check.against, Against::Oracle(oracle) if oracle.is_wide()),
             }
@@ -46,10 +51,22 @@ impl Planted {
     const FIRST: [Quantity; 3] =
         [Quantity::FirstDerivatives, Quantity::FrictionGradient, Quantity::BehaviorTangent];
 
+    /// Second derivatives, and the forces that follow from the first.
+    const SECOND: [Quantity; 2] = [Quantity::SecondDerivatives, Quantity::NodalForces];
+
+    /// In which numbers of an evaluation it is.
+    const fn places(self) -> &'static [Quantity] {
+        match self {
+            Self::WrongEntry | Self::WrongSign => &Self::FIRST,
+            Self::WrongSecond => &Self::SECOND,
+            Self::WrongFriction | Self::LostAnswer => &[],
+        }
+    }
+
     /// By what a derivative is multiplied.
     const fn factor(self) -> Option<f64> {
         match self {
-            Self::WrongEntry => Some(1.0 + 1e-6),
+            Self::WrongEntry | Self::WrongSecond => Some(1.0 + 1e-6),
             Self::WrongSign => Some(-1.0),
             Self::WrongFriction | Self::LostAnswer => None,
         }
@@ -58,12 +75,15 @@ impl Planted {
     /// The numbers with the fault in them.
     pub(super) fn spoil(self, numbers: &mut Numbers<f64>) {
         let Some(factor) = self.factor() else { return };
-        let mut rows = numbers.entries(Quantity::FirstDerivatives).clone();
-        let row = rows.0.iter_mut().flatten().next();
-        if let Some(entry) = row.and_then(|row| row.iter_mut().max_by(|x, y| x.abs().total_cmp(&y.abs()))) {
-            *entry *= factor;
+        for quantity in self.places() {
+            let mut rows = numbers.entries(*quantity).clone();
+            let row = rows.0.iter_mut().flatten().next();
+            if let Some(entry) = row.and_then(|row| row.iter_mut().max_by(|x, y| x.abs().total_cmp(&y.abs())))
+            {
+                *entry *= factor;
+            }
+            numbers.set(*quantity, rows);
         }
-        numbers.set(Quantity::FirstDerivatives, rows);
     }
 
     /// The slopes of friction with the fault in them.
@@ -78,7 +98,7 @@ impl Planted {
     /// The same of a sheet.
     pub(super) fn spoil_sheet(self, sheet: &mut Sheet) {
         if let Some(factor) = self.factor()
-            && Self::FIRST.contains(&sheet.quantity)
+            && self.places().contains(&sheet.quantity)
             && let Some(entry) = sheet.entries.iter_mut().max_by(|x, y| x.got.abs().total_cmp(&y.got.abs()))
         {
             entry.got *= factor;

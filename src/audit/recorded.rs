@@ -104,6 +104,25 @@ impl Recorded {
         recorded.failing().is_ok().then_some(recorded)
     }
 
+    /// The values of what is no connector, with no verdict on them.
+    pub(super) fn stated(failing: &Failing) -> Option<Self> {
+        let (kind, values) = plain(failing)?;
+        Some(Self {
+            schema: SCHEMA.to_string(),
+            version: crate::VERSION.to_string(),
+            kind,
+            subject: "pintle".to_string(),
+            against: String::new(),
+            quantity: None,
+            entry: String::new(),
+            got: Hex(0.0),
+            want: Hex(0.0),
+            tolerance: Hex(0.0),
+            values: hexadecimal(values),
+            found_in: None,
+        })
+    }
+
     /// The same with the scene that it was found in, for what does not follow from a state of nodes alone: frictions, belts, springs and
     /// dampers at one of the `states`, under forces that these give. Nothing is added where it was at drawn states or forces, or where the
     /// scene is too large to be handed over.

@@ -306,11 +306,13 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
     found
 }
 
-/// The constraints at the last state.
+/// The constraints at the last state; at the initial one, where no states are given.
 pub(super) fn last_constraints(target: &Target<'_>) -> Vec<MpcCase> {
     let Target { model, states, plan, .. } = *target;
     let mut walk = walk(model, plan);
     let mut found = Vec::new();
+    let initial = [State::default()];
+    let states = if states.is_empty() { &initial[..] } else { states };
     for (index, state) in states.iter().enumerate() {
         found.clear();
         let number = state.number.unwrap_or(index as u64);

@@ -132,6 +132,7 @@ impl Sheet {
                 entry: name.clone(),
                 at: None,
                 demanded: None,
+                sum: Vec::new(),
                 got: *got,
                 want: want.to_f64(),
                 tolerance,

@@ -22,7 +22,14 @@ pub fn shrink(case: &Case, fails: &dyn Fn(&Case) -> bool) -> Case {
         }
         kept
     };
-    // Fewer states first.
+    // No history first: a scene tells of none but the states it has.
+    if let (Some(_), Some(last)) = (&best.start, best.path.last()) {
+        let mut alone = Step::between(&best.definition.initial, last.state.pair);
+        (alone.state.velocity, alone.state.acceleration) = (last.state.velocity, last.state.acceleration);
+        let fresh = Case { start: None, path: vec![alone], ..best.clone() };
+        attempt(&mut best, fresh);
+    }
+    // Then fewer states.
     while best.path.len() > 1 {
         let mut shorter = best.clone();
         shorter.path.remove(0);

@@ -1,13 +1,16 @@
 //! Oracles that tell sums of derivatives along directions instead of entries: Taylor's remainder, and hyper-dual numbers.
 
+use super::bound::Bound;
+use super::case::Case;
 use super::examined::Examined;
+use super::force::product_with_forces as product;
 use super::mutant::Mutant;
-use super::oracle::{Narrow, Oracle, remainders};
+use super::oracle::{Narrow, Oracle, Remainder, WideAnswers, remainders};
 use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sample::Draw;
 use super::truth::Truth;
-use super::verdict::{Along, Finding, Judgement, Score, Verdict, decided, try_along};
+use super::verdict::{Along, Finding, Judgement, Score, Summand, Verdict, decided, try_along};
 use crate::catalog::COMPONENT;
 use crate::node::DOFS;
 
@@ -24,10 +27,10 @@ struct Sum {
 }
 
 impl Sum {
-    fn finding(self) -> Finding {
+    fn finding(self, sum: Vec<Summand>) -> Finding {
         let Self { entry, got, want, units, tolerance, .. } = self;
         let (at, demanded, one_sided, lack) = (None, None, None, None);
-        Finding { entry, at, demanded, got, want, tolerance, units, one_sided, lack }
+        Finding { entry, at, demanded, sum, got, want, tolerance, units, one_sided, lack }
     }
 }
 
@@ -52,7 +55,10 @@ fn check(
         _ => Score::default(),
     };
     let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
-    check.add(Judgement { verdict, worst: Some(worst.finding()), compared }, score, examined.case);
+    let entries = (0..quantity.entries()).map(|entry| (entry, weight(entry))).filter(|(_, by)| *by != 0.0);
+    let component = worst.component;
+    let sum = entries.map(|(entry, by)| Summand { quantity, component, entry, by }).collect();
+    check.add(Judgement { verdict, worst: Some(worst.finding(sum)), compared }, score, examined.case);
     Some(check)
 }
 
@@ -65,6 +71,18 @@ fn direction(draw: &mut Draw, length: f64, active: &[bool; DOFS]) -> [f64; DOFS]
         }
     }
     v
+}
+
+/// Taylor's remainder of a component of the product along a direction.
+pub(super) fn remainder_along(case: &Case, component: usize, v: &[f64; DOFS]) -> Option<Remainder> {
+    let (numbers, truth, step) = (product(case)?, Truth::of(case)?, case.last()?);
+    let nearness = truth.nearness_of_components();
+    let trusted = WideAnswers::of(&truth).trusted(&nearness.map(|near| near > 0.0));
+    let state = &step.state;
+    let bound = Bound::of_components(&trusted, &state.velocity, &state.acceleration, case.length, &nearness);
+    let rows = numbers.entries(Quantity::FirstDerivatives);
+    let mut all = remainders(&truth, rows, &bound, v, &nearness).into_iter();
+    all.find(|remainder| remainder.component == component)
 }
 
 /// First derivatives along a random direction, by the remainder of values on 237 bits.

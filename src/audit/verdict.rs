@@ -76,6 +76,19 @@ impl Verdict {
     }
 }
 
+/// A number of a connector, and by what it is multiplied where numbers are added up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summand {
+    /// The kind of number.
+    pub quantity: Quantity,
+    /// The component (0-based).
+    pub component: usize,
+    /// The place within it.
+    pub entry: usize,
+    /// The factor.
+    pub by: f64,
+}
+
 /// One entry, what it is and what it must be.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Finding {
@@ -87,6 +100,9 @@ pub struct Finding {
     /// Where it is what a law demands of one state: which demand.
     #[serde(skip)]
     pub demanded: Option<Demanded>,
+    /// Where it is a sum of numbers of a connector, as along a direction: which.
+    #[serde(skip)]
+    pub sum: Vec<Summand>,
     /// What was given.
     #[schemars(with = "Option<f64>")]
     pub got: f64,
@@ -363,6 +379,7 @@ pub fn judge(
                     entry: quantity.entry_name(k, i),
                     at: Some((k, i)),
                     demanded: None,
+                    sum: Vec::new(),
                     got: *x,
                     want: want.to_f64(),
                     tolerance: allowed,

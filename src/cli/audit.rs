@@ -77,6 +77,8 @@ pub(crate) enum Plant {
     WrongEntry,
     /// A derivative has the wrong sign
     WrongSign,
+    /// A second derivative and a nodal force are wrong
+    WrongSecond,
     /// A slope of a friction force is wrong
     WrongFriction,
     /// Answers of the oracles are lost
@@ -88,6 +90,7 @@ impl From<Plant> for Planted {
         match plant {
             Plant::WrongEntry => Self::WrongEntry,
             Plant::WrongSign => Self::WrongSign,
+            Plant::WrongSecond => Self::WrongSecond,
             Plant::WrongFriction => Self::WrongFriction,
             Plant::LostAnswer => Self::LostAnswer,
         }

@@ -40,6 +40,9 @@ fn format(arguments: &Convert) -> Result<Format, Failure> {
 pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
     let format = format(arguments)?;
     let mut scene = read(&arguments.scene)?;
+    if let Some(error) = scene.orientation_errors().into_iter().next() {
+        return Err(error.into());
+    }
     if let Some(file) = &arguments.states {
         scene.states = StateFile::read(file, &scene)?.states;
     }

@@ -25,12 +25,12 @@ pub(super) fn supplement<'a>(
 ) -> Supplement<'a> {
     let mut illustrations: Vec<Illustration> = Vec::new();
     if is_catalogue {
-        illustrations.extend(illustrate_catalogue());
+        illustrations.extend(illustrate_catalogue(found));
     } else if !model_only {
         illustrations.extend(targets.iter().flat_map(|target| illustrate_scene(target, found, SHOWN)));
     }
     let approaches = if is_catalogue { Vec::new() } else { approached(targets) };
-    Supplement { scenes, illustrations, approaches, command: command_line() }
+    Supplement { catalogue: is_catalogue, scenes, illustrations, approaches, command: command_line() }
 }
 
 /// The singular sets of the types of scenes, each type once.

@@ -142,6 +142,11 @@ impl Model {
             refused: Vec::new(),
             freedom: NodeFreedom::of(scene),
         };
+        for error in scene.orientation_errors() {
+            if !tell(error) {
+                return model;
+            }
+        }
         for (label, element) in &scene.connectors {
             let broken = model.connector(scene, *label, element, &mut shared).err();
             for error in shared.refused.drain(..).chain(broken) {

@@ -3,7 +3,7 @@
 use super::choice::choices;
 use super::diagnostic::{Code, Diagnostic, Result};
 use super::label::Label;
-use super::model::Scene;
+use super::model::{End, Scene};
 use super::span::Span;
 use serde::Serialize;
 
@@ -206,6 +206,36 @@ impl Orientation {
                 Ok([node(*a)?, node(*b)?, node(c.unwrap_or(1))?])
             }
         }
+    }
+}
+
+impl Scene {
+    /// What is wrong with orientations: with those that hold everywhere, and with every other where a connector uses it. Reading a scene
+    /// leaves that to whoever evaluates it: an audit tells all of them.
+    pub fn orientation_errors(&self) -> Vec<Diagnostic> {
+        let everywhere = |orientation: &Orientation| {
+            !orientation.depends_on_point()
+                && orientation.system != System::User
+                && !matches!(orientation.definition, Definition::OffsetToNodes { .. })
+        };
+        let mut found = Vec::new();
+        for (name, orientation) in &self.orientations {
+            if everywhere(orientation) {
+                found.extend(orientation.triad(name, self, [0.0; 3], &[]).err());
+            }
+        }
+        for connector in self.connectors.values() {
+            let Some(section) = self.section(connector) else { continue };
+            for (end, name) in [(End::A, &section.orientation_a), (End::B, &section.orientation_b)] {
+                let Some(name) = name else { continue };
+                let orientation = self.orientations.get(&name.value).filter(|known| !everywhere(known));
+                let Some(orientation) = orientation else { continue };
+                let Some(point) = self.position(connector, end) else { continue };
+                let nodes = self.element_nodes(connector);
+                found.extend(orientation.triad(&name.value, self, point, &nodes).err());
+            }
+        }
+        found.into_iter().map(|error: Diagnostic| error.in_scene(self)).collect()
     }
 }
 

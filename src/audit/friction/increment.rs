@@ -203,6 +203,23 @@ impl FrictionCase {
         sheets
     }
 
+    /// A number that the increment leads to, by the name that it has beside JAX's or beside those on 237 bits; whether or not these have an
+    /// answer.
+    pub(in crate::audit) fn result(&self, name: &str) -> Option<f64> {
+        let name = name.strip_suffix(self.title.as_str())?;
+        let (outcome, _) = self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
+        match name {
+            "Δγ" => Some(outcome.slip_increment),
+            "F_N" | "CNF" => Some(outcome.normal),
+            "limit" => Some(outcome.limit),
+            "CASU" => Some(outcome.accumulated_slip),
+            _ => {
+                let k = (0..FORCE.len()).find(|k| name == FORCE[*k] || name == output(*k))?;
+                outcome.force.get(k).copied()
+            }
+        }
+    }
+
     /// The same numbers with mistakes in them.
     fn mistaken(&self, outcome: &Outcome<f64>) -> Vec<(Mistake, Vec<Vec<f64>>)> {
         let (friction, input) = (&self.friction, &self.input(0, 0.0));

@@ -2,14 +2,16 @@
 
 use super::{Entry, ExportError, comment, entry, list, matrix, number, vector};
 use crate::audit::case::Case;
-use crate::audit::counterexample::CounterExample;
+use crate::audit::counterexample::{CounterExample, SummandValues};
 use crate::audit::quantity::{Numbers, Quantity, request};
+use crate::audit::truth::Truth;
 use crate::catalog::Loading;
 use crate::connector::{Branch, Connector};
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::elementary::norm;
 use crate::so3;
 use crate::vector::{Vector, dot};
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 /// The formulas, a second time: they know nothing of the Rust source.
@@ -55,7 +57,7 @@ impl CounterExample {
         let case = self.case()?;
         if self.is_of_a_law() {
             let message = format!(
-                "{}: a law relates numbers of this program to each other, and the script has its own: export a Rust test",
+                "{}: a law relates numbers of this program to each other, and a script for JAX has its own",
                 self.against
             );
             return Err(ExportError::Lost(message));
@@ -64,13 +66,29 @@ impl CounterExample {
         let (Some((evaluation, _)), Some(last)) = (case.evaluation(&request()), case.last()) else {
             return Err(ExportError::Lost("it has no state".to_string()));
         };
-        let found = match self.quantity {
-            Some(Quantity::NodalForces | Quantity::GeometricStiffness) => self.of_force(&case, &connector)?,
-            _ => entry(self, &Numbers::of(&evaluation))?,
-        };
+        let is_of_force =
+            |quantity: Quantity| matches!(quantity, Quantity::NodalForces | Quantity::GeometricStiffness);
+        let mut found: Vec<(Entry, f64)> = Vec::new();
+        for SummandValues { quantity, component, entry, by } in &self.sum {
+            let summand = Entry { quantity: *quantity, k: *component, i: *entry };
+            let summand =
+                if is_of_force(*quantity) { self.of_force(&case, &connector, summand)? } else { summand };
+            found.push((summand, by.0));
+        }
+        if found.is_empty() {
+            let one = match self.quantity {
+                Some(quantity) if is_of_force(quantity) => {
+                    let force = entry(self, &crate::audit::product(&case).unwrap_or_default())?;
+                    self.of_force(&case, &connector, force)?
+                }
+                _ => entry(self, &Numbers::of(&evaluation))?,
+            };
+            found.push((one, 1.0));
+        }
+        let judged = self.judged(&case)?;
         let mut script = String::from(FORMULAS);
         script.push_str("\n\n# The state of the counter-example\n\n");
-        self.describe(&mut script, &case, found);
+        self.describe(&mut script, &case, &found, judged);
         script.push_str(&nodes("INITIAL", &case.definition.initial));
         script.push_str(&nodes("STATE", &last.state.pair));
         history(&mut script, &case, &evaluation.branch);
@@ -90,13 +108,9 @@ impl CounterExample {
     }
 
     /// The derivative that a nodal force of a unit force is, or its change: that of the component, where its force is conjugate to it.
-    fn of_force(&self, case: &Case, connector: &Connector<f64>) -> Result<Entry, ExportError> {
-        let found = entry(self, &crate::audit::product(case).unwrap_or_default())?;
-        let Entry { quantity, k, i } = found;
-        let lost = |why: &str| {
-            let message = format!("{}: {why}; export a Rust test", self.entry);
-            Err(ExportError::Lost(message))
-        };
+    fn of_force(&self, case: &Case, connector: &Connector<f64>, of: Entry) -> Result<Entry, ExportError> {
+        let Entry { quantity, k, i } = of;
+        let lost = |why: &str| Err(ExportError::Lost(format!("{}: {why}", self.entry)));
         let is_conjugate = matches!(case.definition.connection.loading(k), Some(Loading::Conjugate));
         if !is_conjugate || connector.differentiated(k) != connector.position_measure(k) {
             return lost(
@@ -113,28 +127,75 @@ impl CounterExample {
         Ok(Entry { quantity, k, i })
     }
 
-    fn describe(&self, script: &mut String, case: &Case, Entry { quantity, k, i }: Entry) {
-        let (field, place) = match quantity {
-            Quantity::FirstDerivatives => ("jacobian", format!("({k}, {i})")),
-            Quantity::SecondDerivatives => ("hessian", format!("({k}, {}, {})", i / DOFS, i % DOFS)),
-            Quantity::Rate => ("velocity", format!("({k},)")),
-            Quantity::Acceleration => ("acceleration", format!("({k},)")),
-            _ => ("measure", format!("({k},)")),
+    /// What was given, what it must be and its tolerance; of Taylor's test, the row along the direction and the slope of the values there, on
+    /// 237 bits, for the remainder itself is no number of a formula.
+    fn judged(&self, case: &Case) -> Result<[f64; 3], ExportError> {
+        let judged = [self.got.0, self.want.0, self.tolerance.0];
+        if !self.is_of_taylor() {
+            return match judged[1..].iter().all(|x| x.is_finite()) {
+                true => Ok(judged),
+                false => {
+                    Err(ExportError::Lost(format!("{}: what it must be is no finite number", self.entry)))
+                }
+            };
+        }
+        let (_, remainder) = self.taylor()?;
+        let (Some(numbers), Some(truth)) = (crate::audit::product(case), Truth::of(case)) else {
+            return Err(ExportError::Lost("it has no state".to_string()));
+        };
+        let first = truth.first();
+        let (mut got, mut want) = (0.0, 0.0);
+        for SummandValues { component, entry, by, .. } in &self.sum {
+            let row = numbers.entries(Quantity::FirstDerivatives);
+            got += by.0 * row.get(*component, *entry).unwrap_or(f64::NAN);
+            want += by.0 * first.get(*component, *entry).map_or(f64::NAN, |slope| slope.to_f64());
+        }
+        Ok([got, want, remainder.allowed])
+    }
+
+    fn describe(
+        &self,
+        script: &mut String,
+        case: &Case,
+        found: &[(Entry, f64)],
+        [got, want, tolerance]: [f64; 3],
+    ) {
+        let Some((Entry { quantity, .. }, _)) = found.first() else { return };
+        let field = match quantity {
+            Quantity::FirstDerivatives => "jacobian",
+            Quantity::SecondDerivatives => "hessian",
+            Quantity::Rate => "velocity",
+            Quantity::Acceleration => "acceleration",
+            _ => "measure",
+        };
+        let place = |(Entry { quantity, k, i }, by): &(Entry, f64)| {
+            let place = match quantity {
+                Quantity::FirstDerivatives => format!("{k}, {i}"),
+                Quantity::SecondDerivatives => format!("{k}, {}, {}", i / DOFS, i % DOFS),
+                _ => format!("{k},"),
+            };
+            format!("(({place}), {})", number(*by))
         };
         // A pair is two connectors side by side: translations of the first, rotations of the second.
-        let half = case.definition.connection.halves[usize::from(k >= 3)].map(|half| half.name);
-        let kind = half.unwrap_or(&case.definition.connection.name);
+        let mut kinds: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+        for one in found {
+            let half = case.definition.connection.halves[usize::from(one.0.k >= 3)].map(|half| half.name);
+            kinds.entry(half.unwrap_or(&case.definition.connection.name)).or_default().push(place(one));
+        }
+        let of_kind =
+            |(kind, places): (&&str, &Vec<String>)| format!("{}: [{}]", text(kind), places.join(", "));
+        let places: Vec<String> = kinds.iter().map(of_kind).collect();
         let words = format!(
             "{} by {}: {} against {}, written by pintle {}",
             case.definition.connection.name, self.subject, self.entry, self.against, self.version
         );
-        script.push_str(&format!("ABOUT = {}\nTYPE = {}\nFIELD, PLACE = {}, {place}\nGIVEN = float({:?})\nWANTED = float({:?})\nTOLERANCE = float({:?})\n",
+        script.push_str(&format!("ABOUT = {}\nFIELD, PLACES = {}, {{{}}}\nGIVEN = float({:?})\nWANTED = float({:?})\nTOLERANCE = float({:?})\n",
             text(&words),
-            text(kind),
             text(field),
-            number(self.got.0),
-            number(self.want.0),
-            number(self.tolerance.0)));
+            places.join(", "),
+            number(got),
+            number(want),
+            number(tolerance)));
     }
 }
 

@@ -26,18 +26,28 @@ def accumulated():
     return total
 
 
-def counter_example():
+def summed(kind, places):
     initial = placed(INITIAL)
     a0, b0 = np.array(INITIAL[1][1]), np.array(INITIAL[2][1])
     swing, yaw = abs(a0[:, 0] @ b0[:, 2]), abs(a0[:, 0] @ b0[:, 1])
     rest = after(reversed_rotation(initial["quaternion_A0"]), initial["quaternion_B0"])
     state = placed(
         STATE, turns=TURNS, sheet=SHEET, side=SIDE, twist=TWIST, rates=RATES, accelerations=ACCELERATIONS, accumulated=accumulated(),
-        initial=positions(TYPE, initial, Motion(initial, jnp.zeros(14))),
+        initial=positions(kind, initial, Motion(initial, jnp.zeros(14))),
         quaternion_R0=[1.0, 0.0, 0.0, 0.0] if np.array_equal(a0, b0) else rest,
     )
-    state["aligned"] = jnp.array(swing <= ALIGNED and (yaw <= ALIGNED or TABLE[TYPE][3] == "cross"))
+    state["aligned"] = jnp.array(swing <= ALIGNED and (yaw <= ALIGNED or TABLE[kind][3] == "cross"))
     # What is not asked for is not compiled.
-    found = float(jax.jit(lambda state: derivatives(TYPE, state)[FIELD][PLACE])(state))
-    by = PLACE[1:]
-    return found if all(ACTIVE[j] for j in by) else 0.0
+    active = [(place, by) for place, by in places if all(ACTIVE[j] for j in place[1:])]
+    if not active:
+        return 0.0
+
+    def numbers(state):
+        field = derivatives(kind, state)[FIELD]
+        return jnp.stack([field[place] for place, _ in active])
+
+    return float(np.dot(jax.jit(numbers)(state), [by for _, by in active]))
+
+
+def counter_example():
+    return sum(summed(kind, places) for kind, places in PLACES.items())

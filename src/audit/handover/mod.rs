@@ -12,6 +12,7 @@ use super::quantity::{Numbers, Quantity};
 use super::recorded::Recorded;
 use crate::scene::Diagnostic;
 use crate::vector::{Matrix, Vector};
+use serde::Serialize;
 
 pub use deck::{Deck, Difference};
 
@@ -53,17 +54,25 @@ fn entry(example: &CounterExample, numbers: &Numbers<f64>) -> Result<Entry, Expo
     });
     found.ok_or_else(|| {
         let what = if example.entry.is_empty() { "it names no entry" } else { &example.entry };
-        let message = format!(
-            "{what}: only a value or derivative becomes a Rust test or a JAX script; export its state as a deck, or judge it by \
-             `pintle replay` alone"
-        );
-        ExportError::Lost(message)
+        ExportError::Lost(format!("{what}: that is no value or derivative of the connector at this state"))
     })
 }
 
 /// A double as Rust, Python and decks read it, to the last bit.
 fn number(x: f64) -> String {
     format!("{x:?}")
+}
+
+/// A counter-example as a constant of a test in Rust.
+fn embedded(example: &impl Serialize) -> Result<String, ExportError> {
+    let values =
+        serde_json::to_string_pretty(example).map_err(|error| ExportError::Lost(error.to_string()))?;
+    // A raw string ends at a quote with as many marks.
+    let marks = (1..).map(|n| "#".repeat(n)).find(|marks| !values.contains(&format!("\"{marks}")));
+    let marks = marks.unwrap_or_default();
+    Ok(format!(
+        "/// The values that the number follows from, doubles in hexadecimal.\nconst COUNTER_EXAMPLE: &str = r{marks}\"{values}\"{marks};\n\n"
+    ))
 }
 
 fn list(all: &[f64]) -> String {

@@ -4,6 +4,7 @@ use super::deck::Deck;
 use super::rust::literal;
 use super::{ExportError, comment, constraint};
 use crate::audit::failing::{Example, Failing};
+use crate::audit::quantity::Quantity;
 use crate::audit::recorded::{FoundIn, Recorded};
 
 impl Recorded {
@@ -29,17 +30,17 @@ impl Recorded {
                 let sheets = other.sheets();
                 let entries =
                     sheets.iter().filter(|sheet| sheet.quantity == quantity).flat_map(|sheet| &sheet.entries);
-                entries.into_iter().find(|entry| entry.name == self.entry).map(|entry| entry.got)
+                let found = entries.into_iter().find(|entry| entry.name == self.entry).map(|entry| entry.got);
+                found.or_else(|| match other {
+                    Failing::Friction(case) if quantity == Quantity::FrictionForce => {
+                        case.result(&self.entry)
+                    }
+                    _ => None,
+                })
             }
             _ => None,
         };
-        found.ok_or_else(|| {
-            ExportError::Lost(format!(
-                "{} is no number of its {}; judge it by `pintle replay` alone",
-                self.entry,
-                self.kind.name()
-            ))
-        })
+        found.ok_or_else(|| self.unknown())
     }
 
     /// A test in Rust that needs this crate and nothing else: of a constraint, what it is and its state, typed out; of a friction, a belt,
@@ -55,18 +56,9 @@ impl Recorded {
                 (constraint::IMPORTS.to_string(), String::new(), constraint::rust(&case, place))
             }
             _ => {
-                let values = serde_json::to_string_pretty(self)
-                    .map_err(|error| ExportError::Lost(error.to_string()))?;
-                // A raw string ends at a quote with as many marks.
-                let marks =
-                    (1..).map(|n| "#".repeat(n)).find(|marks| !values.contains(&format!("\"{marks}")));
-                let marks = marks.unwrap_or_default();
                 let statements = "    let example = match Example::read(COUNTER_EXAMPLE).unwrap() {\n        Example::Other(example) => example,\n        \
                      Example::Connector(_) => unreachable!(\"it is of no connector\"),\n    };\n    let got: f64 = example.number().unwrap();\n";
-                let constant = format!(
-                    "/// The values that the number follows from, doubles in hexadecimal.\nconst COUNTER_EXAMPLE: &str = r{marks}\"{values}\"{marks};\n\n"
-                );
-                ("use pintle::audit::Example;\n".to_string(), constant, statements.to_string())
+                ("use pintle::audit::Example;\n".to_string(), super::embedded(self)?, statements.to_string())
             }
         };
         Ok(format!(
@@ -89,7 +81,7 @@ impl Recorded {
                 let Some(place) = constraint::place(self, &case) else { return Err(self.unknown()) };
                 Ok(constraint::jax(self, &case, place))
             }
-            _ => Err(self.has_no("JAX script: the formulas there are of kinematics alone")),
+            _ => Err(self.has_no("script for JAX: the formulas there are of kinematics alone")),
         }
     }
 
@@ -121,10 +113,7 @@ impl Recorded {
     }
 
     fn has_no(&self, form: &str) -> ExportError {
-        ExportError::Lost(format!(
-            "what is of a {} has no {form}; there is a Rust test of it: --export rust",
-            self.kind.name()
-        ))
+        ExportError::Lost(format!("what is of a {} has no {form}", self.kind.name()))
     }
 }
 
@@ -132,8 +121,12 @@ impl Example {
     /// A test in Rust.
     ///
     /// # Errors
-    /// What cannot be replayed, and what is no number of one state.
+    /// What cannot be replayed, and what is no number of one state; it says which other forms there are.
     pub fn rust(&self) -> Result<String, ExportError> {
+        self.of_rust().map_err(|error| self.with_forms(error))
+    }
+
+    fn of_rust(&self) -> Result<String, ExportError> {
         match self {
             Self::Connector(example) => example.rust(),
             Self::Other(recorded) => recorded.rust(),
@@ -143,8 +136,12 @@ impl Example {
     /// A script for Python with JAX.
     ///
     /// # Errors
-    /// What cannot be replayed, and what the reference formulas do not have.
+    /// What cannot be replayed, and what the reference formulas do not have; it says which other forms there are.
     pub fn jax(&self) -> Result<String, ExportError> {
+        self.of_jax().map_err(|error| self.with_forms(error))
+    }
+
+    fn of_jax(&self) -> Result<String, ExportError> {
         match self {
             Self::Connector(example) => example.jax(),
             Self::Other(recorded) => recorded.jax(),
@@ -154,11 +151,34 @@ impl Example {
     /// A deck and its states.
     ///
     /// # Errors
-    /// What cannot be replayed, and what a deck cannot say.
+    /// What cannot be replayed, and what a deck cannot say; it says which other forms there are.
     pub fn deck(&self) -> Result<Deck, ExportError> {
+        self.of_deck().map_err(|error| self.with_forms(error))
+    }
+
+    fn of_deck(&self) -> Result<Deck, ExportError> {
         match self {
             Self::Connector(example) => example.deck(),
             Self::Other(recorded) => recorded.deck(),
         }
+    }
+
+    /// A refusal with the forms that are not refused.
+    fn with_forms(&self, refused: ExportError) -> ExportError {
+        if self.failing().is_err() {
+            return refused;
+        }
+        let forms = [
+            ("a Rust test (--export rust)", self.of_rust().is_ok()),
+            ("a script for JAX (--export jax)", self.of_jax().is_ok()),
+            ("a deck (--export inp)", self.of_deck().is_ok()),
+        ];
+        let there: Vec<&str> = forms.into_iter().filter(|(_, is)| *is).map(|(form, _)| form).collect();
+        let there = if there.is_empty() {
+            "`pintle replay` judges it".to_string()
+        } else {
+            format!("it can be exported as {}", there.join(" or "))
+        };
+        ExportError::Lost(format!("{refused}; {there}"))
     }
 }

@@ -6,10 +6,8 @@ use super::summary::{
     undecided,
 };
 use crate::audit::certificate::Certificate;
-use crate::audit::{Against, Approach, Check, Comparison, Report, Subject, Verdict};
-use crate::catalog::COMPONENT;
+use crate::audit::{Against, Approach, Check, Compared, Comparison, Report, Subject, Verdict};
 use crate::grammar::{agree, count};
-use crate::node::{DOF, DOFS};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -206,30 +204,23 @@ fn quoted(file: &str) -> String {
 
 /// The Jacobian in its blocks: ✗ where an entry is beyond its tolerance, ■ where it is not zero, · where it is.
 fn diagram(out: &mut dyn Write, comparison: &Comparison) -> io::Result<()> {
-    let widths = DOF.map(|name| name.chars().count());
-    let line = |cells: [&str; DOFS]| -> String {
-        let mut text = String::new();
-        for (j, cell) in cells.into_iter().enumerate() {
-            // Translations and rotations of each node.
-            let starts_block = matches!(j % (DOFS / 2), 0 | 3);
-            text.push_str(match j {
-                0 => "",
-                _ if starts_block => " │ ",
-                _ => " ",
-            });
-            text.push_str(&left(cell, widths[j]));
-        }
-        text.trim_end().to_string()
+    let blocks = comparison.blocks();
+    let names = comparison.rows.iter().map(|(name, _)| name.chars().count() + 1);
+    let margin = names.max().unwrap_or(0);
+    let line = |cell: &dyn Fn(usize) -> String| -> String {
+        let of = |j: &usize| left(&cell(*j), comparison.columns[*j].chars().count());
+        let block = |block: &Vec<usize>| block.iter().map(of).collect::<Vec<_>>().join(" ");
+        blocks.iter().map(block).collect::<Vec<_>>().join(" │ ").trim_end().to_string()
     };
-    writeln!(out, "         {}", line(DOF))?;
-    for (component, row) in COMPONENT.iter().zip(&comparison.0) {
-        let Some(row) = row else { continue };
-        let cells = row.map(|entry| match () {
+    writeln!(out, "    {} {}", left("", margin), line(&|j| comparison.columns[j].clone()))?;
+    for (name, row) in &comparison.rows {
+        let mark = |entry: &Compared| match () {
             () if entry.units > 1.0 => "✗",
             () if entry.is_zero() => "·",
             () => "■",
-        });
-        writeln!(out, "    ∂{} {}", left(component, 3), line(cells))?;
+        };
+        let cells = line(&|j| row.get(j).map_or("", mark).to_string());
+        writeln!(out, "    {} {cells}", left(&format!("∂{name}"), margin))?;
     }
     Ok(())
 }

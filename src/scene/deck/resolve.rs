@@ -7,7 +7,7 @@ use super::sets::{self, InOrder, Kind, Known, Member, OtherElements, unknown_set
 use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
 use crate::scene::label::Label;
-use crate::scene::model::{Discrete, End, Mpc, PointKind, Scene, Set, Target, TransformKind};
+use crate::scene::model::{Discrete, Mpc, PointKind, Scene, Set, Target, TransformKind};
 use crate::scene::span::{Span, Spanned};
 use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
@@ -16,7 +16,6 @@ pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     elements(deck)?;
     build_sets(deck)?;
     sections(&mut deck.scene)?;
-    orientations(&deck.scene)?;
     deck.scene.behaviors.iter().try_for_each(|(name, behavior)| check_behavior(name, behavior))?;
     properties(&deck.scene)?;
     other_rotations(deck);
@@ -189,30 +188,6 @@ fn sections(scene: &mut Scene) -> Result<()> {
             "no *CONNECTOR SECTION",
         )
         .help("put the element into a set and give that set a *CONNECTOR SECTION"));
-    }
-    Ok(())
-}
-
-/// Every orientation that a connector uses, at the nodes where it is used; and those that hold everywhere.
-fn orientations(scene: &Scene) -> Result<()> {
-    for (name, orientation) in &scene.orientations {
-        use crate::scene::orientation::{Definition, System};
-        let everywhere = !orientation.depends_on_point()
-            && orientation.system != System::User
-            && !matches!(orientation.definition, Definition::OffsetToNodes { .. });
-        if everywhere {
-            orientation.triad(name, scene, [0.0; 3], &[])?;
-        }
-    }
-    for connector in scene.connectors.values() {
-        let Some(section) = scene.section(connector) else { continue };
-        let ends = [(End::A, &section.orientation_a), (End::B, &section.orientation_b)];
-        for (end, name) in ends {
-            let Some(name) = name else { continue };
-            let Some(orientation) = scene.orientations.get(&name.value) else { continue };
-            let Some(point) = scene.position(connector, end) else { continue };
-            orientation.triad(&name.value, scene, point, &scene.element_nodes(connector))?;
-        }
     }
     Ok(())
 }

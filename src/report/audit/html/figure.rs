@@ -1,8 +1,6 @@
 //! Figures as SVG: plots on log axes, heat maps. In a page they take its colours, light or dark; as files they bring their own.
 
 use crate::audit::{Comparison, Illustration};
-use crate::catalog::COMPONENT;
-use crate::node::{DOF, DOFS};
 use askama::Template;
 
 /// The style of figures.
@@ -420,33 +418,27 @@ pub(super) fn heat(title: &str, comparison: &Comparison, place: Place) -> String
     const SIZE: [f64; 2] = [24.0, 20.0];
     const GAP: f64 = 2.0;
     const BETWEEN_BLOCKS: f64 = 7.0;
-    let is_flow = |j: usize| j % (DOFS / 2) == DOFS / 2 - 1;
-    let entries = || comparison.0.iter().flatten();
-    let has = |j: usize| !is_flow(j) || entries().any(|row| row[j].got != 0.0 || row[j].want != 0.0);
-    let mut heads = Vec::new();
+    let mut heads: Vec<Head> = Vec::new();
     let mut columns: Vec<(usize, f64)> = Vec::new();
     let mut x = 42.0;
-    for j in 0..DOFS {
-        if j > 0 && matches!(j % (DOFS / 2), 0 | 3) {
-            x += BETWEEN_BLOCKS;
-        }
-        if has(j) {
-            heads.push(Head { x: x + SIZE[0] / 2.0, y: 12.0, name: DOF[j].to_string() });
+    for (i, block) in comparison.blocks().into_iter().enumerate() {
+        x += if i > 0 { BETWEEN_BLOCKS } else { 0.0 };
+        for j in block {
+            heads.push(Head { x: x + SIZE[0] / 2.0, y: 12.0, name: comparison.columns[j].clone() });
             columns.push((j, x));
             x += SIZE[0] + GAP;
         }
     }
     let (mut rows, mut cells, mut y) = (Vec::new(), Vec::new(), 18.0);
-    for (k, row) in comparison.0.iter().enumerate() {
-        let Some(row) = row else { continue };
-        rows.push(Head { x: 36.0, y: y + 14.0, name: COMPONENT[k].to_string() });
+    for (of_row, row) in &comparison.rows {
+        rows.push(Head { x: 36.0, y: y + 14.0, name: of_row.clone() });
         for (j, x) in &columns {
-            let entry = row[*j];
+            let (Some(entry), Some(column)) = (row.get(*j), comparison.columns.get(*j)) else { continue };
             let is_plain = entry.got == 0.0 && entry.units == 0.0;
             let title = (!is_plain).then(|| {
                 format!(
                     "∂{}/∂{} = {:e}, must be {:e}: {:.3e} tolerances of {:.2e}",
-                    COMPONENT[k], DOF[*j], entry.got, entry.want, entry.units, entry.tolerance
+                    of_row, column, entry.got, entry.want, entry.units, entry.tolerance
                 )
             });
             let class = if entry.is_zero() { "zero" } else { class(entry.units) };
@@ -639,6 +631,7 @@ pub(super) fn coverage(title: &str, maps: &[Map]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::node::{DOF, DOFS};
 
     #[test]
     fn axes_hold_their_values_in_whole_decades() {
@@ -657,7 +650,8 @@ mod tests {
         let fine = crate::audit::Compared { got: 1.0, want: 1.0, tolerance: 1e-15, units: 0.0 };
         let mut row = [crate::audit::Compared { got: 0.0, want: 0.0, ..fine }; DOFS];
         (row[0], row[4]) = (fine, crate::audit::Compared { got: 0.0, units: f64::INFINITY, ..fine });
-        comparison.0[3] = Some(row);
+        comparison.columns = DOF.map(String::from).to_vec();
+        comparison.rows = vec![("ur1".to_string(), row.to_vec())];
         let svg = heat("<x>", &comparison, Place::File);
         assert!(svg.contains("&#60;x&#62;") && svg.contains("<style>"), "{svg}");
         let count = |what: &str| svg.matches(what).count();
@@ -681,7 +675,8 @@ mod tests {
         row[4] = crate::audit::Compared { got: 3e-16, want: -3e-16, units: 0.6, ..zero };
         row[5] = crate::audit::Compared { want: 2e-15, units: 2.0, ..zero };
         row[0] = crate::audit::Compared { got: 1.0, want: 1.0 + 3e-16, units: 0.3, ..zero };
-        comparison.0[0] = Some(row);
+        comparison.columns = DOF.map(String::from).to_vec();
+        comparison.rows = vec![("u1".to_string(), row.to_vec())];
         let svg = heat("AXIAL", &comparison, Place::Page);
         let count = |what: &str| svg.matches(what).count();
         assert_eq!(

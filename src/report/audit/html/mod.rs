@@ -27,6 +27,8 @@ pub struct Audited<'a> {
 /// What a page shows besides the report.
 #[derive(Clone, Debug, Default)]
 pub struct Supplement<'a> {
+    /// Whether the types of the catalogue were audited.
+    pub catalogue: bool,
     /// The scenes.
     pub scenes: Vec<Audited<'a>>,
     /// One state of each connector, as far as it is to be shown.

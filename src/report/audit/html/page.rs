@@ -18,6 +18,7 @@ use crate::report::audit::summary::{
 use crate::scene::Severity;
 use askama::Template;
 use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::io;
 
 /// A verdict's class and words.
@@ -176,7 +177,7 @@ struct PageTemplate {
     headline_capital: String,
     tone: &'static str,
     sign: &'static str,
-    scenes: String,
+    audited: String,
     facts: Vec<(&'static str, String)>,
     sections: Vec<(&'static str, &'static str)>,
     problems: Vec<ProblemGroup>,
@@ -226,7 +227,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         headline: outcome,
         tone,
         sign,
-        scenes: supplement.scenes.iter().map(|scene| scene.name).collect::<Vec<_>>().join(", "),
+        audited: audited(supplement),
         facts: facts(report),
         sections: Vec::new(),
         problems: problems(report),
@@ -254,6 +255,13 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
     };
     page.sections = sections(&page);
     page.render().map_err(io::Error::other)
+}
+
+/// What was audited: the catalogue, and scenes.
+fn audited(supplement: &Supplement<'_>) -> String {
+    let catalogue = supplement.catalogue.then_some("the catalogue");
+    let all = catalogue.into_iter().chain(supplement.scenes.iter().map(|scene| scene.name));
+    all.collect::<Vec<_>>().join(", ")
 }
 
 /// What the colours of a drawing mean: verdicts, where numbers were audited, and what was not.
@@ -538,6 +546,23 @@ fn coverage(found: &ModelReport) -> Option<CoverageSection> {
     })
 }
 
+/// The lower edge of a bin, short enough to stand below it.
+fn edge_name(edge: f64) -> String {
+    /// Edges that are so near to 1 are told by what they are away from it.
+    const NEAR: f64 = 1e-3;
+    let plain = |x: f64| if x == 0.0 || (1e-3..1e3).contains(&x) { format!("{x}") } else { format!("{x:e}") };
+    match edge {
+        FRAC_PI_2 => "π/2".to_string(),
+        PI => "π".to_string(),
+        TAU => "2π".to_string(),
+        x if x != 1.0 && (x - 1.0).abs() < NEAR => {
+            let sign = if x < 1.0 { '−' } else { '+' };
+            format!("1{sign}{:.0e}", (x - 1.0).abs())
+        }
+        x => plain(x),
+    }
+}
+
 fn map(histogram: &Histogram) -> Map {
     let samples = histogram.samples();
     let bins = histogram.edges.iter().zip(&histogram.counts).map(|(edge, count)| {
@@ -549,13 +574,7 @@ fn map(histogram: &Histogram) -> Map {
             x if x < 0.5 => 3,
             _ => 4,
         };
-        let from = if *edge == 0.0 || (1e-3..1e3).contains(edge) {
-            let text = format!("{edge:.6}");
-            text.trim_end_matches('0').trim_end_matches('.').to_string()
-        } else {
-            format!("{edge:e}")
-        };
-        Bin { depth, from, count: if *count == 0 { "–".into() } else { grouped(*count) } }
+        Bin { depth, from: edge_name(*edge), count: if *count == 0 { "–".into() } else { grouped(*count) } }
     });
     let unit = if histogram.unit.is_empty() { String::new() } else { format!(", {}", histogram.unit) };
     Map {
@@ -857,7 +876,15 @@ fn oracles(report: &Report) -> Vec<OracleRow> {
 
 #[cfg(test)]
 mod tests {
-    use super::{capital, sentence};
+    use super::{capital, edge_name, sentence};
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    #[test]
+    fn edges_are_short() {
+        let edges = [0.0, 1e-6, 0.001, 0.5, FRAC_PI_2, PI, 1.0 - 1e-6, 1.0 + 1e-6, 1.0, 2.0, 1e4];
+        let said = ["0", "1e-6", "0.001", "0.5", "π/2", "π", "1−1e-6", "1+1e-6", "1", "2", "1e4"];
+        assert_eq!(edges.map(edge_name), said);
+    }
 
     #[test]
     fn symbols_keep_their_case() {
