@@ -1,7 +1,8 @@
 //! Batches against derivatives written by hand, on the same tiles, which stay in the first cache; then every type.
 //!
 //! Every variant is compared with the 237-bit scalar before it is timed. Times are minima over interleaved rounds of one
-//! run: `taskset -c 3 cargo bench --bench lanes`.
+//! run: `taskset -c 3 cargo bench --bench lanes`. With `--once WHO ORDER TYPE COUNT` (lanes or hand; rows or second) it goes through the tiles so many
+//! times and prints how many they were, for a counter of instructions.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
 #[cfg(target_arch = "x86_64")]
@@ -71,11 +72,11 @@ fn branch(connector: &Connector<f64>, pair: &Pair<f64>, beyond: bool) -> Branch<
 
 /// `None` for a type that has no batch.
 fn case(name: &'static str) -> Option<Case> {
-    case_of(name, name, false)
+    case_of(name, name, false, true)
 }
 
 /// A type under a title; where it goes on `beyond` half a turn, no rotation vector is principal.
-fn case_of(title: &'static str, name: &str, beyond: bool) -> Option<Case> {
+fn case_of(title: &'static str, name: &str, beyond: bool, has_truth: bool) -> Option<Case> {
     let draw = &mut Draw::new("lanes");
     let mut initial = drawn(draw);
     // The directions coincide at first, as where a printed constraint is enforced.
@@ -101,7 +102,7 @@ fn case_of(title: &'static str, name: &str, beyond: bool) -> Option<Case> {
         };
         batch.measures().iter().map(of_row).collect()
     };
-    let truth = pairs.iter().enumerate().map(truth).collect();
+    let truth = pairs.iter().enumerate().filter(|_| has_truth).map(truth).collect();
     let fours: Vec<[Pair<f64>; 4]> =
         pairs.chunks_exact(4).map(|four| [four[0], four[1], four[2], four[3]]).collect();
     Some(Case {
@@ -209,7 +210,13 @@ impl Case {
 
 fn main() {
     #[cfg(target_arch = "x86_64")]
-    by_hand::compare();
+    {
+        let words: Vec<String> = std::env::args().collect();
+        if let Some(at) = words.iter().position(|word| word == "--once") {
+            return by_hand::once(&words[at + 1..]);
+        }
+        by_hand::compare();
+    }
     every_type();
 }
 
@@ -257,6 +264,23 @@ mod by_hand {
         println!("{:12} largest errors: lanes {}, by hand {}", case.name, text(of_lanes), text(of_hand));
     }
 
+    pub(super) fn once(words: &[String]) {
+        let [who, order, name, count] = words else { return eprintln!("--once WHO ORDER TYPE COUNT") };
+        let name = TYPES.into_iter().find(|known| known == name).unwrap();
+        let (v, case) = (V3::try_new().unwrap(), case_of(name, name, false, false).unwrap());
+        let (mut rows, mut second) = room(&case);
+        let count: usize = count.parse().unwrap();
+        for _ in 0..count {
+            match (who.as_str(), order.as_str()) {
+                ("lanes", "rows") => case.rows(black_box(&mut rows)),
+                ("lanes", _) => case.hessians(black_box(&mut second)),
+                (_, "rows") => v.vectorize(sweep(v, &case, black_box(&mut rows[..]))),
+                _ => v.vectorize(sweep(v, &case, black_box(&mut second[..]))),
+            }
+        }
+        println!("{}", count * if order == "rows" { TILES } else { TILES_OF_SECOND });
+    }
+
     pub(super) fn compare() {
         let Some(v) = V3::try_new() else {
             println!("what is written by hand needs AVX2 and FMA");
@@ -292,7 +316,7 @@ fn every_type() {
     let names = || TABLE.iter().map(|connection| -> &'static str { &connection.name });
     let mut cases: Vec<Case> = names().filter_map(case).collect();
     // The rows of such tiles are computed a second time; what they are compared with are those of the principal sheet.
-    cases.extend(case_of("ROTATION beyond half a turn", "ROTATION", true));
+    cases.extend(case_of("ROTATION beyond half a turn", "ROTATION", true, true));
     let mut least = vec![[f64::INFINITY; 2]; cases.len()];
     for case in &cases {
         let (mut rows, mut second) = room(case);

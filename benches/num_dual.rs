@@ -18,13 +18,15 @@ mod hand {
 }
 
 use hand::clock::{BATCHES, time};
-use hand::common::{flat, is_written, settings, spread, spread_matrix, untimed};
+use hand::common::{flat, is_written, settings, spread, untimed};
 use hand::naive;
 use hand::peer::serve;
 use hand::types::TYPES;
 use num_dual::{Dual2SVec, DualSVec};
+use pintle::batch::COLUMNS;
 use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Subject};
 use pintle::catalog::ConnectionType;
+use pintle::node::DOFS;
 use pintle::report::bench as report;
 use pintle::scalar::Seeded;
 use serde_json::{Map, Value, json};
@@ -178,6 +180,14 @@ impl Peers {
 
 fn numbers(of: &Value) -> Vec<f64> {
     of.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn spread_matrix(matrix: &[[f64; 12]; 12]) -> [f64; DOFS * DOFS] {
+    let mut all = [0.0; DOFS * DOFS];
+    for (i, line) in COLUMNS.iter().zip(matrix) {
+        all[i * DOFS..][..DOFS].copy_from_slice(&spread(line));
+    }
+    all
 }
 
 fn main() {

@@ -11,7 +11,7 @@ mod chain;
 use peak_alloc::PeakAlloc;
 use pintle::connector::{Output, Request};
 use pintle::evaluate::{Fixed, Item, Jacobian, Model, Plan, Selection, Sequence};
-use pintle::report::{Block, Format, Subject, csv::Csv, json::Json, matrix_market};
+use pintle::report::{Block, Format, Kind, Subject, csv::Csv, json::Json, matrix_market};
 use pintle::scene::{Diagnostic, NodeMotion, Rotation, Scene, State, StateStream};
 use std::convert::Infallible;
 use std::fs::File;
@@ -116,18 +116,18 @@ fn write(scene: &Scene, model: &Model, plan: &Plan, state: &State, format: &mut 
     format.state(0, state.time).unwrap();
     let render = format.renderer();
     let mut count = 0;
-    let digest = |item: Item<'_>| match item {
+    let digest = |item: Item<'_>, text: &mut Vec<u8>| match item {
         Item::Connector(result) => {
-            let block = Block::of_connector(model, &plan.request, result);
-            (block.kind, render(&block).unwrap())
+            text.clear();
+            render(&Block::of_connector(model, &plan.request, result), text).unwrap();
         }
         Item::Mpc(_) => panic!("a chain has no MPC"),
     };
-    let put = |(kind, text): (_, Vec<u8>)| {
+    let put = |text: &mut Vec<u8>| {
         count += 1;
-        format.rendered(kind, &text)
+        format.rendered(Kind::Connector, text)
     };
-    sequence.visit_digested(state, digest, put).unwrap();
+    sequence.visit_digested(state, &mut Vec::new(), digest, put).unwrap();
     format.end_state().unwrap();
     format.end_scene(sequence.tally()).unwrap();
     format.end().unwrap();

@@ -14,6 +14,7 @@ mod hand {
 
 use hand::scalar::{self, Row};
 use hand::types::TYPES;
+use pintle::batch::COLUMNS;
 use pintle::catalog::ConnectionType;
 use pintle::connector::{Branch, Connector, Definition, Increment, Linear, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
@@ -28,8 +29,6 @@ const ROUNDS: usize = 12;
 const BUDGET: Duration = Duration::from_millis(4);
 /// The largest error of an entry over the largest of its row.
 const BOUND: f64 = 1e-14;
-/// The columns x_a, θ_a, x_b, θ_b of a row of all nodal degrees of freedom.
-const PLACE: [usize; 12] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12];
 
 /// Numbers in [−1, 1] that look random.
 struct Draw(u64);
@@ -146,7 +145,7 @@ impl Case {
                 Variant::Linearize => {
                     let mut rows = [Linear::default(); 6];
                     let count = self.connector.linearize(&state.pair, &self.branch, [true; 6], &mut rows);
-                    rows[..count].iter().map(|row| (row.value, PLACE.map(|j| row.row[j]))).collect()
+                    rows[..count].iter().map(|row| (row.value, COLUMNS.map(|j| row.row[j]))).collect()
                 }
                 Variant::Evaluate => values(&self.connector, state, &self.components),
             };
@@ -217,7 +216,7 @@ where
     let of = |k: &usize| {
         let value = if connector.is_printed_constraint(*k) { found.residual[*k] } else { found.position[*k] };
         let row = found.jacobian[*k].unwrap();
-        (f64::from(Narrow(value.unwrap())), PLACE.map(|j| f64::from(Narrow(row[j]))))
+        (f64::from(Narrow(value.unwrap())), COLUMNS.map(|j| f64::from(Narrow(row[j]))))
     };
     components.iter().map(of).collect()
 }

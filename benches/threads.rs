@@ -9,7 +9,7 @@ mod chain;
 
 use pintle::connector::{Output, Request};
 use pintle::evaluate::{Fixed, Item, Jacobian, Model, Plan, Selection, Sequence};
-use pintle::report::{Block, Format, Subject, csv::Csv};
+use pintle::report::{Block, Format, Kind, Subject, csv::Csv};
 use pintle::scene::{Scene, State};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::convert::Infallible;
@@ -79,7 +79,7 @@ fn filled<'w>(model: &'w Model, plan: &'w Plan, jacobian: &'w Jacobian) -> Work<
 }
 
 fn written<'w>(scene: &'w Scene, model: &'w Model, plan: &'w Plan) -> Work<'w> {
-    let mut sequence = Sequence::new(model, plan);
+    let (mut sequence, mut texts) = (Sequence::new(model, plan), Vec::new());
     Box::new(move |state| {
         let mut sum = Sum::default();
         let mut format = Csv::new(&mut sum, OUTPUTS.to_vec(), 1);
@@ -87,12 +87,13 @@ fn written<'w>(scene: &'w Scene, model: &'w Model, plan: &'w Plan) -> Work<'w> {
         format.scene(&Subject { scene, model, plan, states: 1, shown: &[], first: 0, last: 0 }).unwrap();
         format.state(0, state.time).unwrap();
         let render = format.renderer();
-        let digest = |item: Item<'_>| {
+        let digest = |item: Item<'_>, text: &mut Vec<u8>| {
             let Item::Connector(result) = item else { panic!("a chain has no MPC") };
-            let block = Block::of_connector(model, &plan.request, result);
-            (block.kind, render(&block).unwrap())
+            text.clear();
+            render(&Block::of_connector(model, &plan.request, result), text).unwrap();
         };
-        sequence.visit_digested(state, digest, |(kind, text)| format.rendered(kind, &text)).unwrap();
+        let put = |text: &mut Vec<u8>| format.rendered(Kind::Connector, text);
+        sequence.visit_digested(state, &mut texts, digest, put).unwrap();
         format.end().unwrap();
         drop(format);
         sum

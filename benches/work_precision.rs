@@ -1,5 +1,5 @@
 //! Time against error of values, Jacobians and Hessians, far from singular points, near them and at rest: what `pintle bench` measures, and
-//! besides it batches, and rows and second derivatives by hand: `taskset -c 3 cargo bench --bench work_precision`. All go through the same
+//! besides it rows and second derivatives by hand: `taskset -c 3 cargo bench --bench work_precision`. All go through the same
 //! states; what takes one state at a time writes its rows into the same memory again, batches into as much as they have rows.
 //!
 //! By itself it prints the tables. For `scripts/measure.py`: `--export FILE` writes states and truth for JAX; `--serve` writes the
@@ -25,11 +25,10 @@ mod hand {
     mod vector;
 }
 
-use hand::common::{flat, is_written, settings, spread, spread_matrix, untimed};
+use hand::common::{flat, is_written, settings, spread, untimed};
 use hand::peer::serve;
 use hand::scalar;
 use hand::types::TYPES;
-use pintle::batch::{Batch, HessianRow, History, Row, Section, Tile};
 use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Settings, Subject, Way};
 use pintle::catalog::ConnectionType;
 use pintle::report::bench as report;
@@ -106,108 +105,13 @@ impl Prepared for ByHand<'_> {
     }
 }
 
-/// Four elements at a time.
-struct Lanes(Order);
-
-impl Method for Lanes {
-    fn name(&self) -> &'static str {
-        "pintle, batch"
-    }
-
-    fn order(&self) -> Order {
-        self.0
-    }
-
-    fn cause(&self) -> Cause {
-        Cause::Ours
-    }
-
-    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
-        Ok(Box::new(ByLanes(Tiles::new(self.0, subject))))
-    }
-}
-
-/// Elements in tiles of four, and room for their rows.
-struct Tiles<'s> {
-    order: Order,
-    name: &'s str,
-    batch: Batch,
-    tiles: Vec<Tile>,
-    sections: Vec<Section>,
-    histories: Vec<History>,
-    rows: Vec<Row>,
-    second: Vec<HessianRow>,
-}
-
-impl<'s> Tiles<'s> {
-    fn new(order: Order, subject: &'s Subject) -> Self {
-        let all: Vec<&pintle::bench::Element> = subject.in_batch().collect();
-        let fours: Vec<&[&pintle::bench::Element]> = all.chunks_exact(4).collect();
-        let batch = Batch::new(&subject.elements[0].connector, [true; 6]).unwrap();
-        let count = fours.len() * batch.rows();
-        let is_second = order == Order::Hessian;
-        Self {
-            order,
-            name: &subject.connection.name,
-            tiles: fours.iter().map(|four| Tile::new(&std::array::from_fn(|i| four[i].state.pair))).collect(),
-            sections: fours
-                .iter()
-                .map(|four| Section::new(&std::array::from_fn::<_, 4, _>(|i| &four[i].connector)))
-                .collect(),
-            histories: fours
-                .iter()
-                .map(|four| History::new(&std::array::from_fn(|i| four[i].branch)))
-                .collect(),
-            rows: vec![Row::default(); if is_second { 0 } else { count }],
-            second: vec![HessianRow::default(); if is_second { count } else { 0 }],
-            batch,
-        }
-    }
-
-    fn numbers(&self) -> Vec<f64> {
-        let n = self.batch.rows();
-        let states = 0..4 * self.tiles.len();
-        let at = |i: usize| (0..n).map(move |r| (i / 4 * n + r, i % 4));
-        match self.order {
-            Order::Hessian => states
-                .flat_map(at)
-                .flat_map(|(at, lane)| {
-                    spread_matrix(&self.second[at].hessian.map(|line| line.map(|four| four[lane])))
-                })
-                .collect(),
-            _ => states
-                .flat_map(at)
-                .flat_map(|(at, lane)| spread(&self.rows[at].columns.map(|four| four[lane])))
-                .collect(),
-        }
-    }
-}
-
-struct ByLanes<'s>(Tiles<'s>);
-
-impl Prepared for ByLanes<'_> {
-    fn run(&mut self) {
-        let Tiles { order, batch, tiles, sections, histories, rows, second, .. } = &mut self.0;
-        match order {
-            Order::Hessian => batch.rows_of(tiles, sections, histories, second).unwrap(),
-            _ => batch.rows_of(tiles, sections, histories, rows).unwrap(),
-        }
-    }
-
-    fn states(&self) -> usize {
-        4 * self.0.tiles.len()
-    }
-
-    fn numbers(&mut self) -> Vec<f64> {
-        self.0.numbers()
-    }
-}
-
 /// Rows, and with second derivatives, by hand for one vector unit.
 #[cfg(target_arch = "x86_64")]
 mod by_hand {
     use super::*;
     use crate::hand::sweep::Sweep;
+    use pintle::batch::LANES;
+    use pintle::bench::{Rows, Tiles};
     use pulp::x86::V3;
 
     pub(super) struct HandLanes(pub(super) Order);
@@ -221,6 +125,10 @@ mod by_hand {
             self.0
         }
 
+        fn vector_unit(&self) -> Option<&'static str> {
+            Some("AVX2/FMA")
+        }
+
         fn cause(&self) -> Cause {
             Cause::Rounding
         }
@@ -228,33 +136,38 @@ mod by_hand {
         fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
             is_written(subject)?;
             let v = V3::try_new().ok_or("the processor has no AVX2 and FMA")?;
-            Ok(Box::new(ByHandLanes { v, tiles: Tiles::new(self.0, subject) }))
+            let (tiles, rows) = (Tiles::new(subject)?, Rows::new(self.0, subject)?);
+            Ok(Box::new(ByHandLanes { v, name: &subject.connection.name, tiles, rows }))
         }
     }
 
     struct ByHandLanes<'s> {
         v: V3,
-        tiles: Tiles<'s>,
+        name: &'s str,
+        tiles: Tiles,
+        rows: Rows,
     }
 
     impl Prepared for ByHandLanes<'_> {
         fn run(&mut self) {
-            let Self { v, tiles: Tiles { order, name, batch, tiles, sections, rows, second, .. } } = self;
+            let Self { v, name, tiles: Tiles { batch, tiles, sections, .. }, rows } = self;
             let (v, name, count) = (*v, *name, batch.rows());
-            match order {
-                Order::Hessian => {
-                    v.vectorize(Sweep { v, name, tiles, sections, rows: count, out: &mut second[..] });
+            match rows {
+                Rows::First(rows) => {
+                    v.vectorize(Sweep { v, name, tiles, sections, rows: count, out: &mut rows[..] });
                 }
-                _ => v.vectorize(Sweep { v, name, tiles, sections, rows: count, out: &mut rows[..] }),
+                Rows::Second(rows) => {
+                    v.vectorize(Sweep { v, name, tiles, sections, rows: count, out: &mut rows[..] });
+                }
             }
         }
 
         fn states(&self) -> usize {
-            4 * self.tiles.tiles.len()
+            LANES * self.tiles.tiles.len()
         }
 
         fn numbers(&mut self) -> Vec<f64> {
-            self.tiles.numbers()
+            self.rows.numbers(self.tiles.batch.rows())
         }
     }
 }
@@ -307,8 +220,7 @@ fn main() {
         return;
     }
     let ways = Way::all();
-    let mut more: Vec<Box<dyn Method>> =
-        vec![Box::new(Hand), Box::new(Lanes(Order::Jacobian)), Box::new(Lanes(Order::Hessian))];
+    let mut more: Vec<Box<dyn Method>> = vec![Box::new(Hand)];
     #[cfg(target_arch = "x86_64")]
     more.extend(
         [Order::Jacobian, Order::Hessian]

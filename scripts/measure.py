@@ -1,12 +1,13 @@
 """Measures speed and rewrites the tables in README.md and docs/ that tell it.
 
-Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 8] [--quick] [--core N] [--python VENV/bin/python]
+Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 8] [--quick] [--core N] [--python VENV/bin/python] [--built FOLDER]
        python3 scripts/measure.py --check
 
 Without a block, all of them. A block is the text between <!-- measured: NAME --> and <!-- end: NAME -->. What is compared is
 measured in rounds that take turns, on one core, and of each the least time counts, so that a busy machine disturbs all alike; every
 participant compares its numbers with the truth before it is timed. --check only verifies that the marks in the documents and the blocks here
-are the same, and that each block tells when it was measured and of which commit. Needs gcc and, for the first time, a network: the peers are installed under target/peers.
+are the same, and that each block tells when it was measured and of which commit. --built takes the programs from a folder as cargo leaves
+them, target/release say, and builds none; they must be of the sources that are checked out. Needs gcc, valgrind and, for the first time, a network: the peers are installed under target/peers.
 """
 
 import argparse
@@ -17,9 +18,13 @@ import os
 import pathlib
 import platform
 import re
+import resource
 import subprocess
 import sys
+import time
 import venv
+
+import peer_rules
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORK = ROOT / "target" / "peers"
@@ -78,9 +83,9 @@ def commit():
     return f"{name} with changes" if changed else name
 
 
-def stamp():
+def stamp(of=None):
     """When, on what and of which commit."""
-    return f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), pintle {commit()}"
+    return f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), pintle {of or commit()}"
 
 
 # Programs
@@ -90,8 +95,32 @@ def stamp():
 BEST = {"num_dual": ("-C", "codegen-units=1", "-C", "target-cpu=native")}
 
 
+# Where programs are taken from instead of being built: --built.
+BUILT = None
+
+
+def built(name, place):
+    """The newest program in the folder of what is built that the pattern of a place finds."""
+    found = [path for path in BUILT.glob(place) if path.is_file() and not path.suffix and os.access(path, os.X_OK)]
+    if not found:
+        raise SystemExit(f"{BUILT} has no program {name}: it would be {place}")
+    return str(max(found, key=lambda path: path.stat().st_mtime))
+
+
+def command():
+    """Builds pintle; its program."""
+    if BUILT:
+        return built("pintle", "pintle")
+    say("pintle: cargo builds it, where that is still to be done")
+    messages = run("cargo", "build", "--release", "--all-features", "--bin", "pintle", "--message-format=json")
+    artifacts = [message for message in map(json.loads, messages.splitlines()) if message["reason"] == "compiler-artifact"]
+    return next(message["executable"] for message in artifacts if message["executable"])
+
+
 def executable(bench):
     """Builds a bench; its program."""
+    if BUILT:
+        return built(bench, f"deps/{bench}-*")
     say(f"{bench}: cargo builds it, where that is still to be done")
     flags = ("--", *BEST[bench]) if bench in BEST else ()
     target = ("--profile", "bench", "--all-features", "--bench", bench)
@@ -365,17 +394,84 @@ def lanes(arguments):
     }
 
 
+def instructions(arguments):
+    """What callgrind counts for a tile of four states, of batches and of rows by hand."""
+    program = executable("lanes")
+    lines = []
+    for name in ("SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"):
+        say(f"instructions: {name}")
+        cells = []
+        for order in ("rows", "second"):
+            lanes, by_hand = (per_tile(program, who, order, name) for who in ("lanes", "hand"))
+            cells += [f"{lanes:.0f}", f"{by_hand:.0f}", f"{100 * by_hand / lanes:.0f} %"]
+        lines.append([name, *cells])
+    head = ["instructions of a tile", "rows", "by hand", "", "second derivatives", "by hand", ""]
+    return {"instructions": f"{stamp()}, {run('valgrind', '--version').strip()}.\n\n{table(head, lines)}"}
+
+
+def per_tile(program, who, order, name):
+    """Of two runs that differ in how often they go through their tiles, so that all else cancels."""
+    found = []
+    for count in ("10", "210"):
+        command = ("valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, "--once", who, order, name, count)
+        done = subprocess.run(command, cwd=ROOT, check=True, text=True, capture_output=True)
+        found.append((int(re.search(r"Collected : (\d+)", done.stderr)[1]), int(done.stdout)))
+    (before, fewer), (after, more) = found
+    return (after - before) / (more - fewer)
+
+
+def audited(program, *arguments):
+    """The report of an audit, and the seconds of processor and of time that it took."""
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    report = json.loads(run(program, "audit", "--format", "json", *arguments))
+    spent, elapsed = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter() - start
+    return report, sum(getattr(spent, of) - getattr(before, of) for of in ("ru_utime", "ru_stime")), elapsed
+
+
+def proof(arguments):
+    """The audit at many states: how many numbers, the largest error, what of the mutants was noticed."""
+    program, many = command(), 100 if arguments.quick else 10_000
+    states = ("--states", str(many), "--near-singular-states", str(many))
+    say(f"proof: pintle audit {' '.join(states)}")
+    report, processor_time, elapsed = audited(program, *states)
+    checks = [(check, subject["name"]) for subject in report["subjects"] for check in subject["checks"]]
+    scores = [check["score"] for check, _ in checks if "oracle" in check["against"]]
+    noticed, survived = (sum(score[of] for score in scores) for of in ("killed", "survived"))
+    largest, whose = max((check["largest"] or 0, name) for check, name in checks)
+    _, short, short_elapsed = audited(program)
+    return {
+        "proof": f"{stamp(report['commit'])}, {os.cpu_count()} cores: with all oracles, {many:,} random and {many:,} near-singular states a type and the gallery with its\n"
+        f"frictions {report['compared']:,} numbers, the largest error {largest:.2f} of the tolerance ({whose}), {counted(report['mismatches'], 'mismatch')};\n"
+        f"{noticed:,} of {noticed + survived:,} mutants that change enough were noticed. {processor_time:.0f} s of processor, {elapsed:.0f} s of time; at the default number of\n"
+        f"states {short:.0f} s of processor, {short_elapsed:.1f} s of time."
+    }
+
+
+def counted(count, what):
+    return f"no {what}" if count == 0 else f"{count} {what}{'es' if what.endswith('h') else 's'}" if count > 1 else f"1 {what}"
+
+
+def of_peer_rules(arguments):
+    """What the default rules of other derivative checkers notice: scripts/peer_rules.py measures it."""
+    say("peer-rules: mutants under the rules of others")
+    return {peer_rules.BLOCK: f"{stamp()}.\n\n{peer_rules.measured(BUILT and built('peer_rules', 'examples/peer_rules'))}"}
+
+
 # The blocks that each measurement writes.
 MEASUREMENTS = {
     peers: ("peers", "peers-summary"),
     work_precision: ("work-precision",),
     printed("single"): ("single",),
     lanes: ("lanes", "lanes-summary"),
+    instructions: ("instructions",),
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
     printed("scale"): ("scale",),
     printed("threads", is_pinned=False): ("threads",),
     printed("stress"): ("stress",),
+    proof: ("proof",),
+    printed("assembly"): ("assembly",),
+    of_peer_rules: (peer_rules.BLOCK,),
 }
 
 
@@ -441,7 +537,10 @@ def main():
     parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
     parser.add_argument("--python", help="an interpreter that has what scripts/peers/requirements.txt names")
     parser.add_argument("--check", action="store_true", help="verify the marks and that each block has a date and a commit; measure nothing")
+    parser.add_argument("--built", type=pathlib.Path, metavar="FOLDER", help="take programs from here, as target/release has them; build none")
     arguments = parser.parse_args()
+    global BUILT
+    BUILT = arguments.built and arguments.built.resolve()
     arguments.rounds = arguments.rounds or (1 if arguments.quick else 8)
     if unknown := set(arguments.blocks) - set(known):
         parser.error(f"no such block: {', '.join(sorted(unknown))}")

@@ -1,9 +1,8 @@
-"""Rewrites the table in docs/audit.md of what the default rules of other derivative checkers notice.
+"""What the default rules of other derivative checkers notice: the table in docs/audit.md, which `scripts/measure.py peer-rules` rewrites.
 
-Usage: python3 scripts/peer_rules.py     (needs cargo)
-       python3 scripts/peer_rules.py --check
+Usage: python3 scripts/peer_rules.py --check     (needs cargo)
 
---check tries all mutants again and compares: the same mistakes, as many mutants to one in a
+It tries all mutants again and compares: the same mistakes, as many mutants to one in a
 hundred, pintle notices each of them without a false alarm, and the others what is written to two in a hundred, for the last digits of
 sines and cosines differ between machines.
 """
@@ -13,25 +12,23 @@ import re
 import subprocess
 import sys
 
-from measure import stamp
-
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "audit.md"
-BEGIN, END = "<!-- peer rules: begin -->", "<!-- peer rules: end -->"
+BLOCK = "peer-rules"
+BEGIN, END = f"<!-- measured: {BLOCK} -->", f"<!-- end: {BLOCK} -->"
 
 
-def measured():
-    command = ["cargo", "run", "--profile", "test", "--quiet", "--locked", "--all-features", "--example", "peer_rules"]
+def measured(program=None):
+    """The table, of a program that is built already or of the example as cargo builds it."""
+    command = [program] if program else ["cargo", "run", "--profile", "test", "--quiet", "--locked", "--all-features", "--example", "peer_rules"]
     return subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
 
 
-def parts():
-    """What is before the table, the table, and what is behind it."""
-    head, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    table, mark, tail = rest.partition(END)
+def written_table():
+    table, mark, _ = PAGE.read_text(encoding="utf-8").partition(BEGIN)[2].partition(END)
     if not mark:
         raise SystemExit(f"{PAGE.name} has no {BEGIN} … {END}")
-    return head, table, tail
+    return table
 
 
 def rows(table):
@@ -47,7 +44,7 @@ def rows(table):
 
 
 def check():
-    written, now = rows(parts()[1]), rows(measured())
+    written, now = rows(written_table()), rows(measured())
     wrong = [f"only in one of them: {name}" for name in sorted(written.keys() ^ now.keys())]
     for name in written.keys() & now.keys():
         if name[1] == "*false alarms*":
@@ -65,17 +62,7 @@ def check():
     print(f"{len(now)} rows of {PAGE.name} are what is measured now")
 
 
-def main():
-    head, _, tail = parts()
-    table = measured()
-    written = f"Written by `scripts/peer_rules.py`: {stamp()}."
-    PAGE.write_text(f"{head}{BEGIN}\n{written}\n\n{table}\n{END}{tail}", encoding="utf-8")
-
-
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--check"]:
-        check()
-    elif sys.argv[1:]:
+    if sys.argv[1:] != ["--check"]:
         raise SystemExit(__doc__)
-    else:
-        main()
+    check()

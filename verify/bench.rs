@@ -38,6 +38,9 @@ fn ways_have_the_errors_of_theory() {
         for order in Order::ALL {
             between("pintle", order, -1.0, 1e-14);
         }
+        for order in [Order::Jacobian, Order::Hessian] {
+            between("pintle, batch", order, -1.0, 1e-14);
+        }
         between("forward differences", Order::Jacobian, 1e-10, 1e-6);
         between("central differences", Order::Jacobian, 1e-13, 1e-8);
         between("central differences", Order::Hessian, 1e-10, 1e-5);
@@ -70,6 +73,40 @@ fn the_complex_step_exists_for_every_type() {
             assert_eq!(session.untimed(), [], "{} {place:?}", connection.name);
         }
     }
+}
+
+/// Batches are measured for every type that they know, with errors as small as those of one connector at a time, on whichever vector unit there is; of a
+/// type whose rows depend on material flow the reason is told.
+#[test]
+fn batches_are_measured_of_every_type_that_has_them() {
+    let mut refused = Vec::new();
+    for connection in pintle::catalog::TABLE {
+        for place in Place::ALL {
+            let Ok(subject) = Subject::new(connection, place, 3, 1e-4) else { continue };
+            let subject = [subject.repeated(5)];
+            let ways = [Way::Batch(Order::Jacobian), Way::Batch(Order::Hessian)];
+            let methods = [&ways[0] as &dyn Method, &ways[1]];
+            let mut session = Session::new(&settings(), &subject, &methods).unwrap();
+            session.round();
+            if session.untimed().is_empty() {
+                let points = session.points();
+                assert_eq!(points.len(), 2, "{} {place:?}", connection.name);
+                for point in points {
+                    assert_eq!(point.vector_unit.as_deref(), pintle::batch::vector_unit());
+                    assert!(point.method == "pintle, batch" && point.nanoseconds > 0.0, "{point:?}");
+                }
+            } else {
+                assert!(session.untimed().iter().all(|one| one.why.contains("material flow")));
+                refused.push((connection.name.as_ref(), place));
+            }
+            // Five elements fill two tiles.
+            let prepared = ways[0].prepare(&subject[0]);
+            assert!(prepared.is_err() || prepared.is_ok_and(|run| run.states() == 8), "{}", connection.name);
+        }
+    }
+    assert!(!refused.is_empty() && refused.iter().all(|(name, _)| *name == "SLIPRING"), "{refused:?}");
+    let subject = subject("HINGE", Place::Far);
+    assert!(Way::Batch(Order::Value).prepare(&subject).err().unwrap().contains("not alone"));
 }
 
 /// pintle's own way with a number that is wrong by a relative amount: which one, of how many before the last.
@@ -252,16 +289,26 @@ fn the_command_measures_a_type() {
     // SLIDE-PLANE has no singular point, and neither divides by an angle that is zero at rest.
     assert_eq!(report.omitted.len(), 3);
     assert!(!report.points.iter().any(|p| p.connection == "SLIDE-PLANE" && p.place == Place::Near));
-    assert_eq!(run("csv", &[]).lines().count(), 1 + report.points.len());
+    let table = run("csv", &[]);
+    assert_eq!(table.lines().count(), 1 + report.points.len());
+    let unit = pintle::batch::vector_unit();
+    let batches = || report.points.iter().filter(|p| p.method == "pintle, batch");
+    // Rows and second derivatives of SLIDE-PLANE far, and of REVOLUTE far and near.
+    assert_eq!(batches().count(), 6);
+    assert!(batches().all(|p| p.vector_unit.as_deref() == unit && p.largest_error < 1e-10));
+    let cells = format!("jacobian,\"pintle, batch\",,{},", unit.unwrap_or_default()).to_lowercase();
+    assert!(table.to_lowercase().contains(&cells), "{table}");
     for (format, head) in [("human", "REVOLUTE, far from singular points"), ("markdown", "**REVOLUTE**, far")]
     {
         let text = run(format, &[]);
         assert!(text.contains(head) && text.contains("forward differences"), "{text}");
+        let batch = unit.map_or("pintle, batch".into(), |unit| format!("pintle, batch, {unit}"));
+        assert!(text.contains(&batch), "{text}");
         assert!(text.contains("SLIDE-PLANE, near: not measured: its rows have no singular point"), "{text}");
         assert!(run(format, &["--near", "1.5e-3"]).contains("1.5e-3 from a singular point"), "{format}");
     }
     let figure = fs::read_to_string(folder.join("revolute-jacobian-near.svg")).unwrap();
-    assert!(figure.contains("complex step") && figure.matches("<polyline").count() == 5, "{figure}");
+    assert!(figure.contains("complex step") && figure.matches("<polyline").count() == 6, "{figure}");
     assert!(figure.contains(">REVOLUTE: Jacobian, time against error</text>"), "{figure}");
     assert!(figure.contains(&format!("one core, {}</text>", report.environment.date)), "{figure}");
     // Six diagrams, and both types together.
@@ -269,7 +316,7 @@ fn the_command_measures_a_type() {
     let both = fs::read_to_string(folder.join("jacobian-far.svg")).unwrap();
     assert!(
         both.contains(">geometric mean of SLIDE-PLANE, REVOLUTE</text>")
-            && both.matches("<polyline").count() == 5,
+            && both.matches("<polyline").count() == 6,
         "{both}"
     );
 }

@@ -1,6 +1,7 @@
 //! What the programs of time against error have in common.
 
 use super::peer::numbers;
+use pintle::batch::COLUMNS;
 use pintle::bench::{Element, Report, Settings, Subject};
 use pintle::measure::Measure;
 use pintle::node::DOFS;
@@ -9,8 +10,6 @@ use serde_json::{Value, json};
 /// States that differ, and how many elements a batch has.
 const STATES: usize = 64;
 const BATCH: usize = 1024;
-/// The columns x_a, θ_a, x_b, θ_b in a row of all nodal degrees of freedom.
-const PLACE: [usize; 12] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12];
 
 pub(crate) fn settings() -> Settings {
     Settings { states: STATES, batch: BATCH, ..Settings::default() }
@@ -60,14 +59,6 @@ pub(crate) fn is_written(subject: &Subject) -> Result<(), &'static str> {
 /// A row of twelve columns among all degrees of freedom.
 pub(crate) fn spread(columns: &[f64; 12]) -> [f64; DOFS] {
     let mut row = [0.0; DOFS];
-    PLACE.iter().zip(columns).for_each(|(j, x)| row[*j] = *x);
+    COLUMNS.iter().zip(columns).for_each(|(j, x)| row[*j] = *x);
     row
-}
-
-pub(crate) fn spread_matrix(matrix: &[[f64; 12]; 12]) -> [f64; DOFS * DOFS] {
-    let mut all = [0.0; DOFS * DOFS];
-    for (i, line) in PLACE.iter().zip(matrix) {
-        PLACE.iter().zip(line).for_each(|(j, x)| all[i * DOFS + j] = *x);
-    }
-    all
 }

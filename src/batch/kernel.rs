@@ -1,6 +1,6 @@
-//! The loops: tiles in, rows out.
+//! The loops: tiles in, rows out. They are compiled here, once for each formula and layout; callers do not compile them again.
 
-use super::layout::{Derivatives, Layout, Put};
+use super::layout::{CompactRow, Derivatives, HessianRow, Put, Row};
 use super::{Batch, BatchError, History, Section, Tile, same_length};
 use crate::measure::formula::{Formula, Pass, Task};
 use crate::measure::{Measure, Shared};
@@ -12,6 +12,7 @@ use std::hint::black_box;
 use std::marker::PhantomData;
 
 /// One pass over all tiles, the rows of each `rows` after those of the one before.
+#[derive(Debug)]
 struct Loop<'a, L> {
     arch: Arch,
     rows: usize,
@@ -22,13 +23,35 @@ struct Loop<'a, L> {
 }
 
 /// A pass whose rows go where it says.
-struct Placed<'a, L> {
+#[derive(Debug)]
+pub struct Placed<'a, L> {
     pass: &'a Pass,
     all: Loop<'a, L>,
 }
 
+/// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`]. Nothing outside of this crate can implement it.
+pub trait Layout: Put<true> + Put<false> {
+    /// Runs the loop of a pass.
+    #[doc(hidden)]
+    fn run(placed: Placed<'_, Self>);
+}
+
+/// Functions that are not generic, so that they and the loops belong to this crate.
+macro_rules! compiled_here {
+    ($($layout:ty),+) => {
+        $(impl Layout for $layout {
+            #[inline(never)]
+            fn run(placed: Placed<'_, Self>) {
+                placed.pass.dispatch(placed);
+            }
+        })+
+    };
+}
+
+compiled_here!(Row, CompactRow, HessianRow);
+
 impl<L: Layout> Task for Placed<'_, L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<F: Formula<M>, const M: usize>(self) {
         let Self { pass, all } = self;
         // Mostly the rows stand side by side where they are to go.
@@ -80,7 +103,7 @@ struct LoopOf<'a, F, L, const M: usize> {
 impl<F: Formula<M>, L: Layout, const M: usize> WithSimd for LoopOf<'_, F, L, M> {
     type Output = ();
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_simd<V: Simd>(self, _: V) {
         // A vector unit multiplies and adds with one rounding; without one that would be a call of a library.
         if V::F64_LANES > 1 { self.run::<true>() } else { self.run::<false>() }
@@ -88,7 +111,7 @@ impl<F: Formula<M>, L: Layout, const M: usize> WithSimd for LoopOf<'_, F, L, M> 
 }
 
 impl<F: Formula<M>, L, const M: usize> LoopOf<'_, F, L, M> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const FUSED: bool>(self)
     where
         L: Put<FUSED>,
@@ -112,7 +135,7 @@ impl<F: Formula<M>, L, const M: usize> LoopOf<'_, F, L, M> {
 ///
 /// Its arguments are references of its own so that the compiler knows them to be apart, and reads a tile when it needs a number of
 /// it, between the stores of the rows.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn differentiate<F: Formula<M>, L: Put<FUSED>, const M: usize, const FUSED: bool>(
     tile: &Tile,
     section: &Section,
@@ -151,7 +174,7 @@ struct Element<const FUSED: bool> {
 }
 
 impl<const FUSED: bool> Element<FUSED> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn load(tile: &Tile, section: &Section, history: &History) -> Self {
         Self { pair: tile.pair(), section: section.load(), history: history.load() }
     }
@@ -159,7 +182,7 @@ impl<const FUSED: bool> Element<FUSED> {
     /// The rows of a formula; with principal rotation vectors if `PRINCIPAL`, and whether those continue the history.
     ///
     /// A constant, so that from the first no function holds both: the compiler would keep all numbers of it in memory.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn rows<F, L, const M: usize, const PRINCIPAL: bool>(&self, out: &mut [L; M]) -> bool
     where
         F: Formula<M>,
@@ -182,7 +205,7 @@ impl<const FUSED: bool> Element<FUSED> {
     }
 
     /// The same by the N relative variations from number `first` on.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn differentiate<F, S, L, const M: usize, const N: usize, const PRINCIPAL: bool>(
         &self,
         out: &mut [L; M],
@@ -204,7 +227,7 @@ impl<const FUSED: bool> Element<FUSED> {
     /// The rows of measures differentiated by the N relative variations from number `first` on.
     ///
     /// Row by row, not in a loop: the compiler leaves loops of so many instructions as they are, and what they index in memory.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn put<F, S, L, const M: usize, const N: usize>(&self, values: [S; M], out: &mut [L; M], first: usize)
     where
         F: Formula<M>,
@@ -222,7 +245,7 @@ impl<const FUSED: bool> Element<FUSED> {
     }
 
     /// The row of measure number AT.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn put_one<F, S, L, const M: usize, const N: usize, const AT: usize>(
         &self,
         values: &[S; M],
@@ -267,8 +290,6 @@ impl<const FUSED: bool> Element<FUSED> {
 impl Batch {
     /// Values and rows, in the layout asked for: those of the first tile, then those of the second …
     ///
-    /// The loops are compiled by the crate that calls this, and only those of its layouts.
-    ///
     /// # Errors
     /// [`BatchError::Length`] unless there are as many sections and histories as tiles, and as many rows as [`Batch::rows`] for
     /// each tile.
@@ -287,7 +308,7 @@ impl Batch {
         }
         for pass in &self.passes {
             let all = Loop { arch: self.arch, rows: self.rows(), tiles, sections, histories, out };
-            pass.dispatch(Placed { pass, all });
+            L::run(Placed { pass, all });
         }
         Ok(())
     }

@@ -40,13 +40,6 @@ pub struct HessianRow {
     pub hessian: [[Four; 12]; 12],
 }
 
-/// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`].
-pub trait Layout: Put<true> + Put<false> {}
-
-impl Layout for Row {}
-impl Layout for CompactRow {}
-impl Layout for HessianRow {}
-
 /// Where the derivatives of a measure go; nothing outside of this crate can implement it.
 pub trait Put<const FUSED: bool>: Copy + Default {
     /// The order of the derivatives.
@@ -72,7 +65,7 @@ pub struct Derivatives<const FUSED: bool> {
 
 impl<const FUSED: bool> Derivatives<FUSED> {
     /// The columns θ_a: g × D − h.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn turning_a(&self) -> Vector<Lanes<FUSED>> {
         let (g, h) = (self.translation, self.rotation);
         if !self.turns_with_a {
@@ -89,7 +82,7 @@ impl<const FUSED: bool> Derivatives<FUSED> {
 impl<const FUSED: bool> Put<FUSED> for Row {
     const ORDER: usize = 1;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn put(&mut self, value: Lanes<FUSED>, of: &Derivatives<FUSED>) {
         let (g, arm) = (of.translation, of.turning_a());
         let minus_g = if of.needed.translation { [-g[0], -g[1], -g[2]] } else { g };
@@ -106,7 +99,7 @@ impl<const FUSED: bool> Put<FUSED> for Row {
 impl<const FUSED: bool> Put<FUSED> for CompactRow {
     const ORDER: usize = 1;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn put(&mut self, value: Lanes<FUSED>, of: &Derivatives<FUSED>) {
         let arm = of.turning_a();
         self.value = value.0;
@@ -130,7 +123,7 @@ const NEXT: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 type Block<const FUSED: bool> = Matrix<Lanes<FUSED>>;
 
 /// Writes a block and, apart from the diagonal, its transpose.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn write<const FUSED: bool>(to: &mut [[Four; 12]; 12], at: (usize, usize), block: &Block<FUSED>) {
     unrolled!(i < 3, {
         unrolled!(j < 3, {
@@ -142,7 +135,7 @@ fn write<const FUSED: bool>(to: &mut [[Four; 12]; 12], at: (usize, usize), block
     });
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn negated<const FUSED: bool>(block: &Block<FUSED>) -> Block<FUSED> {
     let mut result = *block;
     for i in 0..3 {
@@ -154,19 +147,19 @@ fn negated<const FUSED: bool>(block: &Block<FUSED>) -> Block<FUSED> {
 }
 
 /// The rows a_i × D of a block a: a times the matrix of D ×.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn levered<const FUSED: bool>(block: &Block<FUSED>, separation: Vector<Lanes<FUSED>>) -> Block<FUSED> {
     [cross(block[0], separation), cross(block[1], separation), cross(block[2], separation)]
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn difference<const FUSED: bool>(a: &Block<FUSED>, b: &Block<FUSED>) -> Block<FUSED> {
     [sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2])]
 }
 
 /// The second derivatives of g·δ, in which δ varies with the nodes: the transposed matrix of g × (x_b, θ_a), and
 /// ½(g Dᵀ + D gᵀ) − (g·D) I (θ_a, θ_a).
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn of_map<const FUSED: bool>(
     g: Vector<Lanes<FUSED>>,
     separation: Vector<Lanes<FUSED>>,
@@ -190,7 +183,7 @@ impl<const FUSED: bool> Put<FUSED> for HessianRow {
     const ORDER: usize = 2;
 
     /// As [`Pair::nodal_hessian`], block by block: Lᵀ H L and the second variations of the map L.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn put(&mut self, value: Lanes<FUSED>, of: &Derivatives<FUSED>) {
         self.row.put(value, of);
         let to = &mut self.hessian;

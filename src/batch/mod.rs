@@ -2,7 +2,8 @@
 //!
 //! The measures are those of [`crate::measure`], evaluated on four lanes ([`crate::scalar::lanes`]) with derivatives along the
 //! three relative translations or rotations, in loops compiled once for the processor that the crate is built for and once for
-//! vector units with fused products (AVX2 + FMA on x86-64, NEON on AArch64), one of which is chosen at run time. Results of either
+//! vector units with fused products (AVX2 + FMA on x86-64, NEON on AArch64), one of which is chosen at run time
+//! ([`vector_unit`]); they are compiled with this crate, and not again by its callers. Results of either
 //! differ from those of [`crate::connector`] by roundings, for triads that are orthonormal to rounding and lengths between
 //! 1e−300 and 1e300: a value by at most 2 (beside singular points 3), a row by 2.5, second derivatives by 1.5 roundings of the
 //! numbers that they are computed from. What is no number stays in its lane. A connector takes the rotation that is nearest to its triads; a batch does not: triads that are off by δ (of single
@@ -54,10 +55,13 @@ mod tile;
 use crate::connector::{Connector, Mask};
 use crate::measure::Measure;
 use crate::measure::formula::{Pass, cover};
-use pulp::Arch;
+use crate::node::DOFS;
+use pulp::{Arch, Simd, WithSimd};
 
+pub use crate::scalar::lanes::LANES;
 pub use advance::advance;
-pub use layout::{CompactRow, HessianRow, Layout, Row};
+pub use kernel::Layout;
+pub use layout::{CompactRow, HessianRow, Row};
 pub use tile::{Four, History, Section, Tile};
 
 /// Why connectors cannot be evaluated as a batch.
@@ -127,6 +131,29 @@ impl Batch {
     /// The component (0-based) and the measure of each row, in order.
     pub fn measures(&self) -> &[(usize, Measure)] {
         &self.measures
+    }
+}
+
+/// The degree of freedom of each column of a row, by its place in [`crate::node::DOF`]: all but material flow.
+pub const COLUMNS: [usize; DOFS - 2] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12];
+
+/// The vector unit that batches run on here, chosen at run time: AVX2 with fused products, NEON; `None` where there is none, and every lane is
+/// computed in the instructions that the program was built for.
+pub fn vector_unit() -> Option<&'static str> {
+    struct Width;
+    impl WithSimd for Width {
+        type Output = usize;
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn with_simd<V: Simd>(self, _: V) -> usize {
+            V::F64_LANES
+        }
+    }
+    match (std::env::consts::ARCH, Arch::new().dispatch(Width)) {
+        (_, 0 | 1) => None,
+        ("x86_64", 4) => Some("AVX2/FMA"),
+        ("aarch64", _) => Some("NEON"),
+        _ => Some("vector unit"),
     }
 }
 

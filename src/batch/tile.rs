@@ -70,7 +70,7 @@ impl Tile {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn pair<const FUSED: bool>(&self) -> Pair<Lanes<FUSED>> {
         let node = |end: usize| Node {
             displacement: lanes(&self.displacement[end]),
@@ -90,7 +90,7 @@ impl Section {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn load<const FUSED: bool>(&self) -> measure::Section<Lanes<FUSED>> {
         measure::Section {
             initial_orientation: lanes_matrix(&self.initial_orientation),
@@ -111,7 +111,7 @@ impl History {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn load<const FUSED: bool>(&self) -> measure::History<Lanes<FUSED>> {
         measure::History {
             rotation_vector: lanes(&self.rotation_vector),
@@ -121,12 +121,12 @@ impl History {
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn lanes<const FUSED: bool>(of: &[Four; 3]) -> Vector<Lanes<FUSED>> {
     [Lanes(of[0]), Lanes(of[1]), Lanes(of[2])]
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn lanes_matrix<const FUSED: bool>(of: &[[Four; 3]; 3]) -> Matrix<Lanes<FUSED>> {
     [lanes(&of[0]), lanes(&of[1]), lanes(&of[2])]
 }

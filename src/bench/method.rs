@@ -1,5 +1,6 @@
 //! Ways to get a value, a Jacobian or a Hessian.
 
+use super::batch::Batched;
 use super::bound::Cause;
 use super::complex::Still;
 use super::subject::{Element, Order, Subject};
@@ -36,6 +37,11 @@ pub trait Method: Sync {
         None
     }
 
+    /// The vector unit that it runs on, of a way that has several states in its lanes.
+    fn vector_unit(&self) -> Option<&'static str> {
+        None
+    }
+
     /// What its errors come from, which tells how large they may be for it to be timed.
     fn cause(&self) -> Cause;
 
@@ -51,6 +57,9 @@ pub trait Method: Sync {
 pub enum Way {
     /// pintle, one connector at a time: [`Connector::values`], [`Connector::linearize`], [`Connector::evaluate_on`].
     Pintle(Order),
+    /// pintle, four states at a time ([`crate::batch`]): values with rows or, as the Hessian, with second derivatives besides; there is no batch
+    /// of values alone. States and rows are in tiles of four.
+    Batch(Order),
     /// (f(q + h) − f(q))/h, for each degree of freedom.
     Forward(f64),
     /// (f(q + h) − f(q − h))/2h.
@@ -74,6 +83,7 @@ impl Way {
     /// All, with the steps of the sweeps.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = Order::ALL.map(Self::Pintle).to_vec();
+        all.extend([Order::Jacobian, Order::Hessian].map(Self::Batch));
         all.push(Self::NodalDual);
         all.extend([1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-12, 1e-20, 1e-100].map(Self::ComplexStep));
         all.extend(powers(1..=13).map(Self::Central));
@@ -88,6 +98,7 @@ impl Method for Way {
     fn name(&self) -> &'static str {
         match self {
             Self::Pintle(_) => "pintle",
+            Self::Batch(_) => "pintle, batch",
             Self::Forward(_) => "forward differences",
             Self::Central(_) | Self::SecondCentral(_) => "central differences",
             Self::ComplexStep(_) => "complex step",
@@ -98,7 +109,7 @@ impl Method for Way {
 
     fn order(&self) -> Order {
         match self {
-            Self::Pintle(order) => *order,
+            Self::Pintle(order) | Self::Batch(order) => *order,
             Self::SecondCentral(_) | Self::NestedDual => Order::Hessian,
             _ => Order::Jacobian,
         }
@@ -111,9 +122,13 @@ impl Method for Way {
         }
     }
 
+    fn vector_unit(&self) -> Option<&'static str> {
+        if matches!(self, Self::Batch(_)) { crate::batch::vector_unit() } else { None }
+    }
+
     fn cause(&self) -> Cause {
         match self {
-            Self::Pintle(_) => Cause::Ours,
+            Self::Pintle(_) | Self::Batch(_) => Cause::Ours,
             Self::ComplexStep(_) | Self::NodalDual | Self::NestedDual => Cause::Rounding,
             Self::Forward(_) => Cause::ForwardDifference,
             Self::Central(_) => Cause::CentralDifference,
@@ -122,6 +137,9 @@ impl Method for Way {
     }
 
     fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        if let Self::Batch(order) = self {
+            return Ok(Box::new(Batched::new(*order, subject)?));
+        }
         let connector = subject.elements.first().ok_or("there is no state")?.connector.clone();
         // All that there are, unless one-forms are left out.
         let is_all = (0..6).all(|k| connector.differentiated(k).is_none() || subject.components.contains(&k));
@@ -161,10 +179,10 @@ impl Run<'_> {
         let at = AtElement { subject, element, wanted: *wanted };
         match *way {
             Way::Pintle(Order::Value) => at.values(&element.state.pair, out),
-            Way::Pintle(Order::Jacobian) => {
-                element.connector.linearize(&element.state.pair, &element.branch, *wanted, rows);
-            }
+            Way::Pintle(Order::Jacobian) => at.rows(rows),
             Way::Pintle(Order::Hessian) => at.second(request, out),
+            // Prepared as a run of its own.
+            Way::Batch(_) => {}
             Way::Forward(h) => at.forward(h, out),
             Way::Central(h) => at.central(h, out),
             Way::ComplexStep(h) => at.complex_step(still.get(i), h, out),
@@ -175,8 +193,22 @@ impl Run<'_> {
     }
 }
 
+impl Run<'_> {
+    /// The rows of all states. Those of a SLIDE-PLANE take so little time that to ask for the way at each state would be a seventh of it.
+    fn linearize(&mut self) {
+        let Self { subject, wanted, rows, .. } = self;
+        for element in &subject.elements {
+            AtElement { subject, element, wanted: *wanted }.rows(rows);
+            black_box(&mut *rows);
+        }
+    }
+}
+
 impl Prepared for Run<'_> {
     fn run(&mut self) {
+        if self.way == Way::Pintle(Order::Jacobian) {
+            return self.linearize();
+        }
         for i in 0..self.subject.elements.len() {
             self.one(i);
             black_box((&mut self.rows, &mut self.out));
@@ -218,6 +250,12 @@ impl AtElement<'_> {
     fn active(&self) -> impl Iterator<Item = usize> + use<> {
         let active = *self.connector().active();
         (0..DOFS).filter(move |j| active[*j])
+    }
+
+    #[inline(always)]
+    fn rows(&self, out: &mut [Linear<f64>; 6]) {
+        let Element { connector, state, branch } = self.element;
+        connector.linearize(&state.pair, branch, self.wanted, out);
     }
 
     fn values(&self, pair: &Pair<f64>, out: &mut [f64]) {

@@ -17,6 +17,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod batch;
 mod bound;
 mod complex;
 mod environment;
@@ -24,6 +25,7 @@ mod method;
 mod place;
 mod subject;
 
+pub use batch::{Rows, Tiles};
 pub use bound::Cause;
 pub use environment::Environment;
 pub use method::{Method, Prepared, Way};
@@ -73,6 +75,9 @@ pub struct Point {
     pub method: Cow<'static, str>,
     /// Its step, of a way that has one.
     pub step: Option<f64>,
+    /// The vector unit that it ran on, of a way that has several states in its lanes.
+    #[serde(default)]
+    pub vector_unit: Option<Cow<'static, str>>,
     /// The error of the median state: the largest of its entries' ([`Subject::errors`]).
     #[serde(deserialize_with = "or_infinite")]
     pub median_error: f64,
@@ -339,6 +344,7 @@ impl<'s> Trial<'s> {
             order,
             method: method.name().into(),
             step: method.step(),
+            vector_unit: method.vector_unit().map(Into::into),
             median_error,
             largest_error,
             nanoseconds: f64::INFINITY,

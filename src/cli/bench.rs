@@ -14,8 +14,10 @@ const HELP: &str = "\
 For each type, far from its singular points, near one (or near half a turn,
 where a rotation vector is measured) and where almost nothing is turned (1e-8
 rad): the time of one state with all its rows,
-and the error against 237-bit numbers, of pintle one connector at a time, of
-finite differences over a sweep of steps, of the complex step, and of num-dual's
+and the error against 237-bit numbers, of pintle one connector at a time and in
+batches (values with rows, or with second derivatives besides, of four states at
+a time on the vector unit that the processor has, which is named), of finite
+differences over a sweep of steps, of the complex step, and of num-dual's
 dual numbers with a direction for every degree of freedom of the nodes. The
 error of a value is over |f| + Σ |∂f/∂q| s, s = 1 rad or the length of the
 connector, that of a derivative over the largest number of its row. Before
@@ -27,8 +29,9 @@ all alike; the column × pintle is the ratio to trust. Tables show of a sweep th
 step with the smallest error; JSON and CSV have all.
 
 One-forms (FLOW-CONVERTER) have no function to difference and are left out.
-Batches on vector lanes, rows by hand, JAX and CasADi are measured by the crate's
-benches: cargo bench --bench work_precision, and scripts/measure.py.
+Batches read and write tiles of four states, which are made before the clock
+starts; types whose rows depend on material flow have none. Rows by hand, JAX and
+CasADi are measured by the crate's benches: cargo bench --bench work_precision, and scripts/measure.py.
 
 Exit codes: 1 where a number of pintle is wrong (nothing is timed then), 4 where
 nothing can be measured.

@@ -44,13 +44,27 @@ struct Run {
     model: Model,
 }
 
-/// A connector or MPC at one state, worked into what is written and told of it.
+/// A connector or MPC at one state, worked into what is written and told of it; the next takes its room.
 struct Rendered {
     kind: Kind,
     has_numbers: bool,
     text: Vec<u8>,
     title: String,
     flags: Vec<Flag>,
+    failed: Option<io::Error>,
+}
+
+impl Default for Rendered {
+    fn default() -> Self {
+        Self {
+            kind: Kind::Connector,
+            has_numbers: false,
+            text: Vec::new(),
+            title: String::new(),
+            flags: Vec::new(),
+            failed: None,
+        }
+    }
 }
 
 /// What was seen that needs care, for one line on stderr.
@@ -327,6 +341,7 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
             [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
         format.scene(&Subject { scene, model, plan, states: numbers.len(), shown, first, last })?;
         let mut done = 0;
+        let mut rooms: Vec<Rendered> = Vec::new();
         assigned.with(forces.as_ref().zip(states.as_ref()), scene, |mut feed| {
             history.each(scene, |given| {
                 let with_forces = feed.at(done)?.map(|StateForces { elements, mpcs }| {
@@ -349,20 +364,24 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
                     }
                     format.state(index, state.time)?;
                     let render = format.renderer();
-                    let digest = |item: Item<'_>| -> io::Result<Rendered> {
+                    let digest = |item: Item<'_>, to: &mut Rendered| {
                         let block = match item {
                             Item::Connector(result) => Block::of_connector(model, request, result),
                             Item::Mpc(result) => Block::of_mpc(model, request, result),
                         };
-                        let title = if block.flags.is_empty() { String::new() } else { title(model, item) };
-                        let (kind, has_numbers, text) = (block.kind, block.has_numbers(), render(&block)?);
-                        Ok(Rendered { kind, has_numbers, text, title, flags: block.flags })
+                        (to.kind, to.has_numbers) = (block.kind, block.has_numbers());
+                        to.text.clear();
+                        to.failed = render(&block, &mut to.text).err();
+                        to.title = if block.flags.is_empty() { String::new() } else { title(model, item) };
+                        to.flags = block.flags;
                     };
-                    sequence.visit_digested(state, digest, |rendered| {
-                        let Rendered { kind, has_numbers, text, title, flags } = rendered?;
-                        evaluated += u64::from(has_numbers);
-                        care.see(index, &title, &flags);
-                        format.rendered(kind, &text)
+                    sequence.visit_digested(state, &mut rooms, digest, |rendered| {
+                        if let Some(error) = rendered.failed.take() {
+                            return Err(error);
+                        }
+                        evaluated += u64::from(rendered.has_numbers);
+                        care.see(index, &rendered.title, &rendered.flags);
+                        format.rendered(rendered.kind, &rendered.text)
                     })?;
                     format.end_state()?;
                 } else {

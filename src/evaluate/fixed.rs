@@ -1,8 +1,8 @@
 //! Degrees of freedom of nodes, and which of them boundary conditions prescribe.
 
-use crate::scene::{Boundary, ConditionKind, Diagnostic, Label, MotionType, Scene, Target};
+use crate::scene::{Boundary, ConditionKind, Diagnostic, Label, LabelMap, MotionType, Scene, Target};
 use crate::vector::Matrix;
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashSet};
 
 /// The numbers of the degrees of freedom of a node, in the order of its columns.
 pub(crate) const NUMBERS: [u8; 7] = [1, 2, 3, 4, 5, 6, 10];
@@ -21,12 +21,12 @@ pub struct Freedom {
 pub struct Fixed {
     freedoms: HashSet<Freedom>,
     /// e_1, e_2, e_3 as rows.
-    axes: HashMap<Label, Matrix<f64>>,
+    axes: LabelMap<Matrix<f64>>,
 }
 
 impl FromIterator<Freedom> for Fixed {
     fn from_iter<I: IntoIterator<Item = Freedom>>(freedoms: I) -> Self {
-        Self { freedoms: freedoms.into_iter().collect(), axes: HashMap::new() }
+        Self { freedoms: freedoms.into_iter().collect(), axes: LabelMap::default() }
     }
 }
 

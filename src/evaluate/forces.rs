@@ -10,7 +10,7 @@ use crate::connector::{
 };
 use crate::force::{ForceRows, Want};
 use crate::measure::SingularClass;
-use crate::scene::{Code, Diagnostic, ElementForces, ForceSign, Label, State as SceneState};
+use crate::scene::{Code, Diagnostic, ElementForces, ForceSign, Label, LabelMap, State as SceneState};
 use std::collections::{BTreeMap, HashMap};
 
 /// What the forces of a connector's components give at one state; each part is present where it was asked for.
@@ -65,7 +65,7 @@ impl Model {
 /// Whether forces belong to connectors that have them, for one state at a time.
 #[derive(Clone, Debug)]
 pub struct ForceCheck<'a> {
-    elements: HashMap<Label, &'a ConnectorElement>,
+    elements: LabelMap<&'a ConnectorElement>,
     mpcs: HashMap<String, &'a MpcElement>,
 }
 

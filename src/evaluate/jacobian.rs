@@ -11,14 +11,14 @@
 use super::fixed::{Fixed, Freedom, NUMBERS};
 use super::model::{ConnectorElement, Model};
 use super::mpc::MpcElement;
+use super::places::Places;
 use super::plan::Plan;
 use crate::catalog::COMPONENT;
 use crate::connector::{CompactRow, Components, Group, Mask};
 use crate::mpc::{self, Kind};
 use crate::node::{DOF_NUMBER, DOFS};
-use crate::scene::Label;
+use crate::scene::{Label, LabelMap};
 use crate::vector::{Matrix, Vector, dot};
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// What an equation belongs to.
@@ -133,20 +133,15 @@ pub struct Jacobian {
 }
 
 /// The columns of nodes: the first of each, and which of [`NUMBERS`] it has.
-struct Numbering {
-    nodes: Vec<Label>,
+struct Numbering<'a> {
+    places: Places<'a>,
     first: Vec<u32>,
     has: Vec<u8>,
 }
 
-impl Numbering {
-    fn place(&self, node: Label) -> Option<usize> {
-        self.nodes.binary_search(&node).ok()
-    }
-
-    /// The column of a degree of freedom, by its place in [`NUMBERS`].
-    fn column(&self, node: Label, number: usize) -> Option<u32> {
-        let place = self.place(node)?;
+impl Numbering<'_> {
+    /// The column of a degree of freedom, by the place of its node and its own in [`NUMBERS`].
+    fn column(&self, place: usize, number: usize) -> Option<u32> {
         let (has, bit) = (self.has[place], 1_u8 << number);
         (has & bit != 0).then(|| self.first[place] + (has & (bit - 1)).count_ones())
     }
@@ -174,7 +169,8 @@ impl Jacobian {
         fixed: &Fixed,
         wanted: impl Fn(&ConnectorElement, usize) -> bool,
     ) -> Self {
-        let numbering = number(model, plan, fixed);
+        let nodes: Vec<Label> = plan.nodes.iter().copied().collect();
+        let numbering = number(&nodes, model, plan, fixed);
         let mut jacobian = Self {
             freedoms: Vec::new(),
             equations: Vec::new(),
@@ -186,11 +182,11 @@ impl Jacobian {
             plan: [plan.connectors.clone(), plan.mpcs.clone()],
             origin: Arc::default(),
         };
-        for (node, has) in numbering.nodes.iter().zip(&numbering.has) {
+        for (node, has) in nodes.iter().zip(&numbering.has) {
             let numbers = NUMBERS.iter().enumerate().filter(|(place, _)| has & (1 << place) != 0);
             jacobian.freedoms.extend(numbers.map(|(_, number)| Freedom { node: *node, number: *number }));
         }
-        let mut known = HashMap::new();
+        let mut known = LabelMap::default();
         for index in &plan.connectors {
             jacobian.add_connector(
                 *index,
@@ -207,12 +203,7 @@ impl Jacobian {
     }
 
     /// The axes of a node, by number.
-    fn axes_of(
-        &mut self,
-        node: Option<Label>,
-        fixed: &Fixed,
-        known: &mut HashMap<Label, u32>,
-    ) -> Option<u32> {
+    fn axes_of(&mut self, node: Option<Label>, fixed: &Fixed, known: &mut LabelMap<u32>) -> Option<u32> {
         let node = node?;
         let axes = fixed.axes(node)?;
         if let Some(known) = known.get(&node) {
@@ -230,12 +221,13 @@ impl Jacobian {
         element: &ConnectorElement,
         (numbering, fixed): (&Numbering, &Fixed),
         wanted: impl Fn(&ConnectorElement, usize) -> bool,
-        known: &mut HashMap<Label, u32>,
+        known: &mut LabelMap<u32>,
     ) {
         let axes = element.nodes.map(|node| self.axes_of(node, fixed, known));
+        let places = element.nodes.map(|node| numbering.places.of(node?));
         let column = |j: usize| {
             let number = place_of(DOF_NUMBER[j])?;
-            numbering.column(element.nodes[usize::from(j >= DOFS / 2)]?, number)
+            numbering.column(places[usize::from(j >= DOFS / 2)]?, number)
         };
         let is_swapped = element.nodes[0] > element.nodes[1];
         let mut block = Block { columns: [0; 6], is_swapped, axes };
@@ -261,7 +253,7 @@ impl Jacobian {
         index: usize,
         element: &MpcElement,
         (numbering, fixed): (&Numbering, &Fixed),
-        known: &mut HashMap<Label, u32>,
+        known: &mut LabelMap<u32>,
     ) {
         let axes = element.nodes.iter().map(|node| self.axes_of(Some(*node), fixed, known)).collect();
         let mut entries = Vec::new();
@@ -270,7 +262,10 @@ impl Jacobian {
             .filter(|j| has[*j])
             .filter_map(|j| {
                 let (place, number) = Kind::column_dof(j);
-                Some((numbering.column(*element.nodes.get(place)?, place_of(number)?)?, j as u8))
+                Some((
+                    numbering.column(numbering.places.of(*element.nodes.get(place)?)?, place_of(number)?)?,
+                    j as u8,
+                ))
             })
             .collect();
         columns.sort_unstable();
@@ -478,21 +473,26 @@ fn along_axes(mut pattern: [bool; DOFS], is_turned: [bool; 2]) -> [bool; DOFS] {
 }
 
 /// Numbers the degrees of freedom of the nodes of a plan that are not fixed.
-fn number(model: &Model, plan: &Plan, fixed: &Fixed) -> Numbering {
-    let nodes: Vec<Label> = plan.nodes.iter().copied().collect();
-    let mut numbering =
-        Numbering { first: Vec::with_capacity(nodes.len()), has: vec![0; nodes.len()], nodes };
-    let mut add = |node: Label, number: u8| {
+fn number<'a>(nodes: &'a [Label], model: &Model, plan: &Plan, fixed: &Fixed) -> Numbering<'a> {
+    let mut numbering = Numbering {
+        first: Vec::with_capacity(nodes.len()),
+        has: vec![0; nodes.len()],
+        places: Places::new(nodes),
+    };
+    let mut add = |node: Label, place: Option<usize>, number: u8| {
         let is_fixed = fixed.contains(Freedom { node, number });
-        if let (Some(place), Some(bit), false) = (numbering.place(node), place_of(number), is_fixed) {
+        if let (Some(place), Some(bit), false) = (place, place_of(number), is_fixed) {
             numbering.has[place] |= 1 << bit;
         }
     };
+    let places = Places::new(nodes);
     for index in &plan.connectors {
         let element = &model.connectors[*index];
+        let of = element.nodes.map(|node| places.of(node?));
         for (j, _) in element.connector.active().iter().enumerate().filter(|(_, active)| **active) {
-            if let Some(node) = element.nodes[usize::from(j >= DOFS / 2)] {
-                add(node, DOF_NUMBER[j]);
+            let end = usize::from(j >= DOFS / 2);
+            if let Some(node) = element.nodes[end] {
+                add(node, of[end], DOF_NUMBER[j]);
             }
         }
     }
@@ -501,7 +501,7 @@ fn number(model: &Model, plan: &Plan, fixed: &Fixed) -> Numbering {
         for (j, _) in element.constraint.columns().iter().enumerate().filter(|(_, is)| **is) {
             let (place, number) = Kind::column_dof(j);
             if let Some(node) = element.nodes.get(place) {
-                add(*node, number);
+                add(*node, places.of(*node), number);
             }
         }
     }

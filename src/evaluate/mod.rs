@@ -15,6 +15,7 @@ mod mpc;
 mod mpc_forces;
 mod outputs;
 mod parallel;
+mod places;
 mod plan;
 mod plane;
 mod rules;

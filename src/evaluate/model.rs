@@ -10,7 +10,9 @@ use crate::connector::{Connector, Definition, Stop};
 use crate::measure::Measure;
 use crate::node::{End, Node, PSI_A, PSI_B, Pair};
 use crate::scalar::elementary::norm;
-use crate::scene::{Code, Diagnostic, End as SceneEnd, Label, NodeFreedom, Scene, Solver, Span};
+use crate::scene::{
+    Code, Diagnostic, End as SceneEnd, Label, LabelMap, LabelSet, NodeFreedom, Scene, Solver, Span,
+};
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -52,11 +54,13 @@ type Agreeing = (usize, bool, [bool; 4], [u64; 18]);
 struct Shared {
     /// The connection type of each section.
     types: HashMap<usize, Arc<ConnectionType>>,
-    actions: HashMap<Label, Vec<(usize, Span)>>,
+    actions: LabelMap<Vec<(usize, Span)>>,
     drives: BTreeMap<Label, Drives>,
     behaviors: HashMap<(usize, bool, u64), Arc<ElementBehavior>>,
-    /// What connectors have in common, and the last of them.
+    /// What connectors have in common, and one of them.
     common: HashMap<Agreeing, (Arc<Definition>, Connector<f64>)>,
+    /// The last of all, with the same: mostly the next one agrees with it.
+    last: Option<(Agreeing, Arc<Definition>, Connector<f64>)>,
     warned: HashSet<(usize, Rule, String)>,
     /// What refuses the scene, and leaves every number of it.
     refused: Vec<Diagnostic>,
@@ -73,11 +77,11 @@ pub struct Model {
     /// Multi-point constraints in the order of the scene.
     pub mpcs: Vec<MpcElement>,
     /// The springs and dashpots to ground that act on the angles of their hinges, by element number.
-    pub grounded: HashSet<Label>,
+    pub grounded: LabelSet,
     /// The MPCs that are kept and not evaluated, by type, with their number.
     pub other_mpcs: BTreeMap<String, usize>,
     /// The connectors that constrain what another one between the same nodes constrains already.
-    pub repeated: HashSet<Label>,
+    pub repeated: LabelSet,
     /// The steps in time.
     pub schedule: Schedule,
     /// Element sets: the connectors in each, by index.
@@ -138,6 +142,7 @@ impl Model {
             drives,
             behaviors: HashMap::new(),
             common: HashMap::new(),
+            last: None,
             warned: HashSet::new(),
             refused: Vec::new(),
             freedom: NodeFreedom::of(scene),
@@ -182,7 +187,7 @@ impl Model {
         element: &crate::scene::ConnectorElement,
         shared: &mut Shared,
     ) -> Result<(), Diagnostic> {
-        let Shared { types, actions, drives, behaviors, common, warned, refused, freedom } = shared;
+        let Shared { types, actions, drives, behaviors, common, last, warned, refused, freedom } = shared;
         let Some(section) = scene.section(element) else { return Ok(()) };
         let connection = match types.get(&element.section) {
             Some(known) => known,
@@ -309,20 +314,27 @@ impl Model {
             *bits = entry.to_bits();
         }
         let [[a, b], [of_a, of_b]] = [definition.moves, definition.rotates];
-        let common = match common.entry((element.section, facts.planar, [a, b, of_a, of_b], triads)) {
-            Entry::Occupied(mut known) => {
-                let (common, last) = known.get_mut();
-                connector.share(last);
-                last.clone_from(&connector);
+        let agreeing = (element.section, facts.planar, [a, b, of_a, of_b], triads);
+        let common = match last.as_ref().filter(|(known, ..)| *known == agreeing) {
+            Some((_, common, alike)) => {
+                connector.share(alike);
                 Arc::clone(common)
             }
-            Entry::Vacant(place) => {
-                let initial = Pair { reference: [0.0; 3], ..definition.initial };
-                let common = Arc::new(Definition { initial, ..definition });
-                place.insert((Arc::clone(&common), connector.clone()));
-                common
-            }
+            None => match common.entry(agreeing) {
+                Entry::Occupied(known) => {
+                    let (common, alike) = known.get();
+                    connector.share(alike);
+                    Arc::clone(common)
+                }
+                Entry::Vacant(place) => {
+                    let initial = Pair { reference: [0.0; 3], ..definition.initial };
+                    let common = Arc::new(Definition { initial, ..definition });
+                    place.insert((Arc::clone(&common), connector.clone()));
+                    common
+                }
+            },
         };
+        *last = Some((agreeing, Arc::clone(&common), connector.clone()));
         self.connectors.push(ConnectorElement {
             behavior,
             label,
@@ -336,7 +348,7 @@ impl Model {
 
     /// Makes the multi-point constraints. What leaves them all the same is told, and the rest is done where that says to go on.
     fn join(&mut self, scene: &Scene, tell: &mut dyn FnMut(Diagnostic) -> bool) -> Result<(), Diagnostic> {
-        let flows: HashSet<Label> = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
+        let flows: LabelSet = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
         let mut joined = Vec::new();
         for mpc in &scene.mpcs {
             match mpc.kind.evaluated() {
@@ -360,7 +372,7 @@ impl Model {
     }
 
     fn collect_sets(&mut self, scene: &Scene) {
-        let index: HashMap<Label, usize> =
+        let index: LabelMap<usize> =
             self.connectors.iter().enumerate().map(|(i, connector)| (connector.label, i)).collect();
         for (name, set) in &scene.element_sets {
             let members: Vec<usize> =

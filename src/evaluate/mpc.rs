@@ -9,10 +9,10 @@ use crate::connector::{Flag, Output, Request, Tally, Turns};
 use crate::mpc::{Body, Constraint, DOFS, Dofs, Evaluation, Kind, Margins, PHI, State, Turning};
 use crate::scalar::Real;
 use crate::scene::{
-    Code, Diagnostic, Label, Mpc, PointKind, Scene, Solver, Span, State as SceneState, Target,
+    Code, Diagnostic, Label, LabelSet, Mpc, PointKind, Scene, Solver, Span, State as SceneState, Target,
 };
 use crate::vector::sub;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// A multi-point constraint, ready to be evaluated.
 #[derive(Clone, Debug)]
@@ -100,11 +100,8 @@ fn moments(ground: &Ground, angle: f64, rate: Option<f64>) -> Result<HingeMoment
 ///
 /// # Errors
 /// A table out of order or incomplete.
-pub(super) fn ground(
-    scene: &Scene,
-    elements: &mut [(MpcElement, Span)],
-) -> Result<HashSet<Label>, Diagnostic> {
-    let mut found = HashSet::new();
+pub(super) fn ground(scene: &Scene, elements: &mut [(MpcElement, Span)]) -> Result<LabelSet, Diagnostic> {
+    let mut found = LabelSet::default();
     let mut hinges: HashMap<Label, Vec<(usize, usize)>> = HashMap::new();
     for (index, (element, _)) in elements.iter().enumerate() {
         let angles = element.constraint.kind().entry().angles.len();
@@ -441,7 +438,7 @@ pub(super) fn drive(
     elements: &mut [(MpcElement, Span)],
 ) -> Result<(), Diagnostic> {
     let angles = |element: &MpcElement| element.constraint.kind().entry().angles.len();
-    let hinged: HashSet<Label> = elements
+    let hinged: LabelSet = elements
         .iter()
         .flat_map(|(element, _)| element.nodes.iter().skip(2).take(angles(element)))
         .copied()

@@ -2,8 +2,8 @@
 
 use super::model::Model;
 use crate::connector::Request;
-use crate::scene::Label;
-use std::collections::{BTreeSet, HashMap};
+use crate::scene::{Label, LabelMap};
+use std::collections::BTreeSet;
 
 /// The connectors of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,7 +74,7 @@ impl Plan {
     }
 }
 
-fn find(model: &Model, labels: &HashMap<Label, usize>, name: &str) -> Result<Vec<usize>, SelectionError> {
+fn find(model: &Model, labels: &LabelMap<usize>, name: &str) -> Result<Vec<usize>, SelectionError> {
     if let Ok(label) = name.trim().parse::<Label>()
         && let Some(index) = labels.get(&label)
     {

@@ -3,13 +3,12 @@
 use crate::catalog::{Breach, Evidence, Facts, Procedure, Rule};
 use crate::scene::{
     Affected, Behavior, Code, ConnectorElement, ConnectorSection, DampingKind, Diagnostic, Dimension, Label,
-    Law, MpcKind, NodeFreedom, Scene, Solver, Span, Spanned, System, Target,
+    LabelMap, Law, MpcKind, NodeFreedom, Scene, Solver, Span, Spanned, System, Target,
 };
-use std::collections::HashMap;
 
 /// The components (0-based) of each connector that motions and loads act on, and where they were read.
-pub(super) fn actions(scene: &Scene) -> HashMap<Label, Vec<(usize, Span)>> {
-    let mut found: HashMap<Label, Vec<(usize, Span)>> = HashMap::new();
+pub(super) fn actions(scene: &Scene) -> LabelMap<Vec<(usize, Span)>> {
+    let mut found: LabelMap<Vec<(usize, Span)>> = LabelMap::default();
     let mut act = |target: &Spanned<Target>, component: u8| {
         for label in labels(scene, &target.value) {
             found.entry(*label).or_default().push((usize::from(component) - 1, target.span));

@@ -6,7 +6,7 @@
 use super::model::{ConnectorElement, Model};
 use crate::catalog::{COMPONENT, Slot};
 use crate::measure::Measure;
-use crate::scene::{Code, Diagnostic, Label, Result, Scene};
+use crate::scene::{Code, Diagnostic, Label, LabelMap, Result, Scene};
 use std::collections::HashMap;
 
 /// A constraint between two nodes: component, measure, nodes, and the number of their triads.
@@ -19,9 +19,10 @@ type Constraint = (usize, Measure, [Option<Label>; 2], usize);
 pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
     let mut first: HashMap<Constraint, Label> = HashMap::new();
     let mut triads: HashMap<[u64; 18], usize> = HashMap::new();
-    let mut segments: HashMap<Label, [Option<Label>; 2]> = HashMap::new();
+    let mut segments: LabelMap<[Option<Label>; 2]> = LabelMap::default();
     let mut warnings = Vec::new();
-    for element in &model.connectors {
+    let has_neighbour = beside_another(&model.connectors);
+    for (element, has_neighbour) in model.connectors.iter().zip(has_neighbour) {
         let place = scene.connectors.get(&element.label).map(|element| element.span).unwrap_or_default();
         let connection = element.connector.connection();
         if connection.is_belt() {
@@ -40,6 +41,9 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
                 let at = usize::from(known[0].is_some());
                 known[at] = Some(element.label);
             }
+        }
+        if !has_neighbour {
+            continue;
         }
         let mut repeated: Vec<(Label, &str)> = Vec::new();
         let known = triads.len();
@@ -71,6 +75,22 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
     }
     model.warnings.append(&mut warnings);
     Ok(())
+}
+
+/// Which connectors have another one from the same node to the same node: few, mostly, and only those can repeat a constraint.
+fn beside_another(connectors: &[ConnectorElement]) -> Vec<bool> {
+    let mut by_nodes: Vec<([Option<Label>; 2], usize)> =
+        connectors.iter().enumerate().map(|(at, element)| (element.nodes, at)).collect();
+    by_nodes.sort_unstable();
+    let mut found = vec![false; connectors.len()];
+    for together in by_nodes.chunk_by(|(one, _), (other, _)| one == other).filter(|run| run.len() > 1) {
+        for (_, at) in together {
+            if let Some(found) = found.get_mut(*at) {
+                *found = true;
+            }
+        }
+    }
+    found
 }
 
 /// The bits of both triads.

@@ -87,6 +87,14 @@ fn where_(place: Place, distance: f64) -> String {
     }
 }
 
+/// The name of a way, and the vector unit that it runs on.
+fn way(point: &Point) -> String {
+    match &point.vector_unit {
+        Some(unit) => format!("{}, {unit}", point.method),
+        None => point.method.to_string(),
+    }
+}
+
 const HEAD: [&str; 7] = ["", "way", "time", "× pintle", "median error", "largest error", "step"];
 
 /// The lines of a type at a place: an order by the other.
@@ -101,7 +109,7 @@ fn lines(report: &Report, connection: &str, place: Place) -> Vec<Vec<String>> {
             let step = point.step.map(|step| format!("{step:.0e}, best of {steps}"));
             lines.push(vec![
                 order.to_string(),
-                point.method.to_string(),
+                way(point),
                 time(point.nanoseconds),
                 times(diagram.ours().map(|ours| point.nanoseconds / ours)),
                 error(point.median_error),
@@ -245,6 +253,7 @@ pub fn csv(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         "order",
         "method",
         "step",
+        "vector_unit",
         "nanoseconds",
         "slowest_round",
         "median_error",
@@ -259,6 +268,7 @@ pub fn csv(out: &mut dyn Write, report: &Report) -> io::Result<()> {
             point.order.name(),
             &point.method,
             &point.step.map(number).unwrap_or_default(),
+            point.vector_unit.as_deref().unwrap_or_default(),
             &number(point.nanoseconds),
             &number(point.slowest_round),
             &number(point.median_error),

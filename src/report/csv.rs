@@ -32,8 +32,8 @@ struct Context {
 }
 
 /// Lines of the table. What many lines begin with is written once and copied.
-struct Lines<'c> {
-    text: Vec<u8>,
+struct Lines<'a, 'c> {
+    text: &'a mut Vec<u8>,
     context: &'c Context,
     /// The cells that all lines begin with.
     head: Vec<u8>,
@@ -66,7 +66,7 @@ fn cells<'c>(cells: impl IntoIterator<Item = &'c str>) -> io::Result<Vec<u8>> {
     Ok(text)
 }
 
-impl Lines<'_> {
+impl Lines<'_, '_> {
     fn put(&mut self, text: &[u8]) {
         self.text.extend_from_slice(text);
     }
@@ -247,12 +247,10 @@ impl Format for Csv<'_> {
 
     fn renderer(&self) -> Renderer {
         let context = Arc::clone(&self.context);
-        Box::new(move |block| {
+        Box::new(move |block, text| {
             let no_dofs = if context.has_dofs { ",,,,," } else { "" };
             let head = Lines::head(&context, block)?;
-            let mut lines = Lines { text: Vec::new(), context: &context, head, no_dofs };
-            lines.block(block)?;
-            Ok(lines.text)
+            Lines { text, context: &context, head, no_dofs }.block(block)
         })
     }
 

@@ -6,11 +6,10 @@ use crate::connector::Tally;
 use crate::evaluate::{Model, Plan, SUBOPTIONS};
 use crate::grammar;
 use crate::scene::{
-    Behavior, Boundary, DampingKind, Label, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions,
+    Behavior, Boundary, DampingKind, LabelSet, Law, Scene, Skipped, SkippedItem, Solver, Step, TableOptions,
     Target,
 };
 use indexmap::IndexMap;
-use std::collections::HashSet;
 use std::io;
 use std::ops::RangeInclusive;
 
@@ -50,7 +49,8 @@ pub trait Format {
     fn rendered(&mut self, kind: Kind, text: &[u8]) -> io::Result<()>;
     /// A connector or MPC at this state; connectors come first.
     fn block(&mut self, block: &Block<'_>) -> io::Result<()> {
-        let text = self.renderer()(block)?;
+        let mut text = Vec::new();
+        self.renderer()(block, &mut text)?;
         self.rendered(block.kind, &text)
     }
     /// The state ends.
@@ -61,8 +61,8 @@ pub trait Format {
     fn end(&mut self) -> io::Result<()>;
 }
 
-/// Writes a block into a text of its own.
-pub type Renderer = Box<dyn Fn(&Block<'_>) -> io::Result<Vec<u8>> + Send + Sync>;
+/// Writes a block at the end of a text.
+pub type Renderer = Box<dyn Fn(&Block<'_>, &mut Vec<u8>) -> io::Result<()> + Send + Sync>;
 
 /// Something that was read and is not evaluated.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -141,7 +141,7 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     let steps = &scene.steps;
     let in_steps = |count: &dyn Fn(&Step) -> usize| steps.iter().map(count).sum::<usize>();
     // What acts on the angles of hinges alone is evaluated.
-    let hinges: HashSet<Label> = model
+    let hinges: LabelSet = model
         .mpcs
         .iter()
         .flat_map(|mpc| mpc.nodes.iter().skip(2).take(mpc.constraint.kind().entry().angles.len()).copied())

@@ -474,11 +474,7 @@ impl Format for Human<'_> {
 
     fn renderer(&self) -> Renderer {
         let style = self.style;
-        Box::new(move |block| {
-            let mut text = Vec::new();
-            Human::new(&mut text, style).write(block)?;
-            Ok(text)
-        })
+        Box::new(move |block, text| Human::new(text, style).write(block))
     }
 
     fn rendered(&mut self, _kind: Kind, text: &[u8]) -> io::Result<()> {

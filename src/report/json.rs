@@ -74,7 +74,7 @@ impl Format for Json<'_> {
     }
 
     fn renderer(&self) -> Renderer {
-        Box::new(|block| serde_json::to_vec(block).map_err(io::Error::from))
+        Box::new(|block, text| serde_json::to_writer(text, block).map_err(io::Error::from))
     }
 
     fn rendered(&mut self, kind: Kind, text: &[u8]) -> io::Result<()> {

@@ -1,10 +1,10 @@
 //! Which degrees of freedom the nodes of connectors have.
 
 use super::label::Label;
+use super::labelled::LabelSet;
 use super::model::{Dimension, PointKind, Scene, Solver};
 use crate::catalog::ConnectionType;
 use crate::mpc::Kind;
-use std::collections::HashSet;
 
 /// Whether the nodes of connectors rotate, and whether they are confined to the plane.
 ///
@@ -20,9 +20,9 @@ use std::collections::HashSet;
 /// A boundary condition or load gives none: it acts on those that there are.
 #[derive(Debug, Clone, Default)]
 pub struct NodeFreedom {
-    connected: HashSet<Label>,
-    rotating: HashSet<Label>,
-    planar: HashSet<Label>,
+    connected: LabelSet,
+    rotating: LabelSet,
+    planar: LabelSet,
 }
 
 impl NodeFreedom {

@@ -130,7 +130,7 @@ impl fmt::Display for Instance {
 /// assert!(Label::from(7) < label);
 /// # Ok::<(), pintle::scene::LabelError>(())
 /// ```
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Label {
     instance: Option<Instance>,
     number: u64,
@@ -153,6 +153,15 @@ impl Label {
     #[must_use]
     pub const fn number(self) -> u64 {
         self.number
+    }
+}
+
+/// The instance first: [`super::LabelState`] keeps what has the same one, and numbers that are neighbours, together.
+impl Hash for Label {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let instance = self.instance.map_or(0, |Instance(name)| std::ptr::from_ref(name).addr());
+        state.write_usize(instance);
+        state.write_u64(self.number);
     }
 }
 

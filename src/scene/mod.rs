@@ -59,6 +59,7 @@ mod freedom;
 mod gallery;
 mod include;
 mod label;
+mod labelled;
 mod lexer;
 mod model;
 mod orientation;
@@ -82,6 +83,7 @@ pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
 pub use include::{Disk, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES, NoFiles};
 pub use label::{Instance, Label, LabelError};
+pub use labelled::{ByLabel, LabelMap, LabelSet, LabelState};
 pub use lexer::{MAX_LABEL, MAX_LINE};
 pub use model::{
     Amplitude, AmplitudeDefinition, AmplitudeTime, AmplitudeValue, Application, Boundary, ConcentratedLoad,

@@ -7,6 +7,7 @@ use super::behavior::Behavior;
 use super::choice::choices;
 use super::diagnostic::{Diagnostic, Result};
 use super::label::Label;
+use super::labelled::ByLabel;
 use super::orientation::{Definition, GLOBAL, Orientation, System, Triad};
 use super::span::{Span, Spanned};
 use super::states::State;
@@ -29,13 +30,13 @@ pub struct Scene {
     /// The text under `*HEADING`.
     pub heading: String,
     /// Nodes by number.
-    pub nodes: IndexMap<Label, Node>,
+    pub nodes: ByLabel<Node>,
     /// Node sets by name.
     pub node_sets: IndexMap<String, Set>,
     /// Connector elements by number.
-    pub connectors: IndexMap<Label, ConnectorElement>,
+    pub connectors: ByLabel<ConnectorElement>,
     /// Masses, rotary inertias, springs and dashpots by element number.
-    pub point_elements: IndexMap<Label, PointElement>,
+    pub point_elements: ByLabel<PointElement>,
     /// The nodes of connectors that elements and constraints which are not read give rotational degrees of freedom.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub rotating_nodes: BTreeSet<Label>,

@@ -9,7 +9,7 @@ mod chain;
 use peak_alloc::PeakAlloc;
 use pintle::connector::{Output, Request};
 use pintle::evaluate::{Item, Model, Plan, Selection, Sequence};
-use pintle::report::{Block, Format, Subject, csv::Csv, json::Json};
+use pintle::report::{Block, Format, Kind, Subject, csv::Csv, json::Json};
 use pintle::scene::{
     Diagnostic, ForceSign, ForceStream, NodeMotion, Rotation, Scene, State, StateIndex, StateMark,
     StateStream,
@@ -73,22 +73,22 @@ fn peak(path: &Path, scene: &Scene, plan: (&Model, &Plan), is_json: bool) -> (u6
         true => Box::new(Json::new(&mut out)),
         false => Box::new(Csv::new(&mut out, outputs, 1)),
     };
-    let mut sequence = Sequence::new(model, plan);
+    let (mut sequence, mut texts) = (Sequence::new(model, plan), Vec::new());
     format.begin().unwrap();
     format.scene(&Subject { scene, model, plan, states: 0, shown: &[], first: 0, last: 0 }).unwrap();
     let stream = StateStream::open(path).unwrap();
     let read = stream.for_each(scene, |state: State| -> Result<(), Diagnostic> {
         format.state(sequence.states(), state.time).unwrap();
         let render = format.renderer();
-        let digest = |item: Item<'_>| match item {
+        let digest = |item: Item<'_>, text: &mut Vec<u8>| match item {
             Item::Connector(result) => {
-                let block = Block::of_connector(model, &plan.request, result);
-                (block.kind, render(&block).unwrap())
+                text.clear();
+                render(&Block::of_connector(model, &plan.request, result), text).unwrap();
             }
             Item::Mpc(_) => panic!("there are no MPCs"),
         };
-        let put = |(kind, text): (_, Vec<u8>)| format.rendered(kind, &text);
-        sequence.visit_digested(&state, digest, put).unwrap();
+        let put = |text: &mut Vec<u8>| format.rendered(Kind::Connector, text);
+        sequence.visit_digested(&state, &mut texts, digest, put).unwrap();
         format.end_state().unwrap();
         Ok(())
     });

@@ -9,6 +9,7 @@ mod nodes;
 use super::model::Model;
 use super::mpc::{MpcResult, START};
 use super::parallel::{self, in_order};
+use super::places::Places;
 use super::plan::Plan;
 use crate::behavior::Conditions;
 use crate::behavior::state::Velocities;
@@ -111,7 +112,8 @@ impl<'a> Sequence<'a> {
     /// A walk that continues where another stopped.
     pub fn resume(model: &'a Model, plan: &'a Plan, mut branches: Branches) -> Self {
         let labels: Vec<Label> = plan.nodes.iter().copied().collect();
-        let place = |label: Label| labels.binary_search(&label).ok().and_then(|at| u32::try_from(at).ok());
+        let places = Places::new(&labels);
+        let place = |label: Label| places.of(label).and_then(|at| u32::try_from(at).ok());
         let ends = |index: &usize| model.connectors[*index].nodes.map(|node| node.and_then(place));
         let of_mpc = |index: &usize| model.mpcs[*index].nodes.iter().map(|node| place(*node)).collect();
         let memory = |index: &usize| {
@@ -217,7 +219,8 @@ impl<'a> Sequence<'a> {
         let Ok(()) = self.walk(
             state,
             true,
-            |_| (),
+            &mut Vec::new(),
+            |_, ()| (),
             |(), item| -> Result<(), Infallible> {
                 if let Item::Mpc(result) = item {
                     mpcs.push(result.clone());
@@ -240,21 +243,25 @@ impl<'a> Sequence<'a> {
         mut take: impl FnMut(Item<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.make_room();
-        self.walk(state, true, |_| (), |(), item| take(item))
+        self.walk(state, true, &mut Vec::new(), |_, ()| (), |(), item| take(item))
     }
 
     /// The same, where each result is worked into something else by `digest`, on the thread that computed it, before it is taken.
     ///
+    /// What it is worked into are `rooms`, made as they are needed and used again and again, also from state to state: `digest` overwrites
+    /// what an earlier result has left there. What they have allocated is not allocated again.
+    ///
     /// # Errors
     /// The first error of `take`; the walk must then be given up.
-    pub fn visit_digested<T: Send, E>(
+    pub fn visit_digested<T: Default + Send, E>(
         &mut self,
         state: &SceneState,
-        digest: impl Fn(Item<'_>) -> T + Sync,
-        mut take: impl FnMut(T) -> Result<(), E>,
+        rooms: &mut Vec<T>,
+        digest: impl Fn(Item<'_>, &mut T) + Sync,
+        mut take: impl FnMut(&mut T) -> Result<(), E>,
     ) -> Result<(), E> {
         self.make_room();
-        self.walk(state, true, digest, |digested, _| take(digested))
+        self.walk(state, true, rooms, digest, |digested, _| take(digested))
     }
 
     /// Commits the next state without any output: branches follow it, and results carry their flags only.
@@ -267,7 +274,7 @@ impl<'a> Sequence<'a> {
         mut take: impl FnMut(Item<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.make_room();
-        self.walk(state, false, |_| (), |(), item| take(item))
+        self.walk(state, false, &mut Vec::new(), |_, ()| (), |(), item| take(item))
     }
 
     /// Room for as many results as are worked on before the first of them is taken.
@@ -310,12 +317,13 @@ impl<'a> Sequence<'a> {
         );
     }
 
-    fn walk<T: Send, E>(
+    fn walk<T: Default + Send, E>(
         &mut self,
         state: &SceneState,
         is_wanted: bool,
-        digest: impl Fn(Item<'_>) -> T + Sync,
-        mut take: impl FnMut(T, Item<'_>) -> Result<(), E>,
+        digests: &mut Vec<T>,
+        digest: impl Fn(Item<'_>, &mut T) + Sync,
+        mut take: impl FnMut(&mut T, Item<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.follow_nodes(state);
         let beyond = self.beyond(state);
@@ -343,28 +351,33 @@ impl<'a> Sequence<'a> {
             scene_state: state,
             beyond: &beyond,
         };
+        let of_mpcs = parallel::held(plan.mpcs.len());
+        let count = digests.len().max(rooms.0.len()).max(of_mpcs);
+        digests.resize_with(count, T::default);
+        let mut rooms: Vec<_> = rooms.0.iter_mut().zip(&mut *digests).collect();
         in_order(
             connectors,
-            &mut rooms.0,
-            |at, memory, room| {
+            &mut rooms,
+            |at, memory, (room, digested)| {
                 let mut tally = Tally::default();
                 let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
                 let Needed { by_plan, always } = needed[at];
                 let history = (followed[at], if is_wanted { by_plan } else { always });
                 context.connector((plan.connectors[at], nodes), memory, request, history, room, &mut tally);
-                (digest(Item::Connector(room)), tally)
+                digest(Item::Connector(room), digested);
+                tally
             },
-            |_, (digested, work), room| {
+            |_, work, (room, digested)| {
                 *tally += work;
                 take(digested, Item::Connector(room))
             },
         )?;
         let Self { mpc_nodes, mpcs, .. } = self;
-        let mut rooms = vec![None; parallel::held(mpcs.len())];
+        let mut rooms: Vec<_> = digests.iter_mut().take(of_mpcs).map(|digested| (None, digested)).collect();
         in_order(
             mpcs,
             &mut rooms,
-            |at, angles, room| {
+            |at, angles, (room, digested)| {
                 let mut tally = Tally::default();
                 let index = plan.mpcs[at];
                 let nodes = mpc_nodes[at].iter().map(|node| node.map_or(STILL, |node| moved[node as usize]));
@@ -372,9 +385,10 @@ impl<'a> Sequence<'a> {
                 let of_state = (request, &model.schedule, state);
                 let result = model.mpcs[index].evaluate(index, &nodes, angles, of_state, &mut tally);
                 *angles = result.evaluation.angles;
-                (digest(Item::Mpc(room.insert(result))), tally)
+                digest(Item::Mpc(room.insert(result)), digested);
+                tally
             },
-            |_, (digested, work), room: &mut Option<MpcResult>| {
+            |_, work, (room, digested): &mut (Option<MpcResult>, &mut T)| {
                 *tally += work;
                 room.as_ref().map_or(Ok(()), |result| take(digested, Item::Mpc(result)))
             },

@@ -76,7 +76,7 @@ macro_rules! linear {
         impl<R: Real, const N: usize> Add for $dual<R, N> {
             type Output = Self;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn add(self, other: Self) -> Self {
                 let (x, y) = (self, other);
                 $each!(|x, y| x + y)
@@ -86,7 +86,7 @@ macro_rules! linear {
         impl<R: Real, const N: usize> Sub for $dual<R, N> {
             type Output = Self;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn sub(self, other: Self) -> Self {
                 let (x, y) = (self, other);
                 $each!(|x, y| x - y)
@@ -96,7 +96,7 @@ macro_rules! linear {
         impl<R: Real, const N: usize> Neg for $dual<R, N> {
             type Output = Self;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn neg(self) -> Self {
                 let x = self;
                 $each!(|x| -x)
@@ -111,7 +111,7 @@ linear!(SecondOrder, second_order);
 impl<R: Real, const N: usize> Mul for FirstOrder<R, N> {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul(self, other: Self) -> Self {
         let (x, y) = (self.value, other.value);
         let mut first = self.first;
@@ -125,7 +125,7 @@ impl<R: Real, const N: usize> Mul for FirstOrder<R, N> {
 impl<R: Real, const N: usize> Mul for SecondOrder<R, N> {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul(self, other: Self) -> Self {
         let (x, y) = (self.value, other.value);
         let (dx, dy) = (self.first, other.first);
@@ -145,43 +145,43 @@ impl<R: Real, const N: usize> Scalar for FirstOrder<R, N> {
     type Real = R;
     const ORDER: usize = 1;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_real(value: R) -> Self {
         Self { value, first: [R::integer(0); N] }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn real(self) -> R {
         self.value
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nilpotent(self) -> Self {
         Self { value: R::integer(0), first: self.first }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_real(self, value: R) -> Self {
         Self { value, ..self }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nilpotent_product(self, _: Self) -> Self {
         Self::zero()
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn scale(self, factor: R) -> Self {
         let x = self;
         first_order!(|x| x * factor)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
         first_order!(|yes, no| R::select(mask, yes, no))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn multiply_add(self, y: Self, z: Self) -> Self {
         let mut first = z.first;
         for i in 0..N {
@@ -190,14 +190,14 @@ impl<R: Real, const N: usize> Scalar for FirstOrder<R, N> {
         Self { value: self.value.multiply_add(y.value, z.value), first }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn scale_add(self, factor: R, z: Self) -> Self {
         let x = self;
         first_order!(|x, z| x.multiply_add(factor, z))
     }
 
     /// f(x₀) + f′(x₀) e.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lift(self, c: &super::super::Series<R>) -> Self {
         let mut first = self.first;
         for i in 0..N {
@@ -211,28 +211,28 @@ impl<R: Real, const N: usize> Scalar for SecondOrder<R, N> {
     type Real = R;
     const ORDER: usize = 2;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_real(value: R) -> Self {
         let zero = R::integer(0);
         Self { value, first: [zero; N], second: [[zero; N]; N] }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn real(self) -> R {
         self.value
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nilpotent(self) -> Self {
         Self { value: R::integer(0), ..self }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_real(self, value: R) -> Self {
         Self { value, ..self }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nilpotent_product(self, other: Self) -> Self {
         let (dx, dy) = (self.first, other.first);
         let mut product = Self::zero();
@@ -242,30 +242,30 @@ impl<R: Real, const N: usize> Scalar for SecondOrder<R, N> {
         product
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn scale(self, factor: R) -> Self {
         let x = self;
         second_order!(|x| x * factor)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
         second_order!(|yes, no| R::select(mask, yes, no))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn multiply_add(self, y: Self, z: Self) -> Self {
         self * y + z
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn scale_add(self, factor: R, z: Self) -> Self {
         let x = self;
         second_order!(|x, z| x.multiply_add(factor, z))
     }
 
     /// f(x₀) + f′(x₀) e + ½ f″(x₀) e².
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lift(self, c: &super::super::Series<R>) -> Self {
         let twice = c[2] + c[2];
         let mut lifted = self;
@@ -282,7 +282,7 @@ impl<R: Real, const N: usize> Scalar for SecondOrder<R, N> {
 }
 
 /// ε_index as first derivatives.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn unit<R: Real, const N: usize>(index: usize) -> [R; N] {
     let mut first = [R::integer(0); N];
     for (i, entry) in first.iter_mut().enumerate() {
@@ -294,44 +294,44 @@ fn unit<R: Real, const N: usize>(index: usize) -> [R; N] {
 }
 
 impl<R: Real, const N: usize> Seeded<N> for FirstOrder<R, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn seed(value: R, index: usize) -> Self {
         Self { value, first: unit(index) }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn assemble(value: R, first: [R; N], _: [[R; N]; N]) -> Self {
         Self { value, first }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn gradient(self) -> [R; N] {
         self.first
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn hessian(self) -> [[R; N]; N] {
         [[R::integer(0); N]; N]
     }
 }
 
 impl<R: Real, const N: usize> Seeded<N> for SecondOrder<R, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn seed(value: R, index: usize) -> Self {
         Self { first: unit(index), ..Self::from_real(value) }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn assemble(value: R, first: [R; N], second: [[R; N]; N]) -> Self {
         Self { value, first, second }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn gradient(self) -> [R; N] {
         self.first
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn hessian(self) -> [[R; N]; N] {
         let mut hessian = self.second;
         each_pair!(i, j, {

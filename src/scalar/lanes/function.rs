@@ -36,7 +36,7 @@ const COSINE: [f64; 6] = [
 ];
 
 /// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) -> Lanes<FUSED> {
     let square = x * x;
     let (last, before) = (N - 1, N - 2);
@@ -60,7 +60,7 @@ fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) 
 ///
 /// With t = smaller/larger of |x|, |y| in [0, 1]: atan t, or π/4 + atan((t − 1)/(t + 1)) beyond π/8, each by one division; then
 /// the octant as a multiple of π/4.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) -> Lanes<FUSED> {
     let (one, two, four) = (Lanes::splat(1.0), Lanes::splat(2.0), Lanes::splat(4.0));
     let (across, along) = (y.magnitude(), x.magnitude());
@@ -83,7 +83,7 @@ pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) ->
 }
 
 /// (sin x, cos x), 1.8 u.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, Lanes<FUSED>) {
     if !x.magnitude().less(Lanes::splat(LARGE_ANGLE)).all() {
         return (x.each(f64::sin), x.each(f64::cos));
@@ -114,7 +114,7 @@ pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, 
 }
 
 /// The sum of the squares.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn square<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> Lanes<FUSED> {
     let mut square = v[0] * v[0];
     for i in 1..N {
@@ -128,7 +128,7 @@ const EXPONENT: u64 = 0x7ff << 52;
 
 /// Powers of two p and 1/p that bring the largest of |v| into [1, 2), and p v, whose squares neither overflow nor lose digits to
 /// subnormals: 0 where v = 0.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn rescaled<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> (Lanes<FUSED>, [Lanes<FUSED>; N]) {
     let mut largest = v[0].magnitude();
     for i in 1..N {
@@ -143,7 +143,7 @@ fn rescaled<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> (Lanes<F
 }
 
 /// 2⁻ᵉ where 2ᵉ ≤ x < 2ᵉ⁺¹; 2¹⁰²³ at 0.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn opposite_power<const FUSED: bool>(x: Lanes<FUSED>) -> Lanes<FUSED> {
     const SUM: u64 = (2 * 1023) << 52;
     x.each(|lane| f64::from_bits(SUM.wrapping_sub(lane.to_bits() & EXPONENT)))
@@ -151,7 +151,7 @@ fn opposite_power<const FUSED: bool>(x: Lanes<FUSED>) -> Lanes<FUSED> {
 
 /// |p v|², and 1/|p v|²: the square is at least 1, but for v = 0, where any factor will do, and for subnormal numbers, whose
 /// reciprocals would overflow.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn square_and_inverse<const FUSED: bool, const N: usize>(
     scaled: [Lanes<FUSED>; N],
 ) -> (Lanes<FUSED>, Lanes<FUSED>) {
@@ -160,7 +160,7 @@ fn square_and_inverse<const FUSED: bool, const N: usize>(
 }
 
 /// v/|v| and |v|. The division is that of [`inverted`], beside the square root.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn direction_and_norm<const FUSED: bool, const N: usize>(
     v: [Lanes<FUSED>; N],
 ) -> ([Lanes<FUSED>; N], Lanes<FUSED>) {
@@ -176,7 +176,7 @@ pub(super) fn direction_and_norm<const FUSED: bool, const N: usize>(
 }
 
 /// v/|v|².
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn inverted<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> [Lanes<FUSED>; N] {
     let (scale, scaled) = rescaled(v);
     let factor = square_and_inverse(scaled).1 * scale;
@@ -188,7 +188,7 @@ pub(super) fn inverted<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) 
 }
 
 /// The unit quaternion, w ≥ 0, of a rotation R: the column of 4 q qᵀ with the largest diagonal entry.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn quaternion<const FUSED: bool>(r: &[[Lanes<FUSED>; 3]; 3]) -> [Lanes<FUSED>; 4] {
     let one = Lanes::splat(1.0);
     let (sum, difference) = (r[1][1] + r[2][2], r[1][1] - r[2][2]);
@@ -208,7 +208,7 @@ pub(super) fn quaternion<const FUSED: bool>(r: &[[Lanes<FUSED>; 3]; 3]) -> [Lane
 }
 
 /// What stands with the larger key, and that key.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn larger<const FUSED: bool>(
     a: (Lanes<FUSED>, [Lanes<FUSED>; 4]),
     b: (Lanes<FUSED>, [Lanes<FUSED>; 4]),
@@ -222,7 +222,7 @@ fn larger<const FUSED: bool>(
 }
 
 /// The coefficients of K at c in [0, 1], to the second.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn log_series<const FUSED: bool>(c: Lanes<FUSED>, order: usize) -> Series<Lanes<FUSED>> {
     let mut series = [Lanes::splat(0.0); MAX_ORDER + 1];
     let y = (Lanes::splat(1.0) - c) * Lanes::splat(0.5);

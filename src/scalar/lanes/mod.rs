@@ -31,19 +31,19 @@ pub struct LaneMask([bool; LANES]);
 
 impl LaneMask {
     /// Whether it holds in every lane.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn all(self) -> bool {
         self.count() == LANES as f64
     }
 
     /// Whether it holds in at least one lane.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn any(self) -> bool {
         self.count() > 0.0
     }
 
     /// In how many lanes it holds: as a sum of doubles, half and half, which vectorises.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(self) -> f64 {
         let one = |holds: bool| if holds { 1.0 } else { 0.0 };
         (one(self.0[0]) + one(self.0[2])) + (one(self.0[1]) + one(self.0[3]))
@@ -52,47 +52,47 @@ impl LaneMask {
 
 impl<const FUSED: bool> Lanes<FUSED> {
     /// The same number in every lane.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub const fn splat(x: f64) -> Self {
         Self([x; LANES])
     }
 
     /// `function` of each lane.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn each(self, function: impl Fn(f64) -> f64) -> Self {
         let [a, b, c, d] = self.0;
         Self([function(a), function(b), function(c), function(d)])
     }
 
     /// `function` of each pair of lanes.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn both(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
         let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
         Self([function(a, e), function(b, f), function(c, g), function(d, h)])
     }
 
     /// The greater of each pair of lanes that are not NaN: one instruction.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn greater(self, other: Self) -> Self {
         self.both(other, |x, y| if x > y { x } else { y })
     }
 
     /// `negative` where the sign bit of `sign` is set, else `positive`: one instruction.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn by_sign(sign: Self, negative: Self, positive: Self) -> Self {
         let lane = |i: usize| if sign.0[i].is_sign_negative() { negative.0[i] } else { positive.0[i] };
         Self([lane(0), lane(1), lane(2), lane(3)])
     }
 
     /// −self where the sign bit of `sign` is set.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mirrored_by(self, sign: Self) -> Self {
         const SIGN: u64 = 1 << 63;
         self.both(sign, |x, s| f64::from_bits(x.to_bits() ^ (s.to_bits() & SIGN)))
     }
 
     /// An answer for each pair of lanes.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn compare(self, other: Self, test: impl Fn(f64, f64) -> bool) -> LaneMask {
         let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
         LaneMask([test(a, e), test(b, f), test(c, g), test(d, h)])
@@ -114,7 +114,7 @@ macro_rules! lanewise {
         impl<const FUSED: bool> $operation for Lanes<FUSED> {
             type Output = Self;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn $method(self, other: Self) -> Self {
                 self.both(other, |x, y| x.$method(y))
             }
@@ -127,7 +127,7 @@ lanewise!(Add::add, Sub::sub, Mul::mul, Div::div);
 impl<const FUSED: bool> Neg for Lanes<FUSED> {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn neg(self) -> Self {
         self.each(|x| -x)
     }
@@ -137,38 +137,38 @@ impl<const FUSED: bool> Scalar for Lanes<FUSED> {
     type Real = Self;
     const ORDER: usize = 0;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_real(value: Self) -> Self {
         value
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn real(self) -> Self {
         self
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nilpotent(self) -> Self {
         Self::splat(0.0)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_real(self, value: Self) -> Self {
         value
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn scale(self, factor: Self) -> Self {
         self * factor
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(mask: LaneMask, yes: Self, no: Self) -> Self {
         let lane = |i: usize| if mask.0[i] { yes.0[i] } else { no.0[i] };
         Self([lane(0), lane(1), lane(2), lane(3)])
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn multiply_add(self, y: Self, z: Self) -> Self {
         if FUSED {
             let lane = |i: usize| self.0[i].mul_add(y.0[i], z.0[i]);
@@ -178,7 +178,7 @@ impl<const FUSED: bool> Scalar for Lanes<FUSED> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn scale_add(self, factor: Self, z: Self) -> Self {
         self.multiply_add(factor, z)
     }
@@ -189,62 +189,62 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
 
     type Mask = LaneMask;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn holds(mask: LaneMask) -> bool {
         mask.all()
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn choose<T: super::Select<Self>>(mask: LaneMask, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
         T::pick(mask, yes(), no())
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less(self, other: Self) -> LaneMask {
         self.compare(other, |x, y| x < y)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn integer(n: i32) -> Self {
         Self::splat(f64::from(n))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(x: f64) -> Self {
         Self::splat(x)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn pi() -> Self {
         Self::splat(std::f64::consts::PI)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_turns(principal: Self, n: Self) -> Self {
         principal.both(n, f64::with_turns)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearest_integer(self) -> Self {
         self.each(f64::round)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn square_root(self) -> Self {
         self.each(f64::sqrt)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> Self {
         self.each(f64::abs)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_sign_of(self, sign: Self) -> Self {
         self.both(sign, f64::copysign)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn reciprocal_or_zero(self) -> Self {
         let inverse = Self::splat(1.0) / self;
         Self::select(Self::splat(f64::MAX).less(inverse.magnitude()), Self::splat(0.0), inverse)
@@ -262,40 +262,40 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
         self.each(f64::exp)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sine_cosine(self) -> (Self, Self) {
         function::sine_cosine(self)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn arctangent(self, x: Self) -> Self {
         function::arctangent(self, x)
     }
 
     /// By the signs of all lanes joined: sums of answers would make the compiler split vectors.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn shortcut_where_positive(number: impl FnOnce() -> Self) -> bool {
         let [a, b, c, d] = number().0;
         (a.to_bits() | b.to_bits() | c.to_bits() | d.to_bits()) >> 63 == 0
     }
 
     /// Of lanes that are not NaN: one instruction.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lesser(self, other: Self) -> Self {
         self.both(other, |x, y| if x < y { x } else { y })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn quaternion_of(r: &[[Self; 3]; 3]) -> [Self; 4] {
         function::quaternion(r)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn direction_and_norm<const N: usize>(v: [Self; N]) -> ([Self; N], Self) {
         function::direction_and_norm(v)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn inverted<const N: usize>(v: [Self; N]) -> [Self; N] {
         function::inverted(v)
     }
@@ -310,7 +310,7 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
         (part(0), part(1))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn log_series(c: Self, order: usize) -> Series<Self> {
         if order > 2 {
             return function::log_series_lane_by_lane(c, order);

@@ -8,13 +8,13 @@ use super::sets::{OtherElements, SetBuilder};
 use super::{Deck, keywords};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::scene::label::{Instance, Label};
+use crate::scene::labelled::LabelSet;
 use crate::scene::lexer::{Items, Keyword};
 use crate::scene::model::{Scene, Target, TransformKind};
 use crate::scene::orientation::{Definition, Orientation, System, minus, scaled, sin_cos_degrees};
 use crate::scene::span::{Span, Spanned};
 use indexmap::IndexMap;
 use indexmap::map::Entry;
-use std::collections::HashSet;
 
 /// What a part, an instance or the model at large defines.
 #[derive(Debug, Clone, Default)]
@@ -24,7 +24,7 @@ pub(super) struct Level {
     pub(super) element_sets: IndexMap<String, SetBuilder>,
     pub(super) other_elements: OtherElements,
     pub(super) mpcs: Vec<RawMpc>,
-    other_rotations: HashSet<Label>,
+    other_rotations: LabelSet,
     rotation_targets: Vec<Target>,
 }
 

@@ -5,6 +5,7 @@ use super::{Deck, table};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::scene::freedom::element_rotates;
 use crate::scene::label::{Instance, Label};
+use crate::scene::labelled::LabelSet;
 use crate::scene::lexer::{Data, Item, Items, Keyword};
 use crate::scene::model::{
     ConnectorElement, Dimension, Discrete, Mass, Node, PointElement, PointKind, RotaryInertia, Scene,
@@ -13,7 +14,6 @@ use crate::scene::model::{
 use crate::scene::orientation::{Definition, Orientation, System, sin_cos_degrees};
 use crate::scene::span::Span;
 use indexmap::map::Entry;
-use std::collections::HashSet;
 
 pub(super) fn heading(deck: &mut Deck<'_>, _: &Keyword) -> Result<()> {
     while let Some(line) = deck.lexer.text()? {
@@ -263,7 +263,7 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 }
 
 /// The nodes that elements of a type which is not read give rotations, if they do.
-struct Rotating<'a>(Option<&'a mut HashSet<Label>>);
+struct Rotating<'a>(Option<&'a mut LabelSet>);
 
 impl Rotating<'_> {
     fn extend(&mut self, nodes: impl Iterator<Item = Label>) {

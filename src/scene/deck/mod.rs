@@ -21,14 +21,13 @@ use super::diagnostic::{Code, Diagnostic, Result, nearest};
 use super::document::form::Document;
 use super::document::{self, Format};
 use super::include::{Disk, Files, Named, NoFiles};
-use super::label::Label;
+use super::labelled::LabelSet;
 use super::lexer::{Keyword, Lexer, Value, not_utf8};
 use super::model::{MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
 use super::span::{Span, Spanned};
 use indexmap::IndexMap;
 use keywords::{Family, Rule, Stage};
 use sets::{OtherElements, SetBuilder};
-use std::collections::HashSet;
 use std::io::BufRead;
 use std::path::Path;
 
@@ -133,7 +132,7 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
         node_sets: IndexMap::new(),
         element_sets: IndexMap::new(),
         other_elements: OtherElements::default(),
-        other_rotations: HashSet::new(),
+        other_rotations: LabelSet::default(),
         rotation_targets: Vec::new(),
         any_rotates: false,
         mpcs: Vec::new(),
@@ -159,7 +158,7 @@ struct Deck<'a> {
     element_sets: IndexMap<String, SetBuilder>,
     other_elements: OtherElements,
     /// The nodes of elements that are not read and have rotations.
-    other_rotations: HashSet<Label>,
+    other_rotations: LabelSet,
     /// The reference nodes of constraints that are not read.
     rotation_targets: Vec<Target>,
     /// Elements that are not read were generated, so that any node may be one of theirs.

@@ -7,10 +7,10 @@ use super::sets::{self, InOrder, Kind, Known, Member, OtherElements, unknown_set
 use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
 use crate::scene::label::Label;
+use crate::scene::labelled::{LabelMap, LabelSet};
 use crate::scene::model::{Discrete, Mpc, PointKind, Scene, Set, Target, TransformKind};
 use crate::scene::span::{Span, Spanned};
 use std::cell::OnceCell;
-use std::collections::{HashMap, HashSet};
 
 pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     elements(deck)?;
@@ -298,7 +298,7 @@ fn properties(scene: &Scene) -> Result<()> {
 
 /// The axes of every node that has some, and no node with two.
 fn transforms(scene: &Scene) -> Result<()> {
-    let mut known: HashMap<Label, usize> = HashMap::new();
+    let mut known: LabelMap<usize> = LabelMap::default();
     for (index, transform) in scene.transforms.iter().enumerate() {
         let set = complete_node_set(scene, &transform.node_set)?;
         for label in &set.labels {
@@ -412,7 +412,7 @@ fn other_rotations(deck: &mut Deck<'_>) {
     let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
     let rotates = |node: &Label| deck.any_rotates || deck.other_rotations.contains(node);
     scene.rotating_nodes = ends.filter(rotates).collect();
-    deck.other_rotations = HashSet::new();
+    deck.other_rotations = LabelSet::default();
 }
 
 /// One constraint per line, or one per member where sets are given.

@@ -2,11 +2,12 @@
 
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
 use crate::scene::label::{Instance, Label};
+use crate::scene::labelled::{ByLabel, LabelSet, LabelState};
 use crate::scene::model::Set;
 use crate::scene::span::{Span, Spanned};
 use indexmap::IndexMap;
 use std::cell::{Cell, OnceCell};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// The largest number of members of a GENERATE range, and of all sets of a deck together.
 pub const MAX_MEMBERS: u64 = 10_000_000;
@@ -258,12 +259,12 @@ impl Known<'_> {
 
 /// Finds labels in a map; those that come in its order, as sets mostly list them, without hashing.
 pub(super) struct InOrder<'a, T> {
-    map: &'a IndexMap<Label, T>,
+    map: &'a ByLabel<T>,
     next: Cell<usize>,
 }
 
 impl<'a, T> InOrder<'a, T> {
-    pub(super) fn new(map: &'a IndexMap<Label, T>) -> Self {
+    pub(super) fn new(map: &'a ByLabel<T>) -> Self {
         Self { map, next: Cell::new(0) }
     }
 
@@ -353,7 +354,7 @@ pub(super) fn resolve(
             }
         }
         if builder.unsorted {
-            let mut seen = HashSet::with_capacity(set.labels.len());
+            let mut seen = LabelSet::with_capacity_and_hasher(set.labels.len(), LabelState::default());
             set.labels.retain(|label| seen.insert(*label));
             set.unsorted = !set.labels.is_sorted();
         } else {

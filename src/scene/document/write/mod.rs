@@ -216,7 +216,7 @@ fn list<T, F>(given: &[T], form: impl Fn(&T) -> F) -> Vec<Spanned<F>> {
     given.iter().map(|item| placeless(form(item))).collect()
 }
 
-fn entries<K: ToString, T, F>(given: &indexmap::IndexMap<K, T>, form: impl Fn(&T) -> F) -> Entries<F> {
+fn entries<K: ToString, T, F, S>(given: &indexmap::IndexMap<K, T, S>, form: impl Fn(&T) -> F) -> Entries<F> {
     given.iter().map(|(key, item)| (key.to_string(), form(item))).collect()
 }
 
