@@ -521,7 +521,8 @@ mod tests {
                 .collect()
         };
         for n in [40, 120] {
-            let by_rows = Compressed::of(&matrix(&chain(n)));
+            let chained = matrix(&chain(n));
+            let by_rows = Compressed::of(&chained);
             let by_columns = by_rows.transposed(n + 1);
             let mut left = WORK;
             let top = by_rows.norm() * by_columns.norm();

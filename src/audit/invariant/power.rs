@@ -6,7 +6,7 @@ use crate::audit::quantity::Quantity;
 use crate::catalog::Loading;
 use crate::connector::{NodalRow, Output, Request, Tally};
 use crate::node::{self, DOFS};
-use crate::scalar::elementary::norm;
+use crate::scalar::elementary::direction;
 use crate::vector::{dot, sub};
 
 impl Context<'_> {
@@ -104,8 +104,9 @@ impl Context<'_> {
                     want = dot(axis, sub(part(node::THETA_B), part(node::THETA_A)));
                 }
                 Loading::Tension => {
-                    let d = self.state.pair.separation();
-                    let stretching = dot(d, sub(part(node::XB), part(node::XA))) / norm(d);
+                    // No product of two lengths, which may leave the range of doubles.
+                    let along = direction(self.state.pair.separation());
+                    let stretching = dot(along, sub(part(node::XB), part(node::XA)));
                     want = stretching + v[node::PSI_B] - v[node::PSI_A];
                 }
             }
