@@ -583,7 +583,7 @@ fn degenerate_orientations_are_findings() {
     };
     assert_eq!(of("deck::degenerate-orientation"), [4, 6], "{findings:#?}");
     // What can be found without the element that is refused is found.
-    assert!(!of("model::duplicate-connector").is_empty(), "{findings:#?}");
+    assert!(!of("rule::repeated-constraint").is_empty(), "{findings:#?}");
     for finding in findings.iter().filter(|finding| finding["code"] == "deck::degenerate-orientation") {
         assert!(
             finding["severity"] == "error" && finding["remedy"].as_str().unwrap().contains("move"),

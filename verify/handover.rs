@@ -773,11 +773,13 @@ fn what_is_shrunk_can_be_handed_over() {
             let example = Example::read(&text).unwrap();
             assert!(example.rust().is_ok(), "{text}");
             let name = file.to_str().unwrap();
-            if let Example::Connector(_) = &example {
-                let output = folder().join("shrunk.inp");
-                let arguments = ["replay", name, "--export", "inp", "-o", output.to_str().unwrap()];
-                let output = pintle(&arguments).output().unwrap();
-                assert!(output.status.success(), "{}{text}", String::from_utf8_lossy(&output.stderr));
+            let is_connector = matches!(example, Example::Connector(_));
+            if let (true, Err(error)) = (is_connector, example.deck()) {
+                panic!("{error} {text}");
+            }
+            // All others, and some of these.
+            if is_connector && count % 8 != 1 {
+                continue;
             }
             let output = pintle(&["replay", name]).output().unwrap();
             let said = String::from_utf8_lossy(&output.stdout).into_owned();

@@ -1,10 +1,15 @@
 //! The audit as one page of HTML: nothing is loaded from elsewhere, it reads without scripts, and sorts and filters with them.
 //! Everything from the input is escaped by the templates.
 
+mod cards;
 mod drawing;
 pub(crate) mod figure;
+mod found;
 mod labels;
 mod page;
+mod problems;
+mod prose;
+mod self_test;
 
 use crate::audit::{Approach, Illustration, Report, Verdict};
 use crate::evaluate::Model;
@@ -58,11 +63,11 @@ pub fn figures(report: &Report, supplement: &Supplement<'_>) -> Vec<(String, Str
             found.push((format!("steps-{name}.svg"), figure::steps(shown, Place::File)));
         }
     }
-    let noticed = page::strip(report, Place::File);
+    let noticed = cards::strip(report, Place::File);
     if !noticed.is_empty() {
         found.push(("smallest-error-noticed.svg".to_string(), noticed));
     }
-    for (scene, figure) in page::coverage_figures(report) {
+    for (scene, figure) in found::coverage_figures(report) {
         found.push((format!("coverage-{}.svg", file_name(&scene)), figure));
     }
     for approach in report.atlas.iter().chain(&supplement.approaches) {
@@ -71,7 +76,7 @@ pub fn figures(report: &Report, supplement: &Supplement<'_>) -> Vec<(String, Str
         let nth = |n: usize| if n == 1 { String::new() } else { format!("-{n}") };
         let mut names = (1..).map(|n| format!("singular-{name}{}.svg", nth(n)));
         let name = names.find(|name| found.iter().all(|(taken, _)| taken != name));
-        found.extend(name.map(|name| (name, page::approach(approach, Place::File))));
+        found.extend(name.map(|name| (name, cards::approach(approach, Place::File))));
     }
     for scene in &supplement.scenes {
         let drawing = drawing(report, scene);
