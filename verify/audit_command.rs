@@ -561,6 +561,7 @@ fn degenerate_orientations_are_findings() {
          HINGE\nO,\n",
     );
     let folder = folder("degenerate-orientations");
+    fs::create_dir_all(&folder).unwrap();
     let page = folder.join("page.html");
     let arguments = [
         "audit",
@@ -597,6 +598,7 @@ fn degenerate_orientations_are_findings() {
     // Who evaluates it, or converts it, is told the first.
     for arguments in [["eval", &deck].to_vec(), ["convert", &deck, "--to", "toml"].to_vec()] {
         let refused = pintle(&arguments).assert().code(6);
-        assert!(stderr(&refused).contains("orientation LINE does not define three directions"));
+        let said = stderr(&refused);
+        assert!(said.contains("deck::degenerate-orientation") && said.contains("LINE"), "{said}");
     }
 }

@@ -88,7 +88,7 @@ impl Comparison {
     }
 
     /// Of the numbers in a sheet.
-    fn of_sheet(sheet: &Sheet) -> Self {
+    pub(super) fn of_sheet(sheet: &Sheet) -> Self {
         let compared = |entry: &Entry| {
             let tolerance = entry.tolerance();
             let units = units(entry.got, entry.want, tolerance);

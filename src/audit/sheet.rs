@@ -5,6 +5,7 @@ use super::bound::{C, U};
 use super::case::Case;
 use super::conditioned::NOTICED;
 use super::diagnosis::{Cause, diagnose_sheet};
+use super::illustration::Comparison;
 use super::mutant::{Mistake, of_number};
 use super::oracle::Oracle;
 use super::outcome::{Against, Check};
@@ -205,6 +206,9 @@ impl Sheet {
         check.name_stage(|| Some(self.quantity.name()));
         if check.verdict == Verdict::Wrong {
             check.diagnosis = diagnose_sheet(self).map(Box::new);
+            if self.quantity == Quantity::FirstDerivatives {
+                check.comparison = Some(Box::new(Comparison::of_sheet(self)));
+            }
         }
         check
     }
