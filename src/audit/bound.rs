@@ -127,9 +127,9 @@ impl Bound {
         Self { is_of_wide, ..self }
     }
 
-    /// Whether an entry is formed of numbers beyond the range of doubles.
-    pub(super) fn overflows(&self, quantity: Quantity, k: usize, i: usize) -> bool {
-        self.is_of_wide && !self.scale(quantity, k, i).is_finite()
+    /// Whether an entry, which must be `want`, lies or is formed of numbers beyond the range of doubles.
+    pub(super) fn overflows(&self, quantity: Quantity, k: usize, i: usize, want: f64) -> bool {
+        self.is_of_wide && (want.is_infinite() || !self.scale(quantity, k, i).is_finite())
     }
 
     /// How far an entry may be from the truth, where that is known.

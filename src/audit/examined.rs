@@ -10,7 +10,7 @@ use super::oracle::{Answer, Narrow};
 use super::outcome::{Against, Check};
 use super::quantity::{Numbers, Quantity};
 use super::referee::Referee;
-use super::stage::invalid_stage;
+use super::stage::{invalid_stage, is_state};
 use super::verdict::{Score, Surroundings, Verdict, Wanted, judge, try_mutants};
 use crate::connector::State;
 use crate::measure::Unit;
@@ -72,7 +72,8 @@ impl<'a> Examined<'a> {
             numbers,
             conditioned: Conditioned::new(&trusted, case, &units, nearness),
             trusted,
-            bound: bound.of_wide(is_wide),
+            // What follows from a state that is no state is invalid.
+            bound: bound.of_wide(is_wide && is_state(&step.state)),
             units,
             is_smooth: nearness.map(|near| near > 0.0),
             state: &step.state,

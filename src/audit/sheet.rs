@@ -126,7 +126,8 @@ impl Sheet {
             let Entry { name, got, sides, .. } = entry;
             let (tolerance, want) = (entry.tolerance(), entry.target(*got));
             let units = units(*got, want, tolerance);
-            let at = Point { is_open: false, sides: sides.as_ref().map(Sides::lack), overflows: false };
+            let overflows = want.to_f64().is_infinite();
+            let at = Point { is_open: false, sides: sides.as_ref().map(Sides::lack), overflows };
             let (verdict, lack) =
                 verdict_of_entry(self.quantity, (*got, want.to_f64()), tolerance, units, at);
             let finding = || Finding {

@@ -7,19 +7,23 @@ fn is_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> bool {
     numbers.into_iter().all(|x| x.is_finite())
 }
 
-/// The first stage at which a number is infinite or not a number: `state`, `relative pair`, or the kind of numbers; `None` where all
-/// of them are finite.
-pub(super) fn invalid_stage(state: &State<f64>, numbers: &Numbers<f64>) -> Option<&'static str> {
+/// Whether a state has finite numbers alone.
+pub(super) fn is_state(state: &State<f64>) -> bool {
     let State { pair, velocity, acceleration } = state;
     let nodes = [&pair.a, &pair.b].into_iter().all(|node| {
         let triad = node.triad.as_flattened();
         is_finite(node.displacement.iter().chain(triad).chain([&node.flow]))
     });
-    let rates = velocity.iter().chain(acceleration);
-    if !nodes || !is_finite(pair.reference.iter().chain(rates)) {
+    nodes && is_finite(pair.reference.iter().chain(velocity).chain(acceleration))
+}
+
+/// The first stage at which a number is infinite or not a number: `state`, `relative pair`, or the kind of numbers; `None` where all
+/// of them are finite.
+pub(super) fn invalid_stage(state: &State<f64>, numbers: &Numbers<f64>) -> Option<&'static str> {
+    if !is_state(state) {
         return Some("state");
     }
-    let relative = pair.relative();
+    let relative = state.pair.relative();
     if !is_finite(relative.d.iter().chain(relative.q.as_flattened())) {
         return Some("relative pair");
     }

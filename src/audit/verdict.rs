@@ -299,8 +299,7 @@ pub(super) fn verdict_of_entry(
 ) -> (Verdict, Option<&'static str>) {
     let exists = matches!(quantity, Quantity::Value | Quantity::FirstDerivatives);
     if !got.is_finite() {
-        let is_lost = at.overflows || want.is_infinite();
-        return (if is_lost { Verdict::Undecided } else { Verdict::Invalid }, None);
+        return (if at.overflows { Verdict::Undecided } else { Verdict::Invalid }, None);
     }
     match decided(want, allowed, units) {
         Verdict::Pass => match at.sides {
@@ -363,7 +362,7 @@ pub fn judge(
             coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
             let is_open = around.nearness[k] == 0.0 && around.sides_of(quantity, k, i).is_none();
             // On a singular set there is no finite scale either.
-            let overflows = around.nearness[k] > 0.0 && around.bound.overflows(quantity, k, i);
+            let overflows = around.nearness[k] > 0.0 && around.bound.overflows(quantity, k, i, want.to_f64());
             let at = Point { is_open, sides: kink.map(Sides::lack), overflows };
             let (verdict, lack) = match verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at) {
                 (Verdict::Wrong, _) if around.is_locked(quantity, k) => (Verdict::Singular, Some(KEPT)),
