@@ -18,6 +18,7 @@ use super::quantity::{Numbers, Quantity};
 use super::referee::Referee;
 use super::sample::{Draw, Extent, cases, random_case};
 use super::stage::invalid_stage;
+use super::standing::cases_on;
 use super::truth::{Locked, Truth};
 use super::verdict::{
     Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, decided, judge, try_along,
@@ -90,7 +91,10 @@ pub fn audit_catalogue(settings: &Settings, progress: &(dyn Fn(&str) + Sync)) ->
             (subject, approaches)
         })
         .collect();
-    let (subjects, atlas): (Vec<Subject>, Vec<Vec<Approach>>) = found.into_iter().unzip();
+    let (subjects, mut atlas): (Vec<Subject>, Vec<Vec<Approach>>) = found.into_iter().unzip();
+    if settings.atlas {
+        atlas.push(super::mpc::atlas::approaches());
+    }
     Report::new(settings, subjects, atlas.concat())
 }
 
@@ -156,6 +160,7 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     // Most of the wide states cover the regions, the others lie near singular sets.
     let near_wide = if near > 0 { settings.wide_states / 4 } else { 0 };
     let regular = settings.states.max(regions.len());
+    let on_points = if near > 0 { cases_on(connection) } else { Vec::new() };
     let mut wide = spread(regions.len(), settings.wide_states - near_wide);
     wide.extend(spread(near, near_wide).into_iter().map(|i| regular + i));
     let golden = if settings.oracles.contains(&Oracle::Jax) { states_of(connection) } else { 0 };
@@ -176,6 +181,12 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
             draw.structured();
             drawn_by(&mut draw)
         };
+        // Every other state near singular sets stands on one, while there are such.
+        let among_near = i.checked_sub(regular).filter(|n| n.is_multiple_of(2));
+        if let Some(case) = among_near.and_then(|n| on_points.get(n / 2)) {
+            let checks = audit_case(case, settings, wide.contains(&i), i);
+            return checks.into_iter().map(Check::as_declared).collect();
+        }
         let drawn = regions.get(i).cloned().or_else(|| is_structured.then(structured).flatten());
         let drawn = drawn.or_else(|| drawn_by(&mut Draw::new(&name)));
         drawn.map_or_else(Vec::new, |case| audit_case(&case, settings, wide.contains(&i), i))

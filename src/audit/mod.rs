@@ -55,6 +55,7 @@ mod sides;
 mod singular;
 mod slopes;
 mod stage;
+mod standing;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 pub mod truth;

@@ -4,6 +4,7 @@
 //! Derivatives are those at independent angles of the hinges: where a state does not give them, the angles that the rotations
 //! imply are held.
 
+pub(super) mod atlas;
 mod cut;
 mod mistakes;
 
