@@ -116,9 +116,9 @@ mod tests {
             case(Kind::Beam, [[0.0, 0.0, -PI], oblique.map(|x| x * 2.0)], [0.0; 2]),
         ];
         for kind in [Kind::Revolute, Kind::Universal, Kind::Beam, Kind::Tie] {
-            for master in [[0.0; 3], [0.0, 0.0, PI / 2.0], [0.3, 0.0, 0.0], [1.0, 2.0, 3.0], [0.0, PI, 0.0]] {
+            for master in [[0.0; 3], [1.0, 2.0, 3.0], [0.0, PI, 0.0]] {
                 for slave in [[PI, 0.0, 0.0], [0.0, 0.0, PI], oblique] {
-                    for angle in [0.0, PI, 1.0] {
+                    for angle in [0.0, PI] {
                         found.push(case(kind, [slave, master], [angle, -0.5 * angle]));
                     }
                 }
@@ -147,7 +147,9 @@ mod tests {
             for quantity in MpcCase::QUANTITIES {
                 let sheet = of(&sheets, quantity);
                 let largest = sheet.entries.iter().map(|entry| entry.got.abs()).fold(0.0, f64::max);
-                for (i, entry) in sheet.entries.iter().enumerate() {
+                // Some of the second derivatives: no two rows alike.
+                let every = if quantity == Quantity::SecondDerivatives { 61 } else { 1 };
+                for (i, entry) in sheet.entries.iter().enumerate().step_by(every) {
                     let mut wrong = sheet.clone();
                     wrong.entries[i].got += 1e-9 * largest.max(1.0);
                     assert_eq!(wrong.judge().verdict, Verdict::Wrong, "{}: {}", case.name, entry.name);
