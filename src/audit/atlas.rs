@@ -73,10 +73,10 @@ impl Approach {
 }
 
 /// Steepness may grow by this factor from 1e-2 to 1e-6 away without counting as unbounded.
-const BOUNDED: f64 = 30.0;
+pub(super) const BOUNDED: f64 = 30.0;
 
 /// A difference between the two sides, in rad or lengths, that is not an approach to one limit.
-const JUMP: f64 = 1e-3;
+pub(super) const JUMP: f64 = 1e-3;
 
 /// What is left of a jump where value and derivatives continue, 1e-8 from the point.
 const CONTINUES: f64 = 1e-6;

@@ -16,6 +16,7 @@ use super::quantity::{Numbers, Quantity};
 use super::referee::Referee;
 use super::sample::{Draw, Extent, cases_drawn, random_case};
 use super::stage::invalid_stage;
+use super::standing::cases_on;
 use super::sums::{hyper_dual, taylor};
 use super::truth::{Locked, Truth};
 use super::verdict::{Exact, Finding, Judgement, Score, Surroundings, Verdict};
@@ -84,7 +85,10 @@ pub fn audit_catalogue(settings: &Settings, progress: &(dyn Fn(&str) + Sync)) ->
             (subject, approaches)
         })
         .collect();
-    let (subjects, atlas): (Vec<Subject>, Vec<Vec<Approach>>) = found.into_iter().unzip();
+    let (subjects, mut atlas): (Vec<Subject>, Vec<Vec<Approach>>) = found.into_iter().unzip();
+    if settings.atlas {
+        atlas.push(super::mpc::atlas::approaches());
+    }
     Report::new(settings, subjects, atlas.concat())
 }
 
@@ -161,6 +165,7 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let regions = cases_drawn(connection, Extent::Full, draw);
     let near = if atlas::sites(connection).is_empty() { 0 } else { settings.near_singular_states };
     let regular = settings.states.max(regions.len());
+    let on_points = if near > 0 { cases_on(connection) } else { Vec::new() };
     let wide = wide_states(regions.len(), (regular, near), settings.wide_states);
     let golden = if settings.oracles.contains(&Oracle::Jax) { states_of(connection) } else { 0 };
     let count = regular + near + golden;
@@ -180,6 +185,12 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
             draw.structured();
             drawn_by(&mut draw)
         };
+        // Every other state near singular sets stands on one, while there are such.
+        let among_near = i.checked_sub(regular).filter(|n| n.is_multiple_of(2));
+        if let Some(case) = among_near.and_then(|n| on_points.get(n / 2)) {
+            let checks = audit_case(case, settings, wide.contains(&i), i);
+            return checks.into_iter().map(Check::as_declared).collect();
+        }
         let drawn = regions.get(i).cloned().or_else(|| is_structured.then(structured).flatten());
         let drawn = drawn.or_else(|| drawn_by(&mut Draw::new(&name)));
         drawn.map_or_else(Vec::new, |case| audit_case(&case, settings, wide.contains(&i), i))

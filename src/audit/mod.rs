@@ -57,6 +57,7 @@ mod sides;
 mod singular;
 mod slopes;
 mod stage;
+mod standing;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 mod sums;

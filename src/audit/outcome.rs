@@ -182,7 +182,10 @@ impl Check {
         self.compared += judgement.compared as u64;
         let severer = judgement.verdict > self.verdict;
         let units = |finding: &Option<Finding>| finding.as_ref().map_or(-1.0, |f| f.units);
-        self.largest = self.largest.max(units(&judgement.worst));
+        // At a singular point what nobody can judge has no error.
+        if judgement.verdict != Verdict::Singular {
+            self.largest = self.largest.max(units(&judgement.worst));
+        }
         if severer || (judgement.verdict == self.verdict && units(&judgement.worst) > units(&self.worst)) {
             self.worst = judgement.worst;
             self.worst_state = Some(state.to_string());
@@ -191,6 +194,15 @@ impl Check {
             }
         }
         self.verdict = self.verdict.max(judgement.verdict);
+    }
+
+    /// The check of a state that stands on a singular point on purpose: that it is one is declared, and no finding.
+    pub(super) fn as_declared(self) -> Self {
+        if !matches!(self.verdict, Verdict::Kink | Verdict::Singular) {
+            return self;
+        }
+        let states = BTreeMap::from([(Verdict::Pass, self.states.values().sum())]);
+        Self { verdict: Verdict::Pass, states, worst: None, worst_state: None, ..self }
     }
 
     /// At how many states an independent oracle decided, one way or the other.

@@ -26,6 +26,34 @@ struct Sample {
     conjugate: Components<Wide>,
 }
 
+/// In which directions two degrees of freedom move from the state and back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Directions {
+    /// Both ahead, by as many of their sizes, and both back; one by itself ahead and back.
+    Together,
+    /// One ahead and the other back, no two by as many of their sizes; one by itself ahead, and twice as far. What has a second
+    /// derivative has the same difference quotients; |x y|, x |x| and the like have others.
+    Against,
+}
+
+impl Directions {
+    /// The step of a degree of freedom, in parts of the common one.
+    fn part(self, j: usize) -> Wide {
+        match self {
+            Self::Together => Wide::integer(1),
+            Self::Against => Wide::ratio((DOFS + j) as i32, DOFS as i32),
+        }
+    }
+
+    /// Which way the second of two moves where the first moves ahead.
+    const fn second(self) -> i32 {
+        match self {
+            Self::Together => 1,
+            Self::Against => -1,
+        }
+    }
+}
+
 /// Σ factor·sample, divided by `width`.
 fn combined(terms: &[(i32, &Sample)], width: Wide) -> [Components<Wide>; 2] {
     let of = |part: fn(&Sample) -> &Components<Wide>| {
@@ -70,11 +98,11 @@ fn together(
 impl Truth {
     /// Second derivatives of what is measured, and, where forces are asked for, how the rows of virtual work change.
     pub fn second(&self, forces: bool) -> [Entries<Wide>; 2] {
-        self.second_at(forces, self.second_step())
+        self.second_at(forces, self.second_step(), Directions::Together)
     }
 
     /// The same with a step, in sizes of the degrees of freedom.
-    pub(super) fn second_at(&self, forces: bool, step: f64) -> [Entries<Wide>; 2] {
+    pub(super) fn second_at(&self, forces: bool, step: f64, directions: Directions) -> [Entries<Wide>; 2] {
         let connector = self.connector();
         let mut matrices: [Components<Vec<Wide>>; 2] = [
             self.empty(DOFS * DOFS),
@@ -82,7 +110,7 @@ impl Truth {
                 (forces && connector.has_force(k)).then(|| vec![Wide::zero(); DOFS * DOFS])
             }),
         ];
-        self.second_of_functions(forces, step, &mut matrices);
+        self.second_of_functions(forces, (step, directions), &mut matrices);
         for k in 0..6 {
             let is_form = connector.differentiated(k).is_some_and(|m| m.is_one_form());
             if let Some(matrix) = matrices[0][k].as_mut().filter(|_| is_form) {
@@ -119,20 +147,25 @@ impl Truth {
         Sample { pair, value, conjugate }
     }
 
-    fn second_of_functions(&self, forces: bool, step: f64, matrices: &mut [Components<Vec<Wide>>; 2]) {
-        let step = |j: usize| self.sized(j, step);
+    fn second_of_functions(
+        &self,
+        forces: bool,
+        (step, directions): (f64, Directions),
+        matrices: &mut [Components<Vec<Wide>>; 2],
+    ) {
+        let step = |j: usize| self.sized(j, step) * directions.part(j);
+        let along = |j: usize, times: i32| Self::along(j, step(j) * Wide::integer(times));
         let both = |j: usize, l: usize, sign: i32| -> NodalRow<Wide> {
-            let mut by = Self::along(j, step(j) * Wide::integer(sign));
-            by[l] = step(l) * Wide::integer(sign);
+            let mut by = along(j, sign);
+            by[l] = step(l) * Wide::integer(sign * directions.second());
             by
         };
         let pair = &self.state().pair;
-        let alone = |j: usize| {
-            [1, -1].map(|sign| {
-                let by = both(j, j, sign);
-                self.sample(by, moved(pair, &by), forces)
-            })
+        let sample_along = |j: usize, times: i32| {
+            let by = along(j, times);
+            self.sample(by, moved(pair, &by), forces)
         };
+        let alone = |j: usize| [1, -1].map(|sign| sample_along(j, sign));
         let active: Vec<usize> = self.active().collect();
         let reach: Vec<usize> = if forces { self.reach().collect() } else { Vec::new() };
         let columns: Vec<usize> = (0..DOFS).filter(|j| active.contains(j) || reach.contains(j)).collect();
@@ -150,8 +183,17 @@ impl Truth {
         let still = self.sample([Wide::zero(); DOFS], *pair, forces);
         let alone: Vec<(usize, [Sample; 2])> = columns.iter().map(|j| (*j, alone(*j))).collect();
         for (n, (j, [ahead, behind])) in alone.iter().enumerate() {
-            put(*j, *j, combined(&[(1, ahead), (-2, &still), (1, behind)], step(*j) * step(*j)));
-            for (l, [other, other_behind]) in alone.iter().skip(n + 1) {
+            let terms = match directions {
+                Directions::Together => [(1, ahead), (-2, &still), (1, behind)],
+                Directions::Against => [(1, &sample_along(*j, 2)), (-2, ahead), (1, &still)],
+            };
+            put(*j, *j, combined(&terms, step(*j) * step(*j)));
+            for (l, others) in alone.iter().skip(n + 1) {
+                // Where the second one is as the first moves ahead, and as that moves back.
+                let [other, other_behind] = match directions {
+                    Directions::Together => others.each_ref(),
+                    Directions::Against => [&others[1], &others[0]],
+                };
                 let sample = |sign: i32, first: &Sample, second: &Sample| {
                     let by = both(*j, *l, sign);
                     self.sample(by, together(pair, &by, [(*j, first), (*l, second)]), forces)
@@ -165,7 +207,8 @@ impl Truth {
                     (-1, other_behind),
                     (2, &still),
                 ];
-                put(*j, *l, combined(&terms, Wide::integer(2) * step(*j) * step(*l)));
+                let width = Wide::integer(2 * directions.second()) * step(*j) * step(*l);
+                put(*j, *l, combined(&terms, width));
             }
         }
     }

@@ -9,6 +9,36 @@ use crate::scalar::Wide;
 const HIGHER: &str =
     "first derivatives have two sides there, or none: what is formed of them is judged by nobody";
 
+/// Why a second difference is no second derivative, though it settles.
+const BENT: &str =
+    "second differences settle, and on another number in other directions: there is no second derivative";
+
+/// Why a derivative of one sheet is none of the function.
+const JUMPS: &str =
+    "a derivative on one side only: beyond half a turn the rotation vector jumps to its opposite";
+
+/// Quotients agree where they differ by less than this part of themselves or of their scale.
+const AGREES: f64 = 1e-3;
+
+/// Whether two quotients agree.
+fn agree(x: Wide, y: Wide, scale: f64) -> bool {
+    let size = x.abs().to_f64().max(y.abs().to_f64()).max(scale);
+    (x - y).abs().to_f64() <= AGREES * size
+}
+
+/// Why quotients that settle are no derivatives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lacking {
+    /// The state is off a singular set by rounding alone, where derivatives at fine steps are not those beyond.
+    Beside,
+    /// It is formed of derivatives that have two sides, or none.
+    FormedOfNone,
+    /// A second difference that depends on the directions of its steps.
+    Bent,
+    /// It is of one of two sheets, between which the function jumps.
+    Jumps,
+}
+
 /// What both sides say of one derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sides {
@@ -16,16 +46,20 @@ pub struct Sides {
     pub quotients: [Wide; 2],
     /// Whether they are derivatives: those of a jump, or of a root, grow without end as the step shrinks.
     pub exist: [bool; 2],
-    /// Whether the state is off a singular set by rounding alone, where derivatives at fine steps are not those beyond.
-    pub is_beside: bool,
-    /// Whether it is formed of derivatives that have two sides, or none.
-    pub is_formed_of_none: bool,
+    /// Why those that settle are no derivatives.
+    pub lacking: Option<Lacking>,
 }
 
 impl Sides {
     /// Two quotients that are derivatives.
     pub const fn known(quotients: [Wide; 2]) -> Self {
-        Self { quotients, exist: [true; 2], is_beside: false, is_formed_of_none: false }
+        Self { quotients, exist: [true; 2], lacking: None }
+    }
+
+    /// A derivative of the sheet that a value is on, at a state where rounding decides which one that is: what it must be, and no
+    /// derivative of a function that jumps there.
+    pub(super) const fn of_sheet(derivative: Wide) -> Self {
+        Self { exist: [true, false], lacking: Some(Lacking::Jumps), ..Self::known([derivative; 2]) }
     }
 
     /// From difference quotients from below and above: at half a fine step, at that step, and at a coarse one, far above the rounding of
@@ -33,23 +67,27 @@ impl Sides {
     /// the step shrinks, and is no derivative. A state that rounding alone holds off a singular set has one derivative at fine steps and
     /// another one beyond: which of them is meant nobody can say.
     pub fn of([half, fine, coarse]: [[Wide; 2]; 3], scale: f64) -> Self {
-        const AGREES: f64 = 1e-3;
-        let agree = |side: usize, other: &[Wide; 2]| {
-            let size = half[side].abs().to_f64().max(other[side].abs().to_f64()).max(scale);
-            (half[side] - other[side]).abs().to_f64() <= AGREES * size
-        };
+        let agree = |side: usize, other: &[Wide; 2]| agree(half[side], other[side], scale);
         let mut exist = [0, 1].map(|side| agree(side, &fine));
         let is_one = exist == [true; 2] && agree(0, &[half[1]; 2]);
         let is_beside = is_one && !(agree(0, &coarse) && agree(1, &coarse));
         if is_beside {
             exist = [false; 2];
         }
-        Self { quotients: half, exist, is_beside, is_formed_of_none: false }
+        Self { quotients: half, exist, lacking: is_beside.then_some(Lacking::Beside) }
+    }
+
+    /// Of a second difference, where one in other directions is known: the two of what has a second derivative agree.
+    pub(super) fn in_other_directions(self, other: Wide, scale: f64) -> Self {
+        if self.exist != [true; 2] || agree(self.quotients[0], other, scale) {
+            return self;
+        }
+        Self { exist: [false; 2], lacking: Some(Lacking::Bent), ..self }
     }
 
     /// Of what is formed of derivatives that do not exist.
     pub(super) const fn of_none(self) -> Self {
-        Self { exist: [false; 2], is_formed_of_none: true, ..self }
+        Self { exist: [false; 2], lacking: Some(Lacking::FormedOfNone), ..self }
     }
 
     /// Of quotients that grow as steps shrink.
@@ -111,19 +149,21 @@ impl Sides {
     pub const fn lack(&self) -> Option<&'static str> {
         match self.exist {
             [true, true] => None,
+            _ if matches!(self.lacking, Some(Lacking::Jumps)) => Some(JUMPS),
             [true, false] => Some(
                 "a derivative from below only: from above, difference quotients do not settle as steps shrink",
             ),
             [false, true] => Some(
                 "a derivative from above only: from below, difference quotients do not settle as steps shrink",
             ),
-            [false, false] if self.is_formed_of_none => Some(HIGHER),
-            [false, false] if self.is_beside => Some(
-                "rounding alone holds the state off a singular set: the derivatives there and beyond differ",
-            ),
-            [false, false] => {
-                Some("no derivative from either side: difference quotients do not settle as steps shrink")
-            }
+            [false, false] => Some(match self.lacking {
+                Some(Lacking::FormedOfNone) => HIGHER,
+                Some(Lacking::Bent) => BENT,
+                Some(Lacking::Beside) => {
+                    "rounding alone holds the state off a singular set: the derivatives there and beyond differ"
+                }
+                _ => "no derivative from either side: difference quotients do not settle as steps shrink",
+            }),
         }
     }
 
@@ -147,7 +187,7 @@ impl Sides {
 
 #[cfg(test)]
 mod tests {
-    use super::Sides;
+    use super::{Lacking, Sides};
     use crate::scalar::Wide;
 
     fn wide(x: [f64; 2]) -> [Wide; 2] {
@@ -180,9 +220,20 @@ mod tests {
         let root = of([1.4e12, 1.4e12], [1e12, 1e12], [1e5, 1e5], 1.0);
         assert_eq!((root.exist, root.nearest(7.0).to_f64()), ([false; 2], 7.0));
         assert!(root.to_f64().is_none() && root.lack().is_some_and(|lack| lack.contains("either side")));
+        // |x y| at the origin: 1 along x = y, −1 along x = −y.
+        let settles = of([1.0, 1.0], [1.0, 1.0], [1.0, 1.0], 1.0);
+        let bent = settles.in_other_directions(Wide::from_f64(-1.0), 1.0);
+        assert_eq!(
+            (bent.exist, bent.lacking, bent.nearest(0.0).to_f64()),
+            ([false; 2], Some(Lacking::Bent), 0.0)
+        );
+        assert_eq!(settles.in_other_directions(Wide::from_f64(1.0 + 1e-15), 1.0), settles);
         // Off a kink by rounding: the same derivative on both sides, another one farther below.
         let near = of([1.0, 1.0], [1.0, 1.0], [-1.0, 1.0], 0.0);
         assert_eq!((near.exist, near.nearest(0.0).to_f64()), ([false; 2], 0.0));
-        assert!(near.is_beside && near.lack().is_some_and(|lack| lack.contains("rounding")));
+        assert!(
+            near.lacking == Some(Lacking::Beside)
+                && near.lack().is_some_and(|lack| lack.contains("rounding"))
+        );
     }
 }

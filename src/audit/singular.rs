@@ -2,12 +2,13 @@
 //!
 //! First derivatives, nodal forces and rates have a quotient from each side. Second derivatives, their likes of nodal forces and
 //! accelerations have one second difference, which settles where they exist and grows as 1/h where first derivatives jump: it is judged
-//! where it settles, unless a first derivative that it is formed of has two sides.
+//! where it settles, and on the same number in other directions, unless a first derivative that it is formed of has two sides.
 
 use super::bound::Bound;
 use super::case::dof_size;
 use super::differences::{FIRST_STEP, SECOND_STEP};
 use super::quantity::{Entries, Numbers, Quantity};
+use super::second::Directions;
 use super::sides::Sides;
 use super::truth::{Place, Truth};
 use crate::connector::Components;
@@ -37,7 +38,7 @@ impl Truth {
         let forces = |at: &Place| self.conjugates(at, &self.values(at));
         let forces = self.both(&mut self.reach(), &forces);
         let [second, stiffness] = self.settled(bound, [&first, &forces]);
-        let [rate, acceleration] = self.in_time(bound, &first);
+        let [rate, acceleration] = self.in_time(bound, &first, &second);
         for (quantity, sides) in [
             (Quantity::FirstDerivatives, first),
             (Quantity::NodalForces, forces),
@@ -82,7 +83,8 @@ impl Truth {
 
     /// Second derivatives where they settle; `first` are the sides of what they are formed of.
     fn settled(&self, bound: &Bound, first: [&Entries<Sides>; 2]) -> [Entries<Sides>; 2] {
-        let quotients = SECOND.map(|step| self.second_at(true, step));
+        let quotients = SECOND.map(|step| self.second_at(true, step, Directions::Together));
+        let against = self.second_at(true, SECOND_STEP, Directions::Against);
         let quantities = [Quantity::SecondDerivatives, Quantity::GeometricStiffness];
         [0, 1].map(|n| {
             let quantity = quantities[n];
@@ -96,14 +98,14 @@ impl Truth {
                 if jumps(i / DOFS) || jumps(i % DOFS) || has_none(first[n]) {
                     settles.of_none()
                 } else {
-                    settles
+                    settles.in_other_directions(at(&against[n]), scale)
                 }
             })
         })
     }
 
-    /// Rates from both sides along the motion, and accelerations where they settle.
-    fn in_time(&self, bound: &Bound, first: &Entries<Sides>) -> [Entries<Sides>; 2] {
+    /// Rates from both sides along the motion, and accelerations where they settle and `second` derivatives are there to form them.
+    fn in_time(&self, bound: &Bound, first: &Entries<Sides>, second: &Entries<Sides>) -> [Entries<Sides>; 2] {
         let speed = self.speed();
         let time = |step: f64| Wide::from_f64(if speed > 0.0 { step / speed } else { step });
         let still = self.values(&self.at_rest());
@@ -136,6 +138,8 @@ impl Truth {
             };
             let of = Quantity::FirstDerivatives;
             let jumps = (0..DOFS).any(|j| moves(j) && jumps(first, bound, (of, k, j)));
+            let lacks = |i: usize| second.get(k, i).is_some_and(|sides| sides.exist != [true; 2]);
+            let jumps = jumps || (0..DOFS * DOFS).any(|i| moves(i / DOFS) && moves(i % DOFS) && lacks(i));
             acceleration.0[k] =
                 Some(vec![if jumps || has_none(first) { settles.of_none() } else { settles }]);
         }

@@ -4,6 +4,8 @@
 //! Derivatives are those at independent angles of the hinges: where a state does not give them, the angles that the rotations
 //! imply are held.
 
+pub(super) mod atlas;
+mod cut;
 mod mistakes;
 
 use super::bound::scales;
@@ -11,7 +13,7 @@ use super::case::turn;
 use super::differences::{self, FIRST_STEP, NOISE, SECOND_STEP};
 use super::engine::Settings;
 use super::failing::Failing;
-use super::oracle::Oracle;
+use super::oracle::{Oracle, nearness};
 use super::outcome::Check;
 use super::quantity::Quantity;
 use super::sheet::{Entry, Sheet};
@@ -19,7 +21,7 @@ use super::sides::Sides;
 use super::truth::rotation;
 use super::verdict::Verdict;
 use crate::connector::{Output, Request, Tally, Turns};
-use crate::measure::Unit;
+use crate::measure::{SingularClass, Unit};
 use crate::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, Kind, PHI, PSI_M, PSI_S, ROWS, Rows, State, THETA_M, THETA_S,
     Turning, XM, XS,
@@ -53,8 +55,10 @@ struct Truth {
     /// The same with rotations that are such to the last of 237 bits, which derivatives are of.
     state: State<Wide>,
     sizes: Dofs<f64>,
-    /// min(1, distance of each equation to its own singular sets), 0 on one.
+    /// min(1, distance of each equation to where it has no derivative on its sheet), 0 there.
     nearness: [f64; ROWS],
+    /// The sheet that ρ is on, where there is another one.
+    sheet: Option<cut::Sheet>,
 }
 
 /// Difference quotients of the equations on a singular set.
@@ -133,10 +137,9 @@ impl MpcCase {
         let got = self.constraint.evaluate(&self.state, &self.before, &self.turning, &request, tally);
         let margins = self.constraint.margins(&self.state, &got);
         let nearness = margins.rows.map(|margin| {
-            margin.map_or(1.0, |margin| {
-                let unit = if margin.set.unit == Unit::Length { self.length } else { 1.0 };
-                (margin.distance / unit).clamp(0.0, 1.0)
-            })
+            // On its sheet ρ has derivatives at half a turn too.
+            let margin = margin.filter(|margin| margin.set.class != SingularClass::BranchCut);
+            nearness(margin, self.length).max(0.0)
         });
         let mut state = exact(&self.state);
         state.angles = got.taken.map(|angle| Some(Wide::from_f64(angle)));
@@ -149,8 +152,9 @@ impl MpcCase {
         for body in [&mut state.slave, &mut state.master] {
             body.rotation = rotation(body.rotation);
         }
-        let truth =
-            Truth { constraint: self.constraint.exact(), given, state, sizes: self.sizes(), nearness };
+        let (constraint, sizes) = (self.constraint.exact(), self.sizes());
+        let truth = Truth { constraint, given, state, sizes, nearness, sheet: None };
+        let truth = truth.on_the_sheet(&got.residual, &self.inputs(&got.taken));
         let mut sheets = self.sheets_of(&got, &truth);
         sheets.retain(|sheet| !sheet.entries.is_empty());
         sheets
@@ -260,6 +264,14 @@ impl MpcCase {
                         Quantity::Rate => sides.rate[row],
                         _ => None,
                     });
+                    let angles = match sheet.quantity {
+                        Quantity::FirstDerivatives => units(i) == 1,
+                        Quantity::SecondDerivatives => units(x) == 1 && units(y) == 1,
+                        Quantity::Rate | Quantity::Acceleration => true,
+                        _ => false,
+                    };
+                    let is_of_sheet = angles && truth.is_undetermined(row);
+                    let of_entry = of_entry.or_else(|| is_of_sheet.then(|| Sides::of_sheet(want)));
                     if let Some(sides) = of_entry {
                         entry.want = sides.nearest(got);
                         entry.sides = Some(sides).filter(|sides| sides.differ(entry.tolerance()));
@@ -311,7 +323,8 @@ impl Truth {
     }
 
     fn values_of(&self, state: State<Wide>) -> Rows<Wide> {
-        self.evaluate(&state, &Request::new(&[Output::RES], [true; 6], 0)).residual
+        let rows = self.evaluate(&state, &Request::new(&[Output::RES], [true; 6], 0)).residual;
+        self.sheet.map_or(rows, |sheet| sheet.of(rows))
     }
 
     fn values(&self, by: &Dofs<Wide>) -> Rows<Wide> {

@@ -1,0 +1,313 @@
+//! The singular points of multi-point constraints, approached on the ladder of the atlas: what is declared of an equation, or of the angle
+//! of a hinge, is compared with what happens there.
+//!
+//! An equation is judged as everywhere, by its sheets. The angle of a hinge has no row among the numbers of a constraint: its derivatives
+//! are its rates as one degree of freedom moves at a time, and the truth is differences of the angle on 237 bits.
+
+use super::{MpcCase, exact, moved};
+use crate::audit::atlas::{Approach, BOUNDED, JUMP, LADDER, Rung};
+use crate::audit::bound::{C, U, scales};
+use crate::audit::case::turn;
+use crate::audit::quantity::Quantity;
+use crate::audit::truth::rotation;
+use crate::connector::{Output, Request, Tally, Turns};
+use crate::measure::{SingularClass, SingularSet};
+use crate::mpc::{
+    Body, Constraint, DOFS, Dofs, Kind, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S, Turning,
+};
+use crate::scalar::{Real, Scalar, Wide};
+use crate::vector::{self, product, scale};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::iter::zip;
+
+/// The degrees of freedom of rotation of both nodes, by which the angles of hinges have derivatives.
+const ROTATIONS: [usize; 6] = [THETA_S, THETA_S + 1, PSI_S - 1, THETA_M, THETA_M + 1, PSI_M - 1];
+
+/// What a set is declared of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Subject {
+    /// An equation.
+    Row(usize),
+    /// The angle of a hinge.
+    Angle(usize),
+}
+
+/// A declared set of a kind.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    kind: Kind,
+    subject: Subject,
+    set: SingularSet,
+}
+
+/// What is seen of a subject at a state.
+struct Seen {
+    value: f64,
+    /// Its first derivatives.
+    row: Vec<f64>,
+    /// The error of the value in units u of its conditioned scale, and the largest of first derivatives.
+    errors: [f64; 2],
+    /// The largest error of a first derivative.
+    off: f64,
+}
+
+/// Every declared set of every kind, approached.
+pub(in crate::audit) fn approaches() -> Vec<Approach> {
+    Kind::ALL.into_iter().flat_map(points).map(|point| point.approach()).collect()
+}
+
+fn points(kind: Kind) -> Vec<Point> {
+    let rows = kind.rows(false);
+    let of_rows = (0..ROWS)
+        .filter(|row| rows[*row])
+        .filter_map(|row| Some(Point { kind, subject: Subject::Row(row), set: kind.row_set(row)? }));
+    let of_angles = (0..kind.entry().angles.len())
+        .filter_map(|i| Some(Point { kind, subject: Subject::Angle(i), set: kind.angle_set()? }));
+    of_rows.chain(of_angles).collect()
+}
+
+impl Point {
+    /// A state `distance` away, on the other side where negative, in the direction `azimuth` (rad).
+    fn beside(&self, distance: f64, azimuth: f64) -> MpcCase {
+        let Self { kind, subject, .. } = *self;
+        let (sine, cosine) = azimuth.sin_cos();
+        let [e1, e2, e3] = vector::identity::<f64>();
+        let arm = [1.0, 0.0, 0.0];
+        let mut body = [Body::at_rest(), Body::at_rest()];
+        let common = turn([0.4, -0.7, 0.5]);
+        let angles = [0.3, -0.4];
+        let relative = match subject {
+            // Across the link, so that it is as long as it says.
+            Subject::Row(row) if row < RHO => {
+                body[0].displacement = [-1.0, distance * cosine, distance * sine];
+                vector::identity()
+            }
+            Subject::Row(_) => {
+                // No component of the half turn is zero.
+                let axis = [2.0 / 7.0, 3.0 / 7.0, 6.0 / 7.0];
+                let across = [6.0 / 7.0, 2.0 / 7.0, -3.0 / 7.0];
+                let direction = vector::add(scale(axis, cosine), scale(across, sine));
+                let violation = product(&turn(scale(axis, PI)), &turn(scale(direction, -distance)));
+                let hinges = angles.into_iter().zip([e3, e1]).take(kind.entry().angles.len());
+                let allowed =
+                    hinges.fold(common, |so_far, (angle, axis)| product(&so_far, &turn(scale(axis, angle))));
+                product(&vector::transpose(&common), &product(&violation, &allowed))
+            }
+            // Half a turn across the axis; what is left of it turns by twice the distance.
+            Subject::Angle(_) if kind.entry().angles.len() == 1 => {
+                let rest = vector::add(scale(e1, 2.0 * distance * cosine), scale(e2, 2.0 * distance * sine));
+                product(&turn(scale(e1, PI)), &turn(rest))
+            }
+            // Turned by the first axis, across both, by the second: at a right angle only the difference of the first and the last is left.
+            Subject::Angle(_) => {
+                let [first, last] = [0.7 + azimuth, -0.5 + azimuth].map(|angle| angle.rem_euclid(PI));
+                let across = turn(scale(e2, FRAC_PI_2 - distance));
+                product(&product(&turn(scale(e3, first)), &across), &turn(scale(e1, last)))
+            }
+        };
+        let [slave, master] = &mut body;
+        master.rotation = common;
+        slave.rotation = product(&common, &relative);
+        let [slave, master] = body;
+        let given = if matches!(subject, Subject::Row(_)) { angles.map(Some) } else { [None; 2] };
+        let still = [0.0; DOFS];
+        MpcCase {
+            name: format!("{} {distance:e} from {}", kind.name(), self.set.at),
+            constraint: Constraint::new(kind, arm, [0.0; 3], [e3, e1]),
+            state: State { slave, master, angles: given, velocity: still, acceleration: still },
+            turning: Turning::none(),
+            before: [Turns { turns: 0.0, principal: 0.0 }; 2],
+            length: 1.0,
+        }
+    }
+
+    fn seen(&self, distance: f64, azimuth: f64) -> Option<Seen> {
+        let case = self.beside(distance, azimuth);
+        match self.subject {
+            Subject::Row(row) => of_equation(&case, row),
+            Subject::Angle(i) => Some(of_angle(&case, i, distance.abs())),
+        }
+    }
+
+    fn approach(&self) -> Approach {
+        let rungs: Vec<Rung> = LADDER
+            .iter()
+            .filter_map(|distance| {
+                let seen = self.seen(*distance, 0.0)?;
+                let steepness = seen.steepness();
+                let [value_error, first_error] = seen.errors;
+                let first_relative = if seen.off == 0.0 { 0.0 } else { seen.off / steepness };
+                Some(Rung { distance: *distance, value_error, first_error, first_relative, steepness })
+            })
+            .collect();
+        let is_exact = |rung: &Rung| rung.value_error <= C && rung.first_error <= C;
+        Approach {
+            connection: self.kind.name().to_string(),
+            component: match self.subject {
+                Subject::Row(row) => self.kind.row_name(row),
+                Subject::Angle(i) => self.kind.entry().angles.get(i).copied().unwrap_or_default(),
+            },
+            at: self.set.at,
+            declared: self.set.class,
+            seen: self.classify(),
+            exact: rungs.len() == LADDER.len() && rungs.iter().all(is_exact),
+            rungs,
+        }
+    }
+
+    /// What happens there, from one side, from the other, and from the side: derivatives that grow without bound, a value that jumps, or
+    /// derivatives that jump alone.
+    fn classify(&self) -> Option<SingularClass> {
+        const SIDES: [(f64, f64); 4] = [(1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (1.0, -2.0)];
+        const NEAR: f64 = 1e-8;
+        let from = |distance: f64, (sign, azimuth): (f64, f64)| self.seen(sign * distance, azimuth);
+        let mut unbounded = 0;
+        for side in SIDES {
+            let [near, far] = [from(1e-6, side)?, from(1e-2, side)?].map(|seen| seen.steepness());
+            unbounded += usize::from(near > BOUNDED * far);
+        }
+        if unbounded == SIDES.len() {
+            return Some(SingularClass::TrueSingularity);
+        }
+        let seen: Vec<Seen> = SIDES.iter().filter_map(|side| from(NEAR, *side)).collect();
+        let this = seen.first()?;
+        let value = |other: &Seen| (this.value - other.value).abs();
+        let row =
+            |other: &Seen| zip(&this.row, &other.row).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
+        if seen.iter().any(|other| value(other) > JUMP) {
+            let turns = seen.iter().any(|other| value(other) <= JUMP && row(other) > JUMP);
+            return Some(if turns { SingularClass::Reversal } else { SingularClass::BranchCut });
+        }
+        seen.iter().any(|other| row(other) > JUMP).then_some(SingularClass::Kink)
+    }
+}
+
+impl Seen {
+    /// The largest first derivative; lengths are 1.
+    fn steepness(&self) -> f64 {
+        self.row.iter().fold(0.0, |most, x| most.max(x.abs()))
+    }
+}
+
+/// Of an equation, by its sheets.
+fn of_equation(case: &MpcCase, row: usize) -> Option<Seen> {
+    let sheets = case.judged();
+    let rows = case.constraint.rows();
+    let place = (0..row).filter(|row| rows[*row]).count();
+    let of = |quantity: Quantity, width: usize| {
+        let sheet = sheets.iter().find(|sheet| sheet.quantity == quantity)?;
+        sheet.entries.get(place * width..(place + 1) * width)
+    };
+    let worst = |quantity: Quantity, width: usize| {
+        let mut worst = [0.0_f64; 2];
+        for entry in of(quantity, width)? {
+            let off = (Wide::from_f64(entry.got) - entry.want).abs().to_f64();
+            let both = [off, if off == 0.0 { 0.0 } else { off / (U * entry.scale) }];
+            worst = more(worst, both);
+        }
+        Some(worst)
+    };
+    let [_, of_value] = worst(Quantity::Value, 1)?;
+    let [off, of_row] = worst(Quantity::FirstDerivatives, DOFS)?;
+    Some(Seen {
+        value: of(Quantity::Value, 1)?.first()?.got,
+        row: of(Quantity::FirstDerivatives, DOFS)?.iter().map(|entry| entry.got).collect(),
+        errors: [of_value, of_row],
+        off,
+    })
+}
+
+/// The larger of each; what is not a number is larger than any.
+fn more(worst: [f64; 2], found: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| if found[i] <= worst[i] { worst[i] } else { found[i] })
+}
+
+/// Of the angle of hinge `i`, `distance` away from its set.
+fn of_angle(case: &MpcCase, i: usize, distance: f64) -> Seen {
+    let start = [Turns { turns: 0.0, principal: 0.0 }; 2];
+    let along = |j: Option<usize>| {
+        let mut state = case.state;
+        state.velocity = std::array::from_fn(|at| if Some(at) == j { 1.0 } else { 0.0 });
+        let request = Request::new(&[Output::CV], [true; 6], 0);
+        let tally = &mut Tally::default();
+        case.constraint.evaluate(&state, &start, &Turning::none(), &request, tally)
+    };
+    let value = along(None).angles[i].principal;
+    let rate = |j: usize| along(Some(j)).angle_rates.map_or(f64::NAN, |rates| rates[i][0]);
+    let row: Vec<f64> = ROTATIONS.map(rate).to_vec();
+    let given = exact(&case.state);
+    let mut state = given;
+    for body in [&mut state.slave, &mut state.master] {
+        body.rotation = rotation(body.rotation);
+    }
+    let constraint: Constraint<Wide> = case.constraint.exact();
+    let angle = |state: &State<Wide>| {
+        let zero = Wide::zero();
+        let start = [Turns { turns: zero, principal: zero }; 2];
+        let tally = &mut Tally::default();
+        constraint.evaluate(state, &start, &Turning::none(), &Request::nothing(0), tally).angles[i].principal
+    };
+    let after = |steps: &[(usize, Wide)]| {
+        let mut by: Dofs<Wide> = [Wide::zero(); DOFS];
+        for (j, step) in steps {
+            by[*j] = by[*j] + *step;
+        }
+        angle(&moved(&state, &by))
+    };
+    let h = Wide::from_f64(1e-25 * distance);
+    let first = ROTATIONS.map(|j| (after(&[(j, h)]) - after(&[(j, -h)])) / (h + h));
+    let h = Wide::from_f64(1e-18 * distance);
+    let mut second = Vec::with_capacity(ROTATIONS.len() * ROTATIONS.len());
+    for j in ROTATIONS {
+        for k in ROTATIONS {
+            let at = |one: Wide, other: Wide| after(&[(j, one), (k, other)]);
+            let across = at(h, h) - at(h, -h) - at(-h, h) + at(-h, -h);
+            second.push((across / (Wide::integer(4) * h * h)).to_f64());
+        }
+    }
+    let (sizes, still) = ([1.0; ROTATIONS.len()], [0.0; ROTATIONS.len()]);
+    let slopes = first.map(|x| x.to_f64());
+    let [of_value, of_row, ..] =
+        scales(value, &slopes, &second, (&sizes, &sizes), (&still, &still), distance);
+    let units = |off: f64, scale: f64| if off == 0.0 { 0.0 } else { off / (U * scale) };
+    let of_value = of_value.first().copied().unwrap_or(0.0);
+    let off_value = (Wide::from_f64(value) - angle(&given)).abs().to_f64();
+    let mut worst = [0.0; 2];
+    for ((got, want), scale) in zip(zip(&row, first), of_row) {
+        let off = (Wide::from_f64(*got) - want).abs().to_f64();
+        worst = more(worst, [off, units(off, scale)]);
+    }
+    let [off, first_error] = worst;
+    Seen { value, row, errors: [units(off_value, of_value), first_error], off }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each declared set is what it is declared to be, to 1e-15 and with numbers that are right to rounding; the states are as far from it
+    /// as they say.
+    #[test]
+    fn declared_sets_are_what_they_are() {
+        let found = approaches();
+        let declared: usize = Kind::ALL.into_iter().map(|kind| points(kind).len()).sum();
+        assert!(found.len() == declared && declared == 16, "{declared}");
+        for approach in &found {
+            let Approach { connection, component, .. } = approach;
+            assert!(approach.is_confirmed(), "{connection} {component}: {} {approach:?}", approach.told());
+        }
+        for point in Kind::ALL.into_iter().flat_map(points) {
+            let case = point.beside(1e-3, 0.0);
+            let request = Request::nothing(0);
+            let tally = &mut Tally::default();
+            let got = case.constraint.evaluate(&case.state, &case.before, &case.turning, &request, tally);
+            let margins = case.constraint.margins(&case.state, &got);
+            let margin = match point.subject {
+                Subject::Row(row) => margins.rows[row],
+                Subject::Angle(i) => margins.angles[i],
+            };
+            let distance = margin.map_or(f64::NAN, |margin| margin.distance);
+            assert!((distance - 1e-3).abs() < 1e-8, "{point:?}: {distance}");
+        }
+    }
+}
