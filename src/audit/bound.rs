@@ -11,7 +11,7 @@
 //! | a first derivative | C u (F/s_j + Σ_k abs(∂²f/∂q_j∂q_k) s_k) |
 //! | a second derivative | C u F₂/(s_j s_k) · max(1, 1/δ) |
 //! | a rate | Σ_j tol_j abs(q̇_j) |
-//! | nodal forces of a unit force, their derivatives | as a first and a second derivative of its component |
+//! | nodal forces of a unit force, their derivatives | as a first and a second derivative; without the value in F where the force is not conjugate to the component |
 //! | an acceleration | Σ_j tol_j abs(q̈_j) + C u F₂ max(1, 1/δ) max_j (q̇_j/s_j)² |
 //!
 //! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set,
@@ -106,8 +106,9 @@ impl Bound {
             let of = |quantity: Quantity| truth.entries(quantity).0[k].as_deref();
             let Some(rows) = of(Quantity::NodalForces) else { continue };
             let changes = of(Quantity::GeometricStiffness).unwrap_or_default();
-            // Rows of a function round by its value too: those of an angle of many turns by all of them.
-            let value = truth.entries(Quantity::Value).get(k, 0).unwrap_or(0.0);
+            // Where they are the rows of the component they round as those do: by its value too, which of an angle of many turns is all of them.
+            let is_own = of(Quantity::FirstDerivatives) == Some(rows);
+            let value = truth.entries(Quantity::Value).get(k, 0).filter(|_| is_own).unwrap_or(0.0);
             let still = ([0.0; DOFS], [0.0; DOFS]);
             let [_, row, matrix, ..] =
                 self::scales(value, rows, changes, (&size, &size), (&still.0, &still.1), nearness[k]);
