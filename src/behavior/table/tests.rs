@@ -1,6 +1,7 @@
 //! Tables at, between and beyond their rows, and rows that are none.
 
 use super::*;
+use crate::scene::{Code, Row};
 use num_dual::{Dual2SVec64, DualSVec64};
 
 fn rows(rows: &[(&[f64], Option<f64>)]) -> Vec<Row> {
