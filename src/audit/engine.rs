@@ -20,8 +20,8 @@ use super::sample::{Draw, Extent, cases, random_case};
 use super::stage::invalid_stage;
 use super::truth::{Locked, Truth};
 use super::verdict::{
-    Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, decided, judge, try_along,
-    try_mutants,
+    Along, Exact, Finding, Judgement, Score, Surroundings, Verdict, Wanted, decided, judge, moved_by,
+    try_along, try_mutants,
 };
 use crate::behavior::Conditions;
 use crate::catalog::{ConnectionType, TABLE};
@@ -217,7 +217,9 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
         ] {
             let mutated = invariant::Demand { offset: wrong, ..demand.clone() };
             let noticed = mutated.units(&none) > 1.0;
-            check.score.count(Mistake::WrongParity, noticed, || f64::INFINITY, || demand.what.to_string());
+            // What is allowed where only continuity is asked is more than a rounding.
+            let change = || moved_by((wrong - demand.offset).abs(), demand.allowed);
+            check.score.count(Mistake::WrongParity, noticed, change, || demand.what.to_string());
         }
     }
     check
@@ -425,7 +427,7 @@ fn judge_numbers(
         checks.extend(of_sum);
     }
     if often {
-        checks.extend(laws(case, numbers, &bound, wide, &make));
+        checks.extend(laws(case, numbers, &bound, wide.then_some(&conditioned), &make));
     }
     checks
 }
@@ -564,11 +566,12 @@ fn laws(
     case: &Case,
     numbers: &Numbers<f64>,
     bound: &Bound,
-    wide: bool,
+    conditioned: Option<&Conditioned>,
     make: &dyn Fn(Quantity) -> Vec<Mutant>,
 ) -> Vec<Check> {
     let mut checks = Vec::new();
     let Some(context) = Context::new(case, numbers, bound) else { return checks };
+    let context = if conditioned.is_some() { context } else { context.brief() };
     let mut made: BTreeMap<Quantity, Vec<Mutant>> = BTreeMap::new();
     for law in Invariant::ALL {
         let all = context.demands(law);
@@ -584,18 +587,18 @@ fn laws(
         });
         let judgement = Judgement { verdict, worst, compared: demands.len() };
         let mut score = Score::default();
-        if wide {
+        if let Some(conditioned) = conditioned {
             let spans: BTreeSet<Quantity> =
                 demands.iter().flat_map(|demand| demand.terms.iter().map(|term| term.0)).collect();
             for quantity in spans {
-                let made = made.entry(quantity).or_insert_with(|| {
-                    let coarse = |mistake: Mistake| match mistake {
-                        Mistake::Scaled(delta) => delta == 1e-6,
-                        _ => true,
-                    };
-                    make(quantity).into_iter().filter(|mutant| coarse(mutant.mistake)).collect()
-                });
-                score.merge(invariant::try_mutants(quantity, numbers, &demands, made));
+                let made = made.entry(quantity).or_insert_with(|| make(quantity));
+                score.merge(invariant::try_mutants(
+                    quantity,
+                    numbers,
+                    &demands,
+                    made,
+                    (conditioned, case.length),
+                ));
             }
         }
         let mut check = Check::new(None, Against::Law(law));
