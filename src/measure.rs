@@ -111,6 +111,18 @@ pub struct Margin {
     pub set: SingularSet,
 }
 
+/// What a component is when the nodes are exchanged ([`Measure::exchanged`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exchanged {
+    /// A sum of measures of the same connector with these factors, but for a constant.
+    Sum([Option<(Measure, f64)>; 2]),
+    /// That component (1-based) of −Q₀ᵀ times the vector of which the measures are components, Q₀ the initial orientation of b relative
+    /// to a.
+    Frozen(usize),
+    /// Nothing that the components of the connector tell, and why.
+    None(&'static str),
+}
+
 /// The data of one connector that measures refer to.
 #[derive(Clone, Copy, Debug)]
 pub struct Section<R> {
@@ -498,19 +510,73 @@ impl Measure {
         matches!(self, Self::FlowConversion)
     }
 
+    /// Whether the value is linear in d and in the flow, so that second derivatives by two of these are exactly zero.
+    pub const fn is_straight(self) -> bool {
+        matches!(self, Self::Position(_) | Self::PositionAtB(_) | Self::ProjectedPosition(_) | Self::Flow(_))
+    }
+
+    /// What the measure becomes when a and b are exchanged: d → −Qᵀd, Q → Qᵀ, Ψ_a ↔ Ψ_b.
+    ///
+    /// With Q = Rz(φ) Ry(α) Rz(ψ), Qᵀ = Rz(π − ψ) Ry(α) Rz(−π − φ): the flexion α is the same, torsion φ + ψ the opposite, and the sweep,
+    /// φ but for a constant, becomes −ψ. Euler angles likewise: α → −γ, β → β, γ → −α but for half turns.
+    pub const fn exchanged(self) -> Exchanged {
+        const fn one(measure: Measure, factor: f64) -> Exchanged {
+            Exchanged::Sum([Some((measure, factor)), None])
+        }
+        match self {
+            Self::Distance | Self::Flexion | Self::Euler(2) => one(self, 1.0),
+            Self::Cosine(i, j) if i == j => one(self, 1.0),
+            Self::Torsion
+            | Self::ComponentFlexion(_)
+            | Self::ProjectedPosition(_)
+            | Self::RotationVector(_)
+            | Self::RotationVectorAtB(_) => one(self, -1.0),
+            Self::Euler(i) => one(Self::Euler(4 - i), -1.0),
+            Self::Flow(i) => one(Self::Flow(3 - i), 1.0),
+            Self::Sweep => Exchanged::Sum([Some((Self::Sweep, 1.0)), Some((Self::Torsion, -1.0))]),
+            Self::Misalignment(i) => Exchanged::Frozen(i),
+            Self::Position(_) | Self::PositionAtB(_) | Self::RadialDistance => {
+                Exchanged::None("it is taken along the directions of a; those of b turn against them")
+            }
+            Self::Strain => {
+                Exchanged::None("what flows out of a segment at one end flows into it at the other")
+            }
+            Self::Cosine(..) => Exchanged::None("the cosine of the other two directions is another measure"),
+            Self::Cardan(_) => {
+                Exchanged::None("Qᵀ is Rz(−γ) Ry(−β) Rx(−α), whose angles of Rx Ry Rz are others")
+            }
+            Self::FlowConversion => Exchanged::None("its direction is carried by a"),
+        }
+    }
+
     /// Whether velocity and acceleration are the nodal ones resolved in b, rather than time derivatives of the value.
     pub const fn has_nodal_rates(self) -> bool {
         matches!(self, Self::RotationVectorAtB(_) | Self::PositionAtB(_))
     }
 
-    /// The points where the measure, or a derivative of it, does not exist.
+    /// Where the nodes coincide: a length, and the strain of a belt segment, have a kink.
+    pub(crate) const COINCIDENT: SingularSet = SingularSet {
+        at: "coincident nodes, d = 0",
+        class: SingularClass::Kink,
+        distance: "|d|",
+        unit: Unit::Length,
+    };
+
+    /// Every set of points where the measure, or a derivative of it, does not exist: a belt segment has two.
+    pub fn singular_sets(self) -> impl Iterator<Item = SingularSet> {
+        let second = matches!(self, Self::Strain).then_some(Self::COINCIDENT);
+        self.singular_set().into_iter().chain(second)
+    }
+
+    /// The points where the measure, or a derivative of it, does not exist; of a belt segment those without material, beside which
+    /// [`Measure::singular_sets`] has its coincident nodes.
     pub const fn singular_set(self) -> Option<SingularSet> {
         let (at, class, distance, unit) = match self {
-            Self::Distance => ("coincident nodes, d = 0", SingularClass::Kink, "|d|", Unit::Length),
+            Self::Distance => return Some(Self::COINCIDENT),
             Self::Strain => (
-                "no material left, l0 + Ψa − Ψb ≤ 0 (kink at d = 0)",
+                "no material left, l0 + Ψa − Ψb ≤ 0",
                 SingularClass::TrueSingularity,
-                "min(|d|, l0 + Ψa − Ψb)",
+                "l0 + Ψa − Ψb",
                 Unit::Length,
             ),
             Self::Cardan(1 | 3) => {
@@ -575,7 +641,7 @@ impl Measure {
         }
     }
 
-    /// The distance of a state to the nearest point of [`Measure::singular_set`], `None` where there is no such point.
+    /// The distance of a state to the nearest point of [`Measure::singular_sets`], `None` where there is no such point.
     pub fn margin(
         self,
         relative: &Relative<f64>,
@@ -592,7 +658,7 @@ impl Measure {
                     (section.initial_length + relative.flow[0] - relative.flow[1]).max(0.0),
                 );
                 if length < material {
-                    (set.at, set.class) = ("coincident nodes, d = 0", SingularClass::Kink);
+                    set = Self::COINCIDENT;
                 }
                 length.min(material)
             }

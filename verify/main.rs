@@ -12,6 +12,7 @@ mod audit_friction; // whether friction of scenes is audited, along its history
 mod audit_jax; // JAX as an oracle of the audit
 mod audit_laws; // whether the laws are asked of every connector, and speak
 mod audit_structured; // states as models have them: one axis turns, shafts are aligned, forces are exactly zero
+mod audit_units; // whether units and axes change a verdict
 mod audit_verdict; // verdicts that differ by little: nearly right formulas, singular sets
 mod batch; // whether four lanes give what one element at a time gives
 mod behavior; // forces that follow from motions

@@ -10,7 +10,7 @@ use super::sample::Draw;
 use super::truth::Truth;
 use crate::catalog::{COMPONENT, ConnectionType};
 use crate::connector::{Output, Request};
-use crate::measure::{LOCK, Measure, SingularClass, Unit};
+use crate::measure::{LOCK, SingularClass, Unit};
 use crate::node::DOFS;
 use crate::scalar::Wide;
 use serde::Serialize;
@@ -182,10 +182,11 @@ pub(super) fn truth_to_f64(truth: &Numbers<Wide>) -> Numbers<f64> {
 /// What happens at a point: derivatives that grow without bound from every side, a value that jumps, with derivatives that jump or without,
 /// derivatives that jump alone, or nothing.
 fn classify(at: &impl Fn(f64, f64) -> Option<Case>, k: usize, site: &Site) -> Option<SingularClass> {
-    // From one side, from the other, and from the side, towards one and the same point. A strain has no other side.
-    let sides: &[(f64, f64)] = match site.measure {
-        Measure::Strain => &[(1.0, 0.0)],
-        _ => &[(1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (1.0, -2.0)],
+    // From one side, from the other, and from the side, towards one and the same point.
+    let sides: &[(f64, f64)] = if site.has_two_sides() {
+        &[(1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (1.0, -2.0)]
+    } else {
+        &[(1.0, 0.0)]
     };
     let from = |distance: f64, (sign, azimuth): (f64, f64)| {
         let case = at(sign * distance, azimuth)?;

@@ -21,10 +21,8 @@ pub(super) enum Way {
     Cardan,
     /// The middle one of three Euler angles.
     Euler,
-    /// The angle of two shafts, from where it is zero.
+    /// The angle of two shafts.
     Shafts,
-    /// The angle of two shafts, from either end: what lies midway between them is regular where it is zero.
-    Midway,
     /// A turn of b from its initial orientation.
     Misalignment,
     /// A turn of b against a.
@@ -40,8 +38,11 @@ impl Way {
             Measure::Strain => Self::Material,
             Measure::Cardan(_) => Self::Cardan,
             Measure::Euler(_) => Self::Euler,
-            Measure::Flexion | Measure::Sweep => Self::Shafts,
-            Measure::Torsion | Measure::ComponentFlexion(_) | Measure::ProjectedPosition(_) => Self::Midway,
+            Measure::Flexion
+            | Measure::Sweep
+            | Measure::Torsion
+            | Measure::ComponentFlexion(_)
+            | Measure::ProjectedPosition(_) => Self::Shafts,
             Measure::Misalignment(_) => Self::Misalignment,
             Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => Self::Turn,
             Measure::Position(_)
@@ -91,8 +92,13 @@ pub struct Site {
 
 impl Site {
     /// By what it is approached.
-    pub(super) const fn way(&self) -> Option<Way> {
-        Way::of(self.measure)
+    pub(super) fn way(&self) -> Option<Way> {
+        if self.set == Measure::COINCIDENT { Some(Way::Distance) } else { Way::of(self.measure) }
+    }
+
+    /// Whether there are states on its other side, at negative distances: material that is less than none is not.
+    pub fn has_two_sides(&self) -> bool {
+        self.way() != Some(Way::Material)
     }
 
     /// Whether it lies at an angle of zero.
@@ -110,13 +116,23 @@ impl Site {
         Self::all(measure).next()
     }
 
-    /// Every point of a measure that is approached: of each declared set one, of the turns of a rotation vector two.
+    /// Every point of a measure that is approached: of each declared set one, of a lock and of parallel shafts both, of the turns of a
+    /// rotation vector two.
     pub fn all(measure: Measure) -> impl Iterator<Item = Self> {
-        let is_vector = Way::of(measure) == Some(Way::Turn);
-        let declared = measure.singular_set().into_iter().flat_map(move |set| {
-            let of = move |at, angle| Self { measure, set, at, angle };
-            let once = if is_vector { of("|φ| = 2π", TAU) } else { of(set.at, PI) };
-            [Some(once), is_vector.then(|| of("|φ| = 4π", 2.0 * TAU))].into_iter().flatten()
+        let declared = measure.singular_sets().flat_map(move |set| {
+            let points: &[(&'static str, f64)] = match measure {
+                Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => {
+                    &[("|φ| = 2π", TAU), ("|φ| = 4π", 2.0 * TAU)]
+                }
+                Measure::Cardan(_) => &[("β = π/2 (lock)", FRAC_PI_2), ("β = −π/2 (lock)", -FRAC_PI_2)],
+                Measure::Euler(_) => &[("e3b = e3a, β = 0 (lock)", 0.0), ("e3b = −e3a, β = π (lock)", PI)],
+                Measure::Flexion | Measure::Sweep => &[("e3b = e3a, α = 0", 0.0), ("e3b = −e3a, α = π", PI)],
+                _ => &[("", PI)],
+            };
+            points.iter().map(move |(at, angle)| {
+                let at = if at.is_empty() { set.at } else { at };
+                Self { measure, set, at, angle: *angle }
+            })
         });
         let removable = measure.removable_sets().iter().enumerate().map(move |(i, set)| {
             // Rest comes first, half a turn second.
@@ -176,6 +192,8 @@ pub fn beside(
     let (start, end) = match way {
         Way::Distance => {
             reference = scale(direction, distance);
+            // A belt segment has material all the same, which has flowed in.
+            flow = [if site.measure == Measure::Strain { 1.0 } else { 0.0 }, 0.0];
             (still, still)
         }
         Way::Material => {
@@ -192,22 +210,16 @@ pub fn beside(
             (still, still)
         }
         Way::Cardan => {
-            // At β = π/2 only γ + α is left.
-            let q = |beta: f64| by_cardan_angles([alpha + azimuth, beta, gamma - azimuth]);
+            // At β = π/2 only γ + α is left, at −π/2 only γ − α.
+            let sign = angle.signum();
+            let q = |beta: f64| by_cardan_angles([alpha + azimuth, sign * beta, gamma - sign * azimuth]);
             (q(0.6), q(FRAC_PI_2 - distance))
         }
-        Way::Euler => {
-            let q = |beta: f64| by_euler_angles([alpha + azimuth, beta, gamma - azimuth]);
-            (q(0.6), q(distance))
-        }
-        Way::Shafts => {
-            let q = |beta: f64| by_shafts([alpha + azimuth, beta, gamma - azimuth]);
-            (q(0.6), q(distance))
-        }
-        Way::Midway => {
-            // At α = π only the difference of the two is left, at α = 0 only their sum.
+        Way::Euler | Way::Shafts => {
+            let by = if way == Way::Euler { by_euler_angles } else { by_shafts };
+            // At π only the difference of the two is left, at 0 only their sum.
             let other = if angle > 0.0 { gamma + azimuth } else { gamma - azimuth };
-            let q = |beta: f64| by_shafts([alpha + azimuth, beta, other]);
+            let q = |middle: f64| by([alpha + azimuth, middle, other]);
             if angle > 0.0 { (q(2.0), q(angle - distance)) } else { (q(0.6), q(distance)) }
         }
         Way::Misalignment => {
@@ -236,8 +248,7 @@ pub fn random_near(connection: &ConnectionType, draw: &mut Draw) -> Option<Case>
     let (_, site) = sites.get(draw.below(sites.len()))?;
     let sign = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
     let distance = sign * 10.0_f64.powf(-draw.between(1.0, 12.0));
-    // A strain has no other side.
-    let distance = if site.way() == Some(Way::Material) { distance.abs() } else { distance };
+    let distance = if site.has_two_sides() { distance } else { distance.abs() };
     let azimuth = draw.between(-PI, PI);
     let mut case = beside(connection, site, distance, azimuth, draw)?;
     // Turned together, exactly: entries change places and signs.
@@ -306,10 +317,10 @@ mod tests {
                 let after = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
                 let margin = connector.margins(&step.state, &after, [true; 6])[k];
                 let is_there = margin.is_some_and(|margin| (margin.distance - 1e-3).abs() < 1e-9);
-                let is_declared = Some(site.set) == site.measure.singular_set();
+                let is_declared = site.measure.singular_sets().any(|set| set == site.set);
                 assert!(is_there || !is_declared, "{} {k} {}: {margin:?}", connection.name, site.at);
             }
         }
-        assert_eq!(ways.len(), 9, "{ways:?}");
+        assert_eq!(ways.len(), 8, "{ways:?}");
     }
 }

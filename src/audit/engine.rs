@@ -8,7 +8,7 @@ use super::force::product_with_forces as product;
 use super::friction::{self, friction_cases};
 use super::golden::{audit_golden, states_of};
 use super::invariant::{self, Context, Invariant};
-use super::mutant::{Mistake, Mutant};
+use super::mutant::Mistake;
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers};
 use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::planted::Planted;
@@ -19,14 +19,14 @@ use super::stage::invalid_stage;
 use super::standing::cases_on;
 use super::sums::{hyper_dual, taylor};
 use super::truth::{Locked, Truth};
-use super::verdict::{Exact, Finding, Judgement, Score, Surroundings, Verdict};
+use super::verdict::{Exact, Finding, Judgement, Score, Surroundings, Verdict, moved_by};
 use crate::behavior::Conditions;
 use crate::catalog::{ConnectionType, TABLE};
 
 use rayon::prelude::*;
 use serde::Serialize;
 use std::cell::OnceCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// What an audit is to do.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -189,7 +189,7 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         let among_near = i.checked_sub(regular).filter(|n| n.is_multiple_of(2));
         if let Some(case) = among_near.and_then(|n| on_points.get(n / 2)) {
             let checks = audit_case(case, settings, wide.contains(&i), i);
-            return checks.into_iter().map(Check::as_declared).collect();
+            return checks.into_iter().map(Check::declared).collect();
         }
         let drawn = regions.get(i).cloned().or_else(|| is_structured.then(structured).flatten());
         let drawn = drawn.or_else(|| drawn_by(&mut Draw::new(&name)));
@@ -232,7 +232,9 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
         ] {
             let mutated = invariant::Demand { offset: wrong, ..demand.clone() };
             let noticed = mutated.units(&none) > 1.0;
-            check.score.count(Mistake::WrongParity, noticed, || f64::INFINITY, || demand.what.to_string());
+            // What is allowed where only continuity is asked is more than a rounding.
+            let change = || moved_by((wrong - demand.offset).abs(), demand.allowed);
+            check.score.count(Mistake::WrongParity, noticed, change, || demand.what.to_string());
         }
     }
     check
@@ -402,7 +404,7 @@ fn laws(examined: &Examined<'_>, wide: bool) -> Vec<Check> {
     let Examined { case, numbers, bound, .. } = examined;
     let mut checks = Vec::new();
     let Some(context) = Context::new(case, numbers, bound) else { return checks };
-    let mut made: BTreeMap<Quantity, Vec<Mutant>> = BTreeMap::new();
+    let context = if wide { context } else { context.brief() };
     for law in Invariant::ALL {
         let all = context.demands(law);
         if all.is_empty() {
@@ -421,15 +423,7 @@ fn laws(examined: &Examined<'_>, wide: bool) -> Vec<Check> {
             let spans: BTreeSet<Quantity> =
                 demands.iter().flat_map(|demand| demand.terms.iter().map(|term| term.0)).collect();
             for quantity in spans {
-                let made = made.entry(quantity).or_insert_with(|| {
-                    let coarse = |mistake: Mistake| match mistake {
-                        Mistake::Scaled(delta) => delta == 1e-6,
-                        _ => true,
-                    };
-                    let all = examined.mutants(quantity).iter();
-                    all.filter(|mutant| coarse(mutant.mistake)).cloned().collect()
-                });
-                score.merge(invariant::try_mutants(quantity, numbers, &demands, made));
+                score.merge(examined.score_of_law(quantity, &demands));
             }
         }
         let mut check = Check::new(None, Against::Law(law));

@@ -5,6 +5,7 @@ use super::bound::Bound;
 use super::case::Case;
 use super::conditioned::Conditioned;
 use super::diagnosis::Symptoms;
+use super::invariant::{self, Demand};
 use super::mutant::{self, Mutant, mutants};
 use super::oracle::{Answer, Narrow};
 use super::outcome::{Against, Check};
@@ -102,6 +103,12 @@ impl<'a> Examined<'a> {
         let got = self.numbers.entries(quantity);
         let sizes: (&dyn Fn(usize) -> f64, _) = (&size, &self.conditioned);
         try_mutants(quantity, got, answer, &self.bound, sizes, self.mutants(quantity))
+    }
+
+    /// Whether a law would have noticed them.
+    pub(super) fn score_of_law(&self, quantity: Quantity, demands: &[Demand]) -> Score {
+        let sizes = (&self.conditioned, self.case.length);
+        invariant::try_mutants(quantity, self.numbers, demands, self.mutants(quantity), sizes)
     }
 
     /// The check of a quantity against an answer; with mutants where it `proves`. What the referee excuses is undecided.

@@ -9,7 +9,7 @@ use crate::scalar::elementary::norm;
 use crate::vector::{
     Matrix, Vector, apply, apply_transposed, product, scale, sub, transpose, transposed_product,
 };
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 /// How often a point and a direction are drawn.
 const ATTEMPTS: usize = 40;
@@ -58,9 +58,7 @@ fn leads_to(definition: &Definition, site: &Site) -> bool {
         Way::Material => definition.moves[1],
         // Whole turns, and which of two half turns it is, are a matter of history.
         Way::Turn => site.is_at_rest() && turns && !definition.planar,
-        Way::Cardan | Way::Euler | Way::Shafts | Way::Midway | Way::Misalignment => {
-            turns && !definition.planar
-        }
+        Way::Cardan | Way::Euler | Way::Shafts | Way::Misalignment => turns && !definition.planar,
     }
 }
 
@@ -112,13 +110,7 @@ fn beside(
             let along = apply_transposed(&initial.a.triad, initial.reference)[2];
             apply(a, [x, y, if along == 0.0 { length } else { along }])
         }
-        Way::Material
-        | Way::Cardan
-        | Way::Euler
-        | Way::Shafts
-        | Way::Midway
-        | Way::Misalignment
-        | Way::Turn => {
+        Way::Material | Way::Cardan | Way::Euler | Way::Shafts | Way::Misalignment | Way::Turn => {
             let by = scale(in_plane(draw.direction()), draw.between(0.0, 0.5) * length);
             let carried = apply(a, apply_transposed(&initial.a.triad, initial.separation()));
             [0, 1, 2].map(|i| carried[i] + by[i])
@@ -153,31 +145,23 @@ fn relative(
         let by = draw.between(0.05, 0.5);
         if angle > 0.0 { angle - by } else { angle + by }
     };
+    let middle = if site.is_at_rest() { distance } else { site.angle() - distance };
     let of_shafts = [q0[1][2].atan2(q0[0][2]), q0[2][1].atan2(-q0[2][0])];
     Some(match way {
         Way::Distance | Way::Radius | Way::Material => return None,
         Way::Cardan => {
             let [alpha, gamma] = [(-q0[1][2]).atan2(q0[2][2]), (-q0[0][1]).atan2(q0[0][0])].map(&mut beside);
-            let sign = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
-            by_cardan_angles([alpha, sign * (FRAC_PI_2 - distance), gamma])
+            by_cardan_angles([alpha, site.angle() - site.angle().signum() * distance, gamma])
         }
         Way::Euler => {
             let [alpha, gamma] = [q0[0][2].atan2(-q0[1][2]), q0[2][0].atan2(q0[2][1])].map(&mut beside);
-            by_euler_angles([alpha, distance, gamma])
+            by_euler_angles([alpha, middle, gamma])
         }
         Way::Shafts => {
             let [sweep, rest] = of_shafts.map(&mut beside);
-            by_shafts([sweep, distance, rest])
+            by_shafts([sweep, middle, rest])
         }
-        Way::Midway => {
-            let [sweep, rest] = of_shafts.map(&mut beside);
-            let flexion = if site.is_at_rest() { distance } else { site.angle() - distance };
-            by_shafts([sweep, flexion, rest])
-        }
-        Way::Misalignment => {
-            let spin = if site.is_at_rest() { distance } else { site.angle() - distance };
-            product(&turn(scale(draw.direction(), spin)), q0)
-        }
+        Way::Misalignment => product(&turn(scale(draw.direction(), middle)), q0),
         Way::Turn => turn(scale(draw.direction(), distance)),
     })
 }

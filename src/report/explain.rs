@@ -406,7 +406,7 @@ fn component(connection: &ConnectionType, k: usize) -> Option<Component> {
     let measures = [("position", position)].into_iter().chain(slot.printed().map(|m| ("constraint", m)));
     let singular = measures
         .flat_map(|(of, measure)| {
-            let sets = measure.singular_set().into_iter().chain(measure.removable_sets().iter().copied());
+            let sets = measure.singular_sets().chain(measure.removable_sets().iter().copied());
             sets.map(move |set| Singular { of, set })
         })
         .collect();

@@ -319,7 +319,7 @@ fn facts(connection: &ConnectionType, model: &Model, frictions: &[FrictionModel]
     ];
     for function in &model.functions {
         let mut fact = format!("{} = {}", function.name(), function.measure.formula());
-        if let Some(set) = function.measure.singular_set() {
+        for set in function.measure.singular_sets() {
             fact.push_str(&format!("; singular: {}", set.at));
         }
         if function.measure.is_one_form() {

@@ -5,11 +5,10 @@ use crate::audit::bound::Bound;
 use crate::audit::case::Case;
 use crate::audit::counterexample::BrokenLaw;
 use crate::audit::counterexample::CounterExample;
-use crate::audit::invariant::{Claim, Context, Demanded, Invariant};
+use crate::audit::invariant::{Claim, Context, Demanded, Invariant, exchanged_entry, turned_terms};
 use crate::audit::oracle::Narrow;
 use crate::audit::quantity::Quantity;
 use crate::catalog::Loading;
-use crate::node::DOFS;
 
 /// A number, by its kind, component (0-based) and place, and what it is multiplied by.
 pub(super) type Term = (Quantity, usize, usize, f64);
@@ -101,18 +100,11 @@ pub(super) fn law(example: &CounterExample, case: &Case) -> Result<Option<Law>, 
         Claim::TurnedAxes => {
             let (rotation, turned) = context.turned();
             found.want.case = Some(turned);
-            found.want.terms = if quantity.entries() == 1 {
-                vec![(quantity, k, i, 1.0)]
-            } else {
-                // Rᵀ times the vector of the node.
-                let component = i % (DOFS / 2) % 3;
-                (0..3).map(|j| (quantity, k, i - component + j, rotation[j][component])).collect()
-            };
+            found.want.terms = turned_terms(&rotation, quantity, k, i);
         }
         Claim::ExchangedNodes => {
-            let twin = (i + DOFS / 2) % DOFS;
             found.want.case = Some(context.swapped());
-            found.want.terms = vec![(quantity, k, twin, context.exchanged(k).unwrap_or(1.0))];
+            found.want.terms = vec![(quantity, k, exchanged_entry(quantity, i), 1.0)];
         }
         Claim::Half => {
             found.want.case = context.half(k);

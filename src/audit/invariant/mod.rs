@@ -6,22 +6,28 @@
 
 mod power;
 mod rigid;
+mod turns;
 mod twin;
 mod type_laws;
 
+pub(super) use rigid::turned_terms;
+pub(super) use twin::exchanged_entry;
 pub use type_laws::of_type;
 
 use super::bound::{Bound, U};
 use super::case::Case;
-use super::mutant::Mutant;
+use super::conditioned::{Conditioned, NOTICED};
+use super::mutant::{Mistake, Mutant};
 use super::oracle::nearness;
 use super::quantity::{Numbers, OneOrMany, Quantity};
-use super::verdict::{Score, Verdict, moved_by};
+use super::verdict::{SIGNIFICANT, Score, Verdict, moved_by};
 use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{Branch, Connector, Increment, State};
 use crate::measure::Measure;
-use crate::node::DOFS;
+use crate::node::{DOFS, Node, Pair};
+use crate::vector;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 
 /// A law.
@@ -30,9 +36,9 @@ use std::fmt::{self, Display, Formatter};
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Invariant {
-    /// The six rigid modes are in the kernel of every row.
+    /// The six rigid modes are in the kernel of every row, at every state: second derivatives along them are those of the motion alone.
     RigidModes,
-    /// Axes turned with everything change no value, and turn the rows.
+    /// Axes turned with everything change no value and no rate, and turn rows and second derivatives.
     Frame,
     /// The nodal forces of each component are in equilibrium, moments about any point included.
     Equilibrium,
@@ -43,7 +49,7 @@ pub enum Invariant {
     Symmetry,
     /// Derivatives that the declaration says are zero are zero.
     Sparsity,
-    /// Exchanged nodes give the same length, the opposite rotation vector.
+    /// Exchanged nodes give what the declaration of each measure says ([`Measure::exchanged`]).
     NodeSwap,
     /// An assembled type gives what its halves give, bit for bit.
     Halves,
@@ -111,7 +117,12 @@ impl Invariant {
             Self::Power => measures.any(|measure| !measure.has_nodal_rates()),
             Self::Symmetry => measures.any(|measure| !measure.is_one_form()),
             Self::Equilibrium => (0..6).any(|k| connector.has_force(k)),
-            Self::NodeSwap => measures.any(|measure| twin::exchanged(measure).is_some()),
+            Self::NodeSwap => {
+                // Which components there are does not depend on the initial state.
+                let node = Node { displacement: [0.0; 3], triad: vector::identity(), flow: 0.0 };
+                let any = Pair { reference: [0.0; 3], a: node, b: node };
+                (0..6).any(|k| !twin::exchanged(connector, &any, k).is_empty())
+            }
             Self::Halves => connector.connection().halves.iter().all(Option::is_some),
             Self::Start | Self::Turns | Self::FreeAxis | Self::Carried => false,
         }
@@ -152,7 +163,7 @@ pub struct Demanded {
     pub quantity: Quantity,
     /// The component (0-based).
     pub component: usize,
-    /// The place within it; of rigid motions the axis.
+    /// The place within it; of rigid motions the axis, of second derivatives along them the axis in the row.
     pub entry: usize,
 }
 
@@ -201,6 +212,11 @@ impl Display for Demanded {
         let name = quantity.entry_name(k, entry);
         let is_of_forces = quantity == Quantity::NodalForces;
         match claim {
+            Claim::Translation | Claim::Rotation if quantity == Quantity::SecondDerivatives => {
+                let row = Quantity::FirstDerivatives.entry_name(k, entry / DOFS);
+                let motion = if claim == Claim::Translation { "translation" } else { "rotation" };
+                write!(f, "∂({row}) along a {motion}")
+            }
             Claim::Translation if is_of_forces => write!(f, "nodal forces of {}", FORCE[k]),
             Claim::Translation => write!(f, "∂{} along a translation", COMPONENT[k]),
             Claim::Rotation if is_of_forces => write!(f, "nodal moments of {}", FORCE[k]),
@@ -294,6 +310,8 @@ pub struct Context<'a> {
     nearness: [f64; 6],
     /// The components that are not on a singular set: those of which derivatives exist.
     is_smooth: [bool; 6],
+    /// Whether second derivatives, of which there are many, are left to other states.
+    is_brief: bool,
 }
 
 impl<'a> Context<'a> {
@@ -317,7 +335,20 @@ impl<'a> Context<'a> {
             bound,
             state: step.state,
             increment: step.increment,
+            is_brief: false,
         })
+    }
+
+    /// The same without the laws of matrices, for one of many states.
+    #[must_use]
+    pub const fn brief(mut self) -> Self {
+        self.is_brief = true;
+        self
+    }
+
+    /// Whether laws of a kind of number are asked here.
+    const fn asks(&self, quantity: Quantity) -> bool {
+        !self.is_brief || quantity.entries() <= DOFS
     }
 
     fn measure(&self, k: usize) -> Option<Measure> {
@@ -331,6 +362,19 @@ impl<'a> Context<'a> {
     fn tolerance(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
         // Without a truth there is no tolerance: not none at all.
         self.bound.known(quantity, k, i).unwrap_or(f64::INFINITY)
+    }
+
+    /// What is allowed of the vector, or of the block of vectors, to which an entry belongs: all its components together.
+    fn around(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
+        let block = |j: usize| if j % 7 == 6 { j..j + 1 } else { j - j % 7 % 3..j - j % 7 % 3 + 3 };
+        let all = |places: &mut dyn Iterator<Item = usize>| -> f64 {
+            places.map(|i| self.tolerance(quantity, k, i)).sum()
+        };
+        match quantity.entries() {
+            1 => self.tolerance(quantity, k, i),
+            DOFS => all(&mut block(i)),
+            _ => all(&mut block(i / DOFS).flat_map(|j| block(i % DOFS).map(move |l| j * DOFS + l))),
+        }
     }
 
     /// A sum of entries that must be `want`, allowed what its terms are allowed and a rounding each.
@@ -408,6 +452,21 @@ impl<'a> Context<'a> {
                         what: What::of(Claim::DeclaredZero, Quantity::FirstDerivatives, k, j),
                     });
                 }
+                for l in (0..=j).filter(|_| self.asks(Quantity::SecondDerivatives)) {
+                    let both = |holds: &dyn Fn(usize) -> bool| holds(j) && holds(l);
+                    let is_straight = measure.is_straight() && both(&|j| !matches!(j % 7, 3..=5));
+                    if is_straight || !both(&|j| self.depends(measure, j)) {
+                        for i in [j * DOFS + l, l * DOFS + j].into_iter().take(1 + usize::from(l < j)) {
+                            found.push(Demand {
+                                terms: OneOrMany::One([(Quantity::SecondDerivatives, k, i, 1.0)]),
+                                offset: 0.0,
+                                want: 0.0,
+                                allowed: 0.0,
+                                what: What::of(Claim::DeclaredZero, Quantity::SecondDerivatives, k, i),
+                            });
+                        }
+                    }
+                }
                 if !reach[j] && self.numbers.entries(Quantity::NodalForces).get(k, j).is_some() {
                     found.push(Demand {
                         terms: OneOrMany::One([(Quantity::NodalForces, k, j, 1.0)]),
@@ -430,66 +489,124 @@ pub fn worst<'a>(numbers: &Numbers<f64>, demands: &'a [Demand]) -> Option<(&'a D
     judged.max_by(|x, y| severity(x.0).cmp(&severity(y.0)).then(x.1.total_cmp(&y.1)))
 }
 
-/// Of the mutants that touch a number of which a law speaks, one in so many is tried.
-const TRIED: usize = 7;
+/// Of the mutants that touch a number of which a law speaks, one in so many is tried: of matrices, of rows, of single numbers. The steps are
+/// prime, so that every rung of the ladder is among those tried.
+const fn tried(quantity: Quantity) -> usize {
+    match quantity.entries() {
+        1 => 1,
+        DOFS => 7,
+        _ => 37,
+    }
+}
 
 /// Which mutants of a quantity a law notices, of those that touch a number of which it speaks. One that changes every sum by less
-/// than twice what is allowed is below its resolution.
+/// than twice what is allowed is below its resolution, but for a relative error of a thousand times [`NOTICED`] in a number that carries a sum of which
+/// every other that does is well-conditioned too: that must be noticed, whatever is allowed.
 pub fn try_mutants(
     quantity: Quantity,
     numbers: &Numbers<f64>,
     demands: &[Demand],
     mutants: &[Mutant],
+    (conditioned, length): (&Conditioned, f64),
 ) -> Score {
     let width = quantity.entries();
     let place = |k: usize, i: usize| k * width + i;
-    // The demands in which each entry occurs.
-    let mut touched: Vec<Vec<usize>> = vec![Vec::new(); 6 * width];
+    let right = |q: Quantity, k: usize, i: usize| numbers.entries(q).get(k, i);
+    // The demands in which each entry occurs, with its coefficient.
+    let mut touched: Vec<Vec<(usize, f64)>> = vec![Vec::new(); 6 * width];
     for (n, demand) in demands.iter().enumerate() {
-        for (_, k, i, _) in demand.terms.iter().filter(|(q, ..)| *q == quantity) {
+        for (_, k, i, c) in demand.terms.iter().filter(|(q, ..)| *q == quantity) {
             if let Some(of_entry) = touched.get_mut(place(*k, *i)) {
-                of_entry.push(n);
+                of_entry.push((n, *c));
             }
         }
     }
-    let speaks = |k: usize, i: usize| touched.get(place(k, i)).is_some_and(|of_entry| !of_entry.is_empty());
-    let is_touched = |mutant: &&Mutant| mutant.changes.iter().any(|(k, i, _)| speaks(*k, *i));
-    let mut changed: Vec<Option<f64>> = vec![None; 6 * width];
+    let in_demands =
+        |k: usize, i: usize| touched.get(place(k, i)).map_or(&[][..], |of_entry| of_entry.as_slice());
+    let sums: Vec<f64> = demands.iter().map(|demand| demand.sum(right)).collect();
+    // What the largest entry of a row would make of each sum, in the place of any of its terms.
+    let size = |q: Quantity, i: usize| q.entry_size(i, length);
+    let mut rows: BTreeMap<(Quantity, usize), f64> = BTreeMap::new();
+    let mut largest: Vec<f64> = Vec::with_capacity(demands.len());
+    for demand in demands {
+        let mut most = 0.0_f64;
+        for (q, k, i, c) in demand.terms.iter() {
+            let row = *rows.entry((*q, *k)).or_insert_with(|| {
+                let entries = numbers.entries(*q).0.get(*k).and_then(Option::as_ref);
+                let sized = entries.into_iter().flatten().enumerate().map(|(i, x)| x.abs() * size(*q, i));
+                sized.fold(0.0_f64, f64::max)
+            });
+            most = most.max(c.abs() * row / size(*q, *i));
+        }
+        largest.push(most);
+    }
+    let largest = largest.as_slice();
+    // Whether the terms that carry a sum are all of well-conditioned components.
+    let is_plain = |n: usize| {
+        let (Some(demand), Some(largest)) = (demands.get(n), largest.get(n)) else { return false };
+        demand.terms.iter().all(|(q, k, i, c)| {
+            let x = right(*q, *k, *i).unwrap_or(0.0);
+            (c * x).abs() < SIGNIFICANT * largest || conditioned.demands(*q, *k, *i, x)
+        })
+    };
+    let is_touched = |mutant: &&Mutant| mutant.changes.iter().any(|(k, i, _)| !in_demands(*k, *i).is_empty());
+    let mut moved = vec![0.0; demands.len()];
+    let mut asked: Vec<usize> = Vec::new();
+    let (mut missed, mut smallest) = (0.0_f64, f64::INFINITY);
     let mut score = Score::default();
-    let right = |q: Quantity, k: usize, i: usize| numbers.entries(q).get(k, i);
-    for mutant in mutants.iter().filter(is_touched).step_by(TRIED) {
+    for mutant in mutants.iter().filter(is_touched).step_by(tried(quantity)) {
+        asked.clear();
         for (k, i, x) in mutant.changes.iter() {
-            if let Some(entry) = changed.get_mut(place(*k, *i)) {
-                *entry = Some(*x);
+            let by = x - right(quantity, *k, *i).unwrap_or(f64::NAN);
+            for (n, c) in in_demands(*k, *i) {
+                if let Some(moved) = moved.get_mut(*n) {
+                    *moved += c * by;
+                    asked.push(*n);
+                }
             }
         }
-        let number = |q: Quantity, k: usize, i: usize| {
-            let new = if q == quantity { changed.get(place(k, i)).copied().flatten() } else { None };
-            new.or_else(|| right(q, k, i))
-        };
-        let mut asked: Vec<usize> = mutant
-            .changes
-            .iter()
-            .filter_map(|(k, i, _)| touched.get(place(*k, *i)))
-            .flatten()
-            .copied()
-            .collect();
         asked.sort_unstable();
         asked.dedup();
-        let asked: Vec<&Demand> = asked.into_iter().filter_map(|n| demands.get(n)).collect();
-        let noticed = asked.iter().any(|demand| demand.units_of(demand.sum(number)) > 1.0);
-        let change = || {
-            let of =
-                |demand: &&Demand| moved_by((demand.sum(number) - demand.sum(right)).abs(), demand.allowed);
-            asked.iter().map(of).fold(0.0, f64::max)
+        let of = |n: &usize| Some((demands.get(*n)?, *sums.get(*n)?, *moved.get(*n)?));
+        let noticed =
+            asked.iter().filter_map(of).any(|(demand, sum, moved)| demand.units_of(sum + moved) > 1.0);
+        // The sums that a single number carries.
+        let carried = || {
+            let (k, i, _) = mutant.changes.first().copied().unwrap_or_default();
+            let x = right(quantity, k, i).unwrap_or(0.0);
+            in_demands(k, i).iter().filter(move |(n, c)| {
+                let largest = largest.get(*n).copied().unwrap_or(0.0);
+                largest > 0.0 && (c * x).abs() >= SIGNIFICANT * largest
+            })
         };
-        let what = || asked.first().map_or_else(String::new, |demand| demand.what.to_string());
-        score.count(mutant.mistake, noticed, change, what);
-        for (k, i, _) in mutant.changes.iter() {
-            if let Some(entry) = changed.get_mut(place(*k, *i)) {
-                *entry = None;
+        let mut must = false;
+        if let Mistake::Scaled(delta) = mutant.mistake {
+            smallest = smallest.min(delta);
+            if !noticed && carried().next().is_some() {
+                missed = missed.max(delta);
+                must = delta >= NOTICED / SIGNIFICANT && carried().any(|(n, _)| is_plain(*n));
             }
         }
+        let change = || {
+            let of_sum = |(demand, _, moved): (&Demand, f64, f64)| moved_by(moved.abs(), demand.allowed);
+            let most = asked.iter().filter_map(of).map(of_sum).fold(0.0, f64::max);
+            if must { f64::INFINITY } else { most }
+        };
+        let what = || {
+            asked
+                .first()
+                .and_then(|n| demands.get(*n))
+                .map_or_else(String::new, |demand| demand.what.to_string())
+        };
+        score.count(mutant.mistake, noticed, change, what);
+        for n in &asked {
+            if let Some(moved) = moved.get_mut(*n) {
+                *moved = 0.0;
+            }
+        }
+    }
+    if smallest.is_finite() {
+        score.detectable_at.push(if missed > 0.0 { missed * 10.0 } else { smallest });
     }
     score
 }

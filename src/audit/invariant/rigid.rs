@@ -10,7 +10,7 @@ use crate::audit::quantity::{OneOrMany, Quantity};
 use crate::catalog::Loading;
 use crate::measure::Measure;
 use crate::node::{self, DOFS};
-use crate::vector::{Matrix, Vector, apply_transposed, cross};
+use crate::vector::{Matrix, Vector, apply, cross};
 
 /// The places of both nodes' translations and rotations along an axis.
 const fn both(a: usize, b: usize, i: usize) -> [usize; 2] {
@@ -70,7 +70,55 @@ impl Context<'_> {
                 active[j] || !self.depends(measure, j)
             })
         };
-        components.flat_map(of).collect()
+        let mut found: Vec<Demand> = components.flat_map(of).collect();
+        if !self.asks(Quantity::SecondDerivatives) {
+            return found;
+        }
+        let functions = self
+            .components()
+            .filter(|(_, measure)| !measure.is_one_form() && !self.is_fixed_in_space(*measure));
+        for (k, measure) in functions {
+            self.second_along_rigid_motions(k, |j| active[j] || !self.depends(measure, j), &mut found);
+        }
+        found
+    }
+
+    /// That a row vanishes along a rigid motion holds at every state, so that its derivative by every degree of freedom vanishes too. With
+    /// r the motion, ω about a, ∂²f r + ∂f/∂x·(ω × e) = 0 for the translations e of either node, and ∂²f r + ½ ∂f/∂θ·(ω × e) = 0 for
+    /// rotations about e: of turns one after the other, exp(s e^) exp(t ω^) = exp(s e^ + t ω^ + ½ s t (e × ω)^ + …).
+    fn second_along_rigid_motions(
+        &self,
+        k: usize,
+        is_there: impl Fn(usize) -> bool,
+        found: &mut Vec<Demand>,
+    ) {
+        let (first, second) = (Quantity::FirstDerivatives, Quantity::SecondDerivatives);
+        let separation = self.state.pair.separation();
+        let [along, about] = self.motions();
+        for j in (0..DOFS).filter(|j| self.connector.active()[*j]) {
+            for i in along {
+                let columns = both(node::XA, node::XB, *i);
+                if columns.iter().all(|l| is_there(*l)) {
+                    let terms = columns.map(|l| (second, k, j * DOFS + l, 1.0)).to_vec();
+                    found.push(self.sum(terms, 0.0, What::of(Claim::Translation, second, k, j * DOFS + i)));
+                }
+            }
+            for i in about {
+                let arm = cross(axis(*i), separation);
+                let turns = both(node::THETA_A, node::THETA_B, *i);
+                let mut terms: Vec<_> = turns.map(|l| (second, k, j * DOFS + l, 1.0)).to_vec();
+                terms.extend((0..3).map(|l| (second, k, j * DOFS + node::XB + l, arm[l])));
+                let (component, half) = (j % 7 % 3, if matches!(j % 7, 3..=5) { 0.5 } else { 1.0 });
+                if j % 7 != 6 {
+                    let moved = cross(axis(*i), axis(component));
+                    terms.extend((0..3).map(|l| (first, k, j - component + l, half * moved[l])));
+                }
+                terms.retain(|term| term.3 != 0.0);
+                if terms.iter().all(|(_, _, l, _)| is_there(l % DOFS)) {
+                    found.push(self.sum(terms, 0.0, What::of(Claim::Rotation, second, k, j * DOFS + i)));
+                }
+            }
+        }
     }
 
     /// Whether the force of component k loads a degree of freedom, as its declaration says.
@@ -113,11 +161,17 @@ impl Context<'_> {
         let rotation = turn(if self.case.definition.planar { [0.0, 0.0, 1.3] } else { [0.9, -1.3, 0.4] });
         let mut state = self.state;
         state.pair = carried(&self.state.pair, &rotation, [0.0; 3]);
+        for rates in [&mut state.velocity, &mut state.acceleration] {
+            for at in VECTORS {
+                let turned = apply(&rotation, [rates[at], rates[at + 1], rates[at + 2]]);
+                rates[at..at + 3].copy_from_slice(&turned);
+            }
+        }
         (rotation, self.beside(self.case.definition.clone(), state, self.after))
     }
 
     /// What a number changes by to second order where every degree of freedom is rounded by ε = C u of its size: a value f by
-    /// ½ Σ_jk abs(∂²f/∂q_j∂q_k) ε_j ε_k; a first derivative, or a nodal force, by Cauchy's estimate (ε/δ)² Σ_j abs(∂f/∂q_j) s_j over the size, δ from
+    /// ½ Σ_jk abs(∂²f/∂q_j∂q_k) ε_j ε_k; a derivative, or a nodal force, by Cauchy's estimate (ε/δ)² Σ_j abs(∂f/∂q_j) s_j over the size (of matrices by ε/δ), δ from
     /// a singular set. Near one, at a symmetric state, the first order may vanish.
     fn bent(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
         let size = |j: usize| dof_size(j, self.case.length);
@@ -129,7 +183,23 @@ impl Context<'_> {
             let both = |i: usize| size(i / DOFS) * size(i % DOFS);
             return 0.5 * (C * U).powi(2) * sum(Quantity::SecondDerivatives, &both);
         }
-        (C * U / self.nearness[k]).powi(2) * sum(quantity, &size) / size(i)
+        let cauchy = (C * U / self.nearness[k]).powi(2);
+        if matches!(quantity, Quantity::Rate | Quantity::Acceleration) {
+            let fastest = |rates: &[f64; DOFS]| {
+                rates.iter().enumerate().fold(0.0_f64, |most, (j, rate)| most.max(rate.abs() / size(j)))
+            };
+            let (v, a) = (fastest(&self.state.velocity), fastest(&self.state.acceleration));
+            let first = sum(Quantity::FirstDerivatives, &size);
+            if quantity == Quantity::Rate {
+                return cauchy * first * v;
+            }
+            let both = |i: usize| size(i / DOFS) * size(i % DOFS);
+            return cauchy * (first * a + sum(Quantity::SecondDerivatives, &both) * v * v);
+        }
+        let of_entry = |i: usize| quantity.entry_size(i, self.case.length);
+        // Of matrices, whose third derivatives no tolerance knows, to first order.
+        let cauchy = if quantity.entries() > DOFS { C * U / self.nearness[k] } else { cauchy };
+        cauchy * sum(quantity, &of_entry) / of_entry(i)
     }
 
     pub(super) fn frame(&self) -> Vec<Demand> {
@@ -140,39 +210,58 @@ impl Context<'_> {
             if self.is_fixed_in_space(measure) {
                 continue;
             }
-            // The turned inputs are rounded: three roundings in each direction.
-            let wider = |mut demand: Demand| {
-                demand.allowed *= 4.0;
-                demand
-            };
-            if let (Some(want), false) = (twin.entries(Quantity::Value).get(k, 0), measure.is_one_form()) {
-                let terms = OneOrMany::One([(Quantity::Value, k, 0, 1.0)]);
-                let what = What::of(Claim::TurnedAxes, Quantity::Value, k, 0);
-                let mut demand = wider(self.sum(terms, want, what));
-                // Four times as much is rounded.
-                demand.allowed += 16.0 * self.bent(Quantity::Value, k, 0);
-                found.push(demand);
-            }
-            let vectors = [Quantity::FirstDerivatives, Quantity::NodalForces]
-                .into_iter()
-                .flat_map(|q| [node::XA, node::THETA_A, node::XB, node::THETA_B].map(|at| (q, at)));
-            for (quantity, at) in vectors {
-                let Some(row) = &twin.entries(quantity).0[k] else { continue };
-                let back = apply_transposed(&rotation, [row[at], row[at + 1], row[at + 2]]);
-                for (i, want) in back.into_iter().enumerate() {
-                    let terms = OneOrMany::One([(quantity, k, at + i, 1.0)]);
-                    let what = What::of(Claim::TurnedAxes, quantity, k, at + i);
-                    let mut demand = wider(self.sum(terms, want, what));
-                    // A component of a vector is as uncertain as the vector.
-                    demand.allowed = (0..3)
-                        .map(|j| 4.0 * self.tolerance(quantity, k, at + j))
-                        .sum::<f64>()
-                        .max(demand.allowed);
-                    demand.allowed += 16.0 * self.bent(quantity, k, at + i);
+            for quantity in Quantity::ALL.into_iter().filter(|quantity| self.asks(*quantity)) {
+                let is_value = quantity == Quantity::Value;
+                if is_value && measure.is_one_form() || twin.entries(quantity).0[k].is_none() {
+                    continue;
+                }
+                let is_matrix = quantity.entries() == DOFS * DOFS;
+                // Of second derivatives that are symmetric one half tells.
+                let is_half = is_matrix && !measure.is_one_form();
+                for i in (0..quantity.entries()).filter(|i| !is_half || i % DOFS <= i / DOFS) {
+                    let terms = turned_terms(&rotation, quantity, k, i);
+                    let of_twin = |(q, k, i, c): &(Quantity, usize, usize, f64)| {
+                        c * twin.entries(*q).get(*k, *i).unwrap_or(f64::NAN)
+                    };
+                    let want = terms.iter().map(of_twin).sum();
+                    let one = OneOrMany::One([(quantity, k, i, 1.0)]);
+                    let mut demand = self.sum(one, want, What::of(Claim::TurnedAxes, quantity, k, i));
+                    // The turned inputs are rounded, three roundings in each direction; a component of a vector is as uncertain as the
+                    // vector; and to second order four times as much is rounded.
+                    demand.allowed = 4.0 * demand.allowed.max(self.around(quantity, k, i));
+                    demand.allowed += 16.0 * self.bent(quantity, k, i);
                     found.push(demand);
                 }
             }
         }
         found
+    }
+}
+
+/// The places of vectors in a row.
+const VECTORS: [usize; 4] = [node::XA, node::THETA_A, node::XB, node::THETA_B];
+
+/// The sum of entries in turned axes that an entry is: R the rotation, Rᵀ times the vector of a node, Rᵀ ∂²f R of two.
+pub(in crate::audit) fn turned_terms(
+    rotation: &Matrix<f64>,
+    quantity: Quantity,
+    k: usize,
+    i: usize,
+) -> Vec<(Quantity, usize, usize, f64)> {
+    // The columns that make up a column, with their factors.
+    let columns = |j: usize| {
+        let component = j % 7 % 3;
+        let is_flow = j % 7 == 6;
+        (0..if is_flow { 1 } else { 3 })
+            .map(move |l| if is_flow { (j, 1.0) } else { (j - component + l, rotation[l][component]) })
+    };
+    match quantity.entries() {
+        1 => vec![(quantity, k, i, 1.0)],
+        DOFS => columns(i).map(|(j, c)| (quantity, k, j, c)).collect(),
+        _ => {
+            let rows = columns(i / DOFS);
+            let both = rows.flat_map(|(j, x)| columns(i % DOFS).map(move |(l, y)| (j * DOFS + l, x * y)));
+            both.map(|(place, c)| (quantity, k, place, c)).collect()
+        }
     }
 }

@@ -3,19 +3,49 @@
 use super::{Claim, Context, Demand, What};
 use crate::audit::case::{Case, Step};
 use crate::audit::force::add_forces_of;
+use crate::audit::oracle::nearness;
 use crate::audit::quantity::{Numbers, OneOrMany, Quantity, request_of};
-use crate::catalog::ConnectionType;
-use crate::connector::{Branch, Connector, Definition, Increment, NodalRow, Output, Request, State, Tally};
-use crate::measure::Measure;
+use crate::catalog::{ConnectionType, Loading};
+use crate::connector::{
+    Branch, Connector, Definition, Increment, NodalRow, Output, Request, State, Tally, Turns,
+};
+use crate::measure::{Exchanged, Measure};
 use crate::node::{DOFS, Pair};
-use crate::vector::scale;
+use crate::vector::{scale, transposed_product};
+use std::f64::consts::{PI, TAU};
 
-/// The sign that exchanged nodes give a measure: a length is the same, a rotation vector the opposite. Of others there is no such law.
-pub(super) const fn exchanged(measure: Measure) -> Option<f64> {
-    match measure {
-        Measure::Distance => Some(1.0),
-        Measure::RotationVector(_) => Some(-1.0),
-        _ => None,
+/// The distance from a singular set within which rounding decides on which side of a lock a state is.
+const ROUNDING: f64 = 1e-14;
+
+/// From what increment on an angle's turns are not certain.
+const LARGE: f64 = 0.9 * PI;
+
+/// What a component of a connector with exchanged nodes is in components of the connector, each with its factor; nothing where the measure
+/// has no such rule ([`Measure::exchanged`]), or the connector lacks a component of it.
+pub(super) fn exchanged(connector: &Connector<f64>, initial: &Pair<f64>, k: usize) -> Vec<(usize, f64)> {
+    let place = |measure: Measure| (0..6).find(|k| connector.differentiated(*k) == Some(measure));
+    let sum: Option<Vec<(usize, f64)>> = match connector.differentiated(k).map(Measure::exchanged) {
+        Some(Exchanged::Sum(parts)) => {
+            parts.into_iter().flatten().map(|(measure, factor)| Some((place(measure)?, factor))).collect()
+        }
+        Some(Exchanged::Frozen(i)) => {
+            let q = transposed_product(&initial.a.triad, &initial.b.triad);
+            (0..3).map(|j| Some((place(Measure::Misalignment(j + 1))?, -q[j][i - 1]))).collect()
+        }
+        Some(Exchanged::None(_)) | None => None,
+    };
+    sum.unwrap_or_default()
+}
+
+/// The place of an entry of a quantity where the nodes are exchanged.
+pub(in crate::audit) const fn exchanged_entry(quantity: Quantity, i: usize) -> usize {
+    const fn column(j: usize) -> usize {
+        (j + DOFS / 2) % DOFS
+    }
+    match quantity.entries() {
+        1 => i,
+        DOFS => column(i),
+        _ => column(i / DOFS) * DOFS + column(i % DOFS),
     }
 }
 
@@ -39,12 +69,7 @@ impl Context<'_> {
         Step { state: self.state, increment: self.increment }
     }
 
-    /// The sign that exchanged nodes give the measure of a component.
-    pub(in crate::audit) fn exchanged(&self, k: usize) -> Option<f64> {
-        self.measure(k).and_then(exchanged)
-    }
-
-    /// The same seen from b.
+    /// The same seen from b: with the history of the case where that is known from its beginning.
     pub(in crate::audit) fn swapped(&self) -> Case {
         let swap = |pair: &Pair<f64>| Pair { reference: scale(pair.reference, -1.0), a: pair.b, b: pair.a };
         let rows = |x: &NodalRow<f64>| -> NodalRow<f64> { std::array::from_fn(|j| x[(j + DOFS / 2) % DOFS]) };
@@ -52,40 +77,111 @@ impl Context<'_> {
         definition.initial = swap(&definition.initial);
         definition.moves.reverse();
         definition.rotates.reverse();
-        let state = State {
-            pair: swap(&self.state.pair),
-            velocity: rows(&self.state.velocity),
-            acceleration: rows(&self.state.acceleration),
+        let state = |state: &State<f64>| State {
+            pair: swap(&state.pair),
+            velocity: rows(&state.velocity),
+            acceleration: rows(&state.acceleration),
         };
+        if self.case.start.is_none() {
+            let step = |step: &Step| {
+                let mut increment = step.increment;
+                increment.rotation.reverse();
+                increment.whole_turns.reverse();
+                increment.flow.reverse();
+                Step { state: state(&step.state), increment }
+            };
+            let path = self.case.path.iter().map(step).collect();
+            return Case { definition, path, ..self.case.clone() };
+        }
         let mut branch = self.after;
         branch.rotation_vector = scale(branch.rotation_vector, -1.0);
-        self.beside(definition, state, branch)
+        self.beside(definition, state(&self.state), branch)
     }
 
     pub(super) fn node_swap(&self) -> Vec<Demand> {
+        let sums: Vec<(usize, Vec<(usize, f64)>)> = self
+            .components()
+            .filter(|(_, measure)| !self.is_fixed_in_space(*measure))
+            .map(|(k, _)| (k, exchanged(&self.connector, &self.case.definition.initial, k)))
+            .filter(|(_, sum)| !sum.is_empty() && sum.iter().all(|(m, _)| self.is_smooth[*m]))
+            .collect();
         let mut found = Vec::new();
-        if !self.components().any(|(_, measure)| exchanged(measure).is_some()) {
+        if sums.is_empty() {
             return found;
         }
-        let twin = self.numbers_of(&self.swapped());
-        for (k, measure) in self.components() {
-            let Some(sign) = exchanged(measure) else { continue };
-            let Some(row) = &twin.entries(Quantity::FirstDerivatives).0[k] else { continue };
-            for j in 0..DOFS {
-                let terms = OneOrMany::One([(Quantity::FirstDerivatives, k, j, 1.0)]);
-                let what = What::of(Claim::ExchangedNodes, Quantity::FirstDerivatives, k, j);
-                let mut demand = self.sum(terms, sign * row[(j + DOFS / 2) % DOFS], what);
-                // The rotation vector's components are taken along a's directions before and b's after.
-                let block = j - j % 7 % 3;
-                let vector: f64 = (0..3)
-                    .filter(|i| block + i < DOFS)
-                    .map(|i| self.tolerance(Quantity::FirstDerivatives, k, block + i))
-                    .sum();
-                demand.allowed = 2.0 * demand.allowed.max(vector);
-                found.push(demand);
+        let swapped = self.swapped();
+        let twin = self.numbers_of(&swapped);
+        let sheets = self.mirrored(&swapped);
+        for (k, sum) in sums {
+            for quantity in Quantity::ALL.into_iter().filter(|quantity| self.asks(*quantity)) {
+                if sum.iter().any(|(m, _)| !sheets(quantity, *m)) || !self.is_exchanged(quantity, &sum) {
+                    continue;
+                }
+                for i in 0..quantity.entries() {
+                    // Second derivatives are symmetric.
+                    let is_upper = quantity.entries() == DOFS * DOFS && i % DOFS > i / DOFS;
+                    let want = twin.entries(quantity).get(k, exchanged_entry(quantity, i));
+                    let (Some(want), false) = (want, is_upper) else { continue };
+                    let terms: Vec<_> = sum.iter().map(|(m, factor)| (quantity, *m, i, *factor)).collect();
+                    let mut demand = self.sum(terms, want, What::of(Claim::ExchangedNodes, quantity, k, i));
+                    // Vectors are resolved in a's directions before and in b's after.
+                    let vectors: f64 =
+                        sum.iter().map(|(m, factor)| factor.abs() * self.around(quantity, *m, i)).sum();
+                    demand.allowed = 4.0 * demand.allowed.max(vectors);
+                    found.push(demand);
+                }
             }
         }
         found
+    }
+
+    /// Whether the exchanged connector chose the mirrored one of two sheets, of a quantity of a component: of exact half turns either is right.
+    fn mirrored(&self, swapped: &Case) -> impl Fn(Quantity, usize) -> bool {
+        let twin = Connector::<f64>::new(&swapped.definition);
+        let mut after = swapped.branch_before(&twin);
+        if let Some(step) = swapped.last() {
+            after = twin.advance(&step.state, &step.increment, &after);
+        }
+        // Within rounding of a singular set one of the two may be on it.
+        let margins = swapped.last().map(|step| twin.margins(&step.state, &after, [true; 6]));
+        let is_apart: [bool; 6] = std::array::from_fn(|k| {
+            let margin = margins.as_ref().and_then(|margins| margins[k]);
+            nearness(margin, self.case.length) > ROUNDING && self.nearness[k] > ROUNDING
+        });
+        let angle = |turns: &Turns<f64>| turns.principal + TAU * turns.turns;
+        let initial = self.connector.initial_branch();
+        let is_vector =
+            (0..3).all(|i| (after.rotation_vector[i] + self.after.rotation_vector[i]).abs() < 1.0);
+        let is_torsion = (angle(&after.torsion) + angle(&self.after.torsion)).abs() < 1.0;
+        let measures: [Option<Measure>; 6] = std::array::from_fn(|k| self.measure(k));
+        let is_counted: [bool; 6] = std::array::from_fn(|k| {
+            let by = angle(&self.after.turns[k]) - angle(&self.before.turns[k]);
+            by.abs() < LARGE && initial.turns[k].principal.abs() < LARGE
+        });
+        move |quantity, k| match measures[k] {
+            _ if !is_apart[k] => false,
+            Some(Measure::RotationVector(_) | Measure::RotationVectorAtB(_)) => is_vector,
+            Some(measure) if measure.counts_torsion() => is_torsion,
+            Some(measure) if measure.winds() && quantity == Quantity::Value => is_counted[k],
+            _ => true,
+        }
+    }
+
+    /// Whether the rule of exchanged nodes holds of a quantity: of values where the history is known from its beginning, of rates where
+    /// these are of the values, of forces that are conjugate to what is measured.
+    fn is_exchanged(&self, quantity: Quantity, sum: &[(usize, f64)]) -> bool {
+        let all = |holds: &dyn Fn(usize, Measure) -> bool| {
+            sum.iter().all(|(m, _)| self.measure(*m).is_some_and(|measure| holds(*m, measure)))
+        };
+        match quantity {
+            Quantity::Value => self.case.start.is_none(),
+            Quantity::Rate | Quantity::Acceleration => all(&|_, measure| !measure.has_nodal_rates()),
+            Quantity::NodalForces | Quantity::GeometricStiffness => all(&|m, measure| {
+                self.connector.connection().loading(m) == Some(Loading::Conjugate)
+                    && self.connector.position_measure(m) == Some(measure)
+            }),
+            _ => true,
+        }
     }
 
     /// `twin` has the same numbers of `quantities` for `components`, bit for bit: none more and none fewer.
@@ -178,4 +274,65 @@ fn asked(
     let mut numbers = Numbers::of(&evaluation);
     add_forces_of(&mut numbers, connector, state, &evaluation.branch, components);
     numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::bound::Bound;
+    use crate::audit::invariant::{Invariant, worst};
+    use crate::audit::sample::{Extent, cases};
+    use crate::catalog::TABLE;
+
+    /// Every type has a rule of exchanged nodes or a measure that says why not; the numbers meet it, and each kind of number with an error of
+    /// 1e-6 in its largest entry, or with the wrong sign, does not.
+    #[test]
+    fn exchanged_nodes_follow_their_rules() {
+        let (mut types, mut spoiled) = (0, 0);
+        for connection in TABLE {
+            let case = cases(connection, Extent::Brief).swap_remove(0);
+            let numbers = crate::audit::product(&case).unwrap();
+            let state = case.last().unwrap().state;
+            let bound = Bound::new(&numbers, &state.velocity, &state.acceleration, case.length, 1.0);
+            let context = Context::new(&case, &numbers, &bound).unwrap();
+            let demands = context.node_swap();
+            if demands.is_empty() {
+                let has_reason = |k: usize| match context.measure(k)?.exchanged() {
+                    Exchanged::None(why) => Some(!why.is_empty()),
+                    Exchanged::Sum(_) | Exchanged::Frozen(_) => Some(true),
+                };
+                assert!((0..6).all(|k| has_reason(k) != Some(false)), "{}", connection.name);
+                continue;
+            }
+            types += 1;
+            assert!(Invariant::NodeSwap.is_expected_of(&case.connector()));
+            let (demand, units) = worst(&numbers, &demands).unwrap();
+            assert!(units <= 1.0, "{}: {} {units}", connection.name, demand.what);
+            for quantity in Quantity::ALL {
+                for factor in [1.0 + 1e-6, -1.0] {
+                    let told = |(k, i): &(usize, usize)| {
+                        let of = |demand: &Demand| {
+                            demand.terms.iter().any(|t| (t.0, t.1, t.2) == (quantity, *k, *i))
+                        };
+                        demands.iter().any(of)
+                    };
+                    let mut entries = numbers.entries(quantity).clone();
+                    let all = entries.iter().map(|(k, i, x)| ((k, i), x)).filter(|(place, _)| told(place));
+                    let Some(((k, i), x)) = all.max_by(|x, y| x.1.abs().total_cmp(&y.1.abs())) else {
+                        continue;
+                    };
+                    if x == 0.0 {
+                        continue;
+                    }
+                    entries.0[k].as_mut().unwrap()[i] *= factor;
+                    let mut wrong = numbers.clone();
+                    wrong.set(quantity, entries);
+                    let (demand, units) = worst(&wrong, &demands).unwrap();
+                    assert!(units > 1.0, "{} {quantity:?}: {}", connection.name, demand.what);
+                    spoiled += 1;
+                }
+            }
+        }
+        assert!(types >= 14 && spoiled > 140, "{types} {spoiled}");
+    }
 }

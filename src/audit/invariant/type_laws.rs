@@ -1,5 +1,6 @@
 //! Laws of a type: the initial state, and turns without end. The numbers judged are in the demands themselves.
 
+use super::turns::winding;
 use super::{Demand, Invariant, What};
 use crate::audit::bound::U;
 use crate::audit::case::Case;
@@ -15,7 +16,11 @@ use crate::vector::{self, Vector, column, scale};
 pub fn of_type(connection: &ConnectionType, invariant: Invariant) -> Vec<Demand> {
     match invariant {
         Invariant::Start => start(connection),
-        Invariant::Turns => turns(connection, false),
+        Invariant::Turns => {
+            let mut found = turns(connection, false);
+            found.extend(winding(connection));
+            found
+        }
         Invariant::FreeAxis => turns(connection, true),
         _ => Vec::new(),
     }
