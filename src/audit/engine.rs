@@ -185,7 +185,7 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         let among_near = i.checked_sub(regular).filter(|n| n.is_multiple_of(2));
         if let Some(case) = among_near.and_then(|n| on_points.get(n / 2)) {
             let checks = audit_case(case, settings, wide.contains(&i), i);
-            return checks.into_iter().map(Check::as_declared).collect();
+            return checks.into_iter().map(Check::declared).collect();
         }
         let drawn = regions.get(i).cloned().or_else(|| is_structured.then(structured).flatten());
         let drawn = drawn.or_else(|| drawn_by(&mut Draw::new(&name)));

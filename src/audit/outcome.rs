@@ -183,7 +183,7 @@ impl Check {
     }
 
     /// The check of a state that stands on a singular point on purpose: that it is one is declared, and no finding.
-    pub(super) fn as_declared(self) -> Self {
+    pub(super) fn declared(self) -> Self {
         if !matches!(self.verdict, Verdict::Kink | Verdict::Singular) {
             return self;
         }

@@ -250,7 +250,7 @@ fn of_angle(case: &MpcCase, i: usize, distance: f64) -> Seen {
     let after = |steps: &[(usize, Wide)]| {
         let mut by: Dofs<Wide> = [Wide::zero(); DOFS];
         for (j, step) in steps {
-            by[*j] = by[*j] + *step;
+            by[*j] += *step;
         }
         angle(&moved(&state, &by))
     };
