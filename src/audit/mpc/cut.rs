@@ -115,6 +115,9 @@ mod tests {
             case(Kind::Revolute, [common, common], [-PI, 0.0]),
             case(Kind::Beam, [[0.0, 0.0, -PI], oblique.map(|x| x * 2.0)], [0.0; 2]),
         ];
+        // About this axis the product and 237 bits are on different sides.
+        let (nodes, joint) = ([1.0, 0.0, 0.790_475_062_762_647_1], [0.0, 0.0, 0.346_265_399_890_325_56]);
+        found[0].constraint = Constraint::new(Kind::Revolute, nodes, nodes, [joint, [0.0; 3]]);
         for kind in [Kind::Revolute, Kind::Universal, Kind::Beam, Kind::Tie] {
             for master in [[0.0; 3], [1.0, 2.0, 3.0], [0.0, PI, 0.0]] {
                 for slave in [[PI, 0.0, 0.0], [0.0, 0.0, PI], oblique] {
