@@ -321,11 +321,7 @@ def build(patterns):
             shutil.copy2(ROOT / name, TREE / name)
     (TREE / "src" / "mutated.rs").write_text(SWITCH)
     library = TREE / "src" / "lib.rs"
-    text = library.read_text().replace("pub mod audit;", "#[doc(hidden)]\npub mod mutated;\npub mod audit;")
-    # Batches compile every measure for every vector unit: with all the switches that takes hours, and they test nothing new.
-    library.write_text(text.replace("pub mod batch;\n", ""))
-    tests = TREE / "verify" / "main.rs"
-    tests.write_text(re.sub(r"\nmod batch;[^\n]*", "", tests.read_text()))
+    library.write_text(library.read_text().replace("pub mod audit;", "#[doc(hidden)]\npub mod mutated;\npub mod audit;"))
     files = collections.defaultdict(list)
     for mutant in mutants:
         files[mutant["file"]].append(mutant)

@@ -30,6 +30,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 
+/// 2⁻¹⁰⁷⁴, the least distance of two doubles.
+const LEAST: f64 = f64::from_bits(1);
+
 /// A law.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
@@ -377,7 +380,8 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// A sum of entries that must be `want`, allowed what its terms are allowed and a rounding each.
+    /// A sum of entries that must be `want`, allowed what its terms are allowed and a rounding each; below the range of doubles, too, where
+    /// a number is one of two that are [`LEAST`] apart.
     fn sum(
         &self,
         terms: impl Into<OneOrMany<(Quantity, usize, usize, f64)>>,
@@ -389,7 +393,7 @@ impl<'a> Context<'a> {
             .iter()
             .map(|(q, k, i, c)| {
                 let x = self.numbers.entries(*q).get(*k, *i).unwrap_or(0.0);
-                c.abs() * (self.tolerance(*q, *k, *i) + 4.0 * U * x.abs())
+                c.abs() * (self.tolerance(*q, *k, *i) + 4.0 * U * x.abs() + LEAST)
             })
             .sum();
         Demand { terms, offset: 0.0, want, allowed, what }
