@@ -354,6 +354,14 @@ impl<'a> Context<'a> {
         !self.is_brief || quantity.entries() <= DOFS
     }
 
+    /// Whether numbers of a component are compared with those of another state: matrices only away from singular sets, for the states are
+    /// rounded apart, and no tolerance knows the third derivatives by which matrices differ there.
+    fn compares(&self, quantity: Quantity, k: usize) -> bool {
+        /// In radians or lengths.
+        const AWAY: f64 = 1e-3;
+        self.asks(quantity) && (quantity.entries() <= DOFS || self.nearness[k] > AWAY)
+    }
+
     fn measure(&self, k: usize) -> Option<Measure> {
         self.connector.differentiated(k)
     }
@@ -588,7 +596,13 @@ pub fn try_mutants(
             smallest = smallest.min(delta);
             if !noticed && carried().next().is_some() {
                 missed = missed.max(delta);
-                must = delta >= NOTICED / SIGNIFICANT && carried().any(|(n, _)| is_plain(*n));
+                // Of a number below the normal ones a relative error is less than its last digit.
+                let is_normal = |(k, i, _): &(usize, usize, f64)| {
+                    right(quantity, *k, *i).is_some_and(|x| x.abs() >= f64::MIN_POSITIVE)
+                };
+                must = delta >= NOTICED / SIGNIFICANT
+                    && mutant.changes.first().is_some_and(is_normal)
+                    && carried().any(|(n, _)| is_plain(*n));
             }
         }
         let change = || {

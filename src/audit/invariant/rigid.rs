@@ -210,7 +210,7 @@ impl Context<'_> {
             if self.is_fixed_in_space(measure) {
                 continue;
             }
-            for quantity in Quantity::ALL.into_iter().filter(|quantity| self.asks(*quantity)) {
+            for quantity in Quantity::ALL.into_iter().filter(|quantity| self.compares(*quantity, k)) {
                 let is_value = quantity == Quantity::Value;
                 if is_value && measure.is_one_form() || twin.entries(quantity).0[k].is_none() {
                     continue;

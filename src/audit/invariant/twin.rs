@@ -113,7 +113,7 @@ impl Context<'_> {
         let twin = self.numbers_of(&swapped);
         let sheets = self.mirrored(&swapped);
         for (k, sum) in sums {
-            for quantity in Quantity::ALL.into_iter().filter(|quantity| self.asks(*quantity)) {
+            for quantity in Quantity::ALL.into_iter().filter(|quantity| self.compares(*quantity, k)) {
                 if sum.iter().any(|(m, _)| !sheets(quantity, *m)) || !self.is_exchanged(quantity, &sum) {
                     continue;
                 }
@@ -144,12 +144,20 @@ impl Context<'_> {
         }
         // Within rounding of a singular set one of the two may be on it.
         let margins = swapped.last().map(|step| twin.margins(&step.state, &after, [true; 6]));
+        // And where an initial state is on one, each chose its sheet.
+        let initial = self.connector.initial_branch();
+        let start = State { pair: self.case.definition.initial, ..self.state };
+        let initially = self.connector.margins(&start, &initial, [true; 6]);
         let is_apart: [bool; 6] = std::array::from_fn(|k| {
             let margin = margins.as_ref().and_then(|margins| margins[k]);
-            nearness(margin, self.case.length) > ROUNDING && self.nearness[k] > ROUNDING
+            let all = [
+                nearness(margin, self.case.length),
+                nearness(initially[k], self.case.length),
+                self.nearness[k],
+            ];
+            all.into_iter().all(|near| near > ROUNDING)
         });
         let angle = |turns: &Turns<f64>| turns.principal + TAU * turns.turns;
-        let initial = self.connector.initial_branch();
         let is_vector =
             (0..3).all(|i| (after.rotation_vector[i] + self.after.rotation_vector[i]).abs() < 1.0);
         let is_torsion = (angle(&after.torsion) + angle(&self.after.torsion)).abs() < 1.0;

@@ -101,8 +101,15 @@ pub(super) fn approach_card(found: &Approach, report: &Report, supplement: &Supp
     }
 }
 
-/// How near the states of a scene came to a singular set, where it is the nearest of the scene.
+/// How near the states of a scene came to a singular set, where it is the nearest of the scene: told once of a set that is approached at
+/// both its ends.
 pub(super) fn came(found: &Approach, report: &Report, supplement: &Supplement<'_>) -> String {
+    let is_same = |other: &&Approach| {
+        (&other.connection, other.component, other.at) == (&found.connection, found.component, found.at)
+    };
+    if !approaches(report, supplement).find(is_same).is_some_and(|first| std::ptr::eq(first, found)) {
+        return String::new();
+    }
     let is_of = |(scene, nearest): &(&super::Audited<'_>, &Nearest)| {
         let element = scene.model.connectors.iter().find(|element| element.label == nearest.element);
         let is_type = element.is_some_and(|element| element.definition().connection.name == found.connection);
