@@ -45,6 +45,8 @@ pub struct Approach {
     pub connection: String,
     /// The component: `ur1`.
     pub component: &'static str,
+    /// The singular set, as declared.
+    pub set: &'static str,
     /// The point: the set as declared, or which of its turns.
     pub at: &'static str,
     /// What the declaration says.
@@ -105,6 +107,7 @@ pub fn atlas(connection: &ConnectionType) -> Vec<Approach> {
         found.push(Approach {
             connection: connection.name.to_string(),
             component: COMPONENT[k],
+            set: site.set.at,
             at: site.at,
             declared: site.set.class,
             seen: classify(&at, k, &site),

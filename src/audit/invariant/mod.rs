@@ -596,13 +596,10 @@ pub fn try_mutants(
             smallest = smallest.min(delta);
             if !noticed && carried().next().is_some() {
                 missed = missed.max(delta);
-                // Of a number below the normal ones a relative error is less than its last digit.
-                let is_normal = |(k, i, _): &(usize, usize, f64)| {
-                    right(quantity, *k, *i).is_some_and(|x| x.abs() >= f64::MIN_POSITIVE)
-                };
-                must = delta >= NOTICED / SIGNIFICANT
-                    && mutant.changes.first().is_some_and(is_normal)
-                    && carried().any(|(n, _)| is_plain(*n));
+                // Of a term below the normal doubles a relative error is less than its last digit.
+                let x = mutant.changes.first().and_then(|(k, i, _)| right(quantity, *k, *i)).unwrap_or(0.0);
+                let must_be = |(n, c): &(usize, f64)| (c * x).abs() >= f64::MIN_POSITIVE && is_plain(*n);
+                must = delta >= NOTICED / SIGNIFICANT && carried().any(must_be);
             }
         }
         let change = || {

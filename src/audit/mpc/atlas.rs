@@ -147,6 +147,7 @@ impl Point {
                 Subject::Row(row) => self.kind.row_name(row),
                 Subject::Angle(i) => self.kind.entry().angles.get(i).copied().unwrap_or_default(),
             },
+            set: self.set.at,
             at: self.set.at,
             declared: self.set.class,
             seen: self.classify(),

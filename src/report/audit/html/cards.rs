@@ -105,7 +105,7 @@ pub(super) fn approach_card(found: &Approach, report: &Report, supplement: &Supp
 /// both its ends.
 pub(super) fn came(found: &Approach, report: &Report, supplement: &Supplement<'_>) -> String {
     let is_same = |other: &&Approach| {
-        (&other.connection, other.component, other.at) == (&found.connection, found.component, found.at)
+        (&other.connection, other.component, other.set) == (&found.connection, found.component, found.set)
     };
     if !approaches(report, supplement).find(is_same).is_some_and(|first| std::ptr::eq(first, found)) {
         return String::new();
@@ -113,7 +113,7 @@ pub(super) fn came(found: &Approach, report: &Report, supplement: &Supplement<'_
     let is_of = |(scene, nearest): &(&super::Audited<'_>, &Nearest)| {
         let element = scene.model.connectors.iter().find(|element| element.label == nearest.element);
         let is_type = element.is_some_and(|element| element.definition().connection.name == found.connection);
-        is_type && nearest.component == found.component && nearest.at == found.at
+        is_type && nearest.component == found.component && nearest.at == found.set
     };
     let of_scene = |scene: &'_ super::Audited<'_>| {
         report.models.iter().find(|model| model.scene == scene.scene.name)?.nearest.as_ref()
