@@ -146,7 +146,7 @@ impl<'a> Examined<'a> {
             });
             let want = told.as_ref().unwrap_or(&self.trusted);
             let Self { case, bound, .. } = self;
-            check.explain(&Symptoms { quantity, got, want, case, bound }, &answer.numbers);
+            check.explain(&Symptoms { quantity, got, want, case, bound }, answer);
         }
         check
     }

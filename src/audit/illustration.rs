@@ -71,15 +71,15 @@ impl Comparison {
         blocks.into_iter().map(|(_, block)| block).collect()
     }
 
-    /// Of rows given, in the units of the bound.
-    pub fn new(got: &Entries<f64>, want: &Entries<Wanted>, bound: &Bound) -> Self {
+    /// Of rows given, in units of the tolerance of each entry, by component and column.
+    pub fn new(got: &Entries<f64>, want: &Entries<Wanted>, tolerance: impl Fn(usize, usize) -> f64) -> Self {
         let row = |k: usize| {
             got.0[k].as_ref().zip(want.0[k].as_ref())?;
             let of = |j: usize| {
                 let missing = f64::NAN;
                 let given = got.get(k, j).unwrap_or(missing);
                 let want = want.get(k, j).unwrap_or(Wanted::exactly(missing));
-                let tolerance = bound.tolerance(Quantity::FirstDerivatives, k, j);
+                let tolerance = tolerance(k, j);
                 Compared { got: given, want: want.to_f64(), tolerance, units: want.units(given, tolerance) }
             };
             Some((COMPONENT[k].to_string(), (0..DOFS).map(of).collect()))
@@ -210,7 +210,9 @@ impl Illustration {
         Some(Self {
             subject: subject.to_string(),
             state: case.name.clone(),
-            comparison: Comparison::new(rows, &want, &bound),
+            comparison: Comparison::new(rows, &want, |k, j| {
+                bound.tolerance(Quantity::FirstDerivatives, k, j)
+            }),
             steps: steps(case, rows, &truth, &bound)?,
         })
     }

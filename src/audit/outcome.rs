@@ -10,9 +10,9 @@ use super::failing::{Example, Failing};
 use super::illustration::Comparison;
 use super::invariant::Invariant;
 use super::model::ModelReport;
-use super::oracle::Oracle;
-use super::quantity::{Entries, Quantity};
-use super::verdict::{Finding, Judgement, Score, Verdict, Wanted};
+use super::oracle::{Answer, Oracle};
+use super::quantity::Quantity;
+use super::verdict::{Finding, Judgement, Score, Verdict};
 use crate::connector::Connector;
 use crate::scene::Severity;
 use serde::Serialize;
@@ -160,7 +160,7 @@ impl Check {
     }
 
     /// Says why numbers are wrong, and keeps them to be shown.
-    pub(super) fn explain(&mut self, symptoms: &Symptoms<'_>, want: &Entries<Wanted>) {
+    pub(super) fn explain(&mut self, symptoms: &Symptoms<'_>, answer: &Answer) {
         if !matches!(self.verdict, Verdict::Wrong | Verdict::UnstableFormula) {
             return;
         }
@@ -168,7 +168,8 @@ impl Check {
         let is_told = |found: &Diagnosis| self.verdict == Verdict::Wrong || found.is_whole();
         self.diagnosis = diagnose(symptoms).filter(is_told).map(Box::new);
         if symptoms.quantity == Quantity::FirstDerivatives {
-            self.comparison = Some(Box::new(Comparison::new(symptoms.got, want, symptoms.bound)));
+            let allowed = |k: usize, j: usize| answer.allowed(symptoms.bound, symptoms.quantity, k, j);
+            self.comparison = Some(Box::new(Comparison::new(symptoms.got, &answer.numbers, allowed)));
         }
     }
 
