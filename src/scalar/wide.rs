@@ -26,11 +26,23 @@ use std::sync::LazyLock;
 #[derive(Clone, Copy, Default, PartialEq, PartialOrd)]
 pub struct Wide(f256);
 
+// The two words of a number: sign, 19 bits of exponent, 236 of fraction, of which so many are in the high word.
+const FRACTION_BITS: u32 = 108;
+const EXPONENT_MASK: i32 = 0x7_ffff;
+const BIAS: i32 = 262_143;
+
 /// 2π − `TAU`, where `TAU` is 2π rounded to 237 bits.
 const TAU_REST: f64 = 1.632_735_494_056_505_3e-71;
 
 /// Below this |x|, sin x is summed from its Taylor series: f256's own has a fixed absolute error of 2⁻⁴⁹².
 const SMALL_ANGLE: f64 = 1e-9;
+
+/// From this s on the values come from sine and cosine of √s/2, below it from the power series: it takes 30 terms at most there, in half
+/// the time, and near 0, where differences are taken, in a twentieth.
+const EXP_CLOSED: f64 = 1.0;
+
+/// Above this y = (1 − c)/2 the value of K alone comes from the arctangent: it takes as long as 75 terms of the power series.
+const LOG_CLOSED: f64 = 0.0625;
 
 /// Terms of the power series of w and k; at s = [`EXP_LIMIT`] the first one left out is below 2⁻³⁰⁰.
 const EXP_TERMS: usize = 50;
@@ -72,10 +84,9 @@ impl Wide {
 
     /// The nearest double, ties to even; subnormal below 2⁻¹⁰²², infinite from 2¹⁰²⁴ − 2⁹⁷⁰ on.
     pub fn to_f64(self) -> f64 {
-        // Sign, 19 bits of exponent, 236 of fraction; the first 108 of the fraction are in the high word.
         let (high, low) = self.0.to_bits();
         let sign = if high >> 127 == 0 { 1.0 } else { -1.0 };
-        let exponent = (high >> 108 & 0x7_ffff) as i32 - 262_143;
+        let exponent = ((high >> FRACTION_BITS) as i32 & EXPONENT_MASK) - BIAS;
         if self.0.is_nan() {
             return f64::NAN;
         }
@@ -85,7 +96,7 @@ impl Wide {
         if exponent < -1075 {
             return sign * 0.0;
         }
-        let significand = (high & ((1 << 108) - 1)) + (1 << 108);
+        let significand = (high & ((1 << FRACTION_BITS) - 1)) + (1 << FRACTION_BITS);
         let normal = exponent.max(-1022);
         // 53 of the 109 bits stay, fewer where the result is subnormal.
         let dropped = 56 + (normal - exponent) as u32;
@@ -190,8 +201,28 @@ impl Real for Wide {
         Self(self.0.round())
     }
 
+    /// By Newton's method: a quarter of the time of f256's own, which finds one bit after the other. 1/√m is known to 53 bits from doubles,
+    /// after two steps to 212; the last step adds the rest of m − r², which a fused multiply-add gives without its rounding.
     fn square_root(self) -> Self {
-        Self(self.0.sqrt())
+        let (high, low) = self.0.to_bits();
+        let biased = (high >> FRACTION_BITS) as i32;
+        // Zero and what is less than normal, what is infinite, not a number, or (with the sign's bit) negative.
+        if biased == 0 || biased >= EXPONENT_MASK {
+            return Self(self.0.sqrt());
+        }
+        // x = m 4ʰ with 1 ≤ m < 4.
+        let halved = (biased - BIAS).div_euclid(2);
+        let fraction = high & ((1 << FRACTION_BITS) - 1);
+        let with_exponent = |exponent: i32| ((BIAS + exponent) as u128) << FRACTION_BITS;
+        let m = Self(f256::from_bits((fraction | with_exponent((biased - BIAS).rem_euclid(2)), low)));
+        let (one, half) = (f256::ONE, Self::ratio(1, 2));
+        let mut inverse = Self::from_f64(m.to_f64().sqrt().recip());
+        for _ in 0..2 {
+            inverse += inverse * half * Self(one - (m * inverse * inverse).0);
+        }
+        let root = m * inverse;
+        let rest = Self((-root.0).mul_add(root.0, m.0));
+        (root + rest * inverse * half) * Self(f256::from_bits((with_exponent(halved), 0)))
     }
 
     #[inline]
@@ -259,8 +290,7 @@ impl Real for Wide {
     }
 
     fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>) {
-        // Below the least normal double the value is the first term, and f256's fused multiply-add fails on its own least ones.
-        let (closed, recurrent) = (s > f64::MIN_POSITIVE, s >= EXP_LIMIT);
+        let (closed, recurrent) = (s >= EXP_CLOSED, s >= EXP_LIMIT);
         let (mut w, mut k) = if !recurrent && (order > 0 || !closed) {
             let terms = exp_terms(s) + order;
             let of = |series: &[Self; EXP_TERMS]| taylor(series.get(..terms).unwrap_or(series), s, order);
@@ -291,8 +321,8 @@ impl Real for Wide {
     fn log_series(c: Self, order: usize) -> Series<Self> {
         let one = <Self as Scalar>::one();
         // In neither branch do terms of different sign meet.
-        if c > 0.0 {
-            let y = (one - c) / 2.0;
+        let y = (one - c) / 2.0;
+        if c > 0.0 && (order > 0 || y < LOG_CLOSED) {
             let mut k = taylor(LOG.get(..log_terms(y) + order).unwrap_or(&*LOG), y, order);
             let mut power = one; // dy/dc = −1/2
             for coefficient in &mut k {
