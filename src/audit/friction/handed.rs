@@ -121,8 +121,7 @@ fn is_alike(with: &Value, other: &Value, found: &mut [Option<f64>]) -> bool {
             x.len() == y.len() && x.iter().zip(y).all(|(x, y)| is_alike(x, y, found))
         }
         (Value::Object(x), Value::Object(y)) => {
-            x.len() == y.len()
-                && x.iter().all(|(name, x)| y.get(name).is_some_and(|y| is_alike(x, y, found)))
+            x.len() == y.len() && x.iter().all(|(name, x)| y.get(name).is_some_and(|y| is_alike(x, y, found)))
         }
         (x, y) => x == y,
     }
@@ -148,12 +147,13 @@ fn predefined(criterion: &Criterion) -> Option<Predefined> {
             let Ok(all) = Criterion::predefined(&friction, &tried, &[], is_planar) else { continue };
             for (place, other) in all.iter().enumerate() {
                 let mut found = vec![None; count];
-                let is_it = serde_json::to_value(other)
-                    .is_ok_and(|other| is_alike(&other, &value, &mut found));
+                let is_it =
+                    serde_json::to_value(other).is_ok_and(|other| is_alike(&other, &value, &mut found));
                 if !is_it {
                     continue;
                 }
-                let of = |i: usize| found[i].unwrap_or(if friction.parameters[i].required { 1.0 } else { 0.0 });
+                let of =
+                    |i: usize| found[i].unwrap_or(if friction.parameters[i].required { 1.0 } else { 0.0 });
                 let parameters: Vec<f64> = (0..count).map(of).collect();
                 let given: Vec<Option<f64>> = parameters.iter().copied().map(Some).collect();
                 let again = Criterion::predefined(&friction, &given, &[], is_planar).ok();
@@ -175,7 +175,8 @@ impl FrictionCase {
     pub(in crate::audit) fn place(&self, quantity: Quantity, entry: &str) -> Option<Place> {
         let title = &self.title;
         let slopes: Vec<String> = (0..9).map(|k| format!("{}{title}", result_name(k))).collect();
-        let mut results: Vec<(String, usize)> = (0..6).map(|k| (format!("{}{title}", output(k)), k)).collect();
+        let mut results: Vec<(String, usize)> =
+            (0..6).map(|k| (format!("{}{title}", output(k)), k)).collect();
         results.extend((0..9).map(|k| (slopes[k].clone(), k)));
         results.extend([("CNF", 7), ("CASU", 9)].map(|(name, k)| (format!("{name}{title}"), k)));
         let names = Names {
@@ -267,6 +268,7 @@ impl FrictionCase {
         Ok(Moved {
             displacement: self.of_sliding(&self.displacement),
             pressing: self.forces,
+            tractions: self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided).0.force,
             coefficient,
             stick,
             duration: self.duration,
@@ -304,7 +306,9 @@ impl FrictionCase {
             ((2.0 * tangential / normal).log2().ceil().exp2(), String::new())
         };
         if !(mu > 0.0 && mu.is_finite()) && tangential != 0.0 {
-            return Err("nothing presses, so that no traction can be held, and no increment leads to one".to_string());
+            return Err(
+                "nothing presses, so that no traction can be held, and no increment leads to one".to_string()
+            );
         }
         let radii = self.friction.radii();
         let mut displacement = [0.0; 6];
@@ -316,6 +320,7 @@ impl FrictionCase {
         Ok(Moved {
             displacement: displacement.map(|x| x / stiffness),
             pressing: self.point,
+            tractions: self.of_sliding(&self.point),
             coefficient: format!("*FRICTION{options}\n{mu:?}\n"),
             stick: format!(", STICK STIFFNESS={stiffness:?}"),
             duration: None,
@@ -367,7 +372,6 @@ impl FrictionCase {
         [alpha, beta, gamma]
     }
 
-
     /// At rest, then after the increment under what presses.
     fn states(&self, of: &Predefined, moved: &Moved) -> Result<String, String> {
         let before = self.initial(of, moved);
@@ -383,8 +387,13 @@ impl FrictionCase {
         };
         let motion = NodeMotion { displacement: [u1, u2, u3], rotation, ..NodeMotion::default() };
         let presses = self.friction.criterion.pressing_components();
-        let under = |share: f64| ElementForces {
-            total: std::array::from_fn(|k| presses[k].then_some(share * moved.pressing[k])),
+        let slots = &of.connection.slots;
+        let has = |k: usize| of.present()[k] && (slots[k].is_available() || slots[k].is_constrained());
+        // Of what slides the friction force is all there is; of what neither slides nor presses nothing matters.
+        let under = |share: f64, tractions: &[f64; 6]| ElementForces {
+            total: std::array::from_fn(|k| {
+                has(k).then_some(if presses[k] { share * moved.pressing[k] } else { tractions[k] })
+            }),
             ..ElementForces::default()
         };
         let of_element = |forces: ElementForces| [(Label::from(1), forces)].into();
@@ -392,13 +401,13 @@ impl FrictionCase {
         let is_given = !moved.stick.is_empty();
         let start = State {
             time: moved.duration.map(|_| 0.0),
-            forces: of_element(under(if is_given { 1.0 } else { 0.0 })),
+            forces: of_element(under(if is_given { 1.0 } else { 0.0 }, &[0.0; 6])),
             ..State::default()
         };
         let end = State {
             time: moved.duration,
             nodes: [(Label::from(2), motion)].into(),
-            forces: of_element(under(1.0)),
+            forces: of_element(under(1.0, &moved.tractions)),
             ..State::default()
         };
         StateFile { states: vec![start, end] }.to_json().map_err(|error| error.to_string())
@@ -416,6 +425,8 @@ struct Moved {
     displacement: [f64; 6],
     /// What presses.
     pressing: [f64; 6],
+    /// The friction forces at the end.
+    tractions: [f64; 6],
     /// `*FRICTION`.
     coefficient: String,
     /// The option of the stick stiffness.

@@ -122,7 +122,8 @@ pub(super) fn deck(recorded: &Recorded, case: &FrictionCase) -> Result<Deck, Exp
         let largest = was.iter().zip(&is).map(gap).fold(0.0, f64::max);
         let size = was.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         if largest > OTHER * size {
-            let why = "its friction does something else there: the states of a deck cannot lead to this increment";
+            let why =
+                "its friction does something else there: the states of a deck cannot lead to this increment";
             return Err(lost(&why));
         }
         differences.push(Difference { quantity, largest });
