@@ -1,5 +1,6 @@
 """Friction by JAX: P, F_C, F_N and Φ of every predefined friction with gradients and Hessians, and the stick/slip update with
-its consistent tangent, from formulas written here apart. Writes verify/golden/friction.json; with --check compares with it.
+its consistent tangent, by the formulas of scripts/reference_friction_formulas.py. Writes verify/golden/friction.json; with --check
+compares with it, and besides what the scripts of counter-examples solve, for any friction, with what is solved here for these.
 
 The update is solved another way than in Rust: for P a norm, by bisection on the slip and Newton steps through which JAX
 differentiates; for a quadratic potential by the scalar equation of its closest point.
@@ -12,8 +13,9 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
-
-jax.config.update("jax_enable_x64", True)
+from reference_friction_formulas import (
+    FRICTIONS, SLIDING, Belt, Friction, belt_parts, coefficient, columns, first_root, magnitude, norm, polished,
+)
 
 GOLDEN = Path(__file__).resolve().parent.parent / "verify" / "golden" / "friction.json"
 SCHEMA = "pintle-friction/1"
@@ -21,80 +23,17 @@ AGREEMENT = 1e-12
 """Relative to the largest entry of a result; what differs between machines is rounding."""
 
 
-def norm(*components):
-    """√(Σ x²), away from zero."""
-    return jnp.sqrt(sum(x * x for x in components))
-
-
-def over(x, length):
-    """x / length, or nothing where the length is zero: the term is left out."""
-    return x / length if length != 0.0 else 0.0
-
-
-def slide_plane(f, p, position):
-    return norm(f[1], f[2]), jnp.abs(f[0]), p[0]
-
-
-def slot(f, p, position):
-    return jnp.abs(f[0]), norm(f[1], f[2]), p[0]
-
-
-def translator(f, p, position):
-    radial, bend, torque = norm(f[1], f[2]), norm(f[4], f[5]), jnp.abs(f[3])
-    return jnp.abs(f[0]), over(torque, p[0]) + radial + over(2.0 * bend, p[1]), p[2]
-
-
-def cylindrical(f, p, position):
-    return norm(f[0], f[3] / p[0]), norm(f[1], f[2]) + over(2.0 * norm(f[4], f[5]), p[1]), p[2]
-
-
-def hinge(f, p, position):
-    radial = norm(f[1], f[2]) + over(2.0 * norm(f[4], f[5]), p[2])
-    return jnp.abs(f[3]), p[1] * jnp.abs(f[0]) + p[0] * radial, p[3]
-
-
-def puck(f, p, position):
-    return norm(f[1], f[2]), jnp.abs(f[0]) + over(norm(f[4], f[5]), p[0]), p[1]
-
-
-def puck_spin(f, p, position):
-    return jnp.abs(f[3]), p[0] * jnp.abs(f[0]) + (norm(f[4], f[5]) if p[0] != 0.0 else 0.0), p[2]
-
-
-def bearing(f, p, axis):
-    along = f[0] * axis[0] + f[1] * axis[1] + f[2] * axis[2]
-    across = norm(*(f[i] - along * axis[i] for i in range(3)))
-    return p[2] * jnp.abs(along) + p[0] * (across + 2.0 * jnp.abs(f[4]) / p[1])
-
-
-def cross_of_a(f, p, position):
-    return jnp.abs(f[3]), bearing(f, p, jnp.array([1.0, 0.0, 0.0])), p[4]
-
-
-def cross_of_b(f, p, position):
-    a, b = position[3], position[4]
-    axis = jnp.array([jnp.sin(b), -jnp.sin(a) * jnp.cos(b), jnp.cos(a) * jnp.cos(b)])
-    return jnp.abs(f[5]), bearing(f, p, axis), p[5]
-
-
-FRICTIONS = {
-    "SLIDE-PLANE": ([slide_plane], 1, {1: 0, 2: 0}),
-    "SLOT": ([slot], 1, {}),
-    "TRANSLATOR": ([translator], 3, {}),
-    "CYLINDRICAL": ([cylindrical], 3, {}),
-    "HINGE": ([hinge], 4, {}),
-    "PLANAR": ([puck, puck_spin], 3, {}),
-    "UJOINT": ([cross_of_a, cross_of_b], 6, {}),
-}
-SLIDING = {
-    "SLIDE-PLANE": [[1, 2]], "SLOT": [[0]], "TRANSLATOR": [[0]], "CYLINDRICAL": [[0, 3]], "HINGE": [[3]],
-    "PLANAR": [[1, 2], [3]], "UJOINT": [[3], [5]],
-}
-
-
 def radii(name, p, sliding):
     """What makes a force of a moment in P."""
     return [p[0] if name == "CYLINDRICAL" and k == 3 else 1.0 for k in sliding]
+
+
+def applied(function, at):
+    return function(at)
+
+
+def curvatures(function, at):
+    return columns(lambda y: columns(function, y), at)
 
 
 def criterion_cases(random):
@@ -108,39 +47,16 @@ def criterion_cases(random):
 
                 def results(f):
                     tangential, contact, internal = criterion(f, p, position)
-                    normal = jnp.abs(contact + internal)
+                    normal = magnitude(contact + internal)
                     return jnp.array([tangential, contact, normal, tangential - mu * normal])
 
-                value, gradient, hessian = (part(results)(f) for part in (lambda g: g, jax.jacfwd, jax.hessian))
+                value, gradient, hessian = (part(results, jnp.asarray(f)) for part in (applied, columns, curvatures))
                 yield {
                     "type": name, "criterion": place, "parameters": p.tolist(), "coefficient": float(mu),
                     "forces": f.tolist(), "position": position.tolist(),
                     "values": np.asarray(value).tolist(), "gradients": np.asarray(gradient).tolist(),
                     "hessians": np.asarray(hessian).tolist(),
                 }
-
-
-def coefficient(law, rate):
-    return law[1] + (law[0] - law[1]) * jnp.exp(-law[2] * rate)
-
-
-def first_root(left, high):
-    """Where a function that is positive at 0 first is not, by bisection."""
-    low = 0.0
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if float(left(middle)) > 0.0 else (low, middle)
-    return low
-
-
-def polished(left, root):
-    """The root with its derivatives: Newton steps whose slope JAX does not differentiate, each of which is right to one order
-    more."""
-    slope = jax.lax.stop_gradient(jax.grad(left)(root))
-    root = jnp.asarray(root)
-    for _ in range(2):
-        root = root - left(root) / slope
-    return root
 
 
 class Update:
@@ -156,7 +72,7 @@ class Update:
         tractions = jnp.array([self.start[k] for k in self.sliding]) / self.scale
         trial = tractions + self.stiffness * self.scale * jnp.array([x[k] for k in self.sliding])
         _, contact, internal = self.criterion(x[6:12], self.p, self.position + x[:6])
-        pressed, size, duration = jnp.abs(contact + internal), norm(*trial), x[12]
+        pressed, size, duration = magnitude(contact + internal), norm(*trial), x[12]
 
         def left(slip):
             return size - self.stiffness * slip - coefficient(self.law, slip / duration) * pressed
@@ -206,25 +122,19 @@ def update_cases(random):
                     "stick_stiffness": stiffness, "start": state.tolist(), "accumulated_slip": float(before),
                     "displacement": x[:6].tolist(), "forces": x[6:12].tolist(), "duration": float(x[12]),
                     "position": (position0 + x[:6]).tolist(),
-                    "values": value.tolist(), "tangent": np.asarray(jax.jacfwd(result)(jnp.asarray(x))).tolist(),
+                    "values": value.tolist(), "tangent": np.asarray(columns(result, x)).tolist(),
                 }
                 state, before = value[:6].copy(), float(value[7])
 
 
 def belt_cases(random):
-    def results(t, mu):
-        first, second, angle = t
-        tangential = jnp.abs(second - first)
-        least = jnp.minimum(first, second)
-        return jnp.array([tangential, tangential - least * (jnp.exp(mu * angle) - 1.0)])
-
     for _ in range(8):
         t, mu = random.uniform(0.3, 3.0, 3), random.uniform(0.1, 0.6)
-        of = lambda t: results(t, mu)
+        of = lambda t: belt_parts(t, mu)[jnp.array([0, 3])]
         yield {
             "tension": t[:2].tolist(), "angle": float(t[2]), "coefficient": float(mu),
-            "values": np.asarray(of(t)).tolist(), "gradients": np.asarray(jax.jacfwd(of)(t)).tolist(),
-            "hessians": np.asarray(jax.hessian(of)(t)).tolist(),
+            "values": np.asarray(of(jnp.asarray(t))).tolist(), "gradients": np.asarray(columns(of, t)).tolist(),
+            "hessians": np.asarray(curvatures(of, t)).tolist(),
         }
 
 
@@ -265,7 +175,7 @@ def potential_cases(random):
             "scale": scale.tolist(), "radius": float(radius), "stick_stiffness": stiffness, "start": start.tolist(),
             "displacement": x.tolist(), "normal": float(pressed), "coefficient": float(mu),
             "values": np.asarray(result(arguments)).tolist(),
-            "tangent": np.asarray(jax.jacfwd(result)(arguments)).tolist(),
+            "tangent": np.asarray(columns(result, arguments)).tolist(),
         }
 
 
@@ -278,6 +188,89 @@ def computed():
         "belts": list(belt_cases(random)),
         "potentials": list(potential_cases(random)),
     }
+
+
+REST = {"force": [0.0] * 6, "accumulated_slip": 0.0, "stick_stiffness": None}
+NOTHING = {"temperature": None, "fields": []}
+
+
+def increment(friction, before, **of):
+    """An increment as a counter-example has it."""
+    case = {"friction": {"maximum": None, "radius": 1.0} | friction, "before": REST | before, "conditions": NOTHING}
+    return case | {"position": [0.0] * 6, "motion": [0.0] * 6, "forces": [0.0] * 6, "duration": None} | of
+
+
+def update_again(update):
+    """The numbers of an update as the script of a counter-example solves them."""
+    name, place, p = update["type"], update["criterion"], update["parameters"]
+    sliding = SLIDING[name][place]
+    at_rest, kinetic, decay = update["coefficients"]
+    friction = {
+        "criterion": {"tangential": {"Norm": list(zip(sliding, radii(name, p, sliding)))}, "pressing": {"Terms": []}},
+        "coefficient": {"Exponential": {"at_rest": at_rest, "kinetic": kinetic, "decay": decay}},
+        "stick_stiffness": {"Given": update["stick_stiffness"]},
+    }
+    friction["criterion"]["internal"] = {"Constant": 0.0}
+    case = increment(
+        friction, {"force": update["start"], "accumulated_slip": update["accumulated_slip"]}, position=update["position"],
+        displacement=update["displacement"], forces=update["forces"], duration=update["duration"],
+    )
+    # Forces, Δγ, CASU and F_N.
+    result, order = Friction(case, (name, place, p, [True] * 6)).solutions()[0], np.array([0, 1, 2, 3, 4, 5, 6, 9, 7])
+    return {
+        "values": np.asarray(result(jnp.zeros(13)))[order].tolist(),
+        "tangent": np.asarray(columns(result, jnp.zeros(13)))[order].tolist(),
+    }
+
+
+def potential_again(of):
+    """The same of a potential of three components with an internal contact force; the last column is by that, which no input is."""
+    terms = [
+        {"of": {"Component": k}, "scale": scale, "exponent": 2.0, "function": "abs", "shift": 0.0, "sign": 1.0}
+        for k, scale in zip((0, 1, 3), of["scale"])
+    ]
+    friction = {
+        "criterion": {
+            "tangential": {"Potential": {"operator": "sum", "exponent": 2.0, "contributions": terms}},
+            "pressing": {"Component": 2}, "internal": {"Constant": 0.0},
+        },
+        "coefficient": {"Constant": of["coefficient"]}, "stick_stiffness": {"Given": of["stick_stiffness"]},
+        "radius": of["radius"],
+    }
+    spread = lambda x: [x[0], x[1], 0.0, x[2], 0.0, 0.0]
+    case = increment(
+        friction, {"force": spread(of["start"])}, displacement=spread(of["displacement"]),
+        forces=[0.0, 0.0, of["normal"], 0.0, 0.0, 0.0],
+    )
+    result, rows = Friction(case).solutions()[0], np.array([0, 1, 3, 6])
+    return {
+        "values": np.asarray(result(jnp.zeros(13)))[rows].tolist(),
+        "tangent": np.asarray(columns(result, jnp.zeros(13)))[rows][:, [0, 1, 3, 8]].tolist(),
+    }
+
+
+def belt_again(of):
+    """The force of a belt that slips by much is Φ's limit, with its slopes."""
+    belt = {"coefficient": {"Constant": of["coefficient"]}, "maximum": None, "stick_stiffness": {"Given": 1e6}}
+    case = {
+        "belt": belt, "before": REST, "flow": 1.0, "tension": of["tension"], "angle": of["angle"], "duration": None,
+        "conditions": NOTHING,
+    }
+    return np.asarray(columns(Belt(case).solutions()[0], jnp.zeros(5)))[0, 3]
+
+
+def again(result):
+    """What the scripts of counter-examples say, of the same increments."""
+    return {
+        "updates": [case | update_again(case) for case in result["updates"]],
+        "potentials": [case | potential_again(case) for case in result["potentials"]],
+        "belts": [float(belt_again(case)) for case in result["belts"]],
+    }
+
+
+def closed(belt):
+    """∂/∂α of T1 (exp(μ α) - 1)."""
+    return belt["coefficient"] * belt["tension"][0] * float(np.exp(belt["coefficient"] * belt["angle"]))
 
 
 def differences(path, ours, theirs):
@@ -305,6 +298,8 @@ def main():
     result = computed()
     if "--check" in sys.argv[1:]:
         found = list(differences("friction", result, json.loads(GOLDEN.read_text())))
+        theirs = {key: result[key] for key in ("updates", "potentials")} | {"belts": list(map(closed, result["belts"]))}
+        found += differences("again", again(result), theirs)
         for line in found[:20]:
             print(line, file=sys.stderr)
         cases = sum(len(result[key]) for key in ("criteria", "updates", "belts", "potentials"))

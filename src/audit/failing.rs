@@ -55,12 +55,15 @@ impl Failing {
         }
     }
 
-    /// Whether a deck and its states can hold it; what is of forces has the scene that it was found in, or none.
+    /// Whether a deck and its states can hold it: of a friction, whether it is the predefined one of a type. Belts, springs and dampers have
+    /// the scene that they were found in, or none.
     pub(super) fn has_deck(&self) -> bool {
         match self {
             Self::Connector(case) => CounterExample::record(case, Against::Own).deck().is_ok(),
             Self::Mpc(_) => Recorded::stated(self).is_some_and(|recorded| recorded.deck().is_ok()),
-            Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => true,
+            // What its deck needs besides is not lost where numbers become simpler.
+            Self::Friction(case) => case.predefined().is_some(),
+            Self::Belt(_) | Self::Slopes(_) => true,
         }
     }
 

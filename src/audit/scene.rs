@@ -4,12 +4,13 @@ use super::behavior::{SlopesCase, audit_behavior};
 use super::case::{Case, Step};
 use super::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
 use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread_of};
-use super::friction::{Slipping, audit_slipping, drawn, slipping};
+use super::friction::{FrictionCase, Slipping, audit_slipping, drawn, slipping};
 use super::mpc::MpcCase;
 use super::outcome::{Check, Expected, Report, Subject};
 use super::quantity::Quantity;
 use super::sample::{Draw, about_initial};
 use super::verdict::Verdict;
+use crate::behavior::Conditions;
 use crate::behavior::state::History;
 use crate::connector::{Output, Request};
 use crate::evaluate::{ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence};
@@ -299,6 +300,31 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
         let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
             if let Item::Connector(placed) = placed {
                 found.push((model.connectors[placed.index].title(), case(model, placed, number)));
+            }
+            Ok(())
+        });
+    }
+    found
+}
+
+/// The frictions of the first connector at the last of the states, without belts.
+pub(super) fn last_frictions(target: &Target<'_>) -> Vec<FrictionCase> {
+    let Target { model, plan, states, .. } = *target;
+    let follows = Plan { request: followed(target), ..plan.clone() };
+    let mut walk = walk(model, &follows);
+    let (mut left, mut found) = (History::default(), Vec::new());
+    for state in states {
+        let mut is_first = true;
+        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
+            if let Item::Connector(placed) = placed
+                && std::mem::take(&mut is_first)
+            {
+                let behavior = &model.connectors[placed.index].behavior;
+                let now = placed.behavior.as_ref().map(|outcome| outcome.history.clone());
+                let before = std::mem::replace(&mut left, now.unwrap_or_default());
+                let of = case(model, placed, 0);
+                let slips = slipping(placed, behavior, &of, (before, &Conditions::default()));
+                found = slips.map(|slips| slips.cases(behavior)).unwrap_or_default();
             }
             Ok(())
         });

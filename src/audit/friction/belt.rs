@@ -24,10 +24,13 @@ use crate::scalar::elementary::exp;
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
 
 /// What an increment of a belt depends on.
-const INPUTS: [&str; 5] = ["Δu2", "T1", "T2", "α", "Δt"];
+pub(super) const INPUTS: [&str; 5] = ["Δu2", "T1", "T2", "α", "Δt"];
 
 /// T1, T2, α.
-const POINT: [&str; 3] = ["T1", "T2", "α"];
+pub(super) const POINT: [&str; 3] = ["T1", "T2", "α"];
+
+/// What an increment gives.
+pub(super) const RESULTS: [&str; 5] = ["CSF2", "Δγ", "CNF", "limit", "CASU"];
 
 /// A belt at an increment.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -226,7 +229,7 @@ impl BeltCase {
         let force = |outcome: &Outcome<f64>| vec![outcome.force[FLOW]];
         let slopes = Slopes {
             quantity: Quantity::FrictionTangent,
-            outputs: Output::list([("CSF2", outcome.force[FLOW].abs(), 0)]),
+            outputs: Output::list([(RESULTS[0], outcome.force[FLOW].abs(), 0)]),
             inputs: Argument::list(&INPUTS, &sizes, &reaches, |_| 0.0),
             matrices: None,
             demanded: Vec::new(),
@@ -265,13 +268,12 @@ impl BeltCase {
                     continue;
                 }
             };
-            let names = ["CSF2", "Δγ", "CNF", "limit", "CASU"];
             let got = results(outcome);
             let class = |i: usize| ([0, 1, 0, 0, 1][i], 0, 0);
-            let entry = |i: usize| Entry::new(names[i].to_string(), got[i], want[i], scales[i], class(i));
+            let entry = |i: usize| Entry::new(RESULTS[i].to_string(), got[i], want[i], scales[i], class(i));
             let mut sheet = Sheet::new(Quantity::FrictionForce);
-            sheet.rows = names.map(String::from).to_vec();
-            sheet.entries = (0..names.len()).map(entry).collect();
+            sheet.rows = RESULTS.map(String::from).to_vec();
+            sheet.entries = (0..RESULTS.len()).map(entry).collect();
             let changes = wrong.iter().copied().enumerate().collect();
             sheet.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
             sheets.push((oracle, sheet));

@@ -30,7 +30,7 @@ pub(super) fn magnitudes(values: &[f64; 4]) -> Vec<f64> {
 }
 
 impl FrictionCase {
-    fn derivatives<R: Ordered + Differentiable>(
+    pub(super) fn derivatives<R: Ordered + Differentiable>(
         &self,
         criterion: &Criterion,
         forces: &[R; 6],

@@ -49,12 +49,12 @@ pub(super) const fn forced(outcome: &Outcome<f64>) -> Branch {
     }
 }
 
-fn results<R: Copy>(outcome: &Outcome<R>) -> [R; RESULTS] {
+pub(super) fn results<R: Copy>(outcome: &Outcome<R>) -> [R; RESULTS] {
     let [f1, f2, f3, m1, m2, m3] = outcome.force;
     [f1, f2, f3, m1, m2, m3, outcome.slip_increment, outcome.normal, outcome.limit]
 }
 
-fn partials<R: Copy>(tangent: &Tangent<R>) -> Vec<Vec<R>> {
+pub(super) fn partials<R: Copy>(tangent: &Tangent<R>) -> Vec<Vec<R>> {
     let flat = |of: &Partial<R>| {
         of.displacement.iter().chain(&of.forces).chain([&of.duration]).copied().collect::<Vec<_>>()
     };
@@ -65,6 +65,22 @@ fn partials<R: Copy>(tangent: &Tangent<R>) -> Vec<Vec<R>> {
 /// CSF1 … CSM3.
 pub(super) fn output(k: usize) -> String {
     format!("CS{}", FORCE[k].to_uppercase())
+}
+
+/// The names of what has slopes, in the order of [`results`].
+pub(super) fn result_name(k: usize) -> &'static str {
+    match k {
+        0..6 => FORCE[k],
+        6 => "Δγ",
+        7 => "F_N",
+        _ => "limit",
+    }
+}
+
+/// The names of what slopes are by.
+pub(super) fn input_names() -> Vec<String> {
+    let inputs = COMPONENT.iter().map(|name| format!("Δ{name}"));
+    inputs.chain(FORCE.map(String::from)).chain(["Δt".to_string()]).collect()
 }
 
 impl FrictionCase {
@@ -163,22 +179,14 @@ impl FrictionCase {
         reaches[6..12].copy_from_slice(&reach(&self.forces, &sizes[6..12]));
         let mut got = partials(&tangent);
         settings.planted.into_iter().for_each(|planted| planted.spoil_friction(&mut got));
-        let names = |k: usize| match k {
-            0..6 => FORCE[k],
-            6 => "Δγ",
-            7 => "F_N",
-            _ => "limit",
-        };
-        let inputs = COMPONENT.iter().map(|name| format!("Δ{name}"));
-        let inputs = inputs.chain(FORCE.map(String::from)).chain(["Δt".to_string()]);
-        let inputs: Vec<String> = inputs.collect();
+        let inputs = input_names();
         let update = |j: usize, h: Wide| friction.update(&before, &self.input(j, h), on);
         let (magnitudes, beside) = (self.magnitudes(&outcome), self.beside(&outcome));
         let slopes = Slopes {
             quantity: Quantity::FrictionTangent,
             // The forces share what they are returned from: each is as uncertain as the largest of its kind.
             outputs: Output::list(
-                (0..RESULTS).map(|i| (format!("{}{}", names(i), self.title), magnitudes[i], kind(i))),
+                (0..RESULTS).map(|i| (format!("{}{}", result_name(i), self.title), magnitudes[i], kind(i))),
             ),
             inputs: Argument::list(&inputs, &sizes, &reaches, |j| beside[j]),
             matrices: None,

@@ -63,6 +63,38 @@ pub(in crate::audit) fn slipping(
 }
 
 impl Slipping {
+    /// The friction of that number, with what it does, as a case; none of a belt.
+    fn case(&self, i: usize, element: &ElementBehavior) -> Option<FrictionCase> {
+        let Self { name, outcome, conditions, length, .. } = self;
+        let frictions = &element.behavior.friction.frictions;
+        let (slip, friction) = (outcome.slips.get(i)?, frictions.get(i)?);
+        let (before, done) = (slip.before.as_ref()?, slip.outcome.as_ref().ok()?);
+        let mut point = slip.forces;
+        (0..6).filter(|k| slip.components[*k]).for_each(|k| point[k] = done.force[k]);
+        let several = frictions.len() > 1;
+        Some(FrictionCase {
+            name: name.clone(),
+            title: if several { format!("({})", friction.criterion.output) } else { String::new() },
+            friction: friction.clone(),
+            coefficient: done.coefficient,
+            point,
+            before: *before,
+            displacement: slip.displacement,
+            forces: slip.forces,
+            position: outcome.motion.position,
+            motion: outcome.motion.constitutive,
+            accumulated_slip: done.accumulated_slip,
+            duration: outcome.duration,
+            conditions: conditions.clone(),
+            length: *length,
+        })
+    }
+
+    /// Its frictions that are known, without a belt.
+    pub(in crate::audit) fn cases(&self, element: &ElementBehavior) -> Vec<FrictionCase> {
+        (0..self.outcome.slips.len()).filter_map(|i| self.case(i, element)).collect()
+    }
+
     /// What a friction remembers and how far it goes, against what the state before left.
     fn carried(&self, proves: bool) -> Option<Check> {
         let previous = self.previous.as_ref()?;
@@ -176,37 +208,17 @@ pub(in crate::audit) fn audit_slipping(
 ) -> Vec<Check> {
     let Slipping { name, outcome, tangent, conditions, length, .. } = slipping;
     let behavior = &element.behavior;
-    let frictions = &behavior.friction.frictions;
     let mut found = Vec::new();
     found.extend(slipping.carried(proves));
     for (i, slip) in outcome.slips.iter().enumerate() {
-        let (before, done) = match (&slip.before, &slip.outcome) {
-            (Some(before), Ok(done)) => (before, done),
+        let before = match (&slip.before, &slip.outcome) {
+            (Some(before), Ok(_)) => before,
             (_, outcome) => {
                 found.extend(undecided(settings, name, outcome.as_ref().err().copied()));
                 continue;
             }
         };
-        if let Some(friction) = frictions.get(i) {
-            let mut point = slip.forces;
-            (0..6).filter(|k| slip.components[*k]).for_each(|k| point[k] = done.force[k]);
-            let several = frictions.len() > 1;
-            let case = FrictionCase {
-                name: name.clone(),
-                title: if several { format!("({})", friction.criterion.output) } else { String::new() },
-                friction: friction.clone(),
-                coefficient: done.coefficient,
-                point,
-                before: *before,
-                displacement: slip.displacement,
-                forces: slip.forces,
-                position: outcome.motion.position,
-                motion: outcome.motion.constitutive,
-                accumulated_slip: done.accumulated_slip,
-                duration: outcome.duration,
-                conditions: conditions.clone(),
-                length: *length,
-            };
+        if let Some(case) = slipping.case(i, element) {
             found.extend(case.judged(settings, wide, proves));
         } else if let (Some(belt), Some(Beyond { tension: Ok(tension), angle, .. })) =
             (&behavior.friction.belt, slip.beyond)

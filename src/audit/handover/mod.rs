@@ -2,6 +2,7 @@
 
 mod constraint;
 mod deck;
+mod friction;
 mod jax;
 mod law;
 mod recorded;

@@ -2,7 +2,7 @@
 
 use super::deck::Deck;
 use super::rust::literal;
-use super::{ExportError, comment, constraint};
+use super::{ExportError, comment, constraint, friction};
 use crate::audit::failing::{Example, Failing};
 use crate::audit::quantity::Quantity;
 use crate::audit::recorded::{FoundIn, Recorded};
@@ -71,25 +71,30 @@ impl Recorded {
         ))
     }
 
-    /// A script for Python with JAX and NumPy, and nothing else: of a constraint, formulas that share nothing with this crate.
+    /// A script for Python with JAX and NumPy, and nothing else: of a constraint, a friction, a belt, formulas that share nothing with this
+    /// crate. Of a friction it solves the equations of stick and slip by itself, and differentiates the solution.
     ///
     /// # Errors
-    /// What cannot be replayed; what is no constraint.
+    /// What cannot be replayed; slopes of springs and dampers; an entry that it does not give.
     pub fn jax(&self) -> Result<String, ExportError> {
         match self.failing()? {
             Failing::Mpc(case) => {
                 let Some(place) = constraint::place(self, &case) else { return Err(self.unknown()) };
                 Ok(constraint::jax(self, &case, place))
             }
-            _ => Err(self.has_no("script for JAX: the formulas there are of kinematics alone")),
+            Failing::Friction(case) => friction::jax_of_friction(self, &case),
+            Failing::Belt(case) => friction::jax_of_belt(self, &case),
+            _ => Err(self.has_no("script for JAX: the formulas there are of kinematics and friction")),
         }
     }
 
     /// A deck, and the states that lead to the one in question: of a constraint, with its shrunk values; of a friction, a belt, springs
-    /// and dampers, the scene that it was found in, as it was audited.
+    /// and dampers, the scene that it was found in, as it was audited. Of the predefined friction of a type at drawn forces, a connector of that
+    /// type and an increment under these forces, with its shrunk values.
     ///
     /// # Errors
-    /// What cannot be replayed; what was found at drawn states or under drawn forces, of which no scene is known.
+    /// What cannot be replayed. What was found at drawn states or under drawn forces and is no predefined friction of a type, or starts from
+    /// what earlier increments left, or is Φ at tractions beyond the limit.
     pub fn deck(&self) -> Result<Deck, ExportError> {
         let failing = self.failing()?;
         match (failing, &self.found_in) {
@@ -103,16 +108,17 @@ impl Recorded {
                 );
                 Ok(Deck { text, states: states.clone() + "\n", differences: Vec::new() })
             }
+            (Failing::Friction(case), None) => friction::deck(self, &case),
             _ => Err(self
                 .has_no("deck: it was found at a drawn state or under drawn forces, which no scene gives")),
         }
     }
 
-    fn unknown(&self) -> ExportError {
+    pub(super) fn unknown(&self) -> ExportError {
         ExportError::Lost(format!("{} is no number of its {}", self.entry, self.kind.name()))
     }
 
-    fn has_no(&self, form: &str) -> ExportError {
+    pub(super) fn has_no(&self, form: &str) -> ExportError {
         ExportError::Lost(format!("what is of a {} has no {form}", self.kind.name()))
     }
 }
