@@ -254,7 +254,7 @@ fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
     let mpcs = plan.mpcs.iter().filter_map(|at| {
         let element = model.mpcs.get(*at)?;
         let of_kind = certificate_of_mpc(element.constraint.kind());
-        Some((element.title(), of_kind, true, Expected::numbers(&MpcCase::QUANTITIES)))
+        Some((element.title(), of_kind, true, Expected::of_constraint()))
     });
     let named = connectors.chain(mpcs).zip(gathered);
     named
