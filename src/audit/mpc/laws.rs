@@ -526,6 +526,8 @@ impl MpcCase {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::audit::engine::Settings;
+    use crate::audit::planted::Planted;
     use crate::audit::sample::Draw;
     use crate::audit::verdict::Verdict;
     use crate::connector::Turns;
@@ -637,6 +639,26 @@ mod tests {
             }
         }
         assert!(broken >= 26, "{broken}");
+    }
+
+    /// A fault planted in a kind of number is called wrong in that, and in no other kind.
+    #[test]
+    fn planted_faults_are_told() {
+        for kind in Kind::ALL {
+            let case = drawn(kind, 0, &mut Draw::new(kind.name()));
+            for (planted, quantity) in [
+                (Planted::WrongValue, Quantity::Value),
+                (Planted::WrongRate, Quantity::Rate),
+                (Planted::WrongAcceleration, Quantity::Acceleration),
+            ] {
+                let settings = Settings { planted: Some(planted), ..Settings::default() };
+                for check in case.audit(&settings, false) {
+                    let is_wrong = check.verdict.is_mismatch();
+                    let is_of_it = check.quantity == Some(quantity);
+                    assert!(is_wrong == is_of_it || check.quantity.is_none(), "{}: {check:?}", case.name);
+                }
+            }
+        }
     }
 
     /// A turn of everything is in the kernel of a BEAM and of ρ where they hold; of nodes of a PIN that are apart it is not, for their
