@@ -196,7 +196,14 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         drawn.map_or_else(Vec::new, |case| audit_case(&case, settings, wide.contains(&i), i))
     }));
     let frictions = friction_cases(connection, settings, settings.wide_states);
-    let found: Vec<Vec<Check>> = frictions.par_iter().map(|case| case.audit(settings)).collect();
+    let found: Vec<Vec<Check>> = frictions
+        .par_iter()
+        .map(|case| {
+            let mut checks = case.audit(settings);
+            checks.push(case.restored(true));
+            checks
+        })
+        .collect();
     found.into_iter().for_each(|found| checks_of(&mut checks, found));
     checks_of(&mut checks, friction::audit_golden(connection, settings));
     for law in [Invariant::Start, Invariant::Turns, Invariant::FreeAxis] {

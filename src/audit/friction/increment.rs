@@ -49,12 +49,12 @@ pub(super) const fn forced(outcome: &Outcome<f64>) -> Branch {
     }
 }
 
-fn results<R: Copy>(outcome: &Outcome<R>) -> [R; RESULTS] {
+pub(super) fn results<R: Copy>(outcome: &Outcome<R>) -> [R; RESULTS] {
     let [f1, f2, f3, m1, m2, m3] = outcome.force;
     [f1, f2, f3, m1, m2, m3, outcome.slip_increment, outcome.normal, outcome.limit]
 }
 
-fn partials<R: Copy>(tangent: &Tangent<R>) -> Vec<Vec<R>> {
+pub(super) fn partials<R: Copy>(tangent: &Tangent<R>) -> Vec<Vec<R>> {
     let flat = |of: &Partial<R>| {
         of.displacement.iter().chain(&of.forces).chain([&of.duration]).copied().collect::<Vec<_>>()
     };
