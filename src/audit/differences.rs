@@ -3,13 +3,56 @@
 //! A step is a part of the size of a degree of freedom, and where a singular set is nearer than that, at a distance δ in sizes, of δ.
 
 use crate::scalar::{Real, Wide};
+use crate::vector::Vector;
 
 /// The step of first differences, in sizes: what is left is about 1e-50 of truncation and 1e-45 of rounding.
 pub(super) const FIRST_STEP: f64 = 1e-25;
 /// The step of second differences, in sizes, times √δ.
 pub(super) const SECOND_STEP: f64 = 1e-18;
+/// The step of second differences that move two degrees of freedom ahead only, in sizes, times δ^(5/6): what is left is about
+/// 1e-21 δ^(−1/6) of truncation and 1e-29 δ^(−2/3) of rounding, parts of the scale of second derivatives, which carries 1/δ.
+const STEP_AHEAD: f64 = 1e-21;
+/// How near to a singular set, and how far from the origin, in sizes, second differences go ahead only.
+const NEAREST_AHEAD: f64 = 1e-12;
+const FARTHEST_AHEAD: f64 = 1e6;
 /// A hundred roundings of 237 bits.
 pub(super) const NOISE: f64 = 6e-70;
+
+/// In which directions two degrees of freedom move from a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Directions {
+    /// Both ahead; one by itself ahead and back: half of the evaluations, for a truncation of first order in the step.
+    Ahead,
+    /// Both ahead, by as many of their sizes, and both back; one by itself ahead and back.
+    Together,
+    /// One ahead and the other back, no two by as many of their sizes; one by itself ahead, and twice as far. What has a second
+    /// derivative has the same difference quotients; |x y|, x |x| and the like have others.
+    Against,
+}
+
+/// The step of second differences of values, in sizes of the degrees of freedom, and where they move: that near to a singular set (0 on
+/// one), and that far from the origin.
+pub(super) fn second(nearness: f64, far: f64) -> (f64, Directions) {
+    if nearness >= NEAREST_AHEAD && far <= FARTHEST_AHEAD {
+        (STEP_AHEAD * nearness.powf(5.0 / 6.0), Directions::Ahead)
+    } else {
+        let near = if nearness > 0.0 { nearness } else { 1.0 };
+        (SECOND_STEP * near.sqrt(), Directions::Together)
+    }
+}
+
+/// How far such differences are off, in parts of the scale of second derivatives, which carries 1/δ.
+pub(super) fn second_error(nearness: f64, far: f64) -> f64 {
+    let (step, directions) = second(nearness, far);
+    let near = if nearness > 0.0 { nearness } else { 1.0 };
+    let truncation = if directions == Directions::Ahead { step / near } else { 0.0 };
+    8.0 * (NOISE * far.max(1.0) * near / (step * step) + truncation)
+}
+
+/// The largest coordinate of some vectors, in lengths.
+pub(super) fn far<const N: usize>(vectors: [&Vector<Wide>; N], length: f64) -> f64 {
+    vectors.into_iter().flatten().map(|x| x.abs().to_f64() / length).fold(0.0, f64::max)
+}
 
 /// The speed of the fastest degree of freedom, in its sizes: max(|q̇|, √|q̈|).
 pub(super) fn speed<const N: usize>(

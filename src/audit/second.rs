@@ -1,15 +1,20 @@
 //! Second derivatives as differences of values on 237-bit numbers: of what the components measure, and of what their forces are
 //! conjugate to.
 //!
-//! With h_j = s_j·1e-18·√δ, δ the distance to the nearest singular set where that is less than 1, and e_j + e_k a turn of a node by
-//! exp((h_j e_j + h_k e_k)^),
+//! With h_j = s_j h, e_j + e_k a turn of a node by exp((h_j e_j + h_k e_k)^), and δ the distance to the nearest singular set where that is
+//! less than 1,
 //!
-//! > ∂²f/∂q_j∂q_k = (f(h_j + h_k) + f(−h_j − h_k) − f(h_j) − f(−h_j) − f(h_k) − f(−h_k) + 2 f(0))/(2 h_j h_k),
+//! > ∂²f/∂q_j∂q_k = (f(h_j + h_k) − f(h_j) − f(h_k) + f(0))/(h_j h_k), h = 1e-21 δ^(5/6),
 //!
-//! and the usual quotient where j = k. Relative errors are about (h/δ)² = 1e-36/δ, and of rounding 1e-71/h² = 1e-35/δ. What has no function has a row, itself a difference of what it accumulates: that row is
-//! differenced once more.
+//! and the usual quotient where j = k ([`differences::second_error`] tells what is left). On a singular set, and where δ < 1e-12,
+//!
+//! > ∂²f/∂q_j∂q_k = (f(h_j + h_k) + f(−h_j − h_k) − f(h_j) − f(−h_j) − f(h_k) − f(−h_k) + 2 f(0))/(2 h_j h_k), h = 1e-18 √δ,
+//!
+//! with relative errors of about (h/δ)² = 1e-36/δ, and of rounding 1e-71/h² = 1e-35/δ. What has no function has a row, itself a difference
+//! of what it accumulates: that row is differenced once more.
 
 use super::case::moved;
+use super::differences::{self, Directions};
 use super::force::turned;
 use super::quantity::Entries;
 use super::truth::Truth;
@@ -26,21 +31,11 @@ struct Sample {
     conjugate: Components<Wide>,
 }
 
-/// In which directions two degrees of freedom move from the state and back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Directions {
-    /// Both ahead, by as many of their sizes, and both back; one by itself ahead and back.
-    Together,
-    /// One ahead and the other back, no two by as many of their sizes; one by itself ahead, and twice as far. What has a second
-    /// derivative has the same difference quotients; |x y|, x |x| and the like have others.
-    Against,
-}
-
 impl Directions {
     /// The step of a degree of freedom, in parts of the common one.
     fn part(self, j: usize) -> Wide {
         match self {
-            Self::Together => Wide::integer(1),
+            Self::Ahead | Self::Together => Wide::integer(1),
             Self::Against => Wide::ratio((DOFS + j) as i32, DOFS as i32),
         }
     }
@@ -48,7 +43,7 @@ impl Directions {
     /// Which way the second of two moves where the first moves ahead.
     const fn second(self) -> i32 {
         match self {
-            Self::Together => 1,
+            Self::Ahead | Self::Together => 1,
             Self::Against => -1,
         }
     }
@@ -98,11 +93,15 @@ fn together(
 impl Truth {
     /// Second derivatives of what is measured, and, where forces are asked for, how the rows of virtual work change.
     pub fn second(&self, forces: bool) -> [Entries<Wide>; 2] {
-        self.second_at(forces, self.second_step(), Directions::Together)
+        self.second_at(forces, differences::second(self.nearness(), self.far()))
     }
 
     /// The same with a step, in sizes of the degrees of freedom.
-    pub(super) fn second_at(&self, forces: bool, step: f64, directions: Directions) -> [Entries<Wide>; 2] {
+    pub(super) fn second_at(
+        &self,
+        forces: bool,
+        (step, directions): (f64, Directions),
+    ) -> [Entries<Wide>; 2] {
         let connector = self.connector();
         let mut matrices: [Components<Vec<Wide>>; 2] = [
             self.empty(DOFS * DOFS),
@@ -115,7 +114,12 @@ impl Truth {
             let is_form = connector.differentiated(k).is_some_and(|m| m.is_one_form());
             if let Some(matrix) = matrices[0][k].as_mut().filter(|_| is_form) {
                 let columns: Vec<usize> = self.active().collect();
-                self.change_of_row(&columns, step, &|from, by| self.accumulated_from(from, by), matrix);
+                self.change_of_row(
+                    &columns,
+                    (step, directions),
+                    &|from, by| self.accumulated_from(from, by),
+                    matrix,
+                );
             }
             let Some(matrix) = matrices[1][k].as_mut() else { continue };
             let columns: Vec<usize> = self.reach().collect();
@@ -127,12 +131,17 @@ impl Truth {
                         let axis = connector.moment_axis(k, &from.a.triad);
                         axis.map_or_else(Wide::zero, |axis| dot(axis, turned(from, &moved(from, by))))
                     };
-                    self.change_of_row(&turns, step, &work, matrix);
+                    self.change_of_row(&turns, (step, directions), &work, matrix);
                 }
                 Some(Loading::Conjugate)
                     if connector.position_measure(k).is_some_and(|m| m.is_one_form()) =>
                 {
-                    self.change_of_row(&columns, step, &|from, by| self.accumulated_from(from, by), matrix);
+                    self.change_of_row(
+                        &columns,
+                        (step, directions),
+                        &|from, by| self.accumulated_from(from, by),
+                        matrix,
+                    );
                 }
                 _ => {}
             }
@@ -184,22 +193,29 @@ impl Truth {
         let alone: Vec<(usize, [Sample; 2])> = columns.iter().map(|j| (*j, alone(*j))).collect();
         for (n, (j, [ahead, behind])) in alone.iter().enumerate() {
             let terms = match directions {
-                Directions::Together => [(1, ahead), (-2, &still), (1, behind)],
+                Directions::Ahead | Directions::Together => [(1, ahead), (-2, &still), (1, behind)],
                 Directions::Against => [(1, &sample_along(*j, 2)), (-2, ahead), (1, &still)],
             };
             put(*j, *j, combined(&terms, step(*j) * step(*j)));
             for (l, others) in alone.iter().skip(n + 1) {
                 // Where the second one is as the first moves ahead, and as that moves back.
                 let [other, other_behind] = match directions {
-                    Directions::Together => others.each_ref(),
+                    Directions::Ahead | Directions::Together => others.each_ref(),
                     Directions::Against => [&others[1], &others[0]],
                 };
                 let sample = |sign: i32, first: &Sample, second: &Sample| {
                     let by = both(*j, *l, sign);
                     self.sample(by, together(pair, &by, [(*j, first), (*l, second)]), forces)
                 };
+                let both_ahead = sample(1, ahead, other);
+                let area = step(*j) * step(*l);
+                if directions == Directions::Ahead {
+                    let terms = [(1, &both_ahead), (-1, ahead), (-1, other), (1, &still)];
+                    put(*j, *l, combined(&terms, area));
+                    continue;
+                }
                 let terms = [
-                    (1, &sample(1, ahead, other)),
+                    (1, &both_ahead),
                     (1, &sample(-1, behind, other_behind)),
                     (-1, ahead),
                     (-1, behind),
@@ -207,8 +223,7 @@ impl Truth {
                     (-1, other_behind),
                     (2, &still),
                 ];
-                let width = Wide::integer(2 * directions.second()) * step(*j) * step(*l);
-                put(*j, *l, combined(&terms, width));
+                put(*j, *l, combined(&terms, Wide::integer(2 * directions.second()) * area));
             }
         }
     }
@@ -217,21 +232,32 @@ impl Truth {
     fn change_of_row(
         &self,
         columns: &[usize],
-        step: f64,
+        (step, directions): (f64, Directions),
         accumulated: &dyn Fn(&Pair<Wide>, &NodalRow<Wide>) -> Wide,
         matrix: &mut [Wide],
     ) {
         let step = |j: usize| self.sized(j, step);
         let pair = &self.state().pair;
+        // What is accumulated along a degree of freedom, over the step in which that is.
+        let rows = |from: &Pair<Wide>| -> Vec<Wide> {
+            let along = |j: usize, h: Wide| accumulated(from, &Self::along(j, h));
+            let of = |j: &usize| match directions {
+                Directions::Ahead => along(*j, step(*j)) / step(*j),
+                _ => (along(*j, step(*j)) - along(*j, -step(*j))) / (step(*j) + step(*j)),
+            };
+            columns.iter().map(of).collect()
+        };
+        let still = (directions == Directions::Ahead).then(|| rows(pair));
         for l in columns.iter().copied() {
-            let [plus, minus] = [step(l), -step(l)].map(|h| moved(pair, &Self::along(l, h)));
-            for j in columns.iter().copied() {
-                let difference = |from: &Pair<Wide>| {
-                    accumulated(from, &Self::along(j, step(j))) - accumulated(from, &Self::along(j, -step(j)))
-                };
-                let width = Wide::integer(4) * step(j) * step(l);
+            let at = |h: Wide| rows(&moved(pair, &Self::along(l, h)));
+            let plus = at(step(l));
+            let (minus, width) = match &still {
+                Some(still) => (still.clone(), step(l)),
+                None => (at(-step(l)), step(l) + step(l)),
+            };
+            for ((j, plus), minus) in columns.iter().zip(plus).zip(minus) {
                 if let Some(entry) = matrix.get_mut(j * DOFS + l) {
-                    *entry = (difference(&plus) - difference(&minus)) / width;
+                    *entry = (plus - minus) / width;
                 }
             }
         }

@@ -6,9 +6,8 @@
 
 use super::bound::Bound;
 use super::case::dof_size;
-use super::differences::{FIRST_STEP, SECOND_STEP};
+use super::differences::{Directions, FIRST_STEP, SECOND_STEP};
 use super::quantity::{Entries, Numbers, Quantity};
-use super::second::Directions;
 use super::sides::Sides;
 use super::truth::{Place, Truth};
 use crate::connector::Components;
@@ -83,8 +82,8 @@ impl Truth {
 
     /// Second derivatives where they settle; `first` are the sides of what they are formed of.
     fn settled(&self, bound: &Bound, first: [&Entries<Sides>; 2]) -> [Entries<Sides>; 2] {
-        let quotients = SECOND.map(|step| self.second_at(true, step, Directions::Together));
-        let against = self.second_at(true, SECOND_STEP, Directions::Against);
+        let quotients = SECOND.map(|step| self.second_at(true, (step, Directions::Together)));
+        let against = self.second_at(true, (SECOND_STEP, Directions::Against));
         let quantities = [Quantity::SecondDerivatives, Quantity::GeometricStiffness];
         [0, 1].map(|n| {
             let quantity = quantities[n];

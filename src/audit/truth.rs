@@ -8,7 +8,7 @@
 
 use super::bound::Bound;
 use super::case::{Case, dof_size, exact_branch, exact_state, moved};
-use super::differences::{self, FIRST_STEP, NOISE, SECOND_STEP};
+use super::differences::{self, FIRST_STEP, NOISE};
 use super::quantity::{Entries, Numbers, Quantity, request};
 use crate::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
@@ -211,11 +211,6 @@ impl Truth {
         Wide::from_f64(step) * Wide::from_f64(dof_size(j, self.length))
     }
 
-    /// The step of second differences of values, in sizes of the degrees of freedom.
-    pub(super) fn second_step(&self) -> f64 {
-        SECOND_STEP * self.clear().sqrt()
-    }
-
     pub(super) const fn connector(&self) -> &Connector<Wide> {
         &self.connector
     }
@@ -350,12 +345,16 @@ impl Truth {
         Entries(found)
     }
 
+    /// How far the nodes are from each other and from where they were, in lengths of the connector.
+    pub(super) fn far(&self) -> f64 {
+        let Pair { reference, a, b } = &self.state.pair;
+        differences::far([reference, &a.displacement, &b.displacement], self.length)
+    }
+
     /// How far differences are off by rounding on 237 bits: what is differenced over the step. Next to nothing but very close to singular
     /// sets, far from the origin, and where a tolerance is zero.
     pub(super) fn own_error(&self, quantity: Quantity, bound: &Bound) -> Entries<f64> {
-        let places = self.state.pair.reference.into_iter().chain(self.state.pair.a.displacement);
-        let places = places.chain(self.state.pair.b.displacement).map(|x| x.abs().to_f64() / self.length);
-        let noise = NOISE * places.fold(1.0, f64::max);
+        let noise = NOISE * self.far().max(1.0);
         let speed = self.speed();
         let of = |k: usize, i: usize| {
             let scale = bound.scale(quantity, k, i);
@@ -366,9 +365,8 @@ impl Truth {
                 Quantity::FirstDerivatives | Quantity::NodalForces => {
                     noise * scale / (FIRST_STEP * self.clear())
                 }
-                // The scale carries 1/δ.
                 Quantity::SecondDerivatives | Quantity::GeometricStiffness => {
-                    8.0 * noise * scale / (SECOND_STEP * SECOND_STEP)
+                    scale * differences::second_error(self.nearness, self.far())
                 }
                 Quantity::Rate => noise * value / first,
                 Quantity::Acceleration => 4.0 * noise * value / second / second,

@@ -44,6 +44,19 @@ const EXP_CLOSED: f64 = 1.0;
 /// Above this y = (1 − c)/2 the value of K alone comes from the arctangent: it takes as long as 75 terms of the power series.
 const LOG_CLOSED: f64 = 0.0625;
 
+/// Arctangents of n/[`ARCTANGENT_PARTS`], from 0 to 1.
+static ARCTANGENT: LazyLock<[Wide; ARCTANGENT_PARTS + 1]> = LazyLock::new(|| {
+    std::array::from_fn(|n| Wide((f256::from(n as u64) / f256::from(ARCTANGENT_PARTS as u64)).atan()))
+});
+
+/// In how many parts the arctangent's range is divided.
+const ARCTANGENT_PARTS: usize = 128;
+
+/// (−1)ᵐ/(2m + 1), m = 1, 2, …: the arctangent's power series, its first term aside. Of |x| ≤ 1/256 the first one left out is below 2⁻²⁵⁰ of
+/// the sum.
+static INVERSE_ODD: LazyLock<[Wide; 15]> =
+    LazyLock::new(|| std::array::from_fn(|n| Wide::ratio(if n % 2 == 0 { -1 } else { 1 }, 2 * n as i32 + 3)));
+
 /// Terms of the power series of w and k; at s = [`EXP_LIMIT`] the first one left out is below 2⁻³⁰⁰.
 const EXP_TERMS: usize = 50;
 
@@ -133,6 +146,21 @@ impl Wide {
     /// Whether the number is neither infinite nor NaN.
     pub fn is_finite(self) -> bool {
         self.0.is_finite()
+    }
+
+    /// arctan q for 0 ≤ q ≤ 1: arctan t + arctan((q − t)/(1 + q t)) with t = n/128 the nearest, and the power series of the second: in half of
+    /// the time of f256's own.
+    fn inverse_tangent(self) -> Self {
+        let parts = ARCTANGENT_PARTS as f64;
+        let n = (self.to_f64() * parts).round();
+        let t = Self::from_f64(n / parts);
+        let x = (self - t) / (self * t + 1.0);
+        let square = x * x;
+        let mut sum = <Self as Scalar>::zero();
+        for term in INVERSE_ODD.iter().rev() {
+            sum = (sum + term) * square;
+        }
+        ARCTANGENT.get(n as usize).copied().unwrap_or(Self(f256::NAN)) + (x + x * sum)
     }
 
     /// sin x from x − x³/3! + …, for |x| < [`SMALL_ANGLE`].
@@ -276,8 +304,8 @@ impl Real for Wide {
         } else {
             match height.partial_cmp(&width) {
                 Some(Ordering::Equal) => consts::FRAC_PI_4,
-                Some(Ordering::Less) => (height / width).atan(),
-                _ => consts::FRAC_PI_2 - (width / height).atan(),
+                Some(Ordering::Less) => Self(height / width).inverse_tangent().0,
+                _ => consts::FRAC_PI_2 - Self(width / height).inverse_tangent().0,
             }
         };
         let upper = if x.is_sign_negative() { consts::PI - octant } else { octant };

@@ -174,36 +174,40 @@ impl Context<'_> {
         (rotation, self.beside(self.case.definition.clone(), state, self.after))
     }
 
-    /// What a number changes by to second order where every degree of freedom is rounded by ε = C u of its size: a value f by
+    /// What an entry changes by to second order where every degree of freedom is rounded by ε = C u of its size: a value f by
     /// ½ Σ_jk abs(∂²f/∂q_j∂q_k) ε_j ε_k; a derivative, or a nodal force, by Cauchy's estimate (ε/δ)² Σ_j abs(∂f/∂q_j) s_j over the size (of matrices by ε/δ), δ from
     /// a singular set. Near one, at a symmetric state, the first order may vanish.
-    fn bent(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
-        let size = |j: usize| dof_size(j, self.case.length);
+    fn bent(&self, quantity: Quantity, k: usize) -> impl Fn(usize) -> f64 {
+        let length = self.case.length;
+        let size = |j: usize| dof_size(j, length);
+        let both = |i: usize| size(i / DOFS) * size(i % DOFS);
         let sum = |of: Quantity, by: &dyn Fn(usize) -> f64| -> f64 {
             let all = self.numbers.entries(of).0[k].iter().flatten().enumerate();
             all.map(|(i, x)| x.abs() * by(i)).sum()
         };
-        if quantity == Quantity::Value {
-            let both = |i: usize| size(i / DOFS) * size(i % DOFS);
-            return 0.5 * (C * U).powi(2) * sum(Quantity::SecondDerivatives, &both);
-        }
-        let cauchy = (C * U / self.nearness[k]).powi(2);
-        if matches!(quantity, Quantity::Rate | Quantity::Acceleration) {
-            let fastest = |rates: &[f64; DOFS]| {
-                rates.iter().enumerate().fold(0.0_f64, |most, (j, rate)| most.max(rate.abs() / size(j)))
-            };
-            let (v, a) = (fastest(&self.state.velocity), fastest(&self.state.acceleration));
-            let first = sum(Quantity::FirstDerivatives, &size);
-            if quantity == Quantity::Rate {
-                return cauchy * first * v;
+        let rounded = C * U / self.nearness[k];
+        let total = match quantity {
+            Quantity::Value => 0.5 * (C * U).powi(2) * sum(Quantity::SecondDerivatives, &both),
+            Quantity::Rate | Quantity::Acceleration => {
+                let fastest = |rates: &[f64; DOFS]| {
+                    rates.iter().enumerate().fold(0.0_f64, |most, (j, rate)| most.max(rate.abs() / size(j)))
+                };
+                let (v, a) = (fastest(&self.state.velocity), fastest(&self.state.acceleration));
+                let first = sum(Quantity::FirstDerivatives, &size);
+                let changes = if quantity == Quantity::Rate {
+                    first * v
+                } else {
+                    first * a + sum(Quantity::SecondDerivatives, &both) * v * v
+                };
+                rounded.powi(2) * changes
             }
-            let both = |i: usize| size(i / DOFS) * size(i % DOFS);
-            return cauchy * (first * a + sum(Quantity::SecondDerivatives, &both) * v * v);
-        }
-        let of_entry = |i: usize| quantity.entry_size(i, self.case.length);
-        // Of matrices, whose third derivatives no tolerance knows, to first order.
-        let cauchy = if quantity.entries() > DOFS { C * U / self.nearness[k] } else { cauchy };
-        cauchy * sum(quantity, &of_entry) / of_entry(i)
+            _ => {
+                // Of matrices, whose third derivatives no tolerance knows, to first order.
+                let order = if quantity.entries() > DOFS { 1 } else { 2 };
+                rounded.powi(order) * sum(quantity, &|i| quantity.entry_size(i, length))
+            }
+        };
+        move |i| if quantity.entries() == 1 { total } else { total / quantity.entry_size(i, length) }
     }
 
     pub(super) fn frame(&self) -> Vec<Demand> {
@@ -219,6 +223,7 @@ impl Context<'_> {
                 if is_value && measure.is_one_form() || twin.entries(quantity).0[k].is_none() {
                     continue;
                 }
+                let bent = self.bent(quantity, k);
                 let is_matrix = quantity.entries() == DOFS * DOFS;
                 // Of second derivatives that are symmetric one half tells.
                 let is_half = is_matrix && !measure.is_one_form();
@@ -233,7 +238,7 @@ impl Context<'_> {
                     // The turned inputs are rounded, three roundings in each direction; a component of a vector is as uncertain as the
                     // vector; and to second order four times as much is rounded.
                     demand.allowed = 4.0 * demand.allowed.max(self.around(quantity, k, i));
-                    demand.allowed += 16.0 * self.bent(quantity, k, i);
+                    demand.allowed += 16.0 * bent(i);
                     found.push(demand);
                 }
             }

@@ -11,7 +11,7 @@ mod mistakes;
 
 use super::bound::scales;
 use super::case::turn;
-use super::differences::{self, FIRST_STEP, NOISE, SECOND_STEP};
+use super::differences::{self, Directions, FIRST_STEP, NOISE};
 use super::engine::Settings;
 use super::failing::Failing;
 use super::oracle::{Oracle, nearness};
@@ -411,11 +411,8 @@ impl Truth {
     /// Second differences of the equations, as those of connectors are taken: values alone, two rotations of one node at once as
     /// exp((h_j e_j + h_k e_k)^).
     fn second(&self) -> Rows<Vec<Wide>> {
-        self.second_at(SECOND_STEP * self.near().sqrt())
-    }
-
-    /// The same with a step, in sizes of the degrees of freedom.
-    fn second_at(&self, step: f64) -> Rows<Vec<Wide>> {
+        let bodies = [&self.state.slave.displacement, &self.state.master.displacement];
+        let (step, directions) = differences::second(self.near(), differences::far(bodies, self.sizes[XS]));
         let step = |j: usize| Wide::from_f64(step * self.sizes[j]);
         let values = |j: usize, k: usize, sign: i32| {
             let mut by = [Wide::zero(); DOFS];
@@ -424,28 +421,37 @@ impl Truth {
             }
             self.values(&by)
         };
-        // The sum of the values on either side.
-        let sides = |j: usize, k: usize| -> Rows<Wide> {
-            let (ahead, behind) = (values(j, k, 1), values(j, k, -1));
-            std::array::from_fn(|row| Some(ahead[row]? + behind[row]?))
-        };
         let still = self.values(&[Wide::zero(); DOFS]);
-        let alone: [Rows<Wide>; DOFS] = std::array::from_fn(|j| sides(j, j));
-        let two = Wide::integer(2);
+        let alone: [[Rows<Wide>; 2]; DOFS] = std::array::from_fn(|j| [1, -1].map(|sign| values(j, j, sign)));
         let mut found: Rows<Vec<Wide>> = still.map(|row| row.map(|_| vec![Wide::zero(); DOFS * DOFS]));
         for j in 0..DOFS {
             for k in j..DOFS {
-                let together = if j == k { alone[j] } else { sides(j, k) };
-                let width = step(j) * step(k);
+                let ahead = if j == k { alone[j][0] } else { values(j, k, 1) };
+                let behind = match directions {
+                    _ if j == k => Some(alone[j][1]),
+                    Directions::Ahead => None,
+                    _ => Some(values(j, k, -1)),
+                };
                 for (row, matrix) in found.iter_mut().enumerate() {
-                    let (Some(matrix), Some(f)) = (matrix, still[row]) else { continue };
-                    let (Some(both), Some(x), Some(y)) = (together[row], alone[j][row], alone[k][row]) else {
+                    let (Some(matrix), Some(f), Some(ahead)) = (matrix, still[row], ahead[row]) else {
                         continue;
                     };
-                    let entry = if j == k {
-                        (both - two * f) / width
-                    } else {
-                        (both - x - y + two * f) / (two * width)
+                    // By how much an equation changes ahead, and with what it changes behind where that is taken too.
+                    let change = |[ahead, behind]: [Option<Wide>; 2]| {
+                        let behind = behind.map_or_else(Wide::zero, |behind| behind - f);
+                        Some(ahead? - f + behind)
+                    };
+                    let change_of = |i: usize| {
+                        let [ahead, back] = alone[i].each_ref().map(|rows| rows[row]);
+                        change([ahead, back.filter(|_| behind.is_some())])
+                    };
+                    let both = change([Some(ahead), behind.and_then(|rows| rows[row])]);
+                    let (Some(both), Some(x), Some(y)) = (both, change_of(j), change_of(k)) else { continue };
+                    let area = step(j) * step(k);
+                    let entry = match directions {
+                        _ if j == k => both / area,
+                        Directions::Ahead => (both - x - y) / area,
+                        _ => (both - x - y) / (area + area),
                     };
                     (matrix[j * DOFS + k], matrix[k * DOFS + j]) = (entry, entry);
                 }
