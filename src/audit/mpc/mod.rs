@@ -1,5 +1,5 @@
 //! A multi-point constraint at one state: its equations, rows, second derivatives, rates and accelerations against differences
-//! on 237-bit numbers.
+//! on 237-bit numbers, and laws that they meet without any reference (`laws`).
 //!
 //! Derivatives are those at independent angles of the hinges: where a state does not give them, the angles that the rotations
 //! imply are held.
