@@ -9,12 +9,13 @@ use crate::vector::Vector;
 pub(super) const FIRST_STEP: f64 = 1e-25;
 /// The step of second differences, in sizes, times √δ.
 pub(super) const SECOND_STEP: f64 = 1e-18;
-/// The step of second differences that move two degrees of freedom ahead only, in sizes, times δ^(5/6): what is left is about
-/// 1e-21 δ^(−1/6) of truncation and 1e-29 δ^(−2/3) of rounding, parts of the scale of second derivatives, which carries 1/δ.
+/// The step of second differences that move two degrees of freedom ahead only, in sizes, times δ: what is left is 1e-21 of truncation and
+/// 1e-29/δ² of rounding.
 const STEP_AHEAD: f64 = 1e-21;
-/// How near to a singular set, and how far from the origin, in sizes, second differences go ahead only.
-const NEAREST_AHEAD: f64 = 1e-12;
-const FARTHEST_AHEAD: f64 = 1e6;
+/// How near to a singular set, and how far from the origin, in sizes, second differences go ahead only: so that rounding leaves 1e-19 even of
+/// what the set leaves alone, whose scale does not grow with 1/δ.
+const NEAREST_AHEAD: f64 = 1e-2;
+const FARTHEST_AHEAD: f64 = 1e4;
 /// A hundred roundings of 237 bits.
 pub(super) const NOISE: f64 = 6e-70;
 
@@ -34,7 +35,7 @@ pub(super) enum Directions {
 /// one), and that far from the origin.
 pub(super) fn second(nearness: f64, far: f64) -> (f64, Directions) {
     if nearness >= NEAREST_AHEAD && far <= FARTHEST_AHEAD {
-        (STEP_AHEAD * nearness.powf(5.0 / 6.0), Directions::Ahead)
+        (STEP_AHEAD * nearness, Directions::Ahead)
     } else {
         let near = if nearness > 0.0 { nearness } else { 1.0 };
         (SECOND_STEP * near.sqrt(), Directions::Together)
@@ -43,10 +44,11 @@ pub(super) fn second(nearness: f64, far: f64) -> (f64, Directions) {
 
 /// How far such differences are off, in parts of the scale of second derivatives, which carries 1/δ.
 pub(super) fn second_error(nearness: f64, far: f64) -> f64 {
-    let (step, directions) = second(nearness, far);
-    let near = if nearness > 0.0 { nearness } else { 1.0 };
-    let truncation = if directions == Directions::Ahead { step / near } else { 0.0 };
-    8.0 * (NOISE * far.max(1.0) * near / (step * step) + truncation)
+    let noise = NOISE * far.max(1.0);
+    8.0 * match second(nearness, far) {
+        (step, Directions::Ahead) => noise / (step * step) + STEP_AHEAD,
+        _ => noise / (SECOND_STEP * SECOND_STEP),
+    }
 }
 
 /// The largest coordinate of some vectors, in lengths.

@@ -4,9 +4,9 @@
 //! With h_j = s_j h, e_j + e_k a turn of a node by exp((h_j e_j + h_k e_k)^), and δ the distance to the nearest singular set where that is
 //! less than 1,
 //!
-//! > ∂²f/∂q_j∂q_k = (f(h_j + h_k) − f(h_j) − f(h_k) + f(0))/(h_j h_k), h = 1e-21 δ^(5/6),
+//! > ∂²f/∂q_j∂q_k = (f(h_j + h_k) − f(h_j) − f(h_k) + f(0))/(h_j h_k), h = 1e-21 δ,
 //!
-//! and the usual quotient where j = k ([`differences::second_error`] tells what is left). On a singular set, and where δ < 1e-12,
+//! and the usual quotient where j = k ([`differences::second_error`] tells what is left). On a singular set, where δ < 0.01, and far from the origin,
 //!
 //! > ∂²f/∂q_j∂q_k = (f(h_j + h_k) + f(−h_j − h_k) − f(h_j) − f(−h_j) − f(h_k) − f(−h_k) + 2 f(0))/(2 h_j h_k), h = 1e-18 √δ,
 //!

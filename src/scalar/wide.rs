@@ -45,7 +45,7 @@ const EXP_CLOSED: f64 = 1.0;
 const LOG_CLOSED: f64 = 0.0625;
 
 /// Arctangents of n/[`ARCTANGENT_PARTS`], from 0 to 1.
-static ARCTANGENT: LazyLock<[Wide; ARCTANGENT_PARTS + 1]> = LazyLock::new(|| {
+static ARCTANGENTS: LazyLock<[Wide; ARCTANGENT_PARTS + 1]> = LazyLock::new(|| {
     std::array::from_fn(|n| Wide((f256::from(n as u64) / f256::from(ARCTANGENT_PARTS as u64)).atan()))
 });
 
@@ -160,7 +160,7 @@ impl Wide {
         for term in INVERSE_ODD.iter().rev() {
             sum = (sum + term) * square;
         }
-        ARCTANGENT.get(n as usize).copied().unwrap_or(Self(f256::NAN)) + (x + x * sum)
+        ARCTANGENTS.get(n as usize).copied().unwrap_or(Self(f256::NAN)) + (x + x * sum)
     }
 
     /// sin x from x − x³/3! + …, for |x| < [`SMALL_ANGLE`].
