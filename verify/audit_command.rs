@@ -183,6 +183,28 @@ fn a_fault_that_is_planted_nowhere_is_an_error() {
     assert!(stderr(&nowhere).contains("an answer of an oracle on 237 bits"), "{}", stderr(&nowhere));
 }
 
+/// A fault can be planted in every kind of number; what is called wrong is that kind, or a law that speaks of it.
+#[test]
+fn faults_are_planted_in_every_kind_of_number() {
+    let slide =
+        ["audit", "gallery:slider_crank", "--connector", "106", "--wide-states", "4", "--format", "json"];
+    for (plant, quantity) in [
+        ("wrong-value", "value"),
+        ("wrong-rate", "rate"),
+        ("wrong-acceleration", "acceleration"),
+        ("wrong-force", "nodal-forces"),
+    ] {
+        let found = pintle(&[&slide[..], &["--plant", plant]].concat()).assert().code(1);
+        let report: Value = serde_json::from_str(&stdout(&found)).unwrap();
+        let checks = report["subjects"][0]["checks"].as_array().unwrap();
+        let is_wrong =
+            |check: &&Value| ["wrong", "unstable-formula"].contains(&check["verdict"].as_str().unwrap());
+        let kinds: Vec<&Value> = checks.iter().filter(is_wrong).map(|check| &check["quantity"]).collect();
+        assert!(kinds.contains(&&json!(quantity)), "{plant}: {kinds:?}");
+        assert!(kinds.iter().all(|kind| kind.is_null() || **kind == json!(quantity)), "{plant}: {kinds:?}");
+    }
+}
+
 /// Constraints and behaviours are wrong too where a fault is planted, which is told why; all forces of a connector together follow from
 /// more than a state, and that is said.
 #[test]

@@ -2,7 +2,7 @@
 //! and deck by deck, whether it is right or wrong.
 
 use crate::audit::judged;
-use pintle::audit::model::{Levels, audit_model};
+use pintle::audit::model::{Finding, Levels, audit_model};
 use pintle::audit::oracle::WideAnswers;
 use pintle::audit::sample::{Draw, Extent, cases};
 use pintle::audit::truth::Truth;
@@ -372,6 +372,32 @@ fn said(
         found.push(format!("{:?} {:?} {:?}", finding.code(), finding.severity(), finding.line()));
     }
     (found, report.mismatches() as u64)
+}
+
+/// What the states exercised does not depend on the unit of length, of nodes that coincide initially either: the same findings, word for word.
+#[test]
+fn coverage_is_the_same_in_every_unit() {
+    let mut findings = 0;
+    for name in ["slider_crank", "seat_belt", "hinge_pendulum"] {
+        let example = GALLERY.iter().find(|example| example.name == name).unwrap();
+        let mut told = |factor: f64| {
+            let scene = Scene::parse(name, &deck_in(name, example.deck, factor)).unwrap();
+            let states = states_in(example.states, factor);
+            let states = StateFile::parse_csv("states", &states, &scene).unwrap().states;
+            let report = audit_model(&scene, &states, &Levels::default());
+            let of = |finding: &Finding| finding.code().as_str().starts_with("coverage");
+            let told = report.findings.iter().filter(|finding| of(finding)).map(|found| found.message());
+            let exercise = report.coverage.exercise;
+            findings += told.clone().count();
+            (told.map(String::from).collect::<Vec<_>>(), exercise.away, exercise.deformed)
+        };
+        let metres = told(1.0);
+        assert!(metres.1 > 0 && metres.2 > 0, "{name}");
+        for factor in [1e-6, 1e-3, 1e3, 1e6] {
+            assert_eq!(told(factor), metres, "{name} {factor}");
+        }
+    }
+    assert!(findings > 0);
 }
 
 /// A deck in millimetres is judged as in metres: connectors, multi-point constraints, springs and friction, and the model as a whole.

@@ -200,6 +200,29 @@ fn junit_has_the_findings() {
     );
 }
 
+/// Every test of JUnit says what it is of, those of laws, claims, singular points, ranks and findings too; none has a time, which would differ from run
+/// to run.
+#[test]
+fn every_test_of_junit_has_a_class() {
+    let deck = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("verify/findings/stop-violated.inp");
+    let mut report = brief();
+    report.models = vec![audit_model(&Scene::read(&deck).unwrap(), &[], &Levels::default())];
+    let page = text(report::junit, &report);
+    let tests: Vec<&str> = page.lines().filter(|line| line.contains("<testcase ")).collect();
+    let of = |what: &str, class: &str| {
+        let class = format!("classname=\"{class}\"");
+        tests.iter().any(|line| line.contains(what) && line.contains(&class))
+    };
+    assert!(of("power identity", "REVOLUTE") && of("claim: formula", "REVOLUTE"), "{page}");
+    assert!(of("AXIAL u1 at coincident nodes", "AXIAL") && of("δl at coincident nodes", "LINK"), "{page}");
+    assert!(
+        of("rank of the assembly", "model ") || tests.iter().any(|line| line.contains("classname=\"model "))
+    );
+    for line in tests {
+        assert!(line.contains(" classname=\"") && !line.contains(" time=\""), "{line}");
+    }
+}
+
 /// An assembly of which no rank was found, or that was not judged from a state on, is as undecided as one whose rank is not certain.
 #[test]
 fn what_was_not_analysed_is_undecided() {

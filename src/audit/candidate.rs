@@ -88,7 +88,7 @@ impl<'a> Candidate<'a> {
         let mut coverage = Coverage::default();
         for (_, case) in self.cases() {
             if let Some(step) = case.last() {
-                coverage.add(self.definition, &step.state);
+                coverage.add(self.definition, &step.state, case.length);
             }
         }
         coverage
@@ -159,7 +159,7 @@ impl<'a> Candidate<'a> {
         for (i, case) in self.cases() {
             cases += 1;
             if let Some(step) = case.last() {
-                coverage.add(self.definition, &step.state);
+                coverage.add(self.definition, &step.state, case.length);
             }
             checks_of(&mut found, self.judge(&case, &routine, wide.contains(&i)));
         }

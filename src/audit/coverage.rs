@@ -16,7 +16,7 @@
 //! for i in 0..100 {
 //!     let turn = so3::matrix(so3::exp([1e-4 * f64::from(i), 0.0, 0.0]));
 //!     let pair = Pair { b: node(turn), ..initial };
-//!     coverage.add(&definition, &State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] });
+//!     coverage.add(&definition, &State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }, 1.0);
 //! }
 //! let codes: Vec<Code> = coverage.gaps().iter().map(|gap| gap.code).collect();
 //! assert_eq!(codes, [Code::CoverageIdentity]);
@@ -171,14 +171,18 @@ fn angle(now: &Matrix<f64>, before: &Matrix<f64>) -> f64 {
 }
 
 impl Sample {
-    /// A connector at a state.
-    pub fn of(connector: &Connector<f64>, definition: &Definition, state: &State<f64>) -> Self {
+    /// A connector at a state. What lengths are compared with is the initial distance of the nodes; where they coincide, but for
+    /// rounding, it is `length`: the connector's own ([`Case::length`](super::Case::length)), or one that is typical of the model.
+    pub fn of(connector: &Connector<f64>, definition: &Definition, state: &State<f64>, length: f64) -> Self {
+        /// What is shorter than this part of the connector's own length is a coincidence with rounding.
+        const COINCIDENT: f64 = 1e-9;
         let (initial, pair) = (&definition.initial, &state.pair);
         let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
         let angles = [angle(&pair.a.triad, &initial.a.triad), angle(&pair.b.triad, &initial.b.triad)];
         let [before, now] = [initial, pair].map(crate::node::Pair::relative);
-        let (length, distance) = (norm(initial.reference), norm(pair.separation()));
-        let size = if length > 0.0 { length } else { 1.0 };
+        let (apart, distance) = (norm(initial.reference), norm(pair.separation()));
+        let is_apart = apart > COINCIDENT * length;
+        let size = if is_apart { apart } else { length };
         let request = Request::new(&[Output::CU], [true; 6], 0);
         let (branch, mut tally) = (connector.initial_branch(), Tally::default());
         let result = connector.evaluate(state, &Increment::none(), &branch, &request, &mut tally);
@@ -199,7 +203,7 @@ impl Sample {
             rotations: [0, 1].map(|end| turns[end].then_some(angles[end])),
             relative: angle(&now.q, &before.q),
             turns_freely: free.iter().any(|k| !is_length(*k)),
-            stretch: (length > 0.0).then_some(distance / length),
+            stretch: is_apart.then_some(distance / apart),
             margin,
             deformed: (!free.is_empty()).then(|| free.iter().any(moved)),
             displacement: norm(vector::sub(pair.b.displacement, pair.a.displacement)) / size,
@@ -308,9 +312,9 @@ impl Exercise {
 }
 
 impl Coverage {
-    /// Counts a connector at a state.
-    pub fn add(&mut self, definition: &Definition, state: &State<f64>) {
-        self.take(&Sample::of(&Connector::new(definition), definition, state));
+    /// Counts a connector at a state; `length` is that of [`Sample::of`].
+    pub fn add(&mut self, definition: &Definition, state: &State<f64>, length: f64) {
+        self.take(&Sample::of(&Connector::new(definition), definition, state, length));
     }
 
     /// Counts a sample.

@@ -19,7 +19,7 @@ use super::stage::invalid_stage;
 use super::standing::cases_on;
 use super::sums::{hyper_dual, taylor};
 use super::truth::{Locked, Truth};
-use super::verdict::{Exact, Finding, Judgement, Score, Surroundings, Verdict, moved_by};
+use super::verdict::{Exact, Score, Surroundings, Verdict, moved_by};
 use crate::behavior::Conditions;
 use crate::catalog::{ConnectionType, TABLE};
 
@@ -196,7 +196,14 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         drawn.map_or_else(Vec::new, |case| audit_case(&case, settings, wide.contains(&i), i))
     }));
     let frictions = friction_cases(connection, settings, settings.wide_states);
-    let found: Vec<Vec<Check>> = frictions.par_iter().map(|case| case.audit(settings)).collect();
+    let found: Vec<Vec<Check>> = frictions
+        .par_iter()
+        .map(|case| {
+            let mut checks = case.audit(settings);
+            checks.push(case.restored(true));
+            checks
+        })
+        .collect();
     found.into_iter().for_each(|found| checks_of(&mut checks, found));
     checks_of(&mut checks, friction::audit_golden(connection, settings));
     for law in [Invariant::Start, Invariant::Turns, Invariant::FreeAxis] {
@@ -219,7 +226,7 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
     check.compared = demands.len() as u64;
     if let Some((demand, units)) = invariant::worst(&none, demands) {
         check.verdict = demand.verdict(&none);
-        check.worst = Some(finding(demand, units, demand.offset));
+        check.worst = Some(demand.finding(units, demand.offset));
         check.worst_state = Some(format!("{} by itself", connection.name));
     }
     check.states.insert(check.verdict, 1);
@@ -238,21 +245,6 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
         }
     }
     check
-}
-
-fn finding(demand: &invariant::Demand, units: f64, got: f64) -> Finding {
-    Finding {
-        entry: demand.what.to_string(),
-        at: None,
-        demanded: demand.what.demanded(),
-        sum: Vec::new(),
-        got,
-        want: demand.want,
-        tolerance: demand.allowed,
-        units,
-        one_sided: None,
-        lack: None,
-    }
 }
 
 /// The checks of many cases, whatever the number of threads.
@@ -410,24 +402,15 @@ fn laws(examined: &Examined<'_>, wide: bool) -> Vec<Check> {
         if all.is_empty() {
             continue;
         }
-        let verdict = all.iter().map(|one| one.verdict(numbers)).max().unwrap_or(Verdict::Pass);
-        let demands: Vec<_> = all.into_iter().filter(|one| one.is_decidable(numbers)).collect();
-        let worst = invariant::worst(numbers, &demands);
-        let worst = worst.map(|(demand, units)| {
-            let got = demand.sum(|quantity, k, i| numbers.entries(quantity).get(k, i));
-            finding(demand, units, got)
-        });
-        let judgement = Judgement { verdict, worst, compared: demands.len() };
+        let asked = invariant::Asked::of(*numbers, all);
         let mut score = Score::default();
         if wide {
-            let spans: BTreeSet<Quantity> =
-                demands.iter().flat_map(|demand| demand.terms.iter().map(|term| term.0)).collect();
-            for quantity in spans {
-                score.merge(examined.score_of_law(quantity, &demands));
+            for quantity in asked.spans() {
+                score.merge(examined.score_of_law(quantity, &asked.demands));
             }
         }
         let mut check = Check::new(None, Against::Law(law));
-        check.add(judgement, score, case);
+        check.add(asked.judgement, score, case);
         checks.push(check);
     }
     checks

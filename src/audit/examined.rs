@@ -107,8 +107,11 @@ impl<'a> Examined<'a> {
 
     /// Whether a law would have noticed them.
     pub(super) fn score_of_law(&self, quantity: Quantity, demands: &[Demand]) -> Score {
-        let sizes = (&self.conditioned, self.case.length);
-        invariant::try_mutants(quantity, self.numbers, demands, self.mutants(quantity), sizes)
+        let size = |quantity: Quantity, i: usize| quantity.entry_size(i, self.case.length);
+        let is_conditioned =
+            |quantity: Quantity, k: usize, i: usize, x: f64| self.conditioned.demands(quantity, k, i, x);
+        let made = self.mutants(quantity);
+        invariant::try_mutants(quantity, self.numbers, demands, made, (&size, &is_conditioned))
     }
 
     /// The check of a quantity against an answer; with mutants where it `proves`. What the referee excuses is undecided.

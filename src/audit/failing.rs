@@ -100,7 +100,7 @@ impl Failing {
         };
         let expected = match self {
             Self::Connector(case) => Expected::of(&case.connector()),
-            Self::Mpc(_) => Expected::numbers(&MpcCase::QUANTITIES),
+            Self::Mpc(_) => Expected::of_constraint(),
             Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => Expected::default(),
         };
         let checks = self.checks(settings, true);

@@ -10,6 +10,7 @@ use super::failing::{Example, Failing};
 use super::illustration::Comparison;
 use super::invariant::Invariant;
 use super::model::ModelReport;
+use super::mpc::MpcCase;
 use super::oracle::{Answer, Oracle};
 use super::quantity::Quantity;
 use super::verdict::{Finding, Judgement, Score, Verdict};
@@ -146,10 +147,21 @@ impl Check {
 
     /// Adds what was found at the end of a case.
     pub(super) fn add(&mut self, judgement: Judgement, score: Score, case: &Case) {
+        self.add_decided(judgement, score, &case.name, Some(case));
+    }
+
+    /// Adds what was found at a state, and why it is undecided where it is.
+    pub(super) fn add_decided(
+        &mut self,
+        judgement: Judgement,
+        score: Score,
+        state: &str,
+        case: Option<&Case>,
+    ) {
         if judgement.verdict == Verdict::Undecided {
             *self.undecided.entry(OVERFLOW.to_string()).or_default() += 1;
         }
-        self.add_at(judgement, score, &case.name, Some(case));
+        self.add_at(judgement, score, state, case);
     }
 
     /// Says from which stage on numbers are not finite, where they are not.
@@ -252,6 +264,11 @@ impl Expected {
     /// Numbers without laws.
     pub(super) fn numbers(quantities: &[Quantity]) -> Self {
         Self { quantities: quantities.to_vec(), laws: Vec::new() }
+    }
+
+    /// Of a multi-point constraint.
+    pub(super) fn of_constraint() -> Self {
+        Self { quantities: MpcCase::QUANTITIES.to_vec(), laws: MpcCase::LAWS.to_vec() }
     }
 
     /// Adds numbers.

@@ -18,6 +18,14 @@ pub enum Planted {
     /// The largest second derivative of the first component of a connector, or of a constraint, and the largest nodal force of that
     /// component are multiplied by 1 + 1e-6.
     WrongSecond,
+    /// The largest value of a connector, or of a constraint, is multiplied by 1 + 1e-6.
+    WrongValue,
+    /// The largest rate is.
+    WrongRate,
+    /// The largest acceleration is.
+    WrongAcceleration,
+    /// The largest nodal force of the first component that has any is.
+    WrongForce,
     /// The largest slope of a friction force is multiplied by 1 + 1e-6.
     WrongFriction,
     /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
@@ -30,6 +38,10 @@ impl Planted {
         match self {
             Self::WrongEntry | Self::WrongSign => "a derivative or a slope of a behaviour",
             Self::WrongSecond => "a second derivative or a nodal force",
+            Self::WrongValue => "a value",
+            Self::WrongRate => "a rate",
+            Self::WrongAcceleration => "an acceleration",
+            Self::WrongForce => "a nodal force",
             Self::WrongFriction => "a slope of a friction force",
             Self::LostAnswer => "an answer of an oracle on 237 bits",
         }
@@ -40,10 +52,9 @@ impl Planted {
         let of = |places: &[Quantity]| check.quantity.is_some_and(|quantity| places.contains(&quantity));
         check.compared > 0
             && match self {
-                Self::WrongEntry | Self::WrongSign => of(&Self::FIRST),
-                Self::WrongSecond => of(&Self::SECOND),
                 Self::WrongFriction => of(&[Quantity::FrictionTangent]),
                 Self::LostAnswer => matches!(check.against, Against::Oracle(oracle) if oracle.is_wide()),
+                _ => of(self.places()),
             }
     }
 
@@ -59,16 +70,20 @@ impl Planted {
         match self {
             Self::WrongEntry | Self::WrongSign => &Self::FIRST,
             Self::WrongSecond => &Self::SECOND,
+            Self::WrongValue => &[Quantity::Value],
+            Self::WrongRate => &[Quantity::Rate],
+            Self::WrongAcceleration => &[Quantity::Acceleration],
+            Self::WrongForce => &[Quantity::NodalForces],
             Self::WrongFriction | Self::LostAnswer => &[],
         }
     }
 
-    /// By what a derivative is multiplied.
+    /// By what a number is multiplied.
     const fn factor(self) -> Option<f64> {
         match self {
-            Self::WrongEntry | Self::WrongSecond => Some(1.0 + 1e-6),
             Self::WrongSign => Some(-1.0),
             Self::WrongFriction | Self::LostAnswer => None,
+            _ => Some(1.0 + 1e-6),
         }
     }
 
@@ -77,9 +92,10 @@ impl Planted {
         let Some(factor) = self.factor() else { return };
         for quantity in self.places() {
             let mut rows = numbers.entries(*quantity).clone();
-            let row = rows.0.iter_mut().flatten().next();
-            if let Some(entry) = row.and_then(|row| row.iter_mut().max_by(|x, y| x.abs().total_cmp(&y.abs())))
-            {
+            // The first component may have a value of zero, but no row of zeros.
+            let count = if quantity.entries() == 1 { rows.0.len() } else { 1 };
+            let spoiled = rows.0.iter_mut().flatten().take(count).flatten();
+            if let Some(entry) = spoiled.max_by(|x, y| x.abs().total_cmp(&y.abs())) {
                 *entry *= factor;
             }
             numbers.set(*quantity, rows);

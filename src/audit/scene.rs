@@ -4,7 +4,7 @@ use super::behavior::{SlopesCase, audit_behavior};
 use super::case::{Case, Step};
 use super::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
 use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread_of};
-use super::friction::{FrictionCase, Slipping, audit_slipping, drawn, slipping};
+use super::friction::{FrictionCase, Slipping, audit_slipping, drawn, restored, slipping};
 use super::mpc::MpcCase;
 use super::outcome::{Check, Expected, Report, Subject};
 use super::quantity::Quantity;
@@ -111,6 +111,13 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
         progress(target.name);
     }
     judge(settings, waiting, &mut gathered);
+    if follows.request.outputs().any(|output| output == Output::CSF) {
+        for (place, check) in restored(target, &follows, settings) {
+            if let Some(one) = gathered.get_mut(place) {
+                checks_of(&mut one.checks, vec![check]);
+            }
+        }
+    }
     subjects(target, gathered)
 }
 
@@ -255,7 +262,7 @@ fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
     let mpcs = plan.mpcs.iter().filter_map(|at| {
         let element = model.mpcs.get(*at)?;
         let of_kind = certificate_of_mpc(element.constraint.kind());
-        Some((element.title(), of_kind, true, Expected::numbers(&MpcCase::QUANTITIES)))
+        Some((element.title(), of_kind, true, Expected::of_constraint()))
     });
     let named = connectors.chain(mpcs).zip(gathered);
     named

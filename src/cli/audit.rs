@@ -79,6 +79,14 @@ pub(crate) enum Plant {
     WrongSign,
     /// A second derivative and a nodal force are wrong
     WrongSecond,
+    /// A value is wrong
+    WrongValue,
+    /// A rate is wrong
+    WrongRate,
+    /// An acceleration is wrong
+    WrongAcceleration,
+    /// A nodal force is wrong
+    WrongForce,
     /// A slope of a friction force is wrong
     WrongFriction,
     /// Answers of the oracles are lost
@@ -91,6 +99,10 @@ impl From<Plant> for Planted {
             Plant::WrongEntry => Self::WrongEntry,
             Plant::WrongSign => Self::WrongSign,
             Plant::WrongSecond => Self::WrongSecond,
+            Plant::WrongValue => Self::WrongValue,
+            Plant::WrongRate => Self::WrongRate,
+            Plant::WrongAcceleration => Self::WrongAcceleration,
+            Plant::WrongForce => Self::WrongForce,
             Plant::WrongFriction => Self::WrongFriction,
             Plant::LostAnswer => Self::LostAnswer,
         }

@@ -10,6 +10,7 @@
 //! | `total` | are the slopes of all forces of a connector right, with what presses its frictions? |
 //! | `golden` | what does JAX say, at states of its own? |
 //! | `handed` | where does a number of a counter-example stand, and which deck leads to it? |
+//! | `restored` | does it go on from what was saved? |
 //! | `scene` | what of a connector's friction is judged at a state? |
 //!
 //! Central differences of values on 237 bits with h = s·1e-25 give first, with h = s·1e-18 second derivatives: no dual number enters
@@ -20,6 +21,7 @@ mod criterion;
 mod golden;
 mod handed;
 mod increment;
+mod restored;
 mod scene;
 mod solve;
 mod total;
@@ -27,6 +29,7 @@ mod total;
 pub(super) use belt::BeltCase;
 pub(super) use golden::audit_golden;
 pub(super) use handed::{Place, Predefined};
+pub(super) use restored::restored;
 pub(super) use scene::{Slipping, audit_slipping, drawn, slipping};
 
 use super::engine::Settings;

@@ -3,6 +3,7 @@
 use super::deck::{Deck, Difference, three_of};
 use super::jax::{FORMULAS, VERDICT, text};
 use super::{ExportError, list, matrix, number, vector};
+use crate::audit::invariant::Invariant;
 use crate::audit::mpc::MpcCase;
 use crate::audit::quantity::Quantity;
 use crate::audit::recorded::Recorded;
@@ -97,9 +98,17 @@ pub(super) fn place(recorded: &Recorded, case: &MpcCase) -> Option<Place> {
     all.find(|place| place.name(case.constraint.kind()) == recorded.entry)
 }
 
-/// The number in question, as the constraint gives it.
+/// The law that is broken, where it was compared with one.
+pub(super) fn law(recorded: &Recorded) -> Option<Invariant> {
+    Invariant::ALL.into_iter().find(|law| recorded.quantity.is_none() && law.name() == recorded.against)
+}
+
+/// The number in question, as the constraint gives it; of a law the sum that it speaks of.
 pub(super) fn got(recorded: &Recorded, case: &MpcCase) -> Option<f64> {
-    place(recorded, case)?.of(&evaluated(case))
+    match law(recorded) {
+        Some(law) => case.sum_of_law(law, &recorded.entry),
+        None => place(recorded, case)?.of(&evaluated(case)),
+    }
 }
 
 fn body(body: &Body<f64>) -> String {

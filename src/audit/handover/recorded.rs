@@ -43,15 +43,15 @@ impl Recorded {
         found.ok_or_else(|| self.unknown())
     }
 
-    /// A test in Rust that needs this crate and nothing else: of a constraint, what it is and its state, typed out; of a friction, a belt,
-    /// springs and dampers, whose tables may be long, the counter-example itself. The number in question is compared with what it must be.
+    /// A test in Rust that needs this crate and nothing else: of a constraint, what it is and its state, typed out; of a law of one, and of a
+    /// friction, a belt, springs and dampers, whose tables may be long, the counter-example itself. The number in question is compared with what it must be.
     ///
     /// # Errors
     /// What cannot be replayed; a mismatch of what is no number of it.
     pub fn rust(&self) -> Result<String, ExportError> {
         self.number()?;
         let (imports, before, statements) = match self.failing()? {
-            Failing::Mpc(case) => {
+            Failing::Mpc(case) if constraint::law(self).is_none() => {
                 let Some(place) = constraint::place(self, &case) else { return Err(self.unknown()) };
                 (constraint::IMPORTS.to_string(), String::new(), constraint::rust(&case, place))
             }
@@ -78,6 +78,9 @@ impl Recorded {
     /// What cannot be replayed; slopes of springs and dampers; an entry that it does not give.
     pub fn jax(&self) -> Result<String, ExportError> {
         match self.failing()? {
+            Failing::Mpc(_) if constraint::law(self).is_some() => {
+                Err(self.has_no("script for JAX where a law is broken: it relates numbers of this program"))
+            }
             Failing::Mpc(case) => {
                 let Some(place) = constraint::place(self, &case) else { return Err(self.unknown()) };
                 Ok(constraint::jax(self, &case, place))

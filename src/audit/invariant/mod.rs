@@ -10,24 +10,24 @@ mod turns;
 mod twin;
 mod type_laws;
 
-pub(super) use rigid::turned_terms;
+pub(super) use rigid::{TURN, axis, turned_terms};
 pub(super) use twin::exchanged_entry;
 pub use type_laws::of_type;
 
 use super::bound::{Bound, U};
 use super::case::Case;
-use super::conditioned::{Conditioned, NOTICED};
+use super::conditioned::NOTICED;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::nearness;
 use super::quantity::{Numbers, OneOrMany, Quantity};
-use super::verdict::{SIGNIFICANT, Score, Verdict, moved_by};
+use super::verdict::{Finding, Judgement, SIGNIFICANT, Score, Verdict, moved_by};
 use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{Branch, Connector, Increment, State};
 use crate::measure::Measure;
 use crate::node::{DOFS, Node, Pair};
 use crate::vector;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::{self, Display, Formatter};
 
 /// 2⁻¹⁰⁷⁴, the least distance of two doubles.
@@ -132,6 +132,23 @@ impl Invariant {
     }
 }
 
+/// Numbers that laws relate: of a connector by component, of a constraint by equation.
+pub trait Related {
+    /// The numbers of a kind in a row (0-based); none where there is no such row.
+    fn row(&self, quantity: Quantity, row: usize) -> &[f64];
+
+    /// One of them.
+    fn number(&self, quantity: Quantity, row: usize, place: usize) -> Option<f64> {
+        self.row(quantity, row).get(place).copied()
+    }
+}
+
+impl Related for Numbers<f64> {
+    fn row(&self, quantity: Quantity, row: usize) -> &[f64] {
+        self.entries(quantity).0.get(row).and_then(Option::as_deref).unwrap_or_default()
+    }
+}
+
 /// Σ c·x = want, for numbers x of one evaluation.
 #[derive(Clone, Debug)]
 pub struct Demand {
@@ -150,9 +167,9 @@ pub struct Demand {
 /// What is demanded, written when somebody reads it.
 #[derive(Clone, Debug)]
 pub enum What {
-    /// A sentence, of a law of types.
+    /// A sentence: of a law of types, or of a constraint.
     Said(String),
-    /// Of the numbers of one state.
+    /// Of the numbers of a connector at one state.
     Of(Demanded),
 }
 
@@ -255,6 +272,25 @@ impl What {
 }
 
 impl Demand {
+    /// A sum of entries that must be `want`, allowed what its terms are allowed and a rounding each; below the range of doubles, too, where
+    /// a number is one of two that are [`LEAST`] apart.
+    pub(super) fn of_sum(
+        terms: OneOrMany<(Quantity, usize, usize, f64)>,
+        want: f64,
+        what: What,
+        numbers: &impl Related,
+        tolerance: impl Fn(Quantity, usize, usize) -> f64,
+    ) -> Self {
+        let allowed = terms
+            .iter()
+            .map(|(q, k, i, c)| {
+                let x = numbers.number(*q, *k, *i).unwrap_or(0.0);
+                c.abs() * (tolerance(*q, *k, *i) + 4.0 * U * x.abs() + LEAST)
+            })
+            .sum();
+        Self { terms, offset: 0.0, want, allowed, what }
+    }
+
     /// The sum, with numbers by quantity, component and entry.
     pub fn sum(&self, number: impl Fn(Quantity, usize, usize) -> Option<f64>) -> f64 {
         self.terms.iter().fold(self.offset, |sum, (quantity, k, i, c)| {
@@ -264,8 +300,8 @@ impl Demand {
 
     /// Whether numbers can be told to meet it or not: not where they overflow, so that the sum, or what is allowed, is not finite. A number
     /// that is not there meets nothing, and what must be equal bit for bit needs no tolerance.
-    pub(super) fn is_decidable(&self, numbers: &Numbers<f64>) -> bool {
-        let number = |quantity: Quantity, k: usize, i: usize| numbers.entries(quantity).get(k, i);
+    pub(super) fn is_decidable(&self, numbers: &impl Related) -> bool {
+        let number = |quantity: Quantity, k: usize, i: usize| numbers.number(quantity, k, i);
         let is_there = self.terms.iter().all(|(quantity, k, i, _)| number(*quantity, *k, *i).is_some());
         self.allowed.is_finite()
             && (self.want.is_finite() || self.allowed == 0.0)
@@ -282,8 +318,24 @@ impl Demand {
         if units.is_nan() { f64::INFINITY } else { units }
     }
 
+    /// What is told of it: the sum that there is, so far from it in units of what is allowed.
+    pub(super) fn finding(&self, units: f64, got: f64) -> Finding {
+        Finding {
+            entry: self.what.to_string(),
+            at: None,
+            demanded: self.what.demanded(),
+            sum: Vec::new(),
+            got,
+            want: self.want,
+            tolerance: self.allowed,
+            units,
+            one_sided: None,
+            lack: None,
+        }
+    }
+
     /// The verdict on numbers.
-    pub(super) fn verdict(&self, numbers: &Numbers<f64>) -> Verdict {
+    pub(super) fn verdict(&self, numbers: &impl Related) -> Verdict {
         if !self.is_decidable(numbers) {
             Verdict::Undecided
         } else if self.units(numbers) <= 1.0 {
@@ -294,8 +346,8 @@ impl Demand {
     }
 
     /// How far numbers are from it, in units of what is allowed.
-    pub fn units(&self, numbers: &Numbers<f64>) -> f64 {
-        self.units_of(self.sum(|quantity, k, i| numbers.entries(quantity).get(k, i)))
+    pub fn units(&self, numbers: &impl Related) -> f64 {
+        self.units_of(self.sum(|quantity, k, i| numbers.number(quantity, k, i)))
     }
 }
 
@@ -388,23 +440,14 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// A sum of entries that must be `want`, allowed what its terms are allowed and a rounding each; below the range of doubles, too, where
-    /// a number is one of two that are [`LEAST`] apart.
+    /// A sum of entries that must be `want`.
     fn sum(
         &self,
         terms: impl Into<OneOrMany<(Quantity, usize, usize, f64)>>,
         want: f64,
         what: What,
     ) -> Demand {
-        let terms = terms.into();
-        let allowed = terms
-            .iter()
-            .map(|(q, k, i, c)| {
-                let x = self.numbers.entries(*q).get(*k, *i).unwrap_or(0.0);
-                c.abs() * (self.tolerance(*q, *k, *i) + 4.0 * U * x.abs() + LEAST)
-            })
-            .sum();
-        Demand { terms, offset: 0.0, want, allowed, what }
+        Demand::of_sum(terms.into(), want, what, self.numbers, |q, k, i| self.tolerance(q, k, i))
     }
 
     /// What a law demands of the numbers; nothing where it has nothing to say of this connector.
@@ -495,11 +538,14 @@ impl<'a> Context<'a> {
 }
 
 /// Judges a list of demands: the one that decides the verdict, and how far from it numbers are, in units of what is allowed.
-pub fn worst<'a>(numbers: &Numbers<f64>, demands: &'a [Demand]) -> Option<(&'a Demand, f64)> {
+pub fn worst<'a>(numbers: &impl Related, demands: &'a [Demand]) -> Option<(&'a Demand, f64)> {
     let judged = demands.iter().map(|demand| (demand, demand.units(numbers)));
     let severity = |demand: &Demand| demand.verdict(numbers);
     judged.max_by(|x, y| severity(x.0).cmp(&severity(y.0)).then(x.1.total_cmp(&y.1)))
 }
+
+/// Whether a number, by its kind, row and place, is well-conditioned.
+pub type IsConditioned<'a> = dyn Fn(Quantity, usize, usize, f64) -> bool + 'a;
 
 /// Of the mutants that touch a number of which a law speaks, one in so many is tried: of matrices, of rows, of single numbers. The steps are
 /// prime, so that every rung of the ladder is among those tried.
@@ -511,21 +557,52 @@ const fn tried(quantity: Quantity) -> usize {
     }
 }
 
+/// A law asked of the numbers at one state, by the demands on it that can be decided.
+pub(super) struct Asked {
+    /// What it demands.
+    pub(super) demands: Vec<Demand>,
+    /// The verdict, and the demand that decides it.
+    pub(super) judgement: Judgement,
+}
+
+impl Asked {
+    /// Judges numbers by all demands of a law.
+    pub(super) fn of(numbers: &impl Related, all: Vec<Demand>) -> Self {
+        let verdict = all.iter().map(|one| one.verdict(numbers)).max().unwrap_or(Verdict::Pass);
+        let demands: Vec<_> = all.into_iter().filter(|one| one.is_decidable(numbers)).collect();
+        let worst = worst(numbers, &demands).map(|(demand, units)| {
+            let got = demand.sum(|quantity, k, i| numbers.number(quantity, k, i));
+            demand.finding(units, got)
+        });
+        let compared = demands.len();
+        Self { demands, judgement: Judgement { verdict, worst, compared } }
+    }
+
+    /// The kinds of numbers of which it speaks.
+    pub(super) fn spans(&self) -> BTreeSet<Quantity> {
+        self.demands.iter().flat_map(|demand| demand.terms.iter().map(|term| term.0)).collect()
+    }
+}
+
 /// Which mutants of a quantity a law notices, of those that touch a number of which it speaks. One that changes every sum by less
 /// than twice what is allowed is below its resolution, but for a relative error of a thousand times [`NOTICED`] in a number that carries a sum of which
-/// every other that does is well-conditioned too: that must be noticed, whatever is allowed.
+/// every other that does is well-conditioned too: that must be noticed, whatever is allowed. `size` is the unit of the degrees of freedom of
+/// an entry, and `is_conditioned` tells which numbers are well-conditioned.
 pub fn try_mutants(
     quantity: Quantity,
-    numbers: &Numbers<f64>,
+    numbers: &impl Related,
     demands: &[Demand],
     mutants: &[Mutant],
-    (conditioned, length): (&Conditioned, f64),
+    (size, is_conditioned): (&dyn Fn(Quantity, usize) -> f64, &IsConditioned<'_>),
 ) -> Score {
-    let width = quantity.entries();
-    let place = |k: usize, i: usize| k * width + i;
-    let right = |q: Quantity, k: usize, i: usize| numbers.entries(q).get(k, i);
+    let right = |q: Quantity, k: usize, i: usize| numbers.number(q, k, i);
+    let spoken_of = || demands.iter().flat_map(|demand| demand.terms.iter()).filter(|(q, ..)| *q == quantity);
+    let width = spoken_of().map(|(_, _, i, _)| i + 1).max().unwrap_or(0);
+    let height = spoken_of().map(|(_, k, ..)| k + 1).max().unwrap_or(0);
+    // What is not spoken of has a place beyond the last.
+    let place = |k: usize, i: usize| if i < width { k * width + i } else { height * width };
     // The demands in which each entry occurs, with its coefficient.
-    let mut touched: Vec<Vec<(usize, f64)>> = vec![Vec::new(); 6 * width];
+    let mut touched: Vec<Vec<(usize, f64)>> = vec![Vec::new(); height * width];
     for (n, demand) in demands.iter().enumerate() {
         for (_, k, i, c) in demand.terms.iter().filter(|(q, ..)| *q == quantity) {
             if let Some(of_entry) = touched.get_mut(place(*k, *i)) {
@@ -537,15 +614,13 @@ pub fn try_mutants(
         |k: usize, i: usize| touched.get(place(k, i)).map_or(&[][..], |of_entry| of_entry.as_slice());
     let sums: Vec<f64> = demands.iter().map(|demand| demand.sum(right)).collect();
     // What the largest entry of a row would make of each sum, in the place of any of its terms.
-    let size = |q: Quantity, i: usize| q.entry_size(i, length);
     let mut rows: BTreeMap<(Quantity, usize), f64> = BTreeMap::new();
     let mut largest: Vec<f64> = Vec::with_capacity(demands.len());
     for demand in demands {
         let mut most = 0.0_f64;
         for (q, k, i, c) in demand.terms.iter() {
             let row = *rows.entry((*q, *k)).or_insert_with(|| {
-                let entries = numbers.entries(*q).0.get(*k).and_then(Option::as_ref);
-                let sized = entries.into_iter().flatten().enumerate().map(|(i, x)| x.abs() * size(*q, i));
+                let sized = numbers.row(*q, *k).iter().enumerate().map(|(i, x)| x.abs() * size(*q, i));
                 sized.fold(0.0_f64, f64::max)
             });
             most = most.max(c.abs() * row / size(*q, *i));
@@ -558,7 +633,7 @@ pub fn try_mutants(
         let (Some(demand), Some(largest)) = (demands.get(n), largest.get(n)) else { return false };
         demand.terms.iter().all(|(q, k, i, c)| {
             let x = right(*q, *k, *i).unwrap_or(0.0);
-            (c * x).abs() < SIGNIFICANT * largest || conditioned.demands(*q, *k, *i, x)
+            (c * x).abs() < SIGNIFICANT * largest || is_conditioned(*q, *k, *i, x)
         })
     };
     let is_touched = |mutant: &&Mutant| mutant.changes.iter().any(|(k, i, _)| !in_demands(*k, *i).is_empty());

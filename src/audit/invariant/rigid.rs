@@ -12,12 +12,16 @@ use crate::measure::Measure;
 use crate::node::{self, DOFS};
 use crate::vector::{Matrix, Vector, apply, cross};
 
+/// How the axes are turned: far from every special rotation.
+pub(in crate::audit) const TURN: Vector<f64> = [0.9, -1.3, 0.4];
+
 /// The places of both nodes' translations and rotations along an axis.
 const fn both(a: usize, b: usize, i: usize) -> [usize; 2] {
     [a + i, b + i]
 }
 
-fn axis(i: usize) -> Vector<f64> {
+/// The direction of an axis.
+pub(in crate::audit) fn axis(i: usize) -> Vector<f64> {
     let mut axis = [0.0; 3];
     axis[i] = 1.0;
     axis
@@ -158,7 +162,7 @@ impl Context<'_> {
 
     /// The state in turned axes, and the rotation: one that is far from every special one, about the third axis where the connector lies in a plane.
     pub(in crate::audit) fn turned(&self) -> (Matrix<f64>, Case) {
-        let rotation = turn(if self.case.definition.planar { [0.0, 0.0, 1.3] } else { [0.9, -1.3, 0.4] });
+        let rotation = turn(if self.case.definition.planar { [0.0, 0.0, 1.3] } else { TURN });
         let mut state = self.state;
         state.pair = carried(&self.state.pair, &rotation, [0.0; 3]);
         for rates in [&mut state.velocity, &mut state.acceleration] {

@@ -82,7 +82,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         if let (Some(element), Some(exercise)) =
             (model.connectors.get(result.index), exercises.get_mut(result.index))
         {
-            let sample = Sample::of(&element.connector, &element.definition(), &result.state);
+            let sample = Sample::of(&element.connector, &element.definition(), &result.state, model.length);
             coverage.take(&sample);
             exercise.add(&sample);
         }

@@ -163,7 +163,7 @@ impl MpcCase {
     }
 
     /// The equations that there are.
-    fn equations(&self) -> Vec<usize> {
+    pub(super) fn equations(&self) -> Vec<usize> {
         (0..ROWS).filter(|row| self.constraint.rows()[*row]).collect()
     }
 

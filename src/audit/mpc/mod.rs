@@ -1,11 +1,12 @@
 //! A multi-point constraint at one state: its equations, rows, second derivatives, rates and accelerations against differences
-//! on 237-bit numbers.
+//! on 237-bit numbers, and laws that they meet without any reference (`laws`).
 //!
 //! Derivatives are those at independent angles of the hinges: where a state does not give them, the angles that the rotations
 //! imply are held.
 
 pub(super) mod atlas;
 mod cut;
+mod laws;
 mod mistakes;
 
 use super::bound::scales;
@@ -107,6 +108,7 @@ impl MpcCase {
         };
         let mut checks: Vec<Check> =
             sheets.iter().map(|sheet| sheet.check(proves, &self.name, None)).collect();
+        checks.extend(self.laws(&sheets, proves));
         for check in &mut checks {
             check.name_stage(|| stage);
             check.fails_at(|| Failing::Mpc(Box::new(self.clone())));
@@ -130,17 +132,21 @@ impl MpcCase {
         sheets
     }
 
+    /// min(1, distance of each equation to where it has no derivative on its sheet), 0 there.
+    fn nearness(&self, got: &Evaluation<f64>) -> [f64; ROWS] {
+        self.constraint.margins(&self.state, got).rows.map(|margin| {
+            // On its sheet ρ has derivatives at half a turn too.
+            let margin = margin.filter(|margin| margin.set.class != SingularClass::BranchCut);
+            nearness(margin, self.length).max(0.0)
+        })
+    }
+
     /// The numbers without mistakes.
     fn judged(&self) -> Vec<Sheet> {
         let request = Request::everything(2);
         let tally = &mut Tally::default();
         let got = self.constraint.evaluate(&self.state, &self.before, &self.turning, &request, tally);
-        let margins = self.constraint.margins(&self.state, &got);
-        let nearness = margins.rows.map(|margin| {
-            // On its sheet ρ has derivatives at half a turn too.
-            let margin = margin.filter(|margin| margin.set.class != SingularClass::BranchCut);
-            nearness(margin, self.length).max(0.0)
-        });
+        let nearness = self.nearness(&got);
         let mut state = exact(&self.state);
         state.angles = got.taken.map(|angle| Some(Wide::from_f64(angle)));
         let [slave, master] = [self.state.slave.displacement, self.state.master.displacement];
@@ -208,22 +214,9 @@ impl MpcCase {
                 truth.nearness[row],
             );
             let value_scale = scales[0].first().copied().unwrap_or(0.0);
-            let nan = f64::NAN;
-            let numbers: [(Vec<f64>, Vec<Wide>); 5] = [
-                (vec![got.residual[row].unwrap_or(nan)], vec![value]),
-                (got.jacobian[row].map_or_else(|| vec![nan; DOFS], |row| row.to_vec()), gradient),
-                (
-                    got.hessian[row]
-                        .as_ref()
-                        .map_or_else(|| vec![nan; DOFS * DOFS], |h| h.as_flattened().to_vec()),
-                    matrix,
-                ),
-                (vec![got.residual_rate[row].unwrap_or(nan)], vec![rate[row].unwrap_or(zero)]),
-                (
-                    vec![got.residual_acceleration[row].unwrap_or(nan)],
-                    vec![acceleration[row].unwrap_or(zero)],
-                ),
-            ];
+            let [rate, acceleration] = [&rate, &acceleration].map(|of| vec![of[row].unwrap_or(zero)]);
+            let wanted = [vec![value], gradient, matrix, rate, acceleration];
+            let numbers = given(got, row).into_iter().zip(wanted);
             for ((sheet, scales), (got, want)) in sheets.iter_mut().zip(scales).zip(numbers) {
                 let column = |j: usize| kind.column_name(j);
                 let units = |j: usize| match j {
@@ -282,6 +275,19 @@ impl MpcCase {
         }
         sheets
     }
+}
+
+/// The numbers of an equation, in the order of [`MpcCase::QUANTITIES`]; what is missing is not a number.
+fn given(got: &Evaluation<f64>, row: usize) -> [Vec<f64>; MpcCase::QUANTITIES.len()] {
+    let one = |rows: &Rows<f64>| vec![rows[row].unwrap_or(f64::NAN)];
+    let matrix = got.hessian[row].as_ref();
+    [
+        one(&got.residual),
+        got.jacobian[row].map_or_else(|| vec![f64::NAN; DOFS], |row| row.to_vec()),
+        matrix.map_or_else(|| vec![f64::NAN; DOFS * DOFS], |h| h.as_flattened().to_vec()),
+        one(&got.residual_rate),
+        one(&got.residual_acceleration),
+    ]
 }
 
 /// The same state on 237-bit numbers, from the same doubles.

@@ -12,7 +12,9 @@ use std::io::{self, Write};
 
 /// Writes the audit as JUnit XML. Mismatches are failures, surviving mutants errors, what is undecided is skipped, and a failure where the
 /// audit was asked to be strict. A suite for each model has a case for the rank of its assembly, and one for each of its findings: one that
-/// is an error fails, others pass and are told on standard output.
+/// is an error fails, others pass and are told on standard output. `classname` is what a test is of: the connector, the constraint or the type, the
+/// model, the code of a finding. No test has a `time`: each gathers numbers of many states, judged in parallel with those of others, and two reports
+/// of the same numbers are the same to the byte.
 ///
 /// # Errors
 /// Where the stream cannot be written to.
@@ -25,7 +27,7 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         suite
             .add_property(("states judged independently", subject.judged_independently.to_string().as_str()));
         for check in &subject.checks {
-            let mut test = TestCase::new(title(check), status(check, strict));
+            let mut test = classified(&subject.title(), title(check), status(check, strict));
             let told: Vec<String> = sides(check).collect();
             if let (false, Some(worst)) = (told.is_empty(), &check.worst) {
                 let state = check.worst_state.as_deref().unwrap_or("");
@@ -40,13 +42,17 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
             ("declaration", subject.declaration),
         ];
         for (claim, verdict) in claims {
-            suite.add_test_case(TestCase::new(format!("claim: {claim}"), plain(verdict, strict)));
+            suite.add_test_case(classified(
+                &subject.title(),
+                format!("claim: {claim}"),
+                plain(verdict, strict),
+            ));
         }
         for text in without_witness(subject).into_iter().chain(not_exercised(subject)) {
-            suite.add_test_case(TestCase::new(text, open(strict)));
+            suite.add_test_case(classified(&subject.title(), text, open(strict)));
         }
         if let Some(text) = laws_not_asked(subject) {
-            suite.add_test_case(TestCase::new(text, TestCaseStatus::skipped()));
+            suite.add_test_case(classified(&subject.title(), text, TestCaseStatus::skipped()));
         }
         document.add_test_suite(suite);
     }
@@ -61,7 +67,7 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
                 failure.set_message(approach.told());
                 failure
             };
-            suite.add_test_case(TestCase::new(title, status));
+            suite.add_test_case(classified(&approach.connection, title, status));
         }
         document.add_test_suite(suite);
     }
@@ -74,7 +80,8 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 
 /// The findings of a model: errors are failures; warnings and notes pass, and are told on their standard output.
 fn findings(model: &ModelReport, strict: bool) -> TestSuite {
-    let mut suite = TestSuite::new(format!("model {}", model.scene));
+    let name = format!("model {}", model.scene);
+    let mut suite = TestSuite::new(name.as_str());
     for assembly in model.assembly.iter().chain(&model.later_steps) {
         let title = format!("rank of the assembly in step {}", assembly.step);
         let mut status = TestCaseStatus::success();
@@ -82,13 +89,13 @@ fn findings(model: &ModelReport, strict: bool) -> TestSuite {
             status = open(strict);
             status.set_message(why_open(assembly));
         }
-        suite.add_test_case(TestCase::new(title, status));
+        suite.add_test_case(classified(&name, title, status));
     }
     for finding in &model.findings {
         suite.add_test_case(test_of(finding));
     }
     if model.findings.is_empty() {
-        suite.add_test_case(TestCase::new("nothing found", TestCaseStatus::success()));
+        suite.add_test_case(classified(&name, "nothing found".to_string(), TestCaseStatus::success()));
     }
     suite
 }
@@ -107,8 +114,7 @@ fn test_of(finding: &Finding) -> TestCase {
         status = TestCaseStatus::non_success(NonSuccessKind::Failure);
         status.set_message(finding.message()).set_type(finding.code().as_str()).set_description(&text);
     }
-    let mut test = TestCase::new(format!("{} at {place}", finding.code()), status);
-    test.set_classname(finding.code().as_str());
+    let mut test = classified(finding.code().as_str(), format!("{} at {place}", finding.code()), status);
     test.extra.insert("file".into(), finding.file().into());
     if let Some(line) = finding.line() {
         test.extra.insert("line".into(), line.to_string().into());
@@ -116,6 +122,13 @@ fn test_of(finding: &Finding) -> TestCase {
     if !is_error {
         test.set_system_out(text);
     }
+    test
+}
+
+/// A test of something.
+fn classified(of: &str, name: String, status: TestCaseStatus) -> TestCase {
+    let mut test = TestCase::new(name, status);
+    test.set_classname(of);
     test
 }
 

@@ -1,0 +1,688 @@
+//! Laws of a multi-point constraint, which need no reference.
+//!
+//! Everything turned by R about any point, and moved, turns δ of a BEAM and ρ with it: they are global components of vectors that the
+//! nodes carry, δ' = R δ, ρ' = R ρ. δl and δΨ stay what they are. The δ of a PIN and of a TIE is u_S − u_M: what turns is
+//! x_S − x_M = δ + X_S − X_M, so that nodes which are apart initially violate the constraint where everything turns; that is what it
+//! says. With v the vector that turns, and 0 for δl and δΨ:
+//!
+//! | law | says |
+//! |---|---|
+//! | rigid modes | J r = 0 for a translation r of everything, J r = e × v for a turn about e: zero where a BEAM, ρ or coincident nodes of a PIN meet the constraint; and the derivative of both along every degree of freedom |
+//! | frame | at the state turned by R, moved, and turning at a rate that changes: v' = R v, v̇' = R v̇ + Ω × v', v̈' = R v̈ + 2 Ω × R v̇ + Ω̇ × v' + Ω × (Ω × v'); rows and second derivatives are turned |
+//! | power | rates are J q̇, accelerations J q̈ + q̇ᵀ H q̇ |
+//!
+//! The tolerance of a sum is that of its terms, which follows from the conditioning of the state. Nothing is asked of an equation on its
+//! singular set, and nothing is compared with a turned state within 1e-3 of one, or where that state is on the other sheet of ρ.
+
+use super::{MpcCase, given};
+use crate::audit::bound::{C, U, scales};
+use crate::audit::case::turn;
+use crate::audit::invariant::{
+    Asked, Demand, Invariant, IsConditioned, Related, TURN, What, axis, try_mutants,
+};
+use crate::audit::mutant::{Changes, Mutant};
+use crate::audit::outcome::{Against, Check};
+use crate::audit::quantity::Quantity;
+use crate::audit::sheet::{Entry, Sheet};
+use crate::audit::verdict::Score;
+use crate::connector::{Request, Tally};
+use crate::mpc::{
+    Body, DOFS, Dofs, Evaluation, FLOW, RHO, ROWS, State, THETA_M, THETA_S, Translation, XM, XS,
+};
+use crate::vector::{Matrix, Vector, add, apply, apply_transposed, cross, dot, product, scale, sub};
+
+/// In radians or lengths: closer to a singular set nothing is compared with another state.
+const AWAY: f64 = 1e-3;
+
+/// Where a vector that turns with everything stands among the degrees of freedom.
+const VECTORS: [usize; 4] = [XS, THETA_S, XM, THETA_M];
+
+/// Numbers by kind, in the order of [`MpcCase::QUANTITIES`], and equation.
+struct Table([[Vec<f64>; ROWS]; MpcCase::QUANTITIES.len()]);
+
+impl Table {
+    /// Of what is known of each equation.
+    fn of(mut row: impl FnMut(usize) -> Option<[Vec<f64>; 5]>) -> Self {
+        let mut table = Self(Default::default());
+        for i in 0..ROWS {
+            for (of_kind, numbers) in table.0.iter_mut().zip(row(i).into_iter().flatten()) {
+                of_kind[i] = numbers;
+            }
+        }
+        table
+    }
+
+    /// One number; none is not a number.
+    fn at(&self, quantity: Quantity, row: usize, place: usize) -> f64 {
+        self.number(quantity, row, place).unwrap_or(f64::NAN)
+    }
+}
+
+impl Related for Table {
+    fn row(&self, quantity: Quantity, row: usize) -> &[f64] {
+        let kind = MpcCase::QUANTITIES.iter().position(|known| *known == quantity);
+        let found = kind.and_then(|kind| self.0.get(kind)?.get(row));
+        found.map_or(&[], Vec::as_slice)
+    }
+}
+
+/// The same constraint seen from elsewhere: turned, moved, and turning.
+struct Twin {
+    rotation: Matrix<f64>,
+    /// Ω.
+    spin: Vector<f64>,
+    /// Ω̇.
+    spin_rate: Vector<f64>,
+    numbers: Table,
+    tolerance: Table,
+}
+
+/// The numbers of a constraint at a state, with what laws need to know of it.
+struct Laws<'a> {
+    case: &'a MpcCase,
+    sheets: &'a [Sheet],
+    /// The equations that the rows of the sheets are of.
+    equations: Vec<usize>,
+    given: Table,
+    tolerance: Table,
+    nearness: [f64; ROWS],
+    /// The angles of the hinges that the equations are taken at.
+    taken: [f64; 2],
+    /// x_S − x_M.
+    separation: Vector<f64>,
+}
+
+/// The places of a vector, or of one number, around a degree of freedom.
+fn block(j: usize) -> std::ops::Range<usize> {
+    VECTORS.into_iter().map(|at| at..at + 3).find(|block| block.contains(&j)).unwrap_or(j..j + 1)
+}
+
+/// The degrees of freedom in turned axes that make up one, each with its factor.
+fn turned(rotation: &Matrix<f64>, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let block = block(j);
+    let (start, is_vector) = (block.start, block.len() == 3);
+    block.map(move |l| (l, if is_vector { rotation[l - start][j - start] } else { 1.0 }))
+}
+
+fn size(v: Vector<f64>) -> f64 {
+    v.into_iter().map(f64::abs).sum()
+}
+
+fn part(of: &Dofs<f64>, at: usize) -> Vector<f64> {
+    [of[at], of[at + 1], of[at + 2]]
+}
+
+impl<'a> Laws<'a> {
+    fn new(case: &'a MpcCase, sheets: &'a [Sheet]) -> Self {
+        let equations = case.equations();
+        let got = case.evaluated(&case.state);
+        let of_sheets = |number: &dyn Fn(&Entry) -> f64| {
+            Table::of(|row| {
+                let place = equations.iter().position(|equation| *equation == row)?;
+                Some(MpcCase::QUANTITIES.map(|quantity| {
+                    let sheet = sheets.iter().find(|sheet| sheet.quantity == quantity);
+                    let entries = sheet.and_then(|sheet| {
+                        sheet.entries.get(place * sheet.width()..(place + 1) * sheet.width())
+                    });
+                    entries.into_iter().flatten().map(number).collect()
+                }))
+            })
+        };
+        let (given, tolerance) = (of_sheets(&|entry| entry.got), of_sheets(&Entry::tolerance));
+        let State { slave, master, .. } = &case.state;
+        Self {
+            case,
+            sheets,
+            given,
+            tolerance,
+            nearness: case.nearness(&got),
+            taken: got.taken,
+            separation: add(case.constraint.arm(), sub(slave.displacement, master.displacement)),
+            equations,
+        }
+    }
+
+    fn demands(&self, law: Invariant) -> Vec<Demand> {
+        match law {
+            Invariant::RigidModes => self.rigid_modes(),
+            Invariant::Frame => self.frame(),
+            Invariant::Power => self.power(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The equations that are on no singular set.
+    fn smooth(&self) -> impl Iterator<Item = usize> + '_ {
+        self.equations.iter().copied().filter(|row| self.nearness[*row] > 0.0)
+    }
+
+    fn name(&self, quantity: Quantity, row: usize, place: usize) -> &str {
+        let sheet = self.sheets.iter().find(|sheet| sheet.quantity == quantity);
+        let at = self.equations.iter().position(|equation| *equation == row);
+        let entry = sheet.zip(at).and_then(|(sheet, at)| sheet.entries.get(at * sheet.width() + place));
+        entry.map_or("", |entry| entry.name.as_str())
+    }
+
+    fn sum(&self, terms: Vec<(Quantity, usize, usize, f64)>, want: f64, what: String) -> Demand {
+        // Without a truth there is no tolerance: not none at all.
+        let tolerance =
+            |q: Quantity, k: usize, i: usize| self.tolerance.number(q, k, i).unwrap_or(f64::INFINITY);
+        Demand::of_sum(terms.into(), want, What::Said(what), &self.given, tolerance)
+    }
+
+    /// Where the vector begins of which an equation is a global component; none of a scalar one.
+    fn vector_of(&self, row: usize) -> Option<usize> {
+        match (self.case.constraint.kind().entry().translation, row) {
+            (_, FLOW) | (Translation::Distance, 0..RHO) => None,
+            (_, RHO..FLOW) => Some(RHO),
+            _ => Some(0),
+        }
+    }
+
+    /// What turns with everything, less the equations that begin there.
+    fn offset(&self, start: usize) -> Vector<f64> {
+        match self.case.constraint.kind().entry().translation {
+            Translation::Equal if start < RHO => self.case.constraint.arm(),
+            _ => [0.0; 3],
+        }
+    }
+
+    fn rigid_modes(&self) -> Vec<Demand> {
+        let mut found = Vec::new();
+        for row in self.smooth() {
+            for i in 0..3 {
+                found.push(self.along_translation(row, None, i));
+                found.push(self.along_turn(row, None, i));
+                for j in 0..DOFS {
+                    found.push(self.along_translation(row, Some(j), i));
+                    found.push(self.along_turn(row, Some(j), i));
+                }
+            }
+        }
+        found.retain(|demand| !demand.terms.is_empty());
+        found
+    }
+
+    /// A row, or how it changes with degree of freedom j, along a translation of everything.
+    fn along_translation(&self, row: usize, j: Option<usize>, i: usize) -> Demand {
+        let (quantity, at, name) = self.row_of(row, j);
+        let terms = [XS, XM].map(|x| (quantity, row, at + x + i, 1.0)).to_vec();
+        self.sum(terms, 0.0, format!("{name} along translation {}", i + 1))
+    }
+
+    /// The same along a turn about an axis through M. With r the turn, E v = e × v, and w of degree of freedom j: J r = E v, so that
+    /// H[w] r + J_x (e × w) = E J_w for displacements w of either node, and with ½ J_θ (e × w) for their rotations, for
+    /// exp(t e^) exp(s w^) = exp(t e^ + s w^ + ½ s t (e × w)^ + …).
+    fn along_turn(&self, row: usize, j: Option<usize>, i: usize) -> Demand {
+        let (quantity, at, name) = self.row_of(row, j);
+        let arm = cross(axis(i), self.separation);
+        let mut terms = [THETA_S, THETA_M].map(|theta| (quantity, row, at + theta + i, 1.0)).to_vec();
+        terms.extend((0..3).map(|l| (quantity, row, at + XS + l, arm[l])));
+        if let Some(j) = j
+            && let (start, 3) = (block(j).start, block(j).len())
+        {
+            let half = if matches!(start, THETA_S | THETA_M) { 0.5 } else { 1.0 };
+            let moved = cross(axis(i), axis(j - start));
+            terms.extend((0..3).map(|l| (Quantity::FirstDerivatives, row, start + l, half * moved[l])));
+        }
+        let mut want = 0.0;
+        if let Some(start) = self.vector_of(row) {
+            let k = row - start;
+            let factor = |m: usize| cross(axis(i), axis(m))[k];
+            terms.extend((0..3).map(|m| match j {
+                None => (Quantity::Value, start + m, 0, -factor(m)),
+                Some(j) => (Quantity::FirstDerivatives, start + m, j, -factor(m)),
+            }));
+            if j.is_none() {
+                want = cross(axis(i), self.offset(start))[k];
+            }
+        }
+        terms.retain(|term| term.3 != 0.0);
+        self.sum(terms, want, format!("{name} along turn {}", i + 1))
+    }
+
+    /// The kind of numbers of a row or of its derivatives by a degree of freedom, where these begin, and what they are called.
+    fn row_of(&self, row: usize, j: Option<usize>) -> (Quantity, usize, String) {
+        match j {
+            None => {
+                let name = format!("∂{}", self.case.constraint.kind().row_name(row));
+                (Quantity::FirstDerivatives, 0, name)
+            }
+            Some(j) => {
+                let name = format!("∂({})", self.name(Quantity::FirstDerivatives, row, j));
+                (Quantity::SecondDerivatives, j * DOFS, name)
+            }
+        }
+    }
+
+    fn power(&self) -> Vec<Demand> {
+        let State { velocity: v, acceleration: a, .. } = &self.case.state;
+        let mut found = Vec::new();
+        for row in self.smooth() {
+            let along = |rates: &Dofs<f64>| {
+                let rates = *rates;
+                let terms = (0..DOFS).map(move |j| (Quantity::FirstDerivatives, row, j, -rates[j]));
+                terms.filter(|term| term.3 != 0.0)
+            };
+            let mut terms = vec![(Quantity::Rate, row, 0, 1.0)];
+            terms.extend(along(v));
+            let what = format!("{} is J q̇", self.name(Quantity::Rate, row, 0));
+            found.push(self.sum(terms, 0.0, what));
+            let mut terms = vec![(Quantity::Acceleration, row, 0, 1.0)];
+            terms.extend(along(a));
+            let mut underflows = false;
+            for (j, x) in v.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+                for (l, y) in v.iter().enumerate().filter(|(_, y)| **y != 0.0) {
+                    underflows |= (x * y).abs() < f64::MIN_POSITIVE;
+                    if x * y != 0.0 {
+                        terms.push((Quantity::SecondDerivatives, row, j * DOFS + l, -x * y));
+                    }
+                }
+            }
+            let what = format!("{} is J q̈ + q̇ᵀ H q̇", self.name(Quantity::Acceleration, row, 0));
+            let mut demand = self.sum(terms, 0.0, what);
+            if underflows {
+                // Squares of the rates are lost: nothing is decided.
+                demand.allowed = f64::INFINITY;
+            }
+            found.push(demand);
+        }
+        found
+    }
+
+    /// The state after a rigid motion of everything, which goes on.
+    fn twin(&self) -> Twin {
+        let MpcCase { state, length, .. } = self.case;
+        let sizes = self.case.sizes();
+        // As fast as the nodes are, so that neither hides the other.
+        let fastest = |rates: &Dofs<f64>| {
+            let most = rates.iter().zip(&sizes).fold(0.0_f64, |most, (x, s)| most.max((x / s).abs()));
+            if most > 0.0 { most } else { 1.0 }
+        };
+        let (fast, faster) = (fastest(&state.velocity), fastest(&state.acceleration));
+        let rotation = turn(TURN);
+        let (spin, spin_rate) = (scale([0.6, 0.3, -0.5], fast), scale([-0.2, 0.7, 0.4], faster));
+        let place = scale([0.3, -0.5, 0.2], *length);
+        let (velocity, acceleration) =
+            (scale([-0.4, 0.1, 0.6], fast * length), scale([0.5, 0.2, -0.3], faster * length));
+        let separation = apply(&rotation, self.separation);
+        let mut twin = *state;
+        twin.angles = self.taken.map(Some);
+        twin.master.displacement = place;
+        twin.slave.displacement = add(place, sub(separation, self.case.constraint.arm()));
+        for body in [&mut twin.slave, &mut twin.master] {
+            *body = Body { rotation: product(&rotation, &body.rotation), ..*body };
+        }
+        // The magnitudes of what is added up, by which sums of it are rounded.
+        let [mut reach, mut reach_rate] = [state.velocity, state.acceleration];
+        for (x, theta, arm) in [(XS, THETA_S, separation), (XM, THETA_M, [0.0; 3])] {
+            let of = |rates: &Dofs<f64>, at: usize| apply(&rotation, part(rates, at));
+            let (v, a) = (of(&state.velocity, x), of(&state.acceleration, x));
+            let (turning, faster_turning) = (of(&state.velocity, theta), of(&state.acceleration, theta));
+            let parts = [velocity, cross(spin, arm), v];
+            let angular = [spin, turning];
+            let accelerations = [
+                acceleration,
+                cross(spin_rate, arm),
+                cross(spin, cross(spin, arm)),
+                cross(scale(spin, 2.0), v),
+                a,
+            ];
+            let angular_rates = [spin_rate, cross(spin, turning), faster_turning];
+            let put = |into: &mut Dofs<f64>, sizes: &mut Dofs<f64>, at: usize, parts: &[Vector<f64>]| {
+                let sum = parts.iter().fold([0.0; 3], |sum, part| add(sum, *part));
+                into[at..at + 3].copy_from_slice(&sum);
+                sizes[at..at + 3].fill(parts.iter().map(|part| size(*part)).sum());
+            };
+            put(&mut twin.velocity, &mut reach, x, &parts);
+            put(&mut twin.velocity, &mut reach, theta, &angular);
+            put(&mut twin.acceleration, &mut reach_rate, x, &accelerations);
+            put(&mut twin.acceleration, &mut reach_rate, theta, &angular_rates);
+        }
+        let got = self.case.evaluated(&twin);
+        let inputs = self.case.inputs(&got.taken);
+        let present = |row: usize| got.residual.get(row).copied().flatten();
+        let numbers = Table::of(|row| present(row).map(|_| given(&got, row)));
+        let tolerance = Table::of(|row| {
+            present(row)?;
+            let [value, first, second, ..] = given(&got, row);
+            let value = value.first().copied().unwrap_or(f64::NAN);
+            let of_row =
+                scales(value, &first, &second, (&sizes, &inputs), (&reach, &reach_rate), self.nearness[row]);
+            Some(of_row.map(|scales| scales.into_iter().map(|scale| C * U * scale).collect()))
+        });
+        Twin { rotation, spin, spin_rate, numbers, tolerance }
+    }
+
+    fn frame(&self) -> Vec<Demand> {
+        let twin = self.twin();
+        let mut found = Vec::new();
+        for row in self.smooth().filter(|row| self.nearness[*row] > AWAY) {
+            if self.vector_of(row) == Some(RHO) && self.is_on_another_sheet(&twin) {
+                continue;
+            }
+            for quantity in MpcCase::QUANTITIES {
+                for place in 0..self.given.row(quantity, row).len() {
+                    // Second derivatives are symmetric.
+                    if quantity == Quantity::SecondDerivatives && place % DOFS > place / DOFS {
+                        continue;
+                    }
+                    let want = self.seen_from(&twin, quantity, row, place);
+                    let what = format!("{} in turned axes", self.name(quantity, row, place));
+                    let mut demand = self.sum(vec![(quantity, row, place, 1.0)], want, what);
+                    // The turned inputs are rounded, three roundings in each direction; a component of a vector is as uncertain as the vector.
+                    demand.allowed = demand.allowed.max(self.around(&self.tolerance, quantity, row, place));
+                    demand.allowed = 4.0 * (demand.allowed + self.allowed_of(&twin, quantity, row, place));
+                    found.push(demand);
+                }
+            }
+        }
+        found
+    }
+
+    /// Whether ρ of the turned state is near half a turn, and rounding has put it on the other side.
+    fn is_on_another_sheet(&self, twin: &Twin) -> bool {
+        /// Beyond this no rounding leads from half a turn.
+        const NEAR_HALF_A_TURN: f64 = 3.0;
+        let rho = |numbers: &Table| [0, 1, 2].map(|i| numbers.at(Quantity::Value, RHO + i, 0));
+        let (own, other) = (rho(&self.given), apply_transposed(&twin.rotation, rho(&twin.numbers)));
+        dot(own, own) > NEAR_HALF_A_TURN * NEAR_HALF_A_TURN && dot(own, other) < 0.0
+    }
+
+    /// What a number must be, from those of the turned state.
+    fn seen_from(&self, twin: &Twin, quantity: Quantity, row: usize, place: usize) -> f64 {
+        let Twin { rotation, spin, spin_rate, numbers, .. } = twin;
+        let at = |row: usize, place: usize| numbers.at(quantity, row, place);
+        let in_row = |row: usize| -> f64 {
+            match quantity {
+                Quantity::FirstDerivatives => turned(rotation, place).map(|(l, c)| c * at(row, l)).sum(),
+                Quantity::SecondDerivatives => {
+                    let lines = turned(rotation, place / DOFS);
+                    let both = lines.flat_map(|(j, x)| {
+                        turned(rotation, place % DOFS).map(move |(l, y)| (j * DOFS + l, x * y))
+                    });
+                    both.map(|(place, c)| c * at(row, place)).sum()
+                }
+                _ => at(row, place),
+            }
+        };
+        let Some(start) = self.vector_of(row) else { return in_row(row) };
+        let all = [0, 1, 2].map(|m| in_row(start + m));
+        let of = |quantity: Quantity| [0, 1, 2].map(|m| numbers.at(quantity, start + m, 0));
+        let carried = || add(of(Quantity::Value), self.offset(start));
+        let seen = match quantity {
+            Quantity::Value => sub(apply_transposed(rotation, carried()), self.offset(start)),
+            Quantity::Rate => apply_transposed(rotation, sub(all, cross(*spin, carried()))),
+            Quantity::Acceleration => {
+                let relative = sub(all, scale(cross(*spin, of(Quantity::Rate)), 2.0));
+                let relative = sub(relative, cross(*spin_rate, carried()));
+                apply_transposed(rotation, add(relative, cross(*spin, cross(*spin, carried()))))
+            }
+            _ => apply_transposed(rotation, all),
+        };
+        seen[row - start]
+    }
+
+    /// What is allowed of the numbers of the turned state from which one is formed.
+    fn allowed_of(&self, twin: &Twin, quantity: Quantity, row: usize, place: usize) -> f64 {
+        let of = |quantity: Quantity| self.around(&twin.tolerance, quantity, row, place);
+        let [spin, spin_rate] = [twin.spin, twin.spin_rate].map(size);
+        match quantity {
+            Quantity::Rate => of(quantity) + spin * of(Quantity::Value),
+            Quantity::Acceleration => {
+                of(quantity)
+                    + 2.0 * spin * of(Quantity::Rate)
+                    + (spin * spin + spin_rate) * of(Quantity::Value)
+            }
+            _ => of(quantity),
+        }
+    }
+
+    /// What is allowed of all entries with which one is turned.
+    fn around(&self, tolerance: &Table, quantity: Quantity, row: usize, place: usize) -> f64 {
+        let rows = self.vector_of(row).map_or(row..row + 1, |start| start..start + 3);
+        let of_row = |row: usize| -> f64 {
+            match quantity {
+                Quantity::FirstDerivatives => block(place).map(|l| tolerance.at(quantity, row, l)).sum(),
+                Quantity::SecondDerivatives => {
+                    let both =
+                        block(place / DOFS).flat_map(|j| block(place % DOFS).map(move |l| j * DOFS + l));
+                    both.map(|place| tolerance.at(quantity, row, place)).sum()
+                }
+                _ => tolerance.at(quantity, row, place),
+            }
+        };
+        rows.map(of_row).sum()
+    }
+
+    /// Every mistake in a quantity, of equations that are on no singular set.
+    fn mutants(&self, quantity: Quantity) -> Vec<Mutant> {
+        let Some(sheet) = self.sheets.iter().find(|sheet| sheet.quantity == quantity) else {
+            return Vec::new();
+        };
+        let width = sheet.width();
+        let place = |(at, x): (usize, f64)| Some((*self.equations.get(at / width)?, at % width, x));
+        let made = sheet.all_mistakes().into_iter().map(|change| Mutant {
+            mistake: change.mistake,
+            changes: Changes::Many(change.changes.into_iter().filter_map(place).collect()),
+        });
+        made.filter(|mutant| mutant.changes.iter().all(|(row, ..)| self.nearness[*row] > 0.0)).collect()
+    }
+
+    fn size_of(&self, sizes: &Dofs<f64>, quantity: Quantity, place: usize) -> f64 {
+        match quantity {
+            Quantity::FirstDerivatives => sizes[place],
+            Quantity::SecondDerivatives => sizes[place / DOFS] * sizes[place % DOFS],
+            _ => 1.0,
+        }
+    }
+}
+
+impl MpcCase {
+    /// The laws that are asked of a constraint.
+    pub(in crate::audit) const LAWS: [Invariant; 3] =
+        [Invariant::RigidModes, Invariant::Frame, Invariant::Power];
+
+    fn evaluated(&self, state: &State<f64>) -> Evaluation<f64> {
+        let (request, tally) = (Request::everything(2), &mut Tally::default());
+        self.constraint.evaluate(state, &self.before, &self.turning, &request, tally)
+    }
+
+    /// What relates the numbers to each other; with mutants of them where `proves`.
+    pub(super) fn laws(&self, sheets: &[Sheet], proves: bool) -> Vec<Check> {
+        let laws = Laws::new(self, sheets);
+        let sizes = self.sizes();
+        let size = |quantity: Quantity, place: usize| laws.size_of(&sizes, quantity, place);
+        let made = Self::QUANTITIES.map(|quantity| if proves { laws.mutants(quantity) } else { Vec::new() });
+        let mut checks = Vec::new();
+        for law in Self::LAWS {
+            let all = laws.demands(law);
+            if all.is_empty() {
+                continue;
+            }
+            let asked = Asked::of(&laws.given, all);
+            let mut score = Score::default();
+            for (quantity, made) in Self::QUANTITIES.iter().zip(&made) {
+                let around: (&dyn Fn(Quantity, usize) -> f64, &IsConditioned<'_>) =
+                    (&size, &|_, _, _, _| false);
+                score.merge(try_mutants(*quantity, &laws.given, &asked.demands, made, around));
+            }
+            let mut check = Check::new(None, Against::Law(law));
+            check.add_decided(asked.judgement, score, &self.name, None);
+            checks.push(check);
+        }
+        checks
+    }
+
+    /// The sum that a law demands something of, by the words in which it is told.
+    pub(in crate::audit) fn sum_of_law(&self, law: Invariant, what: &str) -> Option<f64> {
+        let sheets = self.judged();
+        let laws = Laws::new(self, &sheets);
+        let demand = laws.demands(law).into_iter().find(|demand| demand.what.to_string() == what)?;
+        Some(demand.sum(|quantity, row, place| laws.given.number(quantity, row, place)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::engine::Settings;
+    use crate::audit::planted::Planted;
+    use crate::audit::sample::Draw;
+    use crate::audit::verdict::Verdict;
+    use crate::connector::Turns;
+    use crate::mpc::{Constraint, Kind, Turning};
+    use std::f64::consts::PI;
+
+    /// Regions: anywhere, on another scale, far away, nodes that coincide initially, nodes that nearly meet, a constraint that holds but for
+    /// rounding, nearly half a turn of violation, at rest.
+    const REGIONS: usize = 8;
+
+    fn drawn(kind: Kind, region: usize, draw: &mut Draw) -> MpcCase {
+        let mut three = |size: f64| [0; 3].map(|_| draw.between(-size, size));
+        let length = if region == 1 { 1e-6 } else { 1.0 };
+        let arm = if region == 3 { [0.0; 3] } else { three(length) };
+        let far = if region == 2 { three(1e6) } else { [0.0; 3] };
+        let common = three(2.0);
+        let violation = match region {
+            5 => [0.0; 3],
+            6 => scale([2.0 / 7.0, 3.0 / 7.0, 6.0 / 7.0], PI - 1e-9),
+            _ => three(1.0),
+        };
+        let displacement = match region {
+            4 => sub(three(1e-4), arm),
+            5 => [0.0; 3],
+            _ => three(length),
+        };
+        let mut state = State::at_rest();
+        state.master.rotation = turn(common);
+        state.slave.rotation = product(&turn(violation), &state.master.rotation);
+        state.master.displacement = far;
+        state.slave.displacement = add(far, displacement);
+        if region == 5 && kind == Kind::Beam {
+            let carried = apply(&state.master.rotation, arm);
+            state.slave.displacement = sub(carried, arm);
+        }
+        if region != 7 {
+            let rate = |draw: &mut Draw, j: usize| {
+                let size = if block(j).start % 7 == 3 || j > PSI { 1.0 } else { length };
+                draw.between(-3.0, 3.0) * size
+            };
+            state.velocity = std::array::from_fn(|j| rate(draw, j));
+            state.acceleration = std::array::from_fn(|j| rate(draw, j));
+        }
+        if region.is_multiple_of(2) {
+            state.angles = [Some(draw.between(-1.0, 1.0)), Some(draw.between(-1.0, 1.0))];
+        }
+        let axes = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+        MpcCase {
+            name: format!("{} in region {region}", kind.name()),
+            constraint: Constraint::new(kind, arm, [0.0; 3], axes).with_flow(),
+            state,
+            turning: Turning::none(),
+            before: [Turns { turns: 0.0, principal: 0.0 }; 2],
+            length,
+        }
+    }
+
+    const PSI: usize = crate::mpc::PSI_M;
+
+    /// Every law holds of every kind everywhere, and of the mutants of its numbers that change enough none survives.
+    #[test]
+    fn laws_hold_and_notice_mutants() {
+        for kind in Kind::ALL {
+            let draw = &mut Draw::new(kind.name());
+            for region in 0..2 * REGIONS {
+                let case = drawn(kind, region % REGIONS, draw);
+                let checks = case.laws(&case.sheets(), region < REGIONS);
+                // So near to its kink a LINK is not compared with itself turned.
+                let is_near = kind == Kind::Link && region % REGIONS == 4;
+                assert_eq!(checks.len() + usize::from(is_near), MpcCase::LAWS.len(), "{}", case.name);
+                for check in checks {
+                    assert_eq!(
+                        check.verdict,
+                        Verdict::Pass,
+                        "{}: {:?} {:?}",
+                        case.name,
+                        check.against,
+                        check.worst
+                    );
+                    assert_eq!(check.score.survived, 0, "{}: {:?}", case.name, check.score.survivors);
+                    let exercised = check.score.killed > 10 || region >= REGIONS - 1;
+                    assert!(exercised, "{}: {:?} {}", case.name, check.against, check.score.killed);
+                }
+            }
+        }
+    }
+
+    /// In each kind of number that a law speaks of, the wrong sign of the largest entry breaks it: what is wrong of the product breaks it as a
+    /// mutant does.
+    #[test]
+    fn what_is_wrong_breaks_a_law() {
+        let mut broken = 0;
+        for kind in Kind::ALL {
+            let case = drawn(kind, 0, &mut Draw::new(kind.name()));
+            let right = case.judged();
+            for quantity in MpcCase::QUANTITIES {
+                let mut sheets = right.clone();
+                let sheet = sheets.iter_mut().find(|sheet| sheet.quantity == quantity).unwrap();
+                let all = sheet.entries.iter_mut();
+                let largest = all.max_by(|x, y| x.got.abs().total_cmp(&y.got.abs())).unwrap();
+                if largest.got == 0.0 {
+                    continue;
+                }
+                largest.got = -largest.got;
+                let found: Vec<Verdict> =
+                    case.laws(&sheets, false).iter().map(|check| check.verdict).collect();
+                assert!(found.contains(&Verdict::Wrong), "{}: {quantity:?} {found:?}", case.name);
+                broken += 1;
+            }
+        }
+        assert!(broken >= 26, "{broken}");
+    }
+
+    /// A fault planted in a kind of number is called wrong in that, and in no other kind.
+    #[test]
+    fn planted_faults_are_told() {
+        for kind in Kind::ALL {
+            let case = drawn(kind, 0, &mut Draw::new(kind.name()));
+            for (planted, quantity) in [
+                (Planted::WrongValue, Quantity::Value),
+                (Planted::WrongRate, Quantity::Rate),
+                (Planted::WrongAcceleration, Quantity::Acceleration),
+            ] {
+                let settings = Settings { planted: Some(planted), ..Settings::default() };
+                for check in case.audit(&settings, false) {
+                    let is_wrong = check.verdict.is_mismatch();
+                    let is_of_it = check.quantity == Some(quantity);
+                    assert!(is_wrong == is_of_it || check.quantity.is_none(), "{}: {check:?}", case.name);
+                }
+            }
+        }
+    }
+
+    /// A turn of everything is in the kernel of a BEAM and of ρ where they hold; of nodes of a PIN that are apart it is not, for their
+    /// displacements are equal and not their positions.
+    #[test]
+    fn what_turns_with_everything() {
+        let along = |kind: Kind, region: usize| {
+            let case = drawn(kind, region, &mut Draw::new("kernel"));
+            let got = case.evaluated(&case.state);
+            let State { slave, master, .. } = &case.state;
+            let apart = add(case.constraint.arm(), sub(slave.displacement, master.displacement));
+            let arm = cross(axis(2), apart);
+            let sum = |row: &Dofs<f64>| row[THETA_S + 2] + row[THETA_M + 2] + dot(arm, part(row, XS));
+            got.jacobian.iter().flatten().map(sum).fold(0.0_f64, |most, sum| most.max(sum.abs()))
+        };
+        assert!(along(Kind::Beam, 5) < 1e-14 && along(Kind::Pin, 5) > 0.1 && along(Kind::Tie, 5) > 0.1);
+        // As they do where nodes coincide initially, and the constraint holds.
+        let coincident = |kind: Kind| {
+            let mut case = drawn(kind, 3, &mut Draw::new("kernel"));
+            case.state.slave = case.state.master;
+            let got = case.evaluated(&case.state);
+            got.jacobian.iter().flatten().map(|row| (row[XS] + row[XM]).abs()).fold(0.0, f64::max)
+        };
+        assert!(coincident(Kind::Pin) == 0.0 && coincident(Kind::Tie) == 0.0);
+        assert!(along(Kind::Beam, 0) > 0.1 && along(Kind::Revolute, 0) > 0.1 && along(Kind::Link, 0) < 1e-14);
+    }
+}
