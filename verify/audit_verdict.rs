@@ -91,7 +91,12 @@ fn duals_and_differences_agree_far_below_the_tolerance() {
     println!("{compared} entries; {all_most:?}");
     assert!(compared > 10_000);
     for (quantity, (most, place)) in all_most {
-        assert!(most < 1e-9, "{}: {most:e} at {place}", quantity.name());
+        // Of second differences that go ahead only, a step of 1e-21 is left, over C u = 4e-16.
+        let allowed = match quantity {
+            Quantity::SecondDerivatives | Quantity::GeometricStiffness => 1e-6,
+            _ => 1e-9,
+        };
+        assert!(most < allowed, "{}: {most:e} at {place}", quantity.name());
     }
 }
 
