@@ -14,7 +14,7 @@
 //! of what it accumulates: that row is differenced once more.
 
 use super::case::moved;
-use super::differences::{self, Directions};
+use super::differences::{self, Directions, SECOND_STEP};
 use super::force::turned;
 use super::quantity::Entries;
 use super::truth::Truth;
@@ -48,6 +48,9 @@ impl Directions {
         }
     }
 }
+
+/// How second differences are taken on a singular set.
+const ON_A_SET: (f64, Directions) = (SECOND_STEP, Directions::Together);
 
 /// Σ factor·sample, divided by `width`.
 fn combined(terms: &[(i32, &Sample)], width: Wide) -> [Components<Wide>; 2] {
@@ -93,7 +96,13 @@ fn together(
 impl Truth {
     /// Second derivatives of what is measured, and, where forces are asked for, how the rows of virtual work change.
     pub fn second(&self, forces: bool) -> [Entries<Wide>; 2] {
-        self.second_at(forces, differences::second(self.nearness(), self.far()))
+        let way = differences::second(self.nearness(), self.far());
+        if forces && way == ON_A_SET { self.second_on_a_set().clone() } else { self.second_at(forces, way) }
+    }
+
+    /// The same, forces and all, as they are taken on a singular set; computed once.
+    pub(super) fn second_on_a_set(&self) -> &[Entries<Wide>; 2] {
+        self.on_a_set.get_or_init(|| self.second_at(true, ON_A_SET))
     }
 
     /// The same with a step, in sizes of the degrees of freedom.
@@ -149,8 +158,17 @@ impl Truth {
         matrices.map(Entries)
     }
 
-    fn sample(&self, by: NodalRow<Wide>, pair: Pair<Wide>, forces: bool) -> Sample {
-        let at = self.place_of(by, pair);
+    fn sample(
+        &self,
+        by: NodalRow<Wide>,
+        pair: Pair<Wide>,
+        (forces, directions): (bool, Directions),
+    ) -> Sample {
+        // Nothing that a step away from singular sets could lead over.
+        let at = match directions {
+            Directions::Ahead => self.place_on(self.rested(), by, pair),
+            _ => self.place_of(by, pair),
+        };
         let value = self.values(&at);
         let conjugate = if forces { self.conjugates(&at, &value) } else { [None; 6] };
         Sample { pair, value, conjugate }
@@ -172,7 +190,7 @@ impl Truth {
         let pair = &self.state().pair;
         let sample_along = |j: usize, times: i32| {
             let by = along(j, times);
-            self.sample(by, moved(pair, &by), forces)
+            self.sample(by, moved(pair, &by), (forces, directions))
         };
         let alone = |j: usize| [1, -1].map(|sign| sample_along(j, sign));
         let active: Vec<usize> = self.active().collect();
@@ -189,7 +207,7 @@ impl Truth {
                 }
             }
         };
-        let still = self.sample([Wide::zero(); DOFS], *pair, forces);
+        let still = self.sample([Wide::zero(); DOFS], *pair, (forces, directions));
         let alone: Vec<(usize, [Sample; 2])> = columns.iter().map(|j| (*j, alone(*j))).collect();
         for (n, (j, [ahead, behind])) in alone.iter().enumerate() {
             let terms = match directions {
@@ -205,7 +223,7 @@ impl Truth {
                 };
                 let sample = |sign: i32, first: &Sample, second: &Sample| {
                     let by = both(*j, *l, sign);
-                    self.sample(by, together(pair, &by, [(*j, first), (*l, second)]), forces)
+                    self.sample(by, together(pair, &by, [(*j, first), (*l, second)]), (forces, directions))
                 };
                 let both_ahead = sample(1, ahead, other);
                 let area = step(*j) * step(*l);

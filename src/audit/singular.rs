@@ -82,12 +82,14 @@ impl Truth {
 
     /// Second derivatives where they settle; `first` are the sides of what they are formed of.
     fn settled(&self, bound: &Bound, first: [&Entries<Sides>; 2]) -> [Entries<Sides>; 2] {
-        let quotients = SECOND.map(|step| self.second_at(true, (step, Directions::Together)));
+        let [half, coarse] =
+            [SECOND[0], SECOND[2]].map(|step| self.second_at(true, (step, Directions::Together)));
+        let quotients = [&half, self.second_on_a_set(), &coarse];
         let against = self.second_at(true, (SECOND_STEP, Directions::Against));
         let quantities = [Quantity::SecondDerivatives, Quantity::GeometricStiffness];
         [0, 1].map(|n| {
             let quantity = quantities[n];
-            let [half, fine, coarse] = quotients.each_ref().map(|of| &of[n]);
+            let [half, fine, coarse] = quotients.map(|of| &of[n]);
             half.map(|k, i, half| {
                 let at = |of: &Entries<Wide>| of.get(k, i).unwrap_or_default();
                 let scale = self.extent(k) / quantity.entry_size(i, self.length());

@@ -596,6 +596,8 @@ pub fn try_mutants(
     (size, is_conditioned): (&dyn Fn(Quantity, usize) -> f64, &IsConditioned<'_>),
 ) -> Score {
     let right = |q: Quantity, k: usize, i: usize| numbers.number(q, k, i);
+    let speaks = |demand: &&Demand| demand.terms.iter().any(|(q, ..)| *q == quantity);
+    let demands: Vec<&Demand> = demands.iter().filter(speaks).collect();
     let spoken_of = || demands.iter().flat_map(|demand| demand.terms.iter()).filter(|(q, ..)| *q == quantity);
     let width = spoken_of().map(|(_, _, i, _)| i + 1).max().unwrap_or(0);
     let height = spoken_of().map(|(_, k, ..)| k + 1).max().unwrap_or(0);
@@ -616,7 +618,7 @@ pub fn try_mutants(
     // What the largest entry of a row would make of each sum, in the place of any of its terms.
     let mut rows: BTreeMap<(Quantity, usize), f64> = BTreeMap::new();
     let mut largest: Vec<f64> = Vec::with_capacity(demands.len());
-    for demand in demands {
+    for demand in &demands {
         let mut most = 0.0_f64;
         for (q, k, i, c) in demand.terms.iter() {
             let row = *rows.entry((*q, *k)).or_insert_with(|| {
@@ -654,7 +656,7 @@ pub fn try_mutants(
         }
         asked.sort_unstable();
         asked.dedup();
-        let of = |n: &usize| Some((demands.get(*n)?, *sums.get(*n)?, *moved.get(*n)?));
+        let of = |n: &usize| Some((*demands.get(*n)?, *sums.get(*n)?, *moved.get(*n)?));
         let noticed =
             asked.iter().filter_map(of).any(|(demand, sum, moved)| demand.units_of(sum + moved) > 1.0);
         // The sums that a single number carries.
