@@ -1,8 +1,8 @@
 //! A case on 237-bit numbers, with textbook formulas for the elementary functions, and derivatives of it as central
 //! differences whose step is so small that nothing is left to tune.
 //!
-//! First derivatives: h = s·1e-25, error of the difference about 1e-50, of rounding 1e-45. Second derivatives of values, as
-//! accelerations are: h = s·1e-18·√δ, δ the distance to the nearest singular set. s is the size of the degree of freedom, or the
+//! First derivatives: h = s·1e-25, error of the difference about 1e-50, of rounding 1e-45. Second derivatives of values: see `second`;
+//! accelerations: h = s·1e-18·√δ, δ the distance to the nearest singular set. s is the size of the degree of freedom, or the
 //! distance where that is less. Values alone are differenced: no dual number enters, and no map from relative to nodal degrees of
 //! freedom. What is left of rounding is told with the answer (`Truth::own_error`).
 

@@ -146,9 +146,10 @@ pub(super) const COARSE: f64 = 1e-6;
 /// |---|---|---|---|---|
 /// | of values, of rows | δ·1e-25 | 5e-47/δ | 1e-50 | 1e-31/δ |
 /// | second, of accelerations, the tolerance being F/δ | δ·1e-18 | 5e-36/δ | 1e-36 | 1e-20/δ |
+/// | second, ahead only: δ > 0.01 and nodes within 1e4 of the origin | δ·1e-21 | 5e-26 | the step: 1e-21 | 2e-6 |
 ///
-/// to which ten times the last column is added. A formula with an error that matters is beyond that by many decades.
-const EXACT: f64 = 1e-9;
+/// to which ten times the last column but the lowest is added. A formula with an error that matters is beyond that by many decades.
+const EXACT: f64 = 1e-5;
 
 /// What differences are off by themselves, times δ, with a decade to spare.
 const OF_DIFFERENCES: f64 = 1e-19;
