@@ -158,17 +158,8 @@ impl Truth {
         matrices.map(Entries)
     }
 
-    fn sample(
-        &self,
-        by: NodalRow<Wide>,
-        pair: Pair<Wide>,
-        (forces, directions): (bool, Directions),
-    ) -> Sample {
-        // Nothing that a step away from singular sets could lead over.
-        let at = match directions {
-            Directions::Ahead => self.place_on(self.rested(), by, pair),
-            _ => self.place_of(by, pair),
-        };
+    fn sample(&self, by: NodalRow<Wide>, pair: Pair<Wide>, forces: bool) -> Sample {
+        let at = self.place_of(by, pair);
         let value = self.values(&at);
         let conjugate = if forces { self.conjugates(&at, &value) } else { [None; 6] };
         Sample { pair, value, conjugate }
@@ -190,7 +181,7 @@ impl Truth {
         let pair = &self.state().pair;
         let sample_along = |j: usize, times: i32| {
             let by = along(j, times);
-            self.sample(by, moved(pair, &by), (forces, directions))
+            self.sample(by, moved(pair, &by), forces)
         };
         let alone = |j: usize| [1, -1].map(|sign| sample_along(j, sign));
         let active: Vec<usize> = self.active().collect();
@@ -207,7 +198,7 @@ impl Truth {
                 }
             }
         };
-        let still = self.sample([Wide::zero(); DOFS], *pair, (forces, directions));
+        let still = self.sample([Wide::zero(); DOFS], *pair, forces);
         let alone: Vec<(usize, [Sample; 2])> = columns.iter().map(|j| (*j, alone(*j))).collect();
         for (n, (j, [ahead, behind])) in alone.iter().enumerate() {
             let terms = match directions {
@@ -223,7 +214,7 @@ impl Truth {
                 };
                 let sample = |sign: i32, first: &Sample, second: &Sample| {
                     let by = both(*j, *l, sign);
-                    self.sample(by, together(pair, &by, [(*j, first), (*l, second)]), (forces, directions))
+                    self.sample(by, together(pair, &by, [(*j, first), (*l, second)]), forces)
                 };
                 let both_ahead = sample(1, ahead, other);
                 let area = step(*j) * step(*l);

@@ -41,8 +41,6 @@ pub struct Truth {
     reversible: Components<Wide>,
     /// What first derivatives are differenced from, behind and ahead in each degree of freedom.
     places: OnceLock<[[Place; 2]; DOFS]>,
-    /// The branch where nothing has moved, from which what moves a little without leading over a singular set does not differ.
-    rested: OnceLock<Branch<Wide>>,
     /// Second differences as they are taken on a singular set.
     pub(super) on_a_set: OnceLock<[Entries<Wide>; 2]>,
 }
@@ -179,7 +177,6 @@ impl Truth {
             of_components,
             locked,
             places: OnceLock::new(),
-            rested: OnceLock::new(),
             on_a_set: OnceLock::new(),
         })
     }
@@ -243,16 +240,6 @@ impl Truth {
         let state = State { pair, ..self.state };
         let branch = self.connector.advance(&state, &Increment::none(), &self.branch);
         Place { by, state, branch: self.on_the_sheet(&state, branch) }
-    }
-
-    /// The same on a branch that is known.
-    pub(super) fn place_on(&self, branch: Branch<Wide>, by: NodalRow<Wide>, pair: Pair<Wide>) -> Place {
-        Place { by, state: State { pair, ..self.state }, branch }
-    }
-
-    /// The branch where nothing has moved.
-    pub(super) fn rested(&self) -> Branch<Wide> {
-        *self.rested.get_or_init(|| self.at_rest().branch)
     }
 
     /// The branch on which what is reversible has the signs that it has at the state itself. A jump to the opposite is no derivative; what
