@@ -230,7 +230,7 @@ def potential(of, f, where):
         return norm(*(x for term in terms for x in roots(term, f, where)))
     values = [(term, FUNCTIONS[term["function"]](argument_of(term, f, where))) for term in terms]
     if of["operator"] == "max":
-        found = -(1.0 / 0.0) if not values else None
+        found = -np.inf if not values else None
         for term, value in values:
             signed = term["sign"] * value
             found = signed if found is None else -smaller(-found, -signed)

@@ -1,4 +1,4 @@
-//! A case on 237-bit numbers, with textbook formulas for the elementary functions, and derivatives of it as central
+//! A case on 237-bit numbers, with textbook formulas for the elementary functions, and derivatives of it as
 //! differences whose step is so small that nothing is left to tune.
 //!
 //! First derivatives: h = s·1e-25, error of the difference about 1e-50, of rounding 1e-45. Second derivatives of values: see `second`;
@@ -235,7 +235,8 @@ impl Truth {
         self.place_of(by, moved(&self.state.pair, &by))
     }
 
-    /// The same where the nodes that have moved so far are known.
+    /// The same where the nodes that have moved so far are known. The branch is taken anew at every place, however near: it holds principal
+    /// angles, and the sign of half a torsion, which changes where no singular set is declared.
     pub(super) fn place_of(&self, by: NodalRow<Wide>, pair: Pair<Wide>) -> Place {
         let state = State { pair, ..self.state };
         let branch = self.connector.advance(&state, &Increment::none(), &self.branch);
@@ -390,7 +391,7 @@ impl Truth {
         differences::carried_on(&self.state.velocity, &self.state.acceleration, t)
     }
 
-    /// The steps in time of first and second differences of a component: 1e-25 δ, and 1e-18 √δ as that of second derivatives.
+    /// The steps in time of first and second differences of a component: 1e-25 δ, and 1e-18 √δ.
     fn times(&self, k: usize, speed: f64) -> [f64; 2] {
         differences::times(self.of_components[k], speed)
     }

@@ -146,10 +146,12 @@ pub(super) const COARSE: f64 = 1e-6;
 /// |---|---|---|---|---|
 /// | of values, of rows | δ·1e-25 | 5e-47/δ | 1e-50 | 1e-31/δ |
 /// | second, of accelerations, the tolerance being F/δ | δ·1e-18 | 5e-36/δ | 1e-36 | 1e-20/δ |
-/// | second, ahead only: δ > 0.01 and nodes within 1e4 of the origin | δ·1e-21 | 5e-26 | the step: 1e-21 | 2e-6 |
 ///
-/// to which ten times the last column but the lowest is added. A formula with an error that matters is beyond that by many decades.
-const EXACT: f64 = 1e-5;
+/// to which ten times the last column is added. A formula with an error that matters is beyond that by many decades.
+const EXACT: f64 = 1e-9;
+
+/// The same of second derivatives: their differences go ahead only where δ > 0.01, and a step of 1e-21 is left, eightfold over C u.
+const EXACT_SECOND: f64 = 2e-5;
 
 /// What differences are off by themselves, times δ, with a decade to spare.
 const OF_DIFFERENCES: f64 = 1e-19;
@@ -163,19 +165,23 @@ const LOST_DIGITS: f64 = 1e-4;
 pub struct Exact<'a> {
     /// The product's own source by dual numbers: without rounding.
     pub product: &'a Entries<Wide>,
-    /// Central differences: another mechanism.
+    /// Differences: another mechanism.
     pub truth: &'a Entries<Wide>,
 }
 
 impl Exact<'_> {
-    /// Whether the source gives what the differences say of an entry, but for [`EXACT`] of `tolerance`.
-    fn proves(&self, k: usize, i: usize, tolerance: f64, nearness: f64) -> bool {
+    /// Whether the source gives what the differences say of an entry, but for [`EXACT`] or [`EXACT_SECOND`] of `tolerance`.
+    fn proves(&self, (quantity, k, i): (Quantity, usize, usize), tolerance: f64, nearness: f64) -> bool {
         let (Some(product), Some(truth)) = (self.product.get(k, i), self.truth.get(k, i)) else {
             return false;
         };
         // On a singular set steps are as long as far from it.
         let near = if nearness > 0.0 { nearness } else { 1.0 };
-        (product - truth).abs().to_f64() <= (EXACT + OF_DIFFERENCES / near) * tolerance
+        let exact = match quantity {
+            Quantity::SecondDerivatives | Quantity::GeometricStiffness => EXACT_SECOND,
+            _ => EXACT,
+        };
+        (product - truth).abs().to_f64() <= (exact + OF_DIFFERENCES / near) * tolerance
     }
 }
 
@@ -410,7 +416,7 @@ fn why(quantity: Quantity, worst: &mut Finding, around: &Surroundings<'_>) -> Ve
     let tolerance = around.bound.tolerance(quantity, k, i);
     let is_proven = || {
         let exact = around.exact.and_then(|exact| exact(quantity));
-        exact.is_some_and(|exact| exact.proves(k, i, tolerance, around.nearness[k]))
+        exact.is_some_and(|exact| exact.proves((quantity, k, i), tolerance, around.nearness[k]))
     };
     if error <= LOST_DIGITS * scale && is_proven() { Verdict::UnstableFormula } else { Verdict::Wrong }
 }

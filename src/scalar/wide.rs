@@ -15,7 +15,8 @@ use std::sync::LazyLock;
 /// A binary floating-point number with 237 significant bits (71 decimal digits) and exponents to ±262 143.
 ///
 /// IEEE 754 `binary256`, rounded to nearest even; the arithmetic is the crate `f256`'s. Arctangents of quotients, sines of
-/// small angles and the conversion to `f64` are written here, because f256 0.11.3 gets them wrong or has none.
+/// small angles and the conversion to `f64` are written here, because f256 0.11.3 gets them wrong or has none, and roots because its own take
+/// four times as long.
 ///
 /// ```
 /// use pintle::scalar::{Real, Wide};
@@ -230,7 +231,7 @@ impl Real for Wide {
     }
 
     /// By Newton's method: a quarter of the time of f256's own, which finds one bit after the other. 1/√m is known to 53 bits from doubles,
-    /// after two steps to 212; the last step adds the rest of m − r², which a fused multiply-add gives without its rounding.
+    /// after two steps to 200; the last step adds the rest of m − r², which a fused multiply-add gives without its rounding.
     fn square_root(self) -> Self {
         let (high, low) = self.0.to_bits();
         let biased = (high >> FRACTION_BITS) as i32;
