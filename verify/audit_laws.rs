@@ -199,3 +199,27 @@ fn laws_that_overflow_are_undecided() {
         assert_eq!(check.verdict, Verdict::Pass, "{:?}: {:?}", check.against, check.worst);
     }
 }
+
+/// Beside a singular set a rounding of turned axes is another state: at a symmetric one rates and accelerations vanish that do not there.
+#[test]
+fn turned_axes_beside_a_singular_set_are_another_state() {
+    for beside in [2.2120650096521383e-11, 1e-9, 1e-13] {
+        let mut case = moving("BUSHING");
+        let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
+        let triad = [[0.0, 1.0, 0.0], [1.0, 0.0, -beside], [-beside, 0.0, -1.0]];
+        let pair = Pair {
+            reference: [0.0, 1.0, 0.0],
+            a: node.clone(),
+            b: Node { displacement: [1.0, -1.0, 0.0], triad, flow: 0.0 },
+        };
+        for axis in 0..3 {
+            let step = case.path.last_mut().unwrap();
+            step.state.pair = pair.clone();
+            step.state.velocity = [0.0; 14];
+            step.state.velocity[3 + axis] = 1.0;
+            step.state.acceleration = step.state.velocity;
+            let (units, what) = violation(&case, Invariant::Frame, |_| ());
+            assert!(units <= 1.0, "{beside} about axis {axis}: {units} {what}");
+        }
+    }
+}

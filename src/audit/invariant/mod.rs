@@ -427,14 +427,13 @@ impl<'a> Context<'a> {
         self.bound.known(quantity, k, i).unwrap_or(f64::INFINITY)
     }
 
-    /// What is allowed of the vector, or of the block of vectors, to which an entry belongs: all its components together.
-    fn around(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
+    /// What a bound allows of the vector, or of the block of vectors, to which an entry belongs: all its components together.
+    fn around(bound: &Bound, quantity: Quantity, k: usize, i: usize) -> f64 {
+        let tolerance = |i: usize| bound.known(quantity, k, i).unwrap_or(f64::INFINITY);
         let block = |j: usize| if j % 7 == 6 { j..j + 1 } else { j - j % 7 % 3..j - j % 7 % 3 + 3 };
-        let all = |places: &mut dyn Iterator<Item = usize>| -> f64 {
-            places.map(|i| self.tolerance(quantity, k, i)).sum()
-        };
+        let all = |places: &mut dyn Iterator<Item = usize>| -> f64 { places.map(tolerance).sum() };
         match quantity.entries() {
-            1 => self.tolerance(quantity, k, i),
+            1 => tolerance(i),
             DOFS => all(&mut block(i)),
             _ => all(&mut block(i / DOFS).flat_map(|j| block(i % DOFS).map(move |l| j * DOFS + l))),
         }

@@ -4,8 +4,8 @@
 //! that are there: those of which every degree of freedom by which the component changes is among its columns.
 
 use super::{Claim, Context, Demand, What};
-use crate::audit::bound::{C, U};
-use crate::audit::case::{Case, carried, dof_size, turn};
+use crate::audit::bound::{Bound, C, U};
+use crate::audit::case::{Case, Step, carried, dof_size, turn};
 use crate::audit::quantity::{OneOrMany, Quantity};
 use crate::catalog::Loading;
 use crate::measure::Measure;
@@ -213,6 +213,11 @@ impl Context<'_> {
     pub(super) fn frame(&self) -> Vec<Demand> {
         let (rotation, turned) = self.turned();
         let twin = self.numbers_of(&turned);
+        // Turned inputs are rounded, so that the state there is another one; close to a singular set it may be where derivatives are far larger.
+        let there = turned.last().map(|Step { state, .. }| {
+            let length = self.case.length;
+            Bound::of_components(&twin, &state.velocity, &state.acceleration, length, &self.nearness)
+        });
         let mut found = Vec::new();
         for (k, measure) in self.components() {
             if self.is_fixed_in_space(measure) {
@@ -235,9 +240,11 @@ impl Context<'_> {
                     let want = terms.iter().map(of_twin).sum();
                     let one = OneOrMany::One([(quantity, k, i, 1.0)]);
                     let mut demand = self.sum(one, want, What::of(Claim::TurnedAxes, quantity, k, i));
-                    // The turned inputs are rounded, three roundings in each direction; a component of a vector is as uncertain as the
-                    // vector; and to second order four times as much is rounded.
-                    demand.allowed = 4.0 * demand.allowed.max(self.around(quantity, k, i));
+                    // Three roundings in each direction; a component of a vector is as uncertain as the vector; and to second order four times as
+                    // much is rounded.
+                    let of_twin = there.as_ref().map_or(0.0, |there| Self::around(there, quantity, k, i));
+                    demand.allowed =
+                        4.0 * demand.allowed.max(of_twin).max(Self::around(self.bound, quantity, k, i));
                     demand.allowed += 16.0 * bent(i);
                     found.push(demand);
                 }

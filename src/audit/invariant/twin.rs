@@ -125,8 +125,10 @@ impl Context<'_> {
                     let terms: Vec<_> = sum.iter().map(|(m, factor)| (quantity, *m, i, *factor)).collect();
                     let mut demand = self.sum(terms, want, What::of(Claim::ExchangedNodes, quantity, k, i));
                     // Vectors are resolved in a's directions before and in b's after.
-                    let vectors: f64 =
-                        sum.iter().map(|(m, factor)| factor.abs() * self.around(quantity, *m, i)).sum();
+                    let vectors: f64 = sum
+                        .iter()
+                        .map(|(m, factor)| factor.abs() * Self::around(self.bound, quantity, *m, i))
+                        .sum();
                     demand.allowed = 4.0 * demand.allowed.max(vectors);
                     found.push(demand);
                 }
