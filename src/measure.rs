@@ -505,6 +505,14 @@ impl Measure {
         matches!(self, Self::ProjectedPosition(_) | Self::ComponentFlexion(_))
     }
 
+    /// Whether the value depends on earlier states: on the turns, the sheet or what has accumulated up to now.
+    pub(crate) const fn has_history(self) -> bool {
+        self.winds()
+            || self.counts_torsion()
+            || self.is_one_form()
+            || matches!(self, Self::RotationVector(_) | Self::RotationVectorAtB(_))
+    }
+
     /// Whether this is a one-form, judged by its rates: its row is given, its value is what the row accumulates.
     pub const fn is_one_form(self) -> bool {
         matches!(self, Self::FlowConversion)

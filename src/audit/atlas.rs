@@ -5,7 +5,7 @@ pub use super::beside::{Site, beside, near, random_near, sites};
 use super::bound::{Bound, C, U};
 use super::case::Case;
 use super::force::product_with_forces as product;
-use super::quantity::{Entries, Numbers, Quantity};
+use super::quantity::{Numbers, Quantity};
 use super::sample::Draw;
 use super::truth::Truth;
 use crate::catalog::{COMPONENT, ConnectionType};
@@ -14,6 +14,7 @@ use crate::measure::{LOCK, SingularClass, Unit};
 use crate::node::DOFS;
 use crate::scalar::Wide;
 use serde::Serialize;
+use std::iter::zip;
 
 /// The distances at which a set is approached.
 pub const LADDER: [f64; 15] =
@@ -75,10 +76,10 @@ impl Approach {
 }
 
 /// Steepness may grow by this factor from 1e-2 to 1e-6 away without counting as unbounded.
-pub(super) const BOUNDED: f64 = 30.0;
+const BOUNDED: f64 = 30.0;
 
 /// A difference between the two sides, in rad or lengths, that is not an approach to one limit.
-pub(super) const JUMP: f64 = 1e-3;
+const JUMP: f64 = 1e-3;
 
 /// What is left of a jump where value and derivatives continue, 1e-8 from the point.
 const CONTINUES: f64 = 1e-6;
@@ -103,6 +104,7 @@ pub fn atlas(connection: &ConnectionType) -> Vec<Approach> {
         let seen = known.iter().filter(|(known, _)| *known == site.at).flat_map(|(_, seen)| seen);
         let rungs: Vec<Rung> = seen.map(|seen| seen.rung(k)).collect();
         let is_exact = |rung: &Rung| rung.value_error <= C && rung.first_error <= C;
+        let sides = if site.has_two_sides() { SIDES.as_slice() } else { &SIDES[..1] };
         let is_kept = |rung: &Rung| site.measure.locks() && rung.distance < LOCK;
         found.push(Approach {
             connection: connection.name.to_string(),
@@ -110,7 +112,9 @@ pub fn atlas(connection: &ConnectionType) -> Vec<Approach> {
             set: site.set.at,
             at: site.at,
             declared: site.set.class,
-            seen: classify(&at, k, &site),
+            seen: classify(sides, site.measure.unit(), |distance, azimuth| {
+                of_component(&at(distance, azimuth)?, k, &site)
+            }),
             exact: rungs.len() == LADDER.len() && rungs.iter().all(|rung| is_kept(rung) || is_exact(rung)),
             rungs,
         });
@@ -182,64 +186,80 @@ pub(super) fn truth_to_f64(truth: &Numbers<Wide>) -> Numbers<f64> {
     narrow
 }
 
-/// What happens at a point: derivatives that grow without bound from every side, a value that jumps, with derivatives that jump or without,
-/// derivatives that jump alone, or nothing.
-fn classify(at: &impl Fn(f64, f64) -> Option<Case>, k: usize, site: &Site) -> Option<SingularClass> {
-    // From one side, from the other, and from the side, towards one and the same point.
-    let sides: &[(f64, f64)] = if site.has_two_sides() {
-        &[(1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (1.0, -2.0)]
+/// What a function is at a state beside a point, on doubles.
+pub(super) struct Beside {
+    pub(super) value: f64,
+    pub(super) first: Vec<f64>,
+    /// None, where what continues need not be told from what is removable.
+    pub(super) second: Vec<f64>,
+}
+
+impl Beside {
+    fn is_finite(&self) -> bool {
+        let Self { value, first, second } = self;
+        [value].into_iter().chain(first).chain(second).all(|x| x.is_finite())
+    }
+
+    /// The largest first derivative.
+    pub(super) fn steepness(&self) -> f64 {
+        self.first.iter().fold(0.0, |most, x| most.max(x.abs()))
+    }
+}
+
+/// What component k is beside a point of it.
+fn of_component(case: &Case, k: usize, site: &Site) -> Option<Beside> {
+    let numbers = product(case)?;
+    let of = |quantity: Quantity| numbers.entries(quantity).0[k].clone();
+    let [first, second] = [Quantity::FirstDerivatives, Quantity::SecondDerivatives].map(of);
+    // Not by the displacement: the initial state may be another for each side.
+    let value = if case.connector().position_measure(k) == Some(site.measure) {
+        case.evaluation(&Request::new(&[Output::CP], [true; 6], 0))?.0.position[k]
     } else {
-        &[(1.0, 0.0)]
+        of(Quantity::Value)?.first().copied()
     };
-    let from = |distance: f64, (sign, azimuth): (f64, f64)| {
-        let case = at(sign * distance, azimuth)?;
-        let mut numbers = product(&case)?;
-        // Not by the displacement: the initial state may be another for each side.
-        let position = || Some(case.evaluation(&Request::new(&[Output::CP], [true; 6], 0))?.0.position[k]);
-        if case.connector().position_measure(k) == Some(site.measure) {
-            let mut values = Entries::default();
-            values.0[k] = position()?.map(|x| vec![x]);
-            numbers.set(Quantity::Value, values);
-        }
-        Some(numbers)
-    };
+    Some(Beside { value: value?, first: first?, second: second? })
+}
+
+/// From one side, from the other, and from the side, towards one and the same point: signs and azimuths (rad).
+pub(super) const SIDES: [(f64, f64); 4] = [(1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (1.0, -2.0)];
+
+/// What happens at a point that is approached from some sides: derivatives that grow without bound from every side, a value that jumps, with
+/// derivatives that jump or without, derivatives that jump alone, or nothing. None of these where a number is not finite, or a length jumps.
+pub(super) fn classify(
+    sides: &[(f64, f64)],
+    unit: Unit,
+    seen: impl Fn(f64, f64) -> Option<Beside>,
+) -> Option<SingularClass> {
+    const NEAR: f64 = 1e-8;
+    let from =
+        |distance: f64, (sign, azimuth): (f64, f64)| seen(sign * distance, azimuth).filter(Beside::is_finite);
     let mut unbounded = 0;
     for side in sides {
-        let [near, far] = [from(1e-6, *side)?, from(1e-2, *side)?].map(|numbers| steepness(&numbers, k));
+        let [near, far] = [from(1e-6, *side)?, from(1e-2, *side)?].map(|beside| beside.steepness());
         unbounded += usize::from(near > BOUNDED * far);
     }
     if unbounded == sides.len() {
         return Some(SingularClass::TrueSingularity);
     }
-    const NEAR: f64 = 1e-8;
-    let jump = |x: &Numbers<f64>, y: &Numbers<f64>, quantity: Quantity| {
-        let of = |numbers: &Numbers<f64>| numbers.entries(quantity).0[k].clone();
-        Some(of(x)?.into_iter().zip(of(y)?).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs())))
-    };
-    let this = from(NEAR, (1.0, 0.0))?;
-    let others: Vec<Numbers<f64>> = sides.iter().filter_map(|side| from(NEAR, *side)).collect();
-    let largest = |quantity: Quantity| {
-        others.iter().try_fold(0.0_f64, |most, other| Some(most.max(jump(&this, other, quantity)?)))
-    };
-    if largest(Quantity::Value)? > JUMP {
+    let all: Vec<Beside> = sides.iter().map(|side| from(NEAR, *side)).collect::<Option<_>>()?;
+    let this = all.first()?;
+    let apart = |x: &[f64], y: &[f64]| zip(x, y).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
+    let value = |other: &Beside| (this.value - other.value).abs();
+    let first = |other: &Beside| apart(&this.first, &other.first);
+    if all.iter().any(|other| value(other) > JUMP) {
         // From the sides where the value is the same, towards one and the same point.
-        let mut turns = false;
-        for other in &others {
-            let is_same = jump(&this, other, Quantity::Value)? <= JUMP;
-            turns |= is_same && jump(&this, other, Quantity::FirstDerivatives)? > JUMP;
-        }
+        let turns = all.iter().any(|other| value(other) <= JUMP && first(other) > JUMP);
         let class = if turns { SingularClass::Reversal } else { SingularClass::BranchCut };
-        return (site.measure.unit() == Unit::Angle).then_some(class);
+        return (unit == Unit::Angle).then_some(class);
     }
-    if largest(Quantity::FirstDerivatives)? > JUMP {
+    if all.iter().any(|other| first(other) > JUMP) {
         return Some(SingularClass::Kink);
     }
     // What continues from all sides must be what is said at the point itself, second derivatives too.
-    let there = from(0.0, (1.0, 0.0))?;
-    let mut continues = true;
-    for quantity in [Quantity::Value, Quantity::FirstDerivatives, Quantity::SecondDerivatives] {
-        let most = largest(quantity)?.max(jump(&this, &there, quantity)?);
-        continues &= most < CONTINUES;
-    }
-    continues.then_some(SingularClass::Removable)
+    let there = from(0.0, *sides.first()?)?;
+    let continues = |other: &Beside| {
+        let second = apart(&this.second, &other.second);
+        [value(other), first(other), second].iter().all(|apart| *apart < CONTINUES)
+    };
+    all.iter().chain([&there]).all(continues).then_some(SingularClass::Removable)
 }

@@ -144,17 +144,20 @@ pub fn turn<R: Real>(rotation: Vector<R>) -> Matrix<R> {
     so3::matrix(so3::exp(rotation))
 }
 
+/// Whether a rotation vector is none at all: nothing that is moved on purpose turns as little as that.
+pub(super) fn is_still<R: Differentiable>(rotation: &Vector<R>) -> bool {
+    let least = R::from_f64(f64::MIN_POSITIVE);
+    rotation.iter().all(|x| R::holds(x.magnitude().less(least)))
+}
+
 /// The pair with its degrees of freedom moved by finite amounts: U + δx, exp(δθ^) C, Ψ + δΨ. Written apart from
 /// [`Pair::moved`], and used on numbers without derivatives.
 pub fn moved<R: Differentiable>(pair: &Pair<R>, by: &[R; DOFS]) -> Pair<R> {
-    // No rotation is as small as that, but none at all.
-    let least = R::from_f64(f64::MIN_POSITIVE);
     let node = |node: &Node<R>, at: usize| {
         let rotation = [by[at + 3], by[at + 4], by[at + 5]];
-        let is_still = rotation.iter().all(|x| R::holds(x.magnitude().less(least)));
         Node {
             displacement: add(node.displacement, [by[at], by[at + 1], by[at + 2]]),
-            triad: if is_still { node.triad } else { product(&turn(rotation), &node.triad) },
+            triad: if is_still(&rotation) { node.triad } else { product(&turn(rotation), &node.triad) },
             flow: node.flow + by[at + 6],
         }
     };

@@ -76,19 +76,17 @@ impl Default for Settings {
 
 /// Audits every type of the catalogue. `progress` is told of each finished type.
 pub fn audit_catalogue(settings: &Settings, progress: &(dyn Fn(&str) + Sync)) -> Report {
-    let found: Vec<(Subject, Vec<Approach>)> = TABLE
-        .par_iter()
-        .map(|connection| {
-            let subject = audit_type(connection, settings);
-            let approaches = if settings.atlas { atlas::atlas(connection) } else { Vec::new() };
-            progress(&connection.name);
-            (subject, approaches)
-        })
-        .collect();
+    let of_type = |connection: &ConnectionType| {
+        let approaches = || if settings.atlas { atlas::atlas(connection) } else { Vec::new() };
+        let found = rayon::join(|| audit_type(connection, settings), approaches);
+        progress(&connection.name);
+        found
+    };
+    let of_constraints = || if settings.atlas { super::mpc::atlas::approaches() } else { Vec::new() };
+    let (found, of_constraints): (Vec<(Subject, Vec<Approach>)>, Vec<Approach>) =
+        rayon::join(|| TABLE.par_iter().map(of_type).collect(), of_constraints);
     let (subjects, mut atlas): (Vec<Subject>, Vec<Vec<Approach>>) = found.into_iter().unzip();
-    if settings.atlas {
-        atlas.push(super::mpc::atlas::approaches());
-    }
+    atlas.push(of_constraints);
     Report::new(settings, subjects, atlas.concat())
 }
 
@@ -149,8 +147,14 @@ fn halved(n: usize, last: usize) -> usize {
 }
 
 /// Which of the regular states of a type, of which the first come one from a region, and of those near its singular sets after them are judged
-/// on 237 bits: three quarters of those wanted are regular.
-fn wide_states(regions: usize, (regular, near): (usize, usize), wanted: usize) -> BTreeSet<usize> {
+/// on 237 bits besides the `standing` ones, which always are: of those wanted that are left, but of half of them at least, three quarters are
+/// regular.
+fn wide_states(
+    regions: usize,
+    (regular, near, standing): (usize, usize, usize),
+    wanted: usize,
+) -> BTreeSet<usize> {
+    let wanted = wanted.saturating_sub(standing).max(wanted / 2);
     let of_near = if near > 0 { wanted / 4 } else { 0 };
     let of_regular = wanted - of_near;
     let others = spread(regular.saturating_sub(regions), of_regular.saturating_sub(regions));
@@ -166,7 +170,8 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let near = if atlas::sites(connection).is_empty() { 0 } else { settings.near_singular_states };
     let regular = settings.states.max(regions.len());
     let on_points = if near > 0 { cases_on(connection) } else { Vec::new() };
-    let wide = wide_states(regions.len(), (regular, near), settings.wide_states);
+    let standing = on_points.len().min(near.div_ceil(2));
+    let wide = wide_states(regions.len(), (regular, near, standing), settings.wide_states);
     let golden = if settings.oracles.contains(&Oracle::Jax) { states_of(connection) } else { 0 };
     let count = regular + near + golden;
     let mut checks = gather((0..count).into_par_iter().map(|i| {
@@ -423,15 +428,18 @@ mod tests {
 
     #[test]
     fn as_many_states_are_wide_as_are_asked_for() {
-        let of = |wanted: usize| {
-            let found = wide_states(42, (10_000, 10_000), wanted);
+        let of = |wanted: usize, standing: usize| {
+            let found = wide_states(42, (10_000, 10_000, standing), wanted);
             [0..42, 42..10_000, 10_000..20_000]
                 .map(|range: std::ops::Range<usize>| found.range(range).count())
         };
-        assert_eq!(of(30), [23, 0, 7]);
-        assert_eq!(of(1000), [42, 708, 250]);
-        assert_eq!(of(40_000), [42, 9_958, 10_000]);
-        assert_eq!(wide_states(42, (42, 0), 1000).len(), 42);
+        assert_eq!(of(30, 0), [23, 0, 7]);
+        assert_eq!(of(1000, 0), [42, 708, 250]);
+        assert_eq!(of(40_000, 0), [42, 9_958, 10_000]);
+        assert_eq!(of(30, 6), [18, 0, 6]);
+        assert_eq!(of(30, 20), [12, 0, 3]);
+        assert_eq!(of(0, 20), [0, 0, 0]);
+        assert_eq!(wide_states(42, (42, 0, 0), 1000).len(), 42);
     }
 
     #[test]

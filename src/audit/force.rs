@@ -15,7 +15,7 @@ use crate::node::{self, DOFS, Pair};
 use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Scalar, Wide};
 use crate::so3;
-use crate::vector::{Vector, dot, product, sub, transpose};
+use crate::vector::{Vector, apply, dot, product, sub, transpose};
 use std::cell::LazyCell;
 
 /// What the connector says of its forces at a state, into the numbers of that state.
@@ -101,8 +101,7 @@ impl Truth {
                 // The belt is |d| long, and what flows in at a and out at b comes on top.
                 Loading::Tension => Some(norm(pair.separation()) + pair.b.flow - pair.a.flow),
                 Loading::AlongA(_) | Loading::FrozenAxis(_) => {
-                    let axis = connector.moment_axis(k, &was.pair.a.triad)?;
-                    Some(dot(axis, *turned))
+                    Some(dot(apply(&was.pair.a.triad, self.moment_axes[k]?), *turned))
                 }
             }
         })
@@ -111,7 +110,11 @@ impl Truth {
 
 /// How far b has turned more than a since a pair was there, for small turns.
 pub(super) fn turned(was: &Pair<Wide>, is: &Pair<Wide>) -> Vector<Wide> {
-    let since =
-        |was: &node::Node<Wide>, is: &node::Node<Wide>| so3::log(&product(&is.triad, &transpose(&was.triad)));
+    let since = |was: &node::Node<Wide>, is: &node::Node<Wide>| {
+        if is.triad == was.triad {
+            return [Wide::zero(); 3];
+        }
+        so3::log(&product(&is.triad, &transpose(&was.triad)))
+    };
     sub(since(&was.b, &is.b), since(&was.a, &is.a))
 }

@@ -22,7 +22,7 @@ use crate::catalog::Loading;
 use crate::connector::{Components, NodalRow};
 use crate::node::{DOFS, Node, Pair};
 use crate::scalar::{Real, Scalar, Wide};
-use crate::vector::{add, dot};
+use crate::vector::{add, apply, dot};
 
 /// What is differenced at one place of the nodes.
 struct Sample {
@@ -137,8 +137,9 @@ impl Truth {
                     // Moved nodes that have not turned have done no work on such a moment.
                     let turns: Vec<usize> = columns.into_iter().filter(|j| matches!(j % 7, 3..=5)).collect();
                     let work = |from: &Pair<Wide>, by: &NodalRow<Wide>| {
-                        let axis = connector.moment_axis(k, &from.a.triad);
-                        axis.map_or_else(Wide::zero, |axis| dot(axis, turned(from, &moved(from, by))))
+                        self.moment_axes[k].map_or_else(Wide::zero, |axis| {
+                            dot(apply(&from.a.triad, axis), turned(from, &moved(from, by)))
+                        })
                     };
                     self.change_of_row(&turns, (step, directions), &work, matrix);
                 }

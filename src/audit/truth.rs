@@ -16,7 +16,7 @@ use crate::connector::{
 use crate::measure::{Margin, SingularClass};
 use crate::node::{self, DOFS, Pair};
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
-use crate::vector::{Matrix, product, sub, transpose, transposed_product};
+use crate::vector::{Matrix, Vector, product, sub, transpose, transposed_product};
 use std::sync::OnceLock;
 
 /// A case on 237-bit numbers, from the same doubles.
@@ -39,6 +39,8 @@ pub struct Truth {
     locked: Locked,
     /// The positions whose opposites are as good at the state ([`SingularClass::Reversal`]): what moves from there keeps their signs.
     reversible: Components<Wide>,
+    /// The directions along which constraint moments that are printed about one act, components along e_i^a.
+    pub(super) moment_axes: Components<Vector<Wide>>,
     /// What first derivatives are differenced from, behind and ahead in each degree of freedom.
     places: OnceLock<[[Place; 2]; DOFS]>,
     /// Second differences as they are taken on a singular set.
@@ -168,6 +170,7 @@ impl Truth {
         }
         Some(Self {
             given,
+            moment_axes: std::array::from_fn(|k| connector.carried_moment_axis(k)),
             connector,
             state,
             branch,

@@ -117,7 +117,7 @@ impl<R: Differentiable> Follower<'_, R> {
     /// [`Connector::history_turns`].
     fn turns(&self, wanted: Mask) -> bool {
         let rows = self.rows.iter().zip(wanted).filter(|(_, wanted)| *wanted);
-        rows.filter_map(|(row, _)| row.as_ref()).any(|row| row.position.dependence().rotation)
+        rows.filter_map(|(row, _)| row.as_ref()).any(|row| row.position.has_history())
     }
 
     /// [`Connector::follow`].

@@ -10,7 +10,7 @@ use crate::measure::Measure;
 use crate::node::{DOFS, PSI_A, PSI_B, THETA_A, THETA_B, XB, skew};
 use crate::scalar::{Differentiable, Real};
 use crate::so3;
-use crate::vector::{Matrix, Vector, add, apply, column, dot, scale, sub};
+use crate::vector::{Matrix, Vector, add, apply, column, dot, identity, scale, sub};
 
 /// What is wanted besides the rows themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -187,9 +187,14 @@ impl<R: Differentiable> Connector<R> {
 
     /// The direction, carried by a, along which a unit constraint moment of component k acts on b, where it is printed so.
     pub(crate) fn moment_axis(&self, k: usize, triad_a: &Matrix<R>) -> Option<Vector<R>> {
+        Some(apply(triad_a, self.carried_moment_axis(k)?))
+    }
+
+    /// The same in components along e_i^a, which never change.
+    pub(crate) fn carried_moment_axis(&self, k: usize) -> Option<Vector<R>> {
         match self.connection().loading(k)? {
-            Loading::AlongA(i) => Some(column(triad_a, i - 1)),
-            Loading::FrozenAxis(i) => Some(apply(triad_a, self.frozen_axes()[i - 1])),
+            Loading::AlongA(i) => Some(column(&identity(), i - 1)),
+            Loading::FrozenAxis(i) => Some(self.frozen_axes()[i - 1]),
             Loading::Conjugate | Loading::Tension => None,
         }
     }

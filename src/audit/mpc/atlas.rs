@@ -1,22 +1,22 @@
 //! The singular points of multi-point constraints, approached on the ladder of the atlas: what is declared of an equation, or of the angle
 //! of a hinge, is compared with what happens there.
 //!
-//! An equation is judged as everywhere, by its sheets. The angle of a hinge has no row among the numbers of a constraint: its derivatives
+//! The angle of a hinge has no row among the numbers of a constraint: its derivatives
 //! are its rates as one degree of freedom moves at a time, and the truth is differences of the angle on 237 bits.
 
 use super::{MpcCase, exact, moved};
-use crate::audit::atlas::{Approach, BOUNDED, JUMP, LADDER, Rung};
+use crate::audit::atlas::{Approach, Beside, LADDER, Rung, SIDES, classify};
 use crate::audit::bound::{C, U, scales};
 use crate::audit::case::turn;
-use crate::audit::quantity::Quantity;
 use crate::audit::truth::rotation;
 use crate::connector::{Output, Request, Tally, Turns};
-use crate::measure::{SingularClass, SingularSet};
+use crate::measure::{SingularSet, Unit};
 use crate::mpc::{
-    Body, Constraint, DOFS, Dofs, Kind, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S, Turning,
+    Body, Constraint, DOFS, Dofs, Evaluation, Kind, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S, Turning,
 };
 use crate::scalar::{Real, Scalar, Wide};
 use crate::vector::{self, product, scale};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::iter::zip;
 
@@ -40,11 +40,9 @@ struct Point {
     set: SingularSet,
 }
 
-/// What is seen of a subject at a state.
+/// What is seen of a subject at a state, and how far off it is.
 struct Seen {
-    value: f64,
-    /// Its first derivatives.
-    row: Vec<f64>,
+    beside: Beside,
     /// The error of the value in units u of its conditioned scale, and the largest of first derivatives.
     errors: [f64; 2],
     /// The largest error of a first derivative.
@@ -53,7 +51,8 @@ struct Seen {
 
 /// Every declared set of every kind, approached.
 pub(in crate::audit) fn approaches() -> Vec<Approach> {
-    Kind::ALL.into_iter().flat_map(points).map(|point| point.approach()).collect()
+    let all: Vec<Point> = Kind::ALL.into_iter().flat_map(points).collect();
+    all.par_iter().map(Point::approach).collect()
 }
 
 fn points(kind: Kind) -> Vec<Point> {
@@ -121,8 +120,18 @@ impl Point {
         }
     }
 
-    fn seen(&self, distance: f64, azimuth: f64) -> Option<Seen> {
+    /// What the product says that far away.
+    fn said(&self, distance: f64, azimuth: f64) -> Option<Beside> {
         let case = self.beside(distance, azimuth);
+        match self.subject {
+            Subject::Row(row) => Beside::of_equation(&case.said(), row),
+            Subject::Angle(i) => Some(Beside::of_angle(&case, i)),
+        }
+    }
+
+    /// The same, and how far off it is.
+    fn seen(&self, distance: f64) -> Option<Seen> {
+        let case = self.beside(distance, 0.0);
         match self.subject {
             Subject::Row(row) => of_equation(&case, row),
             Subject::Angle(i) => Some(of_angle(&case, i, distance.abs())),
@@ -131,91 +140,91 @@ impl Point {
 
     fn approach(&self) -> Approach {
         let rungs: Vec<Rung> = LADDER
-            .iter()
+            .par_iter()
             .filter_map(|distance| {
-                let seen = self.seen(*distance, 0.0)?;
-                let steepness = seen.steepness();
+                let seen = self.seen(*distance)?;
+                let steepness = seen.beside.steepness();
                 let [value_error, first_error] = seen.errors;
                 let first_relative = if seen.off == 0.0 { 0.0 } else { seen.off / steepness };
                 Some(Rung { distance: *distance, value_error, first_error, first_relative, steepness })
             })
             .collect();
         let is_exact = |rung: &Rung| rung.value_error <= C && rung.first_error <= C;
+        let (component, unit) = match self.subject {
+            Subject::Row(row) => (self.kind.row_name(row), Kind::row_unit(row)),
+            Subject::Angle(i) => (self.kind.entry().angles.get(i).copied().unwrap_or_default(), Unit::Angle),
+        };
         Approach {
             connection: self.kind.name().to_string(),
-            component: match self.subject {
-                Subject::Row(row) => self.kind.row_name(row),
-                Subject::Angle(i) => self.kind.entry().angles.get(i).copied().unwrap_or_default(),
-            },
+            component,
             set: self.set.at,
             at: self.set.at,
             declared: self.set.class,
-            seen: self.classify(),
+            seen: classify(&SIDES, unit, |distance, azimuth| self.said(distance, azimuth)),
             exact: rungs.len() == LADDER.len() && rungs.iter().all(is_exact),
             rungs,
         }
     }
+}
 
-    /// What happens there, from one side, from the other, and from the side: derivatives that grow without bound, a value that jumps, or
-    /// derivatives that jump alone.
-    fn classify(&self) -> Option<SingularClass> {
-        const SIDES: [(f64, f64); 4] = [(1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (1.0, -2.0)];
-        const NEAR: f64 = 1e-8;
-        let from = |distance: f64, (sign, azimuth): (f64, f64)| self.seen(sign * distance, azimuth);
-        let mut unbounded = 0;
-        for side in SIDES {
-            let [near, far] = [from(1e-6, side)?, from(1e-2, side)?].map(|seen| seen.steepness());
-            unbounded += usize::from(near > BOUNDED * far);
-        }
-        if unbounded == SIDES.len() {
-            return Some(SingularClass::TrueSingularity);
-        }
-        let seen: Vec<Seen> = SIDES.iter().filter_map(|side| from(NEAR, *side)).collect();
-        let this = seen.first()?;
-        let value = |other: &Seen| (this.value - other.value).abs();
-        let row =
-            |other: &Seen| zip(&this.row, &other.row).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
-        if seen.iter().any(|other| value(other) > JUMP) {
-            let turns = seen.iter().any(|other| value(other) <= JUMP && row(other) > JUMP);
-            return Some(if turns { SingularClass::Reversal } else { SingularClass::BranchCut });
-        }
-        seen.iter().any(|other| row(other) > JUMP).then_some(SingularClass::Kink)
+impl Beside {
+    /// An equation, as an evaluation has it.
+    fn of_equation(got: &Evaluation<f64>, row: usize) -> Option<Self> {
+        let first = got.jacobian[row]?.to_vec();
+        let second = got.hessian[row].as_ref()?.as_flattened().to_vec();
+        Some(Self { value: got.residual[row]?, first, second })
+    }
+
+    /// The angle of hinge `i`, whose derivatives are its rates as one degree of freedom moves at a time.
+    fn of_angle(case: &MpcCase, i: usize) -> Self {
+        let along = |j: Option<usize>| {
+            let mut state = case.state;
+            state.velocity = std::array::from_fn(|at| if Some(at) == j { 1.0 } else { 0.0 });
+            let request = Request::new(&[Output::CV], [true; 6], 0);
+            let tally = &mut Tally::default();
+            case.constraint.evaluate(&state, &case.before, &Turning::none(), &request, tally)
+        };
+        let value = along(None).angles[i].principal;
+        let rate = |j: usize| along(Some(j)).angle_rates.map_or(f64::NAN, |rates| rates[i][0]);
+        Self { value, first: ROTATIONS.map(rate).to_vec(), second: Vec::new() }
     }
 }
 
-impl Seen {
-    /// The largest first derivative; lengths are 1.
-    fn steepness(&self) -> f64 {
-        self.row.iter().fold(0.0, |most, x| most.max(x.abs()))
-    }
-}
-
-/// Of an equation, by its sheets.
+/// Of an equation. Second derivatives are in the scales alone.
 fn of_equation(case: &MpcCase, row: usize) -> Option<Seen> {
-    let sheets = case.judged();
-    let rows = case.constraint.rows();
-    let place = (0..row).filter(|row| rows[*row]).count();
-    let of = |quantity: Quantity, width: usize| {
-        let sheet = sheets.iter().find(|sheet| sheet.quantity == quantity)?;
-        sheet.entries.get(place * width..(place + 1) * width)
-    };
-    let worst = |quantity: Quantity, width: usize| {
-        let mut worst = [0.0_f64; 2];
-        for entry in of(quantity, width)? {
-            let off = (Wide::from_f64(entry.got) - entry.want).abs().to_f64();
-            let both = [off, if off == 0.0 { 0.0 } else { off / (U * entry.scale) }];
-            worst = more(worst, both);
+    let got = case.said();
+    let truth = case.truth(&got);
+    let beside = Beside::of_equation(&got, row)?;
+    let value = truth.values_of(truth.given)[row]?;
+    let first: Vec<Wide> = truth.first().iter().map(|rows| rows[row]).collect::<Option<_>>()?;
+    let slopes: Vec<f64> = first.iter().map(|x| x.to_f64()).collect();
+    let still = [0.0; DOFS];
+    let input = case.inputs(&got.taken);
+    let [of_value, of_first, ..] = scales(
+        value.to_f64(),
+        &slopes,
+        &beside.second,
+        (&truth.sizes, &input),
+        (&still, &still),
+        truth.nearness[row],
+    );
+    Some(beside.against(value, &first, (of_value.first().copied().unwrap_or(0.0), &of_first)))
+}
+
+impl Beside {
+    /// How far off it is, in units u of conditioned scales.
+    fn against(self, value: Wide, first: &[Wide], (of_value, of_first): (f64, &[f64])) -> Seen {
+        let off = |got: f64, want: Wide| (Wide::from_f64(got) - want).abs().to_f64();
+        let units = |off: f64, scale: f64| if off == 0.0 { 0.0 } else { off / (U * scale) };
+        let value_error = units(off(self.value, value), of_value);
+        let mut worst = [0.0; 2];
+        for ((got, want), scale) in zip(zip(&self.first, first), of_first) {
+            let off = off(*got, *want);
+            worst = more(worst, [off, units(off, *scale)]);
         }
-        Some(worst)
-    };
-    let [_, of_value] = worst(Quantity::Value, 1)?;
-    let [off, of_row] = worst(Quantity::FirstDerivatives, DOFS)?;
-    Some(Seen {
-        value: of(Quantity::Value, 1)?.first()?.got,
-        row: of(Quantity::FirstDerivatives, DOFS)?.iter().map(|entry| entry.got).collect(),
-        errors: [of_value, of_row],
-        off,
-    })
+        let [off, first_error] = worst;
+        Seen { beside: self, errors: [value_error, first_error], off }
+    }
 }
 
 /// The larger of each; what is not a number is larger than any.
@@ -225,17 +234,7 @@ fn more(worst: [f64; 2], found: [f64; 2]) -> [f64; 2] {
 
 /// Of the angle of hinge `i`, `distance` away from its set.
 fn of_angle(case: &MpcCase, i: usize, distance: f64) -> Seen {
-    let start = [Turns { turns: 0.0, principal: 0.0 }; 2];
-    let along = |j: Option<usize>| {
-        let mut state = case.state;
-        state.velocity = std::array::from_fn(|at| if Some(at) == j { 1.0 } else { 0.0 });
-        let request = Request::new(&[Output::CV], [true; 6], 0);
-        let tally = &mut Tally::default();
-        case.constraint.evaluate(&state, &start, &Turning::none(), &request, tally)
-    };
-    let value = along(None).angles[i].principal;
-    let rate = |j: usize| along(Some(j)).angle_rates.map_or(f64::NAN, |rates| rates[i][0]);
-    let row: Vec<f64> = ROTATIONS.map(rate).to_vec();
+    let beside = Beside::of_angle(case, i);
     let given = exact(&case.state);
     let mut state = given;
     for body in [&mut state.slave, &mut state.master] {
@@ -258,28 +257,21 @@ fn of_angle(case: &MpcCase, i: usize, distance: f64) -> Seen {
     let h = Wide::from_f64(1e-25 * distance);
     let first = ROTATIONS.map(|j| (after(&[(j, h)]) - after(&[(j, -h)])) / (h + h));
     let h = Wide::from_f64(1e-18 * distance);
-    let mut second = Vec::with_capacity(ROTATIONS.len() * ROTATIONS.len());
-    for j in ROTATIONS {
-        for k in ROTATIONS {
+    let mut second = [[0.0; ROTATIONS.len()]; ROTATIONS.len()];
+    for (m, j) in ROTATIONS.into_iter().enumerate() {
+        for (n, k) in ROTATIONS.into_iter().enumerate().take(m + 1) {
             let at = |one: Wide, other: Wide| after(&[(j, one), (k, other)]);
             let across = at(h, h) - at(h, -h) - at(-h, h) + at(-h, -h);
-            second.push((across / (Wide::integer(4) * h * h)).to_f64());
+            second[m][n] = (across / (Wide::integer(4) * h * h)).to_f64();
+            second[n][m] = second[m][n];
         }
     }
     let (sizes, still) = ([1.0; ROTATIONS.len()], [0.0; ROTATIONS.len()]);
     let slopes = first.map(|x| x.to_f64());
-    let [of_value, of_row, ..] =
-        scales(value, &slopes, &second, (&sizes, &sizes), (&still, &still), distance);
-    let units = |off: f64, scale: f64| if off == 0.0 { 0.0 } else { off / (U * scale) };
-    let of_value = of_value.first().copied().unwrap_or(0.0);
-    let off_value = (Wide::from_f64(value) - angle(&given)).abs().to_f64();
-    let mut worst = [0.0; 2];
-    for ((got, want), scale) in zip(zip(&row, first), of_row) {
-        let off = (Wide::from_f64(*got) - want).abs().to_f64();
-        worst = more(worst, [off, units(off, scale)]);
-    }
-    let [off, first_error] = worst;
-    Seen { value, row, errors: [units(off_value, of_value), first_error], off }
+    let sides = (&sizes[..], &sizes[..]);
+    let [of_value, of_first, ..] =
+        scales(beside.value, &slopes, second.as_flattened(), sides, (&still, &still), distance);
+    beside.against(angle(&given), &first, (of_value.first().copied().unwrap_or(0.0), &of_first))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ mod laws;
 mod mistakes;
 
 use super::bound::scales;
-use super::case::turn;
+use super::case::{is_still, turn};
 use super::differences::{self, Directions, FIRST_STEP, NOISE};
 use super::engine::Settings;
 use super::failing::Failing;
@@ -27,7 +27,7 @@ use crate::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, Kind, PHI, PSI_M, PSI_S, ROWS, Rows, State, THETA_M, THETA_S,
     Turning, XM, XS,
 };
-use crate::scalar::{Real, Scalar, Wide};
+use crate::scalar::{Differentiable, Real, Scalar, Wide};
 use crate::vector::{self, add, product, sub};
 
 /// A constraint at a state.
@@ -141,12 +141,15 @@ impl MpcCase {
         })
     }
 
-    /// The numbers without mistakes.
-    fn judged(&self) -> Vec<Sheet> {
-        let request = Request::everything(2);
+    /// What the product says.
+    fn said(&self) -> Evaluation<f64> {
         let tally = &mut Tally::default();
-        let got = self.constraint.evaluate(&self.state, &self.before, &self.turning, &request, tally);
-        let nearness = self.nearness(&got);
+        self.constraint.evaluate(&self.state, &self.before, &self.turning, &Request::everything(2), tally)
+    }
+
+    /// The case on 237 bits, at the angles that the product takes.
+    fn truth(&self, got: &Evaluation<f64>) -> Truth {
+        let nearness = self.nearness(got);
         let mut state = exact(&self.state);
         state.angles = got.taken.map(|angle| Some(Wide::from_f64(angle)));
         let [slave, master] = [self.state.slave.displacement, self.state.master.displacement];
@@ -160,8 +163,13 @@ impl MpcCase {
         }
         let (constraint, sizes) = (self.constraint.exact(), self.sizes());
         let truth = Truth { constraint, given, state, sizes, nearness, sheet: None };
-        let truth = truth.on_the_sheet(&got.residual, &self.inputs(&got.taken));
-        let mut sheets = self.sheets_of(&got, &truth);
+        truth.on_the_sheet(&got.residual, &self.inputs(&got.taken))
+    }
+
+    /// The numbers without mistakes.
+    fn judged(&self) -> Vec<Sheet> {
+        let got = self.said();
+        let mut sheets = self.sheets_of(&got, &self.truth(&got));
         sheets.retain(|sheet| !sheet.entries.is_empty());
         sheets
     }
@@ -308,11 +316,14 @@ pub fn exact(state: &State<f64>) -> State<Wide> {
 
 /// The state with its degrees of freedom moved by finite amounts: u + δx, exp(δθ^) C, Ψ + δΨ, φ + δφ.
 /// Written apart from the product's variations.
-pub fn moved<R: Real>(state: &State<R>, by: &Dofs<R>) -> State<R> {
-    let body = |body: &Body<R>, at: usize| Body {
-        displacement: add(body.displacement, [by[at], by[at + 1], by[at + 2]]),
-        rotation: product(&turn([by[at + 3], by[at + 4], by[at + 5]]), &body.rotation),
-        flow: body.flow + by[at + 6],
+pub fn moved<R: Differentiable>(state: &State<R>, by: &Dofs<R>) -> State<R> {
+    let body = |body: &Body<R>, at: usize| {
+        let turned = [by[at + 3], by[at + 4], by[at + 5]];
+        Body {
+            displacement: add(body.displacement, [by[at], by[at + 1], by[at + 2]]),
+            rotation: if is_still(&turned) { body.rotation } else { product(&turn(turned), &body.rotation) },
+            flow: body.flow + by[at + 6],
+        }
     };
     State {
         slave: body(&state.slave, XS),
