@@ -178,7 +178,7 @@ fn main() {
         ("all nodes fixed", plain, 1),
     ] {
         let title = format!("Jacobian alone, {what}");
-        lines.push(Line::new(&title, model, &whole, Request::new(&[], [true; 6], 1), Work::Assemble(each)));
+        lines.push(Line::new(&title, model, &whole, Request::nothing(0), Work::Assemble(each)));
     }
     if let Some(only) = only {
         let line = lines.iter_mut().find(|line| line.what == only);
@@ -238,5 +238,7 @@ fn main() {
         ["none on the ground", "all on the ground"].map(|what| entries(&format!("Jacobian alone, {what}")));
     assert!(all < none && entries("Jacobian alone, half of the nodes fixed") < none);
     assert_eq!(entries("Jacobian alone, all nodes fixed"), 0);
+    let Tally { values, gradients, histories, .. } = tally("Jacobian alone, all nodes fixed");
+    assert_eq!([values, gradients, histories], [0; 3], "nodes that are fixed are work");
     assert_eq!(tally("Jacobian alone, all nodes fixed").gradients, 0);
 }

@@ -3,13 +3,30 @@
 use super::chain;
 use crate::cli::{file, pintle};
 use pintle::scene::StateFile;
+use std::fmt::Write;
 use std::fs;
 
 const THREADS: [u16; 4] = [1, 2, 3, 7];
 
-/// The files of a chain and its history, and their names.
-fn files(name: &str, connectors: usize, states: u64) -> [String; 2] {
-    let deck = chain::deck(connectors, &chain::types(), "");
+/// Connectors with springs and friction from every node to the one after the next, and constraints of kinds in turn.
+fn laden(connectors: usize) -> String {
+    let mut text = String::from("*ELEMENT, TYPE=CONN3D2, ELSET=LADEN\n");
+    for node in 1..connectors {
+        writeln!(text, "{}, {node}, {}", 20_000_000 + node, node + 2).unwrap();
+    }
+    text.push_str(
+        "*CONNECTOR SECTION, ELSET=LADEN, BEHAVIOR=B\nCARTESIAN, CARDAN\nA,\n*CONNECTOR BEHAVIOR, NAME=B\n\
+         *CONNECTOR ELASTICITY, COMPONENT=1\n10.\n*CONNECTOR FRICTION, COMPONENT=1\n, 5.\n*FRICTION\n0.1\n*MPC\n",
+    );
+    for node in 1..connectors {
+        writeln!(text, "{}, {}, {node}", ["BEAM", "TIE", "PIN", "LINK"][node % 4], node + 2).unwrap();
+    }
+    text
+}
+
+/// The files of a chain and its history, with what loads it where `rest` says so, and their names.
+fn files(name: &str, connectors: usize, states: u64, rest: &str) -> [String; 2] {
+    let deck = chain::deck(connectors, &chain::types(), rest);
     let states = (0..states).map(|number| chain::state(number, connectors + 1)).collect();
     let states = StateFile { states }.to_json().unwrap();
     [file(&format!("{name}.inp"), &deck), file(&format!("{name}.json"), &states)]
@@ -45,14 +62,29 @@ fn assert_same(arguments: &[&str], name: &str) {
 /// Everything of connectors of every type, in every format; then more connectors than are held at a time.
 #[test]
 fn threads_change_no_byte() {
-    let [deck, states] = files("threads", 3 * chain::types().len(), 3);
+    let [deck, states] = files("threads", 3 * chain::types().len(), 3, "");
     for format in ["human", "json", "csv"] {
         let all =
             ["eval", &deck, "--states", &states, "--format", format, "--outputs", "ALL", "--order", "2"];
         assert_same(&all, &format!("threads-{format}"));
     }
-    let [deck, states] = files("many-threads", 2600, 2);
+    let [deck, states] = files("many-threads", 2600, 2, "");
     assert_same(&["eval", &deck, "--states", &states, "--format", "csv", "--order", "1"], "many-threads");
+    // More constraints, springs and frictions than are taken at a time.
+    let [deck, states] = files("laden-threads", 1200, 3, &laden(1200));
+    let forces = [
+        "eval",
+        &deck,
+        "--states",
+        &states,
+        "--format",
+        "json",
+        "--outputs",
+        "CU,RES,CEF,CSF,CTF",
+        "--order",
+        "1",
+    ];
+    assert_same(&forces, "laden-threads");
 }
 
 /// A number of threads that there cannot be.

@@ -62,15 +62,26 @@ impl Sequence<'_> {
                 turns(&mut self.turning, &self.ends[at]);
             }
         }
-        let followed = &self.followed.clone();
         values.clear();
         values.resize(jacobian.entries(), 0.0);
         self.follow_nodes(state);
         let beyond = self.beyond(state);
         self.make_room();
         let Self {
-            model, plan, moved, ends, connectors, needed, tally, velocities, conditions, rooms, ..
+            model,
+            plan,
+            moved,
+            ends,
+            connectors,
+            followed,
+            needed,
+            tally,
+            velocities,
+            conditions,
+            rooms,
+            ..
         } = self;
+        let followed = &*followed;
         let context = Context {
             model,
             planned: &plan.request,
