@@ -3,6 +3,7 @@
 
 use super::finding::{About, Finding};
 use super::gather::Gathered;
+use super::levels::Levels;
 use crate::catalog::COMPONENT;
 use crate::connector::{Flag, Mask, Output, Request};
 use crate::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, Sequence};
@@ -43,11 +44,12 @@ pub(super) fn findings(
     scene: &Scene,
     model: &Model,
     states: &[State],
+    levels: &Levels,
     seen: &mut dyn FnMut(&ConnectorResult),
 ) -> (Vec<Finding>, Option<Nearest>) {
     let evaluated = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some());
     let spans = evaluated.map(|mpc| mpc.span).collect();
-    let gathered = Gathered::default();
+    let gathered = Gathered::new(levels);
     let mut walk =
         Walk { scene, model, lengths: lengths(model), spans, gathered, nearest: None, state: None };
     let request = Request::new(&[Output::CP, Output::CU, Output::RES], ALL, 0);
@@ -85,7 +87,7 @@ struct Walk<'a> {
     lengths: Vec<f64>,
     /// Where each constraint of the model was read.
     spans: Vec<Span>,
-    gathered: Gathered,
+    gathered: Gathered<'a>,
     /// The least distance to a singular set so far, in units of the connector's length where it is one, and where.
     nearest: Option<(f64, Nearest)>,
     /// The number of the state; none for the initial one.

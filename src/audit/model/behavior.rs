@@ -4,6 +4,7 @@
 use super::finding::{About, Finding};
 use super::gather::Gathered;
 use super::geometry::initial_positions;
+use super::levels::Levels;
 use super::pressing::nothing_presses;
 use crate::behavior::entry;
 use crate::catalog::{
@@ -15,8 +16,8 @@ use crate::grammar::agree;
 use crate::scene::{self, Behavior, Code, FrictionKind, FrictionLaw, Law, Limits, Scene, Span};
 
 /// What is found of the behaviours of connectors.
-pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
-    let mut gathered = Gathered::default();
+pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Finding> {
+    let mut gathered = Gathered::new(levels);
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
         let Some(behavior) = scene.section(given).and_then(|section| scene.behavior(section)) else {

@@ -2,6 +2,7 @@
 
 use super::finding::{About, Finding};
 use super::gather::Gathered;
+use super::levels::Levels;
 use crate::catalog::component_index;
 use crate::evaluate::{ConnectorElement, Model};
 use crate::measure::Measure;
@@ -23,9 +24,9 @@ enum Does<'a> {
 type Same<'a> = (Does<'a>, [Option<Label>; 2], [u64; 18]);
 
 /// Connectors that are there twice. Those that constrain the same components alike are told by a rule, and not again.
-pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
+pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Finding> {
     let mut first: HashMap<Same<'_>, &ConnectorElement> = HashMap::new();
-    let mut gathered = Gathered::default();
+    let mut gathered = Gathered::new(levels);
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
         let Some(section) = scene.section(given) else { continue };

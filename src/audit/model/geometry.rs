@@ -3,6 +3,7 @@
 
 use super::finding::{About, Finding};
 use super::gather::Gathered;
+use super::levels::Levels;
 use crate::audit::bound::U;
 use crate::catalog::{COMPONENT, Condition, Orientation as Given, Slot};
 use crate::connector::{Increment, Output, Request, State, Tally};
@@ -26,10 +27,10 @@ const CERTAIN: f64 = 1e-8;
 const ALIGNED: f64 = 1e-12;
 
 /// What is found of coordinates, orientations and axes.
-pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
+pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Finding> {
     let mut found: Vec<Finding> = overflow(scene, model).into_iter().collect();
     found.extend(orientations(scene, model));
-    let mut gathered = Gathered::default();
+    let mut gathered = Gathered::new(levels);
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
         let section = scene.section(given);

@@ -163,10 +163,15 @@ impl Levels {
         heaviest.map(|(_, level)| *level)
     }
 
+    /// How bad a finding is taken to be, where it is; `None` where it is not shown.
+    pub fn of_finding(&self, finding: &Finding) -> Option<Severity> {
+        self.at(finding.code(), finding.severity(), finding.file(), finding.line())
+    }
+
     /// The findings that are shown, as bad as they are taken to be.
     pub fn apply(&self, findings: Vec<Finding>) -> Vec<Finding> {
         let shown = findings.into_iter().filter_map(|finding| {
-            let severity = self.at(finding.code(), finding.severity(), finding.file(), finding.line())?;
+            let severity = self.of_finding(&finding)?;
             Some(finding.of_severity(severity))
         });
         shown.collect()

@@ -1,0 +1,87 @@
+//! Whether what is found in models is told once, of the right thing, and as bad as it was said to be taken.
+
+use pintle::audit::model::{Finding, Level, Levels, ModelReport, audit_model};
+use pintle::scene::{Code, Scene, Severity, StateFile};
+use std::fmt::Write;
+use std::path::Path;
+
+fn scene(name: &str, text: &str) -> Scene {
+    let path = crate::cli::file(name, text);
+    Scene::read(Path::new(&path)).unwrap_or_else(|error| panic!("{}", error.render(110, false)))
+}
+
+/// What is found in a deck of this text, at the states of a table, which may be empty.
+fn audited(name: &str, deck: &str, states: &str, levels: &[(&str, Level)]) -> ModelReport {
+    let scene = scene(&format!("audit-model-{name}.inp"), deck);
+    let states = if states.is_empty() {
+        Vec::new()
+    } else {
+        let path = crate::cli::file(&format!("audit-model-{name}.csv"), states);
+        StateFile::read(Path::new(&path), &scene).unwrap().states
+    };
+    let mut set = Levels::default();
+    levels.iter().for_each(|(name, level)| set.set(name, *level).unwrap());
+    audit_model(&scene, &states, &set)
+}
+
+fn of(report: &ModelReport, code: Code) -> Vec<&Finding> {
+    report.findings.iter().filter(|finding| finding.code() == code).collect()
+}
+
+/// `pairs` of BEAMs that are there twice, and a chain of two LINKs that is stretched between nodes that are held.
+fn doubled(pairs: usize) -> String {
+    let mut text = String::from("*NODE\n1,0,0,0\n");
+    for pair in 0..pairs {
+        _ = writeln!(text, "{},{pair},1,0", pair + 2);
+    }
+    text.push_str("900,0,0,5\n901,1,0,5\n902,2,0,5\n*ELEMENT,TYPE=CONN3D2,ELSET=B\n");
+    for pair in 0..pairs {
+        _ = writeln!(text, "{},1,{node}\n{},1,{node}", 2 * pair + 1, 2 * pair + 2, node = pair + 2);
+    }
+    text + "*ELEMENT,TYPE=CONN3D2,ELSET=L\n901,900,901\n902,901,902\n*CONNECTOR SECTION,ELSET=B\nBEAM\n\
+            *CONNECTOR SECTION,ELSET=L\nLINK\n*BOUNDARY\n1,1,6\n900,1,3\n902,1,3\n"
+}
+
+/// However many redundancies hold throughout, one that holds at this state only is told, and may be denied: only what is shown of a code is shortened.
+#[test]
+fn many_of_one_code_hide_none_of_another() {
+    let report = audited("many", &doubled(51), "", &[("assembly::redundant-here", Level::Deny)]);
+    let throughout = of(&report, Code::AssemblyRedundant);
+    assert_eq!(throughout.len(), 50);
+    assert!(
+        throughout[49].message().contains("1 more connector or constraint has"),
+        "{}",
+        throughout[49].message()
+    );
+    assert_eq!(of(&report, Code::AssemblyRedundantHere).len(), 1);
+    assert!(report.fails());
+    // One that is denied at its line is told, wherever it comes.
+    let line = 51 + 5 + 1 + 102;
+    let place = format!("assembly::redundant@audit-model-line.inp:{line}");
+    let report = audited("line", &doubled(51), "", &[(&place, Level::Deny)]);
+    let found = of(&report, Code::AssemblyRedundant);
+    let denied: Vec<&&Finding> =
+        found.iter().filter(|finding| finding.severity() == Severity::Error).collect();
+    assert_eq!(denied.len(), 1, "line {line}");
+    assert_eq!((denied[0].line(), found.len()), (u32::try_from(line).ok(), 51));
+    assert!(found.iter().all(|finding| !finding.message().contains("more connector")));
+}
+
+/// A level at a line is that of the connector there, not of all that is gathered with it.
+#[test]
+fn levels_of_a_line_leave_the_others_of_a_section_alone() {
+    const DECK: &str = "*NODE\n1,0,0,0\n2,1,0,0\n3,5,0,0\n4,6,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,1,2\n3,3,4\n4,3,4\n\
+                        *CONNECTOR SECTION,ELSET=E\nAXIAL\n";
+    let told = |level: Option<(&str, Level)>| -> Vec<(Option<u32>, Severity)> {
+        let report = audited("lines", DECK, "", level.as_slice());
+        of(&report, Code::ModelDuplicateConnector).iter().map(|one| (one.line(), one.severity())).collect()
+    };
+    let at = |line: u32| format!("model::duplicate-connector@audit-model-lines.inp:{line}");
+    assert_eq!(told(None), [(Some(8), Severity::Warning)]);
+    assert_eq!(told(Some((&at(8), Level::Allow))), [(Some(10), Severity::Warning)]);
+    assert_eq!(told(Some((&at(10), Level::Allow))), [(Some(8), Severity::Warning)]);
+    assert_eq!(
+        told(Some((&at(10), Level::Deny))),
+        [(Some(8), Severity::Warning), (Some(10), Severity::Error)]
+    );
+}
