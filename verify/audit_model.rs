@@ -85,3 +85,33 @@ fn levels_of_a_line_leave_the_others_of_a_section_alone() {
         [(Some(8), Severity::Warning), (Some(10), Severity::Error)]
     );
 }
+
+/// Of a rotation vector that turns too far its angle is told, once, and not that each of its components moves by as much.
+#[test]
+fn a_rotation_vector_turns_as_a_whole() {
+    const NODES: &str = "*NODE\n1,0,0,0\n2,0,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+                         *CONNECTOR SECTION,ELSET=E\n";
+    let told = |name: &str, turn: &str| -> Vec<(String, Vec<String>)> {
+        let states = format!("state,time,node,{turn}\n0,0,2,0\n1,1,2,3.0\n");
+        let report = audited(
+            &format!("turned-{}", name.replace(' ', "-")),
+            &format!("{NODES}{name}\nO,\n"),
+            &states,
+            &[],
+        );
+        let found = of(&report, Code::ModelLargeIncrement);
+        found.iter().map(|one| (one.message().to_string(), one.about.components.clone())).collect()
+    };
+    let names = |of: &[&str]| -> Vec<String> { of.iter().map(ToString::to_string).collect() };
+    let vector = "element 1: its rotation vector turns by 3.0000 rad since the state before at state 1";
+    assert_eq!(told("ROTATION", "ur1"), [(vector.to_string(), names(&["ur1", "ur2", "ur3"]))]);
+    let angle = "element 1: ur1 moves by 3.0000 rad since the state before at state 1";
+    assert_eq!(told("CARDAN", "ur1"), [(angle.to_string(), names(&["ur1"]))]);
+    let bushing = told("BUSHING", "ur3");
+    assert!(!bushing.is_empty());
+    for (message, components) in bushing {
+        let is_torsion = message.contains(": its torsion turns by");
+        assert!(is_torsion || message.contains(": ur"), "{message}");
+        assert_eq!(is_torsion, components.contains(&"u1".to_string()), "{message}");
+    }
+}
