@@ -115,3 +115,15 @@ fn a_rotation_vector_turns_as_a_whole() {
         assert_eq!(is_torsion, components.contains(&"u1".to_string()), "{message}");
     }
 }
+
+/// A diagnosis names the cause of a wrong number: no level applies to it, and `explain` says so.
+#[test]
+fn levels_do_not_apply_to_diagnoses() {
+    let page = |code: &str| crate::cli::stdout(&crate::cli::pintle(&["explain", code]).assert().success());
+    for code in Code::ALL.iter().filter(|code| code.is_finding()) {
+        let said = page(code.as_str()).split_whitespace().collect::<Vec<_>>().join(" ");
+        let applies = said.contains("pintle audit takes it for what --allow");
+        let is_cause = said.contains("--deny do not apply to it") && !said.contains("A warning.");
+        assert_eq!((applies, is_cause), (code.group() != "diagnosis", code.group() == "diagnosis"), "{said}");
+    }
+}
