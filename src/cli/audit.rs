@@ -315,7 +315,7 @@ fn with_forces(source: Source<'_>, arguments: &Audit, levels: &Levels) -> Result
     let (mut model, mut errors) = Model::examine(&scene);
     // Those that are taken for less are told by the findings.
     errors.retain(|error| !levels.lets_pass(error));
-    source.warn(&scene, &mut model);
+    source.warn(&scene, &mut model, |warning| levels.of_diagnostic(warning));
     let is_refused = !errors.is_empty();
     let hidden = errors.len().saturating_sub(SHOWN);
     for error in errors.into_iter().take(SHOWN) {

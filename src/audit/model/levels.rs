@@ -134,8 +134,7 @@ impl Levels {
 
     /// Whether what refuses a scene is taken for less than an error, so that the scene is not refused.
     pub fn lets_pass(&self, diagnostic: &Diagnostic) -> bool {
-        let (code, severity) = (diagnostic.code(), diagnostic.severity());
-        self.at(code, severity, diagnostic.file(), diagnostic.line()) != Some(Severity::Error)
+        self.of_diagnostic(diagnostic) != Some(Severity::Error)
     }
 
     /// Whether a finding is of a code that was set to less than an error there; of no effect where it leaves nothing to evaluate.
@@ -165,7 +164,12 @@ impl Levels {
 
     /// How bad a finding is taken to be, where it is; `None` where it is not shown.
     pub fn of_finding(&self, finding: &Finding) -> Option<Severity> {
-        self.at(finding.code(), finding.severity(), finding.file(), finding.line())
+        self.of_diagnostic(finding.diagnostic())
+    }
+
+    /// How bad what a diagnostic says is taken to be, where it is; `None` where it is not shown.
+    pub fn of_diagnostic(&self, diagnostic: &Diagnostic) -> Option<Severity> {
+        self.at(diagnostic.code(), diagnostic.severity(), diagnostic.file(), diagnostic.line())
     }
 
     /// The findings that are shown, as bad as they are taken to be.
