@@ -144,3 +144,22 @@ fn allowed_warnings_are_not_shown() {
     let (shown, said) = told(&["--allow", "rule"]);
     assert!(!shown.contains(name) && !said.contains(name), "{shown} {said}");
 }
+
+/// A stop that the first state given lies beyond is told, with the number of the state; one that is passed later, or initially already, not again.
+#[test]
+fn stops_passed_at_the_first_state_are_told() {
+    let told = |name: &str, lower: &str, states: &str| -> Vec<String> {
+        let deck = format!(
+            "*NODE\n1,0,0,0\n2,0,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCARTESIAN\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR STOP,COMPONENT=1\n{lower}, 0.1\n"
+        );
+        let report = audited(&format!("first-{name}"), &deck, &format!("state,time,node,u1\n{states}"), &[]);
+        let found = of(&report, Code::ModelStopViolated);
+        found.iter().map(|finding| finding.message().to_string()).collect()
+    };
+    let at = "element 1: u1 is 0.500000 at state 7, the first one given, 4.000e-1 above its stop at 0.1";
+    assert_eq!(told("passed", "-0.5", "7,0,2,0.5\n8,1,2,0.6\n"), [at]);
+    assert_eq!(told("later", "-0.5", "7,0,2,0.05\n8,1,2,0.6\n"), Vec::<String>::new());
+    let initially = "element 1: u1 is 0.000000 initially, 5.000e-2 below its stop at 0.05";
+    assert_eq!(told("initially", "0.05", "7,0,2,0.\n8,1,2,0.6\n"), [initially]);
+}

@@ -242,7 +242,7 @@ codes! {
     ModelPathDependent = "model::path-dependent": "The value of a component depends on the path between two states, which they do not tell. A warning.";
     ModelStateNotFinite = "model::not-finite": "A number at a given state is infinite or not a number, or coordinates are so large that the squares of distances overflow. A warning.";
     ModelConstraintViolated = "model::constraint-violated": "A given state does not satisfy a constraint of the model. A warning.";
-    ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially. A warning.";
+    ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially, or at the first state given. A warning.";
     ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially. A warning.";
     ModelEntriesIgnored = "model::entries-ignored": "A coupled elasticity or damping has entries that are not zero for components that are not available, constrained ones say: they do nothing. A warning.";
     ModelLimitUnreachable = "model::limit-unreachable": "A lock or failure is triggered by nothing but the position of a constrained component, which stays within the limits: it never acts. A warning.";

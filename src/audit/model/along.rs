@@ -1,6 +1,7 @@
 //! What happens along the given states: singular points on the way or near it, angles that move too far to count their turns,
 //! constraints that do not hold.
 
+use super::behavior::violated_at_first;
 use super::finding::{About, Finding};
 use super::gather::Gathered;
 use super::levels::Levels;
@@ -50,8 +51,16 @@ pub(super) fn findings(
     let evaluated = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some());
     let spans = evaluated.map(|mpc| mpc.span).collect();
     let gathered = Gathered::new(levels);
-    let mut walk =
-        Walk { scene, model, lengths: lengths(model), spans, gathered, nearest: None, state: None };
+    let mut walk = Walk {
+        scene,
+        model,
+        lengths: lengths(model),
+        spans,
+        gathered,
+        nearest: None,
+        state: None,
+        is_first: false,
+    };
     let request = Request::new(&[Output::CP, Output::CU, Output::RES], ALL, 0);
     let plan = Plan::everything(model, request);
     let mut sequence = Sequence::new(model, &plan);
@@ -62,6 +71,7 @@ pub(super) fn findings(
     let mut sequence = Sequence::new(model, &plan);
     for (index, state) in states.iter().enumerate() {
         walk.state = Some(state.number.unwrap_or(index as u64));
+        walk.is_first = index == 0;
         let Ok(()) = sequence.visit(state, |item| -> Result<(), Infallible> {
             walk.look(item);
             if let Item::Connector(result) = item {
@@ -92,6 +102,8 @@ struct Walk<'a> {
     nearest: Option<(f64, Nearest)>,
     /// The number of the state; none for the initial one.
     state: Option<u64>,
+    /// Whether that is the first one given.
+    is_first: bool,
 }
 
 /// What is found, before it is a finding.
@@ -177,6 +189,11 @@ impl Walk<'_> {
         }
         for found in found {
             self.add((given.section, element.label, given.span), format!("element {}", element.label), found);
+        }
+        if let Some(state) = self.state.filter(|_| self.is_first) {
+            for finding in violated_at_first(self.scene, element, &position, state) {
+                self.gathered.add(given.section, element.label, finding, |new, old| new.value > old.value);
+            }
         }
     }
 

@@ -27,7 +27,8 @@ pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Fin
             !behavior.stops.is_empty() || !behavior.locks.is_empty() || !behavior.failures.is_empty();
         let positions = if needs_positions { initial_positions(element) } else { [None; 6] };
         let mut found = Vec::new();
-        found.extend(behavior.stops.iter().filter_map(|stop| violated(scene, element, stop, &positions)));
+        let beyond = |stop| violated(scene, element, stop, &positions, None);
+        found.extend(behavior.stops.iter().filter_map(beyond));
         let locks = behavior.locks.iter().map(|lock| ("lock", lock.component, &lock.limits, lock.span));
         let failures =
             behavior.failures.iter().map(|fail| ("failure", fail.component, &fail.limits, fail.span));
@@ -52,26 +53,52 @@ fn about(element: &ConnectorElement, component: usize, value: f64) -> About {
     About { elements: vec![element.label], components, value: Some(value), ..About::default() }
 }
 
-/// A stop that the initial position lies beyond.
+/// Stops that are passed at the first state given, and not initially already.
+pub(super) fn violated_at_first(
+    scene: &Scene,
+    element: &ConnectorElement,
+    positions: &Components<f64>,
+    state: u64,
+) -> Vec<Finding> {
+    let section = scene.connectors.get(&element.label).and_then(|given| scene.section(given));
+    let Some(behavior) = section.and_then(|section| scene.behavior(section)) else { return Vec::new() };
+    if behavior.stops.is_empty() {
+        return Vec::new();
+    }
+    let initial = initial_positions(element);
+    let is_new = |stop: &&scene::Stop| violated(scene, element, stop, &initial, None).is_none();
+    let stops = behavior.stops.iter().filter(is_new);
+    stops.filter_map(|stop| violated(scene, element, stop, positions, Some(state))).collect()
+}
+
+/// A stop that the position lies beyond, initially or at the first state given, of this number.
 fn violated(
     scene: &Scene,
     element: &ConnectorElement,
     stop: &scene::Stop,
     positions: &Components<f64>,
+    state: Option<u64>,
 ) -> Option<Finding> {
     let k = component_index(stop.component)?;
     let position = positions[k]?;
     let below = stop.lower.filter(|lower| position < *lower).map(|lower| (lower - position, "below", lower));
     let above = stop.upper.filter(|upper| position > *upper).map(|upper| (position - upper, "above", upper));
     let (by, side, limit) = below.or(above)?;
+    let when = match state {
+        None => "initially".to_string(),
+        Some(state) => format!("at state {state}, the first one given"),
+    };
     let message = format!(
-        "element {}: {} is {position:.6} initially, {by:.3e} {side} its stop at {limit}",
+        "element {}: {} is {position:.6} {when}, {by:.3e} {side} its stop at {limit}",
         element.label, COMPONENT[k]
     );
     let reason = "stops limit the position (CP), not the displacement from the initial one; angles in rad";
-    let remedy = "move the stop or the nodes, so that the initial position lies within";
+    let remedy = match state {
+        None => "move the stop or the nodes, so that the initial position lies within",
+        Some(_) => "move the stop, or begin with a state at which the position lies within",
+    };
     let finding = Finding::new(scene, Code::ModelStopViolated, stop.span, message, reason, remedy);
-    Some(finding.about(about(element, k, by)))
+    Some(finding.about(About { state, ..about(element, k, by) }))
 }
 
 /// A lock or failure of which a limit of position is passed initially.
