@@ -163,3 +163,56 @@ fn stops_passed_at_the_first_state_are_told() {
     let initially = "element 1: u1 is 0.000000 initially, 5.000e-2 below its stop at 0.05";
     assert_eq!(told("initially", "0.05", "7,0,2,0.\n8,1,2,0.6\n"), [initially]);
 }
+
+/// Frictions without effect: a belt that wraps no angle, a contact force of a spring of stiffness zero, a kinetic coefficient of zero.
+#[test]
+fn frictions_without_effect_are_told() {
+    let told = |name: &str, deck: &str| -> Vec<String> {
+        let report = audited(&format!("friction-{name}"), deck, "", &[]);
+        let found = of(&report, Code::ModelFrictionVanishes);
+        found.iter().map(|finding| finding.message().to_string()).collect()
+    };
+    let belt = |angle: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,2,3\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nSLIPRING\n\n0.06, {angle}\n*CONNECTOR BEHAVIOR,NAME=B\n\
+             *CONNECTOR ELASTICITY,COMPONENT=1\n100.\n*CONNECTOR FRICTION, PREDEFINED\n*FRICTION\n0.2\n*STEP\n*STATIC\n*END STEP\n"
+        )
+    };
+    let straight = told("straight", &belt("0."));
+    assert_eq!(straight.len(), 1);
+    assert!(straight[0].contains("the contact angle of the section is zero"), "{straight:?}");
+    assert_eq!(told("wrapped", &belt("1.57")), Vec::<String>::new());
+    let pressed = |laws: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,0.8,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCARTESIAN\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n{laws}\
+             *CONNECTOR FRICTION,COMPONENT=1,CONTACT FORCE=2\n*FRICTION\n0.1\n"
+        )
+    };
+    let spring = |stiffness: &str| format!("*CONNECTOR ELASTICITY,COMPONENT=2\n{stiffness}\n");
+    let unpressed = told("unpressed", &pressed(&spring("0.")));
+    assert_eq!(
+        unpressed,
+        [
+            "element 1: the contact force is always zero, for the force of u2 is zero by its table: nothing presses"
+        ]
+    );
+    assert_eq!(told("pressed", &pressed(&spring("1."))), Vec::<String>::new());
+    let damper = format!("{}*CONNECTOR DAMPING,COMPONENT=2\n5.\n", spring("0."));
+    assert_eq!(told("damped", &pressed(&damper)), Vec::<String>::new());
+    let nonlinear = "*CONNECTOR ELASTICITY,COMPONENT=2,NONLINEAR\n0.,-1.\n0.,1.\n";
+    assert_eq!(told("flat", &pressed(nonlinear)), unpressed);
+    let hinge = |law: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,0,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nHINGE\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n\
+             *CONNECTOR FRICTION, PREDEFINED\n0.02, 0.1, 0.2, 0.1\n*FRICTION,EXPONENTIAL DECAY\n{law}\n"
+        )
+    };
+    let decays = told("decays", &hinge("0.3, 0., 1."));
+    assert_eq!(decays.len(), 1);
+    assert!(decays[0].contains("the kinetic friction coefficient is zero"), "{decays:?}");
+    assert_eq!(told("stays", &hinge("0.3, 0.2, 1.")), Vec::<String>::new());
+    assert_eq!(told("never-decays", &hinge("0.3, 0., 0.")), Vec::<String>::new());
+}

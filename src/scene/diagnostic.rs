@@ -246,7 +246,7 @@ codes! {
     ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially. A warning.";
     ModelEntriesIgnored = "model::entries-ignored": "A coupled elasticity or damping has entries that are not zero for components that are not available, constrained ones say: they do nothing. A warning.";
     ModelLimitUnreachable = "model::limit-unreachable": "A lock or failure is triggered by nothing but the position of a constrained component, which stays within the limits: it never acts. A warning.";
-    ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes; or what presses has no force. A warning.";
+    ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes, at rest or in fast slip; a belt wraps no angle; or what presses has no force, or one that its table makes zero. A warning.";
     ModelDuplicateConnector = "model::duplicate-connector": "Two connectors of one type and behaviour join the same nodes with the same orientations, so that what each does counts twice. A warning.";
     ModelDuplicateMpc = "model::duplicate-mpc": "A multi-point constraint of one kind is given twice for the same nodes: all of its equations are redundant. A warning.";
 

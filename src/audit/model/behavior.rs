@@ -239,7 +239,17 @@ fn vanishing(
                 "give μ, or remove the friction",
                 "μ".into(),
             );
-        } else if coefficient.maximum == Some(0.0) {
+        } else if let FrictionLaw::Exponential { kinetic_coefficient: 0.0, decay, .. } = &coefficient.law
+            && *decay != 0.0
+        {
+            tell(
+                "the kinetic friction coefficient is zero: friction vanishes the faster it slips".into(),
+                "μ = μ_s exp(−d_c·slip rate), without the term of μ_k",
+                "give μ_k, unless friction is meant to vanish in fast slip",
+                "μ_k".into(),
+            );
+        }
+        if !is_zero && coefficient.maximum == Some(0.0) {
             tell(
                 "TAUMAX is zero: there is no friction".into(),
                 "τ ≤ τ_max",
@@ -251,6 +261,16 @@ fn vanishing(
     match &friction.kind {
         FrictionKind::Predefined { constants } => {
             let Some(of_type) = element.connector.connection().friction else { return found };
+            let section = scene.connectors.get(&element.label).and_then(|given| scene.section(given));
+            let angle = section.and_then(|section| section.section_data.get(1).copied().flatten());
+            if element.connector.connection().is_belt() && angle == Some(0.0) {
+                tell(
+                    "the contact angle of the section is zero: the belt goes straight on at node b, and there is no friction".into(),
+                    "F_C (exp(μ α) − 1) with α = 0",
+                    "give the angle of wrap (rad) as the second number of the section, or remove the friction",
+                    "α".into(),
+                );
+            }
             let present = if element.is_planar() { PLANE } else { SPATIAL };
             for (i, parameter) in of_type.parameters.iter().enumerate() {
                 if constants.get(i).copied().flatten().unwrap_or(0.0) != 0.0 {
