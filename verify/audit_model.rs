@@ -218,3 +218,38 @@ fn frictions_without_effect_are_told() {
     assert_eq!(told("stays", &hinge("0.3, 0.2, 1.")), Vec::<String>::new());
     assert_eq!(told("never-decays", &hinge("0.3, 0., 0.")), Vec::<String>::new());
 }
+
+/// Nodes that are as far apart as rounding makes them: a LINK has no direction there, so that its rank is not certain; a WELD or JOIN, whose
+/// directions are given, constrains as it does elsewhere.
+#[test]
+fn nodes_apart_by_rounding() {
+    let codes = |name: &str, kind: &str, x: f64| {
+        let deck = format!(
+            "*NODE\n1,0,0,0\n2,0.3,0.5,0\n3,{x:?},0.5,0\n4,1,1,0.3\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n3,3,4\n\
+             *ELEMENT,TYPE=CONN3D2,ELSET=W\n2,2,3\n*CONNECTOR SECTION,ELSET=E\nBEAM\n*CONNECTOR SECTION,ELSET=W\n{kind}\n"
+        );
+        let report = audited(&format!("apart-{name}"), &deck, "", &[]);
+        let rank = report.assembly.as_ref().and_then(|assembly| assembly.positions[0].rank);
+        let redundant =
+            [Code::AssemblyRedundant, Code::AssemblyRedundantHere, Code::AssemblyRedundantUnjudged]
+                .into_iter()
+                .any(|code| !of(&report, code).is_empty());
+        (rank, redundant, !of(&report, Code::AssemblyUndecided).is_empty())
+    };
+    let sum = 0.1 + 0.2;
+    assert_eq!(codes("weld", "WELD", sum), (Some(18), false, false));
+    assert_eq!(codes("beam", "BEAM", sum), (Some(18), false, false));
+    assert_eq!(codes("join", "JOIN", sum), (Some(15), false, false));
+    assert_eq!(codes("weld-off", "WELD", 0.300_000_000_000_1), (Some(18), false, false));
+    let (_, redundant, undecided) = codes("link", "LINK", sum);
+    assert!(!redundant && undecided);
+    let link = |x: f64| {
+        let deck = format!(
+            "*NODE\n1,0,0.5,0.5\n2,{x:e},0.5,0.5\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E\nLINK\n"
+        );
+        let report = audited(&format!("link-{x:e}"), &deck, "", &[]);
+        (!of(&report, Code::AssemblyRedundant).is_empty(), !of(&report, Code::AssemblyUndecided).is_empty())
+    };
+    assert_eq!([1e-17, 1e-16, 1e-15].map(link), [(false, true); 3]);
+    assert_eq!(link(1e-3), (false, false));
+}
