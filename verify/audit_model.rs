@@ -253,3 +253,45 @@ fn nodes_apart_by_rounding() {
     assert_eq!([1e-17, 1e-16, 1e-15].map(link), [(false, true); 3]);
     assert_eq!(link(1e-3), (false, false));
 }
+
+/// What is said fits: the form of the scene, the type, the size of an angle; and a rule that refuses a scene warns not besides.
+#[test]
+fn words_fit_what_they_are_about() {
+    let path = crate::cli::file(
+        "audit-model-two.toml",
+        "nodes = { 1 = [0, 0, 0], 2 = [1, 0, 0] }\nconnectors.101 = { a = 1, b = 2 }\nelement_sets.Q = [101]\n\
+         [[connector_sections]]\nelement_set = \"Q\"\ntype = \"CARTESIAN\"\n",
+    );
+    let report = audit_model(&Scene::read(Path::new(&path)).unwrap(), &[], &Levels::default());
+    let remedy = of(&report, Code::ModelOrientationDefault)[0].remedy().to_string();
+    assert_eq!(remedy, "give orientation_a, or leave it out if the global directions are meant");
+    let deck = |kind: &str, more: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0.2,0.3\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ORIENTATION,NAME=B\n1,1e-9,0,-1e-9,1,0\n\
+             *ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,1,2\n*CONNECTOR SECTION,ELSET=E{more}"
+        )
+        .replace("KIND", kind)
+    };
+    let report = audited("axial", &deck("AXIAL", "\nKIND\n"), "", &[]);
+    let message = of(&report, Code::ModelDuplicateConnector)[0].message().to_string();
+    assert_eq!(message, "element 2 joins the nodes of element 1, and is an AXIAL as well");
+    let report = audited("frozen", &deck("HINGE", "\nKIND\nO,B\n"), "", &[]);
+    let message = of(&report, Code::ModelMisalignedAxes)[0].message().to_string();
+    assert!(message.contains("5.730e-8°") && !message.contains("0.000000°"), "{message}");
+    let friction = ",BEHAVIOR=F\nKIND\nO,\n*CONNECTOR BEHAVIOR,NAME=F\n*CONNECTOR FRICTION,PREDEFINED\n1.,1.,1.,0.,3.\n*FRICTION\n0.1\n";
+    let report = audited("numbers", &deck("HINGE", friction), "", &[]);
+    assert_eq!(of(&report, Code::FrictionParameters).len(), 1);
+}
+
+/// A comment in Markdown says what to do about a finding.
+#[test]
+fn markdown_has_remedies() {
+    let path = crate::cli::file(
+        "audit-model-markdown.inp",
+        "*NODE\n1,0,0,0\n2,1,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,1,2\n*CONNECTOR SECTION,ELSET=E\nAXIAL\n",
+    );
+    let assert =
+        crate::cli::pintle(&["audit", &path, "--model-only", "--format", "markdown"]).assert().success();
+    let page = crate::cli::stdout(&assert);
+    assert!(page.contains("; *help:* remove one of the two; if both are meant, allow this code"), "{page}");
+}

@@ -5,6 +5,7 @@ use super::gather::Gathered;
 use super::levels::Levels;
 use crate::catalog::component_index;
 use crate::evaluate::{ConnectorElement, Model};
+use crate::grammar::with_article;
 use crate::measure::Measure;
 use crate::scene::{Behavior, Code, Label, Mpc, Scene};
 use std::collections::HashMap;
@@ -37,10 +38,10 @@ pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Fin
             Some(other) => {
                 let [name, of_other] = [element, other].map(|element| &element.connector.connection().name);
                 let what = match key.0 {
-                    Does::Type(_, None) => format!("is a {name} as well"),
-                    Does::Type(..) => format!("is a {name} with the same behaviour"),
+                    Does::Type(_, None) => format!("is {} as well", with_article(name)),
+                    Does::Type(..) => format!("is {} with the same behaviour", with_article(name)),
                     Does::Components(..) if name == of_other => {
-                        format!("is a {name} with the same behaviour")
+                        format!("is {} with the same behaviour", with_article(name))
                     }
                     Does::Components(..) => {
                         format!(

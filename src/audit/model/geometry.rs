@@ -158,10 +158,8 @@ fn orientation_at(
     let message =
         format!("the directions of orientation {name} are {:.6}° apart, not 90°", angle.to_degrees());
     let (kept, turned) = if orientation.system == System::Rectangular { ("e1", "e2") } else { ("e3", "e1") };
-    let reason = format!(
-        "{kept} is taken along a; {turned} is turned by {:.6}° within the plane of both",
-        off.to_degrees()
-    );
+    let reason =
+        format!("{kept} is taken along a; {turned} is turned by {} within the plane of both", degrees(off));
     let remedy =
         "give b at right angles to a; where only the plane of both is meant, this is as it should be";
     let finding =
@@ -212,6 +210,16 @@ pub(super) fn initial_positions(element: &ConnectorElement) -> crate::connector:
     connector.evaluate(&at_start(element), &Increment::none(), &branch, &request, &mut tally).position
 }
 
+/// An angle (rad) in degrees: with six decimals, or, where these would leave little of it, with four digits.
+fn degrees(angle: f64) -> String {
+    let degrees = angle.to_degrees();
+    if degrees != 0.0 && degrees.abs() < 1e-3 {
+        format!("{degrees:.3e}°")
+    } else {
+        format!("{degrees:.6}°")
+    }
+}
+
 /// Rotations that are held, and are not zero initially.
 fn misaligned(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<Finding> {
     let connector = &element.connector;
@@ -238,7 +246,7 @@ fn misaligned(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<
     }
     let angles: Vec<String> = components
         .iter()
-        .filter_map(|k| Some(format!("{} at {:.6}°", COMPONENT[*k], positions[*k]?.to_degrees())))
+        .filter_map(|k| Some(format!("{} at {}", COMPONENT[*k], degrees(positions[*k]?))))
         .collect();
     let message = format!(
         "element {}: the directions of a and b of {} are not aligned initially; frozen are {}",
