@@ -295,3 +295,34 @@ fn markdown_has_remedies() {
     let page = crate::cli::stdout(&assert);
     assert!(page.contains("; *help:* remove one of the two; if both are meant, allow this code"), "{page}");
 }
+
+/// Of a deck without states the coverage is that of the states at which it was audited, and said to be drawn.
+#[test]
+fn drawn_states_are_covered() {
+    let path = crate::cli::file(
+        "audit-model-drawn.inp",
+        "*NODE\n1,0,0,0\n2,1,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E\nAXIAL\n",
+    );
+    let told = |more: &[&str]| {
+        let arguments = [&["audit", &path, "--drawn-states", "7", "--wide-states", "1"], more].concat();
+        crate::cli::stdout(&crate::cli::pintle(&arguments).assert().success())
+    };
+    let words = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words(told(&[])).contains("coverage: 7 connector states, drawn about the initial one;"),
+        "{}",
+        told(&[])
+    );
+    let document: serde_json::Value = serde_json::from_str(&told(&["--format", "json"])).unwrap();
+    let model = &document["models"][0];
+    assert_eq!((&model["coverage"]["samples"], &model["drawn"]), (&7.into(), &true.into()));
+    let page = words(told(&["--format", "html"]));
+    assert!(
+        page.contains("id=\"coverage\"")
+            && page.contains("drawn about the initial one, for the scene gives none")
+    );
+    let alone: serde_json::Value =
+        serde_json::from_str(&told(&["--model-only", "--format", "json"])).unwrap();
+    let model = &alone["models"][0];
+    assert_eq!((&model["coverage"]["samples"], &model["drawn"]), (&0.into(), &false.into()));
+}

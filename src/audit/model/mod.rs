@@ -50,6 +50,8 @@ pub struct ModelReport {
     pub later_steps: Vec<Assembly>,
     /// Which region of configuration space the states exercised.
     pub coverage: Coverage,
+    /// Whether the states of the coverage were drawn, for the scene gives none ([`crate::audit::drawn_coverage`]).
+    pub drawn: bool,
     /// How near to a singular set any connector comes, initially and at the states; `None` where no component has one.
     pub nearest: Option<Nearest>,
     /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
@@ -109,6 +111,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         assembly,
         later_steps,
         coverage,
+        drawn: false,
         nearest,
         findings,
     }
