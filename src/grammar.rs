@@ -30,6 +30,12 @@ fn plural(noun: &str) -> String {
     }
 }
 
+/// A name of a connection type after its article: `a HINGE`, `a UJOINT`, `an AXIAL`.
+pub(crate) fn with_article(name: &str) -> String {
+    let article = if name.starts_with(['A', 'E', 'I', 'O']) { "an" } else { "a" };
+    format!("{article} {name}")
+}
+
 /// Numbers of things, ascending, those that follow each other as ranges, eight of them at most: `states 0 to 3, 5 and 7 more`.
 pub(crate) fn ranges(noun: &str, numbers: &[u64]) -> String {
     const NAMED: usize = 8;
@@ -60,7 +66,7 @@ pub(crate) fn ranges(noun: &str, numbers: &[u64]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{agree, count, ranges};
+    use super::{agree, count, ranges, with_article};
 
     #[test]
     fn numbers_that_follow_each_other_are_ranges() {
@@ -68,6 +74,14 @@ mod tests {
         assert_eq!(ranges("state", &[0, 1, 2, 3, 5, 7, 8]), "states 0 to 3, 5, 7, 8");
         let odd: Vec<u64> = (0..12).map(|k| 2 * k + 1).collect();
         assert_eq!(ranges("state", &odd), "states 1, 3, 5, 7, 9, 11, 13, 15 and 4 more");
+    }
+
+    #[test]
+    fn articles() {
+        assert_eq!(
+            ["AXIAL", "EULER", "HINGE", "UJOINT"].map(with_article),
+            ["an AXIAL", "an EULER", "a HINGE", "a UJOINT"]
+        );
     }
 
     #[test]

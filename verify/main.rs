@@ -11,6 +11,7 @@ mod audit_evidence; // whether nothing passes without evidence, and nothing hide
 mod audit_friction; // whether friction of scenes is audited, along its history
 mod audit_jax; // JAX as an oracle of the audit
 mod audit_laws; // whether the laws are asked of every connector, and speak
+mod audit_model; // whether findings are told of the right thing, and as bad as they are taken to be
 mod audit_structured; // states as models have them: one axis turns, shafts are aligned, forces are exactly zero
 mod audit_units; // whether units and axes change a verdict
 mod audit_verdict; // verdicts that differ by little: nearly right formulas, singular sets

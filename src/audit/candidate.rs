@@ -214,6 +214,7 @@ impl<'a> Candidate<'a> {
             assembly: None,
             later_steps: Vec::new(),
             coverage,
+            drawn: true,
             nearest: None,
             findings: gaps.into_iter().map(finding).collect(),
         })

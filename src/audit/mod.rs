@@ -85,6 +85,6 @@ pub use outcome::{Against, Check, Found, Report, Subject};
 pub use planted::Planted;
 pub use quantity::{Entries, Numbers, Quantity};
 pub use recorded::{FoundIn, Kind, Recorded};
-pub use scene::{Target, audit_scenes};
+pub use scene::{Target, audit_scenes, drawn_coverage};
 pub use sides::Sides;
 pub use verdict::{Fared, Finding, Judgement, Score, Verdict};

@@ -3,6 +3,7 @@
 use super::behavior::{SlopesCase, audit_behavior};
 use super::case::{Case, Step};
 use super::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
+use super::coverage::{Coverage, Sample};
 use super::engine::{SOMETIMES, Settings, audit_case, checks_of, laws_of_type, spread_of};
 use super::friction::{FrictionCase, Slipping, audit_slipping, drawn, restored, slipping};
 use super::mpc::MpcCase;
@@ -13,7 +14,9 @@ use super::verdict::Verdict;
 use crate::behavior::Conditions;
 use crate::behavior::state::History;
 use crate::connector::{Output, Request};
-use crate::evaluate::{ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence};
+use crate::evaluate::{
+    ConnectorElement, ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence,
+};
 use crate::scalar::elementary::norm;
 use crate::scene::State;
 use crate::vector::{add, sub};
@@ -150,22 +153,50 @@ fn judge(settings: &Settings, pieces: Vec<Piece>, gathered: &mut [Gathered]) {
     }
 }
 
+/// A connector at the states that are drawn about its initial one, the initial one first, by their numbers.
+fn drawn_cases<'a>(
+    settings: &Settings,
+    target: &Target<'_>,
+    element: &'a ConnectorElement,
+) -> impl Iterator<Item = (usize, Option<Case>)> + 'a {
+    let title = element.title();
+    let length = own_length(target.model, norm(element.reference), 0.0);
+    let mut draw = Draw::new(&format!("{} {} {title}", settings.seed, target.name));
+    (0..settings.drawn_states.max(1)).map(move |index| {
+        let name = match index {
+            0 => format!("{title}, initial state"),
+            _ => format!("{title}, drawn state {index}"),
+        };
+        (index, about_initial(&element.definition(), index, length, name, &mut draw))
+    })
+}
+
+/// Which region of configuration space the states exercise at which [`audit_scenes`] judges the connectors of a scene that gives none.
+#[must_use]
+pub fn drawn_coverage(settings: &Settings, target: &Target<'_>) -> Coverage {
+    let samples = |at: &usize| -> Vec<Sample> {
+        let Some(element) = target.model.connectors.get(*at) else { return Vec::new() };
+        let definition = element.definition();
+        let sample = |case: Case| {
+            let state = &case.last()?.state;
+            Some(Sample::of(&element.connector, &definition, state, target.model.length))
+        };
+        drawn_cases(settings, target, element).filter_map(|(_, case)| sample(case?)).collect()
+    };
+    let samples: Vec<Vec<Sample>> = target.plan.connectors.par_iter().map(samples).collect();
+    let mut coverage = Coverage::default();
+    samples.iter().flatten().for_each(|sample| coverage.take(sample));
+    coverage
+}
+
 /// States about the initial one, where a scene gives none: connectors at drawn ones, constraints at the initial one.
 fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gathered: &mut [Gathered]) {
     let Target { model, plan, .. } = *target;
     let mut pieces = Vec::new();
     for (place, at) in plan.connectors.iter().enumerate() {
         let Some(element) = model.connectors.get(*at) else { continue };
-        let title = element.title();
-        let length = own_length(model, norm(element.reference), 0.0);
         let wide = spread_of(settings.drawn_states, wide_states, place);
-        let draw = &mut Draw::new(&format!("{} {} {title}", settings.seed, target.name));
-        for index in 0..settings.drawn_states.max(1) {
-            let name = match index {
-                0 => format!("{title}, initial state"),
-                _ => format!("{title}, drawn state {index}"),
-            };
-            let case = about_initial(&element.definition(), index, length, name, draw);
+        for (index, case) in drawn_cases(settings, target, element) {
             let is_wide = wide.contains(&index);
             let work = case.map(|case| {
                 let behavior = Arc::clone(&element.behavior);

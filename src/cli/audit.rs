@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use pintle::audit::model::{Level, Levels, audit_model};
 use pintle::audit::{
     Example, Found, Oracle, Planted, Quantity, Recorded, Report, Settings, Target, audit_catalogue,
-    audit_scenes,
+    audit_scenes, drawn_coverage,
 };
 use pintle::catalog::TABLE;
 use pintle::connector::Request;
@@ -253,6 +253,12 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
     };
     let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
     report.models = loaded.iter().map(of_model).collect();
+    if !arguments.model_only {
+        let of_sound = report.models.iter_mut().zip(&loaded).filter(|(_, loaded)| !loaded.is_refused);
+        for ((found, _), target) in of_sound.zip(&targets).filter(|(_, target)| target.states.is_empty()) {
+            (found.coverage, found.drawn) = (drawn_coverage(&settings, target), true);
+        }
+    }
     if let Some(folder) = &arguments.counter_examples {
         save(folder, &mut report, &sound)?;
     }
@@ -315,7 +321,7 @@ fn with_forces(source: Source<'_>, arguments: &Audit, levels: &Levels) -> Result
     let (mut model, mut errors) = Model::examine(&scene);
     // Those that are taken for less are told by the findings.
     errors.retain(|error| !levels.lets_pass(error));
-    source.warn(&scene, &mut model);
+    source.warn(&scene, &mut model, |warning| levels.of_diagnostic(warning));
     let is_refused = !errors.is_empty();
     let hidden = errors.len().saturating_sub(SHOWN);
     for error in errors.into_iter().take(SHOWN) {

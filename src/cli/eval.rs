@@ -9,7 +9,7 @@ use pintle::evaluate::{
 };
 use pintle::report::{self, Block, Format, Kind, Subject};
 use pintle::scene::{
-    Diagnostic, Example, ForceSign, GALLERY, Scene, State, StateFile, StateForces, StateIndex,
+    Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
 };
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -180,13 +180,22 @@ impl Source<'_> {
         }
     }
 
-    /// Says what of a scene deserves a look.
-    pub(crate) fn warn(self, scene: &Scene, model: &mut Model) {
+    /// Says what of a scene deserves a look, as bad as `taken` takes it to be; what is `None` is not shown.
+    pub(crate) fn warn(
+        self,
+        scene: &Scene,
+        model: &mut Model,
+        taken: impl Fn(&Diagnostic) -> Option<Severity>,
+    ) {
         for warning in &scene.warnings {
-            show_diagnostic(warning);
+            if let Some(severity) = taken(warning) {
+                show_diagnostic(&warning.clone().of_severity(severity));
+            }
         }
         for warning in std::mem::take(&mut model.warnings) {
-            show_diagnostic(&self.quoted(warning));
+            if let Some(severity) = taken(&warning) {
+                show_diagnostic(&self.quoted(warning).of_severity(severity));
+            }
         }
     }
 }
@@ -195,7 +204,7 @@ impl Source<'_> {
 fn load(source: Source<'_>) -> Result<Loaded, Failure> {
     let (scene, states) = read(source, None)?;
     let mut model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
-    source.warn(&scene, &mut model);
+    source.warn(&scene, &mut model, |warning| Some(warning.severity()));
     Ok(Loaded { scene, states, model })
 }
 

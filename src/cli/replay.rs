@@ -15,7 +15,7 @@ pub(crate) enum Form {
     Rust,
     /// A script for Python with JAX: the reference formulas at the same state
     Jax,
-    /// A deck; its states in a file beside it, the ending replaced by .states.json
+    /// A deck, for which -o is needed: its states are in a file beside it, the ending replaced by .states.json
     Inp,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct Replay {
     /// Write it in another form instead of judging it
     #[arg(long, value_enum, value_name = "FORM", conflicts_with = "format")]
     export: Option<Form>,
-    /// Where to write that form; without it, to standard output
+    /// Where to write that form; without it, to standard output. A deck needs it: its states are in a file beside it
     #[arg(short, long, value_name = "FILE", requires = "export")]
     output: Option<PathBuf>,
 }

@@ -55,6 +55,18 @@ impl StopStatus {
     }
 }
 
+/// What turned by so much that its turns cannot be counted with certainty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Turned {
+    /// The component, which is an angle.
+    Component,
+    /// The torsion, which directions midway between a and b follow, and so the component.
+    Torsion,
+    /// The rotation vector of which the component is one.
+    RotationVector,
+}
+
 /// A state at which a value needs care.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "flag", rename_all = "kebab-case")]
@@ -101,7 +113,9 @@ pub enum Flag {
     LargeIncrement {
         /// The component.
         component: &'static str,
-        /// The change of the angle (rad).
+        /// What turned: the component, or what it is made of.
+        of: Turned,
+        /// The change of the angle (rad); of a rotation vector, the angle of the rotation between the two, which is not negative.
         change: f64,
     },
     /// A one-form was accumulated over an increment in which its direction turned: what lies between the two states
@@ -406,13 +420,15 @@ impl Connector<f64> {
         let turns_are_told = increment.whole_turns.as_flattened().iter().any(|turns| *turns != 0.0);
         // What lies midway between a and b follows the torsion, whether or not that is a component.
         let counted = rows().filter_map(|(k, row)| match row.position {
-            measure if measure.winds() => Some((k, measure, [before.turns[k], after.turns[k]])),
+            measure if measure.winds() => {
+                Some((k, (Turned::Component, measure), [before.turns[k], after.turns[k]]))
+            }
             measure if measure.counts_torsion() => {
-                Some((k, Measure::Torsion, [before.torsion, after.torsion]))
+                Some((k, (Turned::Torsion, Measure::Torsion), [before.torsion, after.torsion]))
             }
             _ => None,
         });
-        for (k, measure, [old, new]) in counted {
+        for (k, (of, measure), [old, new]) in counted {
             let axis = measure.winding_axis(&state.pair);
             let along = |v| axis.map_or(0.0, |axis| dot(axis, v));
             let change = f64::with_turns(new.principal - old.principal, new.turns - old.turns);
@@ -421,7 +437,7 @@ impl Connector<f64> {
             let is_large = (change - by_whole).abs() > CERTAIN_INCREMENT * std::f64::consts::PI;
             let is_told = turns_are_told && (change - along(all)).abs() < CERTAIN_TOLD * std::f64::consts::PI;
             if (is_large && !is_told) || (told - told.round()).abs() > CERTAIN_TURNS {
-                flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change });
+                flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], of, change });
             }
         }
         for (k, _) in rows().filter(|(_, row)| row.position.is_one_form()) {
@@ -435,8 +451,8 @@ impl Connector<f64> {
             let [of_a, of_b] =
                 [0, 1].map(|end| norm(sub(increment.rotation[end], increment.whole_turns[end])));
             if of_a.max(of_b) > CERTAIN_INCREMENT * std::f64::consts::PI && !turns_are_told {
-                flags
-                    .push(Flag::LargeIncrement { component, change: after.accumulated - before.accumulated });
+                let change = after.accumulated - before.accumulated;
+                flags.push(Flag::LargeIncrement { component, of: Turned::Component, change });
             }
         }
         flags.extend(self.out_of_plane(state));
@@ -448,7 +464,8 @@ impl Connector<f64> {
         });
         for (k, _) in rows().filter(|(_, row)| is_vector(row.position)) {
             if *turned > CERTAIN_INCREMENT * std::f64::consts::PI {
-                flags.push(Flag::LargeIncrement { component: crate::catalog::COMPONENT[k], change: *turned });
+                let (component, of) = (crate::catalog::COMPONENT[k], Turned::RotationVector);
+                flags.push(Flag::LargeIncrement { component, of, change: *turned });
             }
         }
         flags

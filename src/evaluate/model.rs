@@ -113,12 +113,14 @@ impl Model {
     pub fn examine(scene: &Scene) -> (Self, Vec<Diagnostic>) {
         let mut errors: Vec<Diagnostic> = Vec::new();
         let mut seen = HashSet::new();
-        let model = Self::resolve(scene, &mut |error| {
+        let mut model = Self::resolve(scene, &mut |error| {
             if seen.insert((error.code(), error.span())) {
                 errors.push(error);
             }
             true
         });
+        // What refuses a scene is not a warning besides.
+        model.warnings.retain(|warning| !seen.contains(&(warning.code(), warning.span())));
         (model, errors)
     }
 

@@ -1,7 +1,9 @@
 //! What needs care at a state: singular sets and how near they are, violations of the axes, turns that are not certain.
 
 use super::{Constraint, Evaluation, Kind, RHO, ROWS, Rows, State, Turning, angle_between};
-use crate::connector::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, Flag, ILL_CONDITIONED, Turns};
+use crate::connector::{
+    CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, Flag, ILL_CONDITIONED, Turned, Turns,
+};
 use crate::measure::{Margin, Unit};
 use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Real};
@@ -96,7 +98,7 @@ impl Constraint<f64> {
                 turning.whole != [0.0; 3] && (besides - dot(axis, turning.rest)).abs() < CERTAIN_TOLD * PI;
             let is_large = besides.abs() > CERTAIN_INCREMENT * PI && !is_told;
             if is_large || (whole - whole.round()).abs() > CERTAIN_TURNS {
-                flags.push(Flag::LargeIncrement { component, change });
+                flags.push(Flag::LargeIncrement { component, of: Turned::Component, change });
             }
         }
         flags

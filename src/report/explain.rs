@@ -282,16 +282,23 @@ pub fn code(out: &mut dyn Write, code: Code, width: usize) -> io::Result<()> {
 pub fn code_json(out: &mut dyn Write, code: Code) -> io::Result<()> {
     let document = serde_json::json!({
         "schema": SCHEMA, "version": crate::VERSION, "code": code.as_str(), "explanation": code.explanation(),
-        "severity": code.severity(), "severity_help": severity_help(code),
+        "severity": (code.group() != DIAGNOSIS).then(|| code.severity()), "severity_help": severity_help(code),
     });
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
 }
 
+/// The group of codes that name the cause of a wrong number, and have no severity of their own.
+const DIAGNOSIS: &str = "diagnosis";
+
 /// What can be done about the severity of a code, in a sentence; nothing of what is no finding of an audit.
 fn severity_help(code: Code) -> Option<&'static str> {
     const SET: &str = "pintle audit takes it for what --allow, --note, --warn and --deny say, of this code, its group, or at a place (CODE@FILE:LINE).";
     match (code.severity(), code.group()) {
+        (_, DIAGNOSIS) => Some(
+            "It names the cause of a number that is wrong, and a wrong number fails the audit whatever its cause: --allow, --note, --warn and --deny \
+             do not apply to it.",
+        ),
         (Severity::Note | Severity::Warning, _) => Some(SET),
         (Severity::Error, "rule") if code.leaves_numbers() => Some(
             "The scene is refused, but every number of it is defined: pintle audit goes on where --allow, --note or --warn say so, of this code, \

@@ -1,6 +1,6 @@
 //! What flags say, in words.
 
-use crate::connector::Flag;
+use crate::connector::{Flag, Turned};
 use crate::measure::SingularClass;
 
 /// What a flag says.
@@ -33,6 +33,10 @@ fn differ_in_component(one: &Flag, other: &Flag) -> bool {
         (Flag::NotKnown { quantity, why, .. }, Flag::NotKnown { quantity: other, why: other_why, .. }) => {
             (quantity, why) == (other, other_why)
         }
+        (
+            Flag::LargeIncrement { of, change, .. },
+            Flag::LargeIncrement { of: other, change: other_change, .. },
+        ) => *of != Turned::Component && of == other && change.to_bits() == other_change.to_bits(),
         _ => false,
     };
     is_alike && one.component() != other.component()
@@ -130,8 +134,16 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
         Flag::ForcesRefused { code, .. } => format!(
             "the forces that the state gives are not its own, and none of them is taken: pintle explain {code}"
         ),
-        Flag::LargeIncrement { component, change } => format!(
-            "{component} moved by {change:.6} rad since the previous state, more than 0.9 π: its turns are not certain"
-        ),
+        Flag::LargeIncrement { of, change, .. } => {
+            let follow = if group.len() == 1 { "follows" } else { "follow" };
+            let turned = match of {
+                Turned::Component => format!("{components} moved"),
+                Turned::Torsion => format!("the torsion, which {components} {follow}, turned"),
+                Turned::RotationVector => format!("the rotation vector of {components} turned"),
+            };
+            format!(
+                "{turned} by {change:.6} rad since the previous state, more than 0.9 π: its turns are not certain"
+            )
+        }
     }
 }

@@ -146,7 +146,7 @@ impl Behavior {
 
 impl Law {
     /// The components that it gives forces, one by one; none for a coupled law.
-    fn components(&self) -> &[u8] {
+    pub(crate) fn components(&self) -> &[u8] {
         match self {
             Self::Linear { component, .. } | Self::Nonlinear { component, .. } => {
                 std::slice::from_ref(component)

@@ -4,22 +4,22 @@ use super::dense;
 use super::modes::MODES;
 use super::redundant::EXPLAINED;
 use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant, Unnamed};
-use crate::audit::model::{About, Finding};
+use crate::audit::model::{About, Finding, Levels};
 use crate::evaluate::Freedom;
 use crate::grammar::{agree, count, ranges};
-use crate::scene::{Code, Label, Mpc, Scene, Span};
-use std::collections::{BTreeMap, HashSet};
+use crate::scene::{Code, Label, Mpc, Scene, Severity, Span};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The names that a message lists.
 const NAMED: usize = 8;
 /// What differs between given states is told in so many findings.
 const SETS: usize = 20;
 
-/// What is found of an assembly.
-pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+/// What is found of an assembly. Where there is much of a kind, that of each code and of each severity that `levels` set is shortened by itself.
+pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Finding> {
     let mut found = super::unread::findings(scene);
-    found.extend(redundancies(scene, assembly));
-    found.extend(at_states(scene, assembly));
+    found.extend(redundancies(scene, assembly, levels));
+    found.extend(at_states(scene, assembly, levels));
     found.extend(overdriven(scene, assembly));
     found.extend(skipped(scene, assembly));
     found.extend(without_derivative(scene, assembly));
@@ -32,10 +32,14 @@ pub(in crate::audit) fn findings(scene: &Scene, assembly: &Assembly) -> Vec<Find
 }
 
 /// What is found of an assembly step by step: of later ones what was not found before.
-pub(in crate::audit) fn findings_in_steps(scene: &Scene, assemblies: &[Assembly]) -> Vec<Finding> {
+pub(in crate::audit) fn findings_in_steps(
+    scene: &Scene,
+    assemblies: &[Assembly],
+    levels: &Levels,
+) -> Vec<Finding> {
     let (mut told, mut all): (HashSet<(Code, String)>, Vec<Finding>) = (HashSet::new(), Vec::new());
     for (at, assembly) in assemblies.iter().enumerate() {
-        let mut found = findings(scene, assembly);
+        let mut found = findings(scene, assembly, levels);
         found.retain(|finding| told.insert((finding.code(), finding.message().to_string())));
         let step = assembly.step;
         let in_step =
@@ -96,11 +100,45 @@ fn about(constraints: &[&Constraint]) -> About {
     about
 }
 
+/// Of what is found, in its order, so much of each code and severity as is shown; and, with the last of each, how many more there are.
+fn shortened<T>(
+    scene: &Scene,
+    levels: &Levels,
+    most: usize,
+    found: impl IntoIterator<Item = (Code, Span, T)>,
+) -> Vec<(Code, Span, T, usize)> {
+    let mut shown: Vec<(Code, Span, T, usize)> = Vec::new();
+    let mut kinds: HashMap<(Code, Severity), (usize, usize)> = HashMap::new();
+    for (code, place, what) in found {
+        let Some(severity) = levels.of_finding(&Finding::new(scene, code, place, "", "", "")) else {
+            continue;
+        };
+        let (count, last) = kinds.entry((code, severity)).or_default();
+        *count += 1;
+        if *count <= most {
+            *last = shown.len();
+            shown.push((code, place, what, 0));
+        } else if let Some((.., more)) = shown.get_mut(*last) {
+            *more += 1;
+        }
+    }
+    shown
+}
+
 /// Where a redundancy holds, whether it is certain, and the connector or MPC that it is of.
 type Owner = (Holds, bool, Option<Label>, Option<usize>);
 
-/// Redundant constraints at the initial state: one finding for each connector or MPC and where it holds, up to a number.
-fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+/// The code of a redundancy.
+const fn code(holds: Holds) -> Code {
+    match holds {
+        Holds::Throughout | Holds::Rigid => Code::AssemblyRedundant,
+        Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => Code::AssemblyRedundantHere,
+        Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
+    }
+}
+
+/// Redundant constraints at the initial state: one finding for each connector or MPC and where it holds, of each code up to a number.
+fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Finding> {
     const MOST: usize = 50;
     let mut of: BTreeMap<Owner, Vec<&Redundant>> = BTreeMap::new();
     for redundant in &assembly.redundant {
@@ -109,8 +147,17 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
         of.entry(key).or_default().push(redundant);
     }
     let mut found = Vec::new();
-    let owners = of.len();
-    for ((holds, decided, element, index), redundant) in of.into_iter().take(MOST) {
+    let evaluated: Vec<&Mpc> = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some()).collect();
+    let place = |element: &Option<Label>, index: Option<usize>| match element {
+        Some(element) => scene.connectors.get(element).map(|element| element.span),
+        None => index.and_then(|index| evaluated.get(index)).map(|mpc| mpc.span),
+    };
+    let owners = of.into_iter().map(|owner| {
+        let (holds, _, element, index) = &owner.0;
+        (code(*holds), place(element, *index).unwrap_or_default(), owner)
+    });
+    for (code, place, owner, more) in shortened(scene, levels, MOST, owners) {
+        let ((holds, decided, element, index), redundant) = owner;
         let Some(first) = redundant.first() else { continue };
         let components: Vec<String> = redundant.iter().map(|one| one.constraint.component.clone()).collect();
         let title = match (&element, &first.constraint.mpc) {
@@ -137,19 +184,21 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             [] => " from the others".to_string(),
             others => format!(" from those of {}", listed(others)),
         };
-        let code = match holds {
-            Holds::Throughout | Holds::Rigid => Code::AssemblyRedundant,
-            Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => Code::AssemblyRedundantHere,
-            Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
-        };
         let verb = if components.len() == 1 { "follows" } else { "follow" };
         let condition = if decided {
             String::new()
         } else {
             format!(", {}", if_rank(assembly.positions.first().and_then(|position| position.rank)))
         };
+        let others = match more {
+            0 => String::new(),
+            more => format!(
+                "; {more} more {} redundant components of this code, which the report lists",
+                agree(more, ["connector or constraint has", "connectors and constraints have"])
+            ),
+        };
         let message = format!(
-            "{title}: {} {verb}{from}, initially{condition}; {}",
+            "{title}: {} {verb}{from}, initially{condition}; {}{others}",
             components.join(", "),
             holds.meaning()
         );
@@ -161,16 +210,8 @@ fn redundancies(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             _ => remedy(scene, &first.constraint, &makers, &redundant),
         };
         let constraints: Vec<&Constraint> = redundant.iter().map(|one| &one.constraint).collect();
-        let finding = Finding::new(scene, code, place(scene, &first.constraint), message, reason, remedy);
+        let finding = Finding::new(scene, code, place, message, reason, remedy);
         found.push(finding.about(about(&constraints)));
-    }
-    if owners > MOST
-        && let Some(last) = found.pop()
-    {
-        found.push(last.add(&format!(
-            "; {} more connectors and constraints have redundant components, which the report lists",
-            owners - MOST
-        )));
     }
     found.extend(unnamed(scene, assembly));
     found
@@ -237,7 +278,7 @@ fn remedy(scene: &Scene, of: &Constraint, makers: &[&Constraint], redundant: &[&
 }
 
 /// Constraints that are redundant at a given state and not at others: a finding for each set of them, with its states.
-fn at_states(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
+fn at_states(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Finding> {
     let mut by_state: BTreeMap<(u64, Holds), Vec<&Constraint>> = BTreeMap::new();
     for (state, constraint, holds) in &assembly.redundant_at {
         by_state.entry((*state, *holds)).or_default().push(constraint);
@@ -249,18 +290,26 @@ fn at_states(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             None => sets.push((set, holds, vec![state])),
         }
     }
-    let more = sets.len().saturating_sub(SETS);
-    let mut found: Vec<Finding> =
-        sets.iter().take(SETS).map(|set| redundant_at(scene, assembly, set)).collect();
-    if more > 0
-        && let Some(last) = found.pop()
-    {
-        found.push(last.add(&format!("; {} besides, which the report lists", count(more, "such set"))));
-    }
-    found
+    let sets = sets.into_iter().map(|set| {
+        let place = set.0.first().map(|first| place(scene, first)).unwrap_or_default();
+        (Code::AssemblyRedundantHere, place, set)
+    });
+    let of = |(code, place, set, more): (Code, Span, AtStates<'_>, usize)| {
+        let found = redundant_at(scene, assembly, (code, place), &set);
+        match more {
+            0 => found,
+            more => found.add(&format!("; {} besides, which the report lists", count(more, "such set"))),
+        }
+    };
+    shortened(scene, levels, SETS, sets).into_iter().map(of).collect()
 }
 
-fn redundant_at(scene: &Scene, assembly: &Assembly, (at, holds, states): &AtStates<'_>) -> Finding {
+fn redundant_at(
+    scene: &Scene,
+    assembly: &Assembly,
+    (code, place): (Code, Span),
+    (at, holds, states): &AtStates<'_>,
+) -> Finding {
     let names: Vec<String> = at.iter().map(ToString::to_string).collect();
     /// What a change of the matrix by more than this makes zero is not zero to rounding, but to the digits of the state.
     const ROUNDING: f64 = 1e-12;
@@ -284,8 +333,7 @@ fn redundant_at(scene: &Scene, assembly: &Assembly, (at, holds, states): &AtStat
     let reason = "the rank of the constraint Jacobian is smaller than at other given states";
     let remedy =
         "keep clear of this position, or drive through it with care: forces grow without bound near it";
-    let place = at.first().map(|first| place(scene, first)).unwrap_or_default();
-    let finding = Finding::new(scene, Code::AssemblyRedundantHere, place, message, reason, remedy);
+    let finding = Finding::new(scene, code, place, message, reason, remedy);
     finding.about(About { state: states.first().copied(), ..about(at) })
 }
 

@@ -20,7 +20,7 @@ const COMPUTED: f64 = 1e3;
 /// Entries are taken for uncertain by so many times the largest residual of the constraints.
 pub(super) const TIMES: f64 = 30.0;
 /// By so many rounding units of itself a coordinate is off.
-const ROUNDED: f64 = 4.0;
+pub(super) const ROUNDED: f64 = 4.0;
 /// The size (the smaller of rows and columns) up to which singular values of a part are looked at at every state given, not only initially.
 const EVERYWHERE: usize = 60;
 

@@ -3,17 +3,20 @@
 use super::Skipped;
 use super::digits::Digits;
 use super::eliminate::{Most, Sparse};
+use super::found::ROUNDED;
 use super::order::{Union, dissection, minimum_degree, predicted};
+use crate::audit::bound::U;
 use crate::catalog::COMPONENT;
 use crate::connector::{Flag, Mask, Output, Request};
 use crate::evaluate::{Equation, Fixed, Freedom, Item, Jacobian, Model, NUMBERS, Plan, Sequence, Source};
-use crate::measure::{SingularClass, Unit};
+use crate::measure::{Measure, SingularClass, Unit};
 use crate::mpc::Kind;
 use crate::scalar::elementary::norm;
 use crate::scene::{
     ConditionKind, Diagnostic, Label, MotionType, NodeMotion, Rotation, Scene, State, Target,
 };
 use crate::so3;
+use crate::vector::{add, sub};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::convert::Infallible;
 
@@ -233,35 +236,59 @@ impl<'a> System<'a> {
         }
     }
 
-    /// The length of what a row belongs to, where it has one.
+    /// The length of what a row belongs to, where it has one: nodes that are no farther apart than rounding makes them are meant to coincide.
     fn length(&self, row: usize) -> Option<f64> {
         let Origin::Equation(equation) = self.origins[row] else { return None };
         let length = match equation.source {
             Source::Connector(index) => norm(self.model.connectors[index].reference),
             Source::Mpc(index) => norm(self.model.mpcs[index].constraint.arm()),
         };
-        Some(length).filter(|length| *length > 0.0)
+        Some(length).filter(|length| *length > ROUNDED * U * self.coordinates(equation.source))
+    }
+
+    /// The sum of the largest coordinates of the nodes of a connector or constraint, of those that are rounded.
+    fn coordinates(&self, source: Source) -> f64 {
+        let of = |node: &Label| self.prescribed.rounded.get(node).copied().unwrap_or_default();
+        match source {
+            Source::Connector(index) => self.model.connectors[index].nodes.iter().flatten().map(of).sum(),
+            Source::Mpc(index) => self.model.mpcs[index].nodes.iter().map(of).sum(),
+        }
+    }
+
+    /// Whether the directions of an equation are those of the line of the nodes, and so as uncertain as that is; those of others are given, and
+    /// their levers as uncertain as the coordinates.
+    fn is_along_line(&self, Equation { source, component }: Equation) -> bool {
+        match source {
+            Source::Connector(index) => {
+                self.model.connectors[index].connector.differentiated(component).is_some_and(|measure| {
+                    matches!(measure, Measure::Distance | Measure::Strain | Measure::RadialDistance)
+                })
+            }
+            Source::Mpc(index) => self.model.mpcs[index].constraint.kind() == Kind::Link,
+        }
+    }
+
+    /// The length that counts for the directions and levers of a row, where it has one.
+    fn counting(&self, part: &Part, row: usize) -> Option<f64> {
+        let Origin::Equation(equation) = self.origins[row] else { return None };
+        let length = self.length(row)?;
+        Some(if self.is_along_line(equation) { length.min(part.length) } else { part.length })
     }
 
     /// By how much, in rounding units, the rounding of coordinates changes the entries of a row that are not zero. Nodes that coincide are
     /// meant to, and so are distances of zero along an axis.
     fn rough(&self, part: &Part, row: usize) -> f32 {
-        let (Some(length), Origin::Equation(equation)) = (self.length(row), self.origins[row]) else {
+        let (Some(length), Origin::Equation(equation)) = (self.counting(part, row), self.origins[row]) else {
             return 0.0;
         };
-        let of = |node: &Label| self.prescribed.rounded.get(node).copied().unwrap_or_default();
-        let sum: f64 = match equation.source {
-            Source::Connector(index) => self.model.connectors[index].nodes.iter().flatten().map(of).sum(),
-            Source::Mpc(index) => self.model.mpcs[index].nodes.iter().map(of).sum(),
-        };
-        (sum / length.min(part.length)) as f32
+        (self.coordinates(equation.source) / length) as f32
     }
 
     /// By how much the digits of the scene leave the entries of a row that are not zero open, relative to the largest.
     fn open(&self, part: &Part, row: usize) -> f32 {
         let Origin::Equation(equation) = self.origins[row] else { return 0.0 };
         let digits = &self.prescribed.digits;
-        let length = self.length(row).map(|length| length.min(part.length));
+        let length = self.counting(part, row);
         let of = |node: &Label| length.map_or(0.0, |length| digits.of_node(node, length) / length);
         let all: f64 = match equation.source {
             Source::Connector(index) => {
@@ -482,6 +509,7 @@ impl<'a> System<'a> {
     /// Rows whose derivatives do not exist, or have lost their digits, at the state that a sequence of the same plan comes to, ascending.
     pub(super) fn without_derivative(&self, sequence: &Sequence<'_>, state: &State) -> Vec<u32> {
         let mut flagged: HashSet<(Source, &'static str)> = HashSet::new();
+        let mut lost: HashSet<Source> = HashSet::new();
         let mut note = |source: Source, flags: &[Flag]| {
             let is_one = |flag: &&Flag| match flag {
                 Flag::Singular { class, .. } | Flag::IllConditioned { class, .. } => match class {
@@ -493,17 +521,34 @@ impl<'a> System<'a> {
             flagged.extend(flags.iter().filter(is_one).map(|flag| (source, flag.component())));
         };
         let Ok(()) = sequence.clone().visit(state, |item| -> Result<(), Infallible> {
-            match item {
-                Item::Connector(result) => note(Source::Connector(result.index), &result.flags),
-                Item::Mpc(result) => note(Source::Mpc(result.index), &result.flags),
+            // A line that is no longer than rounding makes it has no direction.
+            let (source, flags, line) = match &item {
+                Item::Connector(result) => {
+                    (Source::Connector(result.index), &result.flags, result.state.pair.separation())
+                }
+                Item::Mpc(result) => {
+                    let moved = sub(result.state.slave.displacement, result.state.master.displacement);
+                    let arm = self.model.mpcs[result.index].constraint.arm();
+                    (Source::Mpc(result.index), &result.flags, add(arm, moved))
+                }
+            };
+            note(source, flags);
+            let length = norm(line);
+            if length > 0.0 && length <= ROUNDED * U * self.coordinates(source) {
+                lost.insert(source);
             }
             Ok(())
         });
-        if flagged.is_empty() {
+        if flagged.is_empty() && lost.is_empty() {
             return Vec::new();
         }
         let is_flagged = |origin: &Origin| match origin {
             Origin::Boundary(_) => false,
+            Origin::Equation(equation)
+                if lost.contains(&equation.source) && self.is_along_line(*equation) =>
+            {
+                true
+            }
             Origin::Equation(Equation { source, component }) => {
                 let name = match source {
                     Source::Connector(_) => COMPONENT[*component],

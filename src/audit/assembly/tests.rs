@@ -13,7 +13,7 @@ use super::order::{dissection, minimum_degree};
 use super::redundant::{judge_whole, only_here};
 use super::system::{Part, Prescribed, System, request};
 use super::{Assembly, Holds, Position, Unnamed, WhyUnnamed};
-use crate::audit::model::Finding;
+use crate::audit::model::{Finding, Levels};
 use crate::audit::sample::Draw;
 use crate::evaluate::{Fixed, Jacobian, Model, Plan, Sequence};
 use crate::scene::{Code, NodeMotion, Scene, State};
@@ -296,7 +296,8 @@ fn what_is_too_large_is_undecided_and_nothing_else_is() {
     let analysed = |system: &System<'_>| {
         let mut assembly = Assembly::none(1);
         super::of_system(system, &[State::default()], &|_| true, &mut assembly);
-        let codes: Vec<Code> = findings(&read.scene, &assembly).iter().map(Finding::code).collect();
+        let codes: Vec<Code> =
+            findings(&read.scene, &assembly, &Levels::default()).iter().map(Finding::code).collect();
         (assembly, codes)
     };
     let (whole, codes) = analysed(&system);
@@ -433,7 +434,8 @@ fn what_is_not_assembled_is_told() {
             0,
             &mut assembly,
         );
-        let codes: Vec<Code> = findings(&read.scene, &assembly).iter().map(Finding::code).collect();
+        let codes: Vec<Code> =
+            findings(&read.scene, &assembly, &Levels::default()).iter().map(Finding::code).collect();
         (assembly.positions.len(), assembly.not_assembled.and_then(|at| at.state), codes)
     };
     assert_eq!(told(&system), (2, None, vec![Code::AssemblyMechanism]));
@@ -620,7 +622,7 @@ fn what_is_affordable_is_named() {
     assert!(!some.is_empty() && some.len() < names.len());
     let count = names.len() - some.len();
     assert_eq!(dear.unnamed, Some(Unnamed { count, why: WhyUnnamed::Dear }));
-    let told = findings(&read.scene, &dear).iter().any(|finding| {
+    let told = findings(&read.scene, &dear, &Levels::default()).iter().any(|finding| {
         let said = finding.message().to_string();
         said.contains(&format!("{count} constraints are redundant besides, counted and not named"))
     });
@@ -660,7 +662,7 @@ fn states_off_are_told_once() {
     let both = |y: f64, number: u64| moved(&[("1", y), ("2", y)], number);
     let told = |states: &[State]| -> Vec<String> {
         let assembly = super::analyse(&scene, &model, states, 1).unwrap();
-        let found = findings(&scene, &assembly);
+        let found = findings(&scene, &assembly, &Levels::default());
         found.iter().map(|finding| finding.message().to_string()).collect()
     };
     let off = [both(1.0, 1), moved(&[("2", 0.5)], 2), both(2.0, 3), both(3.0, 4)];

@@ -1,10 +1,12 @@
 //! What happens along the given states: singular points on the way or near it, angles that move too far to count their turns,
 //! constraints that do not hold.
 
+use super::behavior::violated_at_first;
 use super::finding::{About, Finding};
 use super::gather::Gathered;
+use super::levels::Levels;
 use crate::catalog::COMPONENT;
-use crate::connector::{Flag, Mask, Output, Request};
+use crate::connector::{Flag, Mask, Output, Request, Turned};
 use crate::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, Sequence};
 use crate::measure::{Margin, Measure, Unit};
 use crate::scalar::elementary::norm;
@@ -43,13 +45,22 @@ pub(super) fn findings(
     scene: &Scene,
     model: &Model,
     states: &[State],
+    levels: &Levels,
     seen: &mut dyn FnMut(&ConnectorResult),
 ) -> (Vec<Finding>, Option<Nearest>) {
     let evaluated = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some());
     let spans = evaluated.map(|mpc| mpc.span).collect();
-    let gathered = Gathered::default();
-    let mut walk =
-        Walk { scene, model, lengths: lengths(model), spans, gathered, nearest: None, state: None };
+    let gathered = Gathered::new(levels);
+    let mut walk = Walk {
+        scene,
+        model,
+        lengths: lengths(model),
+        spans,
+        gathered,
+        nearest: None,
+        state: None,
+        is_first: false,
+    };
     let request = Request::new(&[Output::CP, Output::CU, Output::RES], ALL, 0);
     let plan = Plan::everything(model, request);
     let mut sequence = Sequence::new(model, &plan);
@@ -60,6 +71,7 @@ pub(super) fn findings(
     let mut sequence = Sequence::new(model, &plan);
     for (index, state) in states.iter().enumerate() {
         walk.state = Some(state.number.unwrap_or(index as u64));
+        walk.is_first = index == 0;
         let Ok(()) = sequence.visit(state, |item| -> Result<(), Infallible> {
             walk.look(item);
             if let Item::Connector(result) = item {
@@ -85,11 +97,13 @@ struct Walk<'a> {
     lengths: Vec<f64>,
     /// Where each constraint of the model was read.
     spans: Vec<Span>,
-    gathered: Gathered,
+    gathered: Gathered<'a>,
     /// The least distance to a singular set so far, in units of the connector's length where it is one, and where.
     nearest: Option<(f64, Nearest)>,
     /// The number of the state; none for the initial one.
     state: Option<u64>,
+    /// Whether that is the first one given.
+    is_first: bool,
 }
 
 /// What is found, before it is a finding.
@@ -98,7 +112,7 @@ struct Found {
     what: String,
     reason: String,
     remedy: &'static str,
-    component: String,
+    components: Vec<String>,
     /// How much: smaller is worse for distances, larger for the others.
     value: f64,
 }
@@ -121,7 +135,12 @@ impl Walk<'_> {
         let length = self.lengths.get(result.index).copied().unwrap_or(1.0);
         let mut found: Vec<Found> = Vec::new();
         for flag in &result.flags {
-            found.extend(self.flag(element, flag));
+            let Some(one) = self.flag(element, flag) else { continue };
+            // What several components are made of turns once.
+            match found.iter_mut().find(|told| told.code == one.code && told.what == one.what) {
+                Some(told) => told.components.extend(one.components),
+                None => found.push(one),
+            }
         }
         for (k, margin) in result.margins.iter().enumerate() {
             let Some(Margin { distance, set }) = *margin else { continue };
@@ -135,7 +154,7 @@ impl Walk<'_> {
                     Nearest { element: element.label, component, at, distance, unit, state: self.state };
                 self.nearest = Some((distance / size, nearest));
             }
-            let is_told = found.iter().any(|told| told.component == COMPONENT[k]);
+            let is_told = found.iter().any(|told| told.components.iter().any(|name| name == COMPONENT[k]));
             // A distance that is no number is told of as the position that it is of.
             let is_near = distance < NEAR * size;
             if !is_near || is_told {
@@ -146,7 +165,7 @@ impl Walk<'_> {
                 what: format!("{} is {distance:.3e}{} from {} ({})", COMPONENT[k], unit(set.unit), set.at, class(set.class)),
                 reason: format!("distance: {}", set.distance),
                 remedy: "keep clear of it, or choose a type that is regular there (`pintle explain` names the singular points)",
-                component: COMPONENT[k].to_string(),
+                components: vec![COMPONENT[k].to_string()],
                 value: distance,
             });
         }
@@ -170,6 +189,11 @@ impl Walk<'_> {
         }
         for found in found {
             self.add((given.section, element.label, given.span), format!("element {}", element.label), found);
+        }
+        if let Some(state) = self.state.filter(|_| self.is_first) {
+            for finding in violated_at_first(self.scene, element, &position, state) {
+                self.gathered.add(given.section, element.label, finding, |new, old| new.value > old.value);
+            }
         }
     }
 
@@ -202,7 +226,7 @@ impl Walk<'_> {
         let is_constraint = !title.starts_with("element ");
         let message = format!("{title}: {} {}", found.what, self.when());
         let mut about = About {
-            components: vec![found.component],
+            components: found.components,
             state: self.state,
             value: Some(found.value),
             ..About::default()
@@ -249,7 +273,7 @@ impl Walk<'_> {
 
 /// What a flag says, as a finding; `is_length`: of the distance of two nodes, initially.
 fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
-    let component = flag.component().to_string();
+    let components = vec![flag.component().to_string()];
     let found = match flag {
         Flag::Singular { component: name, at, class: of } => Found {
             // Where a rule does not refuse it.
@@ -262,7 +286,7 @@ fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
             } else {
                 "choose another initial orientation, or a type that is regular there (`pintle explain` names the singular points)"
             },
-            component,
+            components,
             value: 0.0,
         },
         Flag::IllConditioned { component: name, at, class: of, distance } => Found {
@@ -270,15 +294,21 @@ fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
             what: format!("{name} is {distance:.3e} from {at} ({})", class(*of)),
             reason: "the relative error of derivatives grows like the rounding unit over the distance".into(),
             remedy: "move the nodes apart or together, or choose a type that is regular there",
-            component,
+            components,
             value: *distance,
         },
-        Flag::LargeIncrement { component: name, change } => Found {
+        Flag::LargeIncrement { component: name, of, change } => Found {
             code: Code::ModelLargeIncrement,
-            what: format!("{name} moves by {change:.4} rad since the state before"),
+            what: match of {
+                Turned::Component => format!("{name} moves by {change:.4} rad since the state before"),
+                Turned::Torsion => format!("its torsion turns by {change:.4} rad since the state before"),
+                Turned::RotationVector => {
+                    format!("its rotation vector turns by {change:.4} rad since the state before")
+                }
+            },
             reason: "beyond 0.9 π the number of turns is a guess".into(),
             remedy: "give more states, or rotation vectors beyond half a turn, which tell the turns",
-            component,
+            components,
             value: *change,
         },
         Flag::PathDependent { component: name, difference } => Found {
@@ -286,7 +316,7 @@ fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
             what: format!("{name} depends on the path by {difference:.1e} rad since the state before"),
             reason: "a one-form is accumulated along the path, which the two states do not tell".into(),
             remedy: "give more states",
-            component,
+            components,
             value: *difference,
         },
         Flag::NotFinite { component: name, quantity } => Found {
@@ -294,7 +324,7 @@ fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
             what: format!("{quantity} of {name} is not a finite number"),
             reason: "the state lies beyond what the formula can be evaluated at".into(),
             remedy: "look at the displacements and rotations of this state",
-            component,
+            components,
             value: 0.0,
         },
         _ => return None,
@@ -309,7 +339,7 @@ fn violated(component: &str, residual: f64, of_length: bool) -> Found {
         what: format!("{component} is constrained, and is {residual:.3e}{unit} off"),
         reason: "a residual beyond a thousandth of a radian, or of the length of the connector".into(),
         remedy: "check that the states are those of this model, and their units; rotations are rotation vectors in rad",
-        component: component.to_string(),
+        components: vec![component.to_string()],
         value: residual,
     }
 }

@@ -4,6 +4,7 @@
 use super::finding::{About, Finding};
 use super::gather::Gathered;
 use super::geometry::initial_positions;
+use super::levels::Levels;
 use super::pressing::nothing_presses;
 use crate::behavior::entry;
 use crate::catalog::{
@@ -15,8 +16,8 @@ use crate::grammar::agree;
 use crate::scene::{self, Behavior, Code, FrictionKind, FrictionLaw, Law, Limits, Scene, Span};
 
 /// What is found of the behaviours of connectors.
-pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
-    let mut gathered = Gathered::default();
+pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Finding> {
+    let mut gathered = Gathered::new(levels);
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
         let Some(behavior) = scene.section(given).and_then(|section| scene.behavior(section)) else {
@@ -26,7 +27,8 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
             !behavior.stops.is_empty() || !behavior.locks.is_empty() || !behavior.failures.is_empty();
         let positions = if needs_positions { initial_positions(element) } else { [None; 6] };
         let mut found = Vec::new();
-        found.extend(behavior.stops.iter().filter_map(|stop| violated(scene, element, stop, &positions)));
+        let beyond = |stop| violated(scene, element, stop, &positions, None);
+        found.extend(behavior.stops.iter().filter_map(beyond));
         let locks = behavior.locks.iter().map(|lock| ("lock", lock.component, &lock.limits, lock.span));
         let failures =
             behavior.failures.iter().map(|fail| ("failure", fail.component, &fail.limits, fail.span));
@@ -51,26 +53,52 @@ fn about(element: &ConnectorElement, component: usize, value: f64) -> About {
     About { elements: vec![element.label], components, value: Some(value), ..About::default() }
 }
 
-/// A stop that the initial position lies beyond.
+/// Stops that are passed at the first state given, and not initially already.
+pub(super) fn violated_at_first(
+    scene: &Scene,
+    element: &ConnectorElement,
+    positions: &Components<f64>,
+    state: u64,
+) -> Vec<Finding> {
+    let section = scene.connectors.get(&element.label).and_then(|given| scene.section(given));
+    let Some(behavior) = section.and_then(|section| scene.behavior(section)) else { return Vec::new() };
+    if behavior.stops.is_empty() {
+        return Vec::new();
+    }
+    let initial = initial_positions(element);
+    let is_new = |stop: &&scene::Stop| violated(scene, element, stop, &initial, None).is_none();
+    let stops = behavior.stops.iter().filter(is_new);
+    stops.filter_map(|stop| violated(scene, element, stop, positions, Some(state))).collect()
+}
+
+/// A stop that the position lies beyond, initially or at the first state given, of this number.
 fn violated(
     scene: &Scene,
     element: &ConnectorElement,
     stop: &scene::Stop,
     positions: &Components<f64>,
+    state: Option<u64>,
 ) -> Option<Finding> {
     let k = component_index(stop.component)?;
     let position = positions[k]?;
     let below = stop.lower.filter(|lower| position < *lower).map(|lower| (lower - position, "below", lower));
     let above = stop.upper.filter(|upper| position > *upper).map(|upper| (position - upper, "above", upper));
     let (by, side, limit) = below.or(above)?;
+    let when = match state {
+        None => "initially".to_string(),
+        Some(state) => format!("at state {state}, the first one given"),
+    };
     let message = format!(
-        "element {}: {} is {position:.6} initially, {by:.3e} {side} its stop at {limit}",
+        "element {}: {} is {position:.6} {when}, {by:.3e} {side} its stop at {limit}",
         element.label, COMPONENT[k]
     );
     let reason = "stops limit the position (CP), not the displacement from the initial one; angles in rad";
-    let remedy = "move the stop or the nodes, so that the initial position lies within";
+    let remedy = match state {
+        None => "move the stop or the nodes, so that the initial position lies within",
+        Some(_) => "move the stop, or begin with a state at which the position lies within",
+    };
     let finding = Finding::new(scene, Code::ModelStopViolated, stop.span, message, reason, remedy);
-    Some(finding.about(about(element, k, by)))
+    Some(finding.about(About { state, ..about(element, k, by) }))
 }
 
 /// A lock or failure of which a limit of position is passed initially.
@@ -211,7 +239,17 @@ fn vanishing(
                 "give μ, or remove the friction",
                 "μ".into(),
             );
-        } else if coefficient.maximum == Some(0.0) {
+        } else if let FrictionLaw::Exponential { kinetic_coefficient: 0.0, decay, .. } = &coefficient.law
+            && *decay != 0.0
+        {
+            tell(
+                "the kinetic friction coefficient is zero: friction vanishes the faster it slips".into(),
+                "μ = μ_s exp(−d_c·slip rate), without the term of μ_k",
+                "give μ_k, unless friction is meant to vanish in fast slip",
+                "μ_k".into(),
+            );
+        }
+        if !is_zero && coefficient.maximum == Some(0.0) {
             tell(
                 "TAUMAX is zero: there is no friction".into(),
                 "τ ≤ τ_max",
@@ -223,6 +261,16 @@ fn vanishing(
     match &friction.kind {
         FrictionKind::Predefined { constants } => {
             let Some(of_type) = element.connector.connection().friction else { return found };
+            let section = scene.connectors.get(&element.label).and_then(|given| scene.section(given));
+            let angle = section.and_then(|section| section.section_data.get(1).copied().flatten());
+            if element.connector.connection().is_belt() && angle == Some(0.0) {
+                tell(
+                    "the contact angle of the section is zero: the belt goes straight on at node b, and there is no friction".into(),
+                    "F_C (exp(μ α) − 1) with α = 0",
+                    "give the angle of wrap (rad) as the second number of the section, or remove the friction",
+                    "α".into(),
+                );
+            }
             let present = if element.is_planar() { PLANE } else { SPATIAL };
             for (i, parameter) in of_type.parameters.iter().enumerate() {
                 if constants.get(i).copied().flatten().unwrap_or(0.0) != 0.0 {

@@ -2,8 +2,10 @@
 
 use super::finding::{About, Finding};
 use super::gather::Gathered;
+use super::levels::Levels;
 use crate::catalog::component_index;
 use crate::evaluate::{ConnectorElement, Model};
+use crate::grammar::with_article;
 use crate::measure::Measure;
 use crate::scene::{Behavior, Code, Label, Mpc, Scene};
 use std::collections::HashMap;
@@ -23,9 +25,9 @@ enum Does<'a> {
 type Same<'a> = (Does<'a>, [Option<Label>; 2], [u64; 18]);
 
 /// Connectors that are there twice. Those that constrain the same components alike are told by a rule, and not again.
-pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
+pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Finding> {
     let mut first: HashMap<Same<'_>, &ConnectorElement> = HashMap::new();
-    let mut gathered = Gathered::default();
+    let mut gathered = Gathered::new(levels);
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
         let Some(section) = scene.section(given) else { continue };
@@ -36,10 +38,10 @@ pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
             Some(other) => {
                 let [name, of_other] = [element, other].map(|element| &element.connector.connection().name);
                 let what = match key.0 {
-                    Does::Type(_, None) => format!("is a {name} as well"),
-                    Does::Type(..) => format!("is a {name} with the same behaviour"),
+                    Does::Type(_, None) => format!("is {} as well", with_article(name)),
+                    Does::Type(..) => format!("is {} with the same behaviour", with_article(name)),
                     Does::Components(..) if name == of_other => {
-                        format!("is a {name} with the same behaviour")
+                        format!("is {} with the same behaviour", with_article(name))
                     }
                     Does::Components(..) => {
                         format!(

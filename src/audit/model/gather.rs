@@ -1,15 +1,19 @@
 //! What is found alike in many connectors of a section is told once.
 
 use super::finding::{About, Finding};
-use crate::scene::{Code, Label};
+use super::levels::Levels;
+use crate::scene::{Code, Label, Severity};
 use indexmap::IndexMap;
 use std::collections::HashMap;
 
-/// Findings by what they are: of one code, section and components, the first or worst is told, and the others are counted.
-#[derive(Default)]
-pub(super) struct Gathered {
+/// What findings have in common that are told as one: code, section, components, and how bad each is taken to be at its own place.
+type Common = (Code, usize, Vec<String>, Option<Severity>);
+
+/// Findings by what they are: of those that have all in common, the first or worst is told, and the others are counted.
+pub(super) struct Gathered<'a> {
+    levels: &'a Levels,
     order: Vec<Told>,
-    known: HashMap<(Code, usize, Vec<String>), usize>,
+    known: HashMap<Common, usize>,
 }
 
 struct Told {
@@ -19,7 +23,12 @@ struct Told {
     each: IndexMap<Label, About>,
 }
 
-impl Gathered {
+impl<'a> Gathered<'a> {
+    /// None yet; `levels` say which of them are as bad as each other.
+    pub(super) fn new(levels: &'a Levels) -> Self {
+        Self { levels, order: Vec::new(), known: HashMap::new() }
+    }
+
     /// Adds what is found of an element of a section; `worse` says whether this one is to be told rather than the one so far.
     pub(super) fn add(
         &mut self,
@@ -28,7 +37,8 @@ impl Gathered {
         finding: Finding,
         worse: impl Fn(&About, &About) -> bool,
     ) {
-        let key = (finding.code(), section, finding.about.components.clone());
+        let key =
+            (finding.code(), section, finding.about.components.clone(), self.levels.of_finding(&finding));
         match self.known.get(&key).and_then(|place| self.order.get_mut(*place)) {
             None => {
                 self.known.insert(key, self.order.len());

@@ -3,6 +3,7 @@
 
 use super::finding::{About, Finding};
 use super::gather::Gathered;
+use super::levels::Levels;
 use crate::audit::bound::U;
 use crate::catalog::{COMPONENT, Condition, Orientation as Given, Slot};
 use crate::connector::{Increment, Output, Request, State, Tally};
@@ -26,10 +27,10 @@ const CERTAIN: f64 = 1e-8;
 const ALIGNED: f64 = 1e-12;
 
 /// What is found of coordinates, orientations and axes.
-pub(super) fn findings(scene: &Scene, model: &Model) -> Vec<Finding> {
+pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Finding> {
     let mut found: Vec<Finding> = overflow(scene, model).into_iter().collect();
     found.extend(orientations(scene, model));
-    let mut gathered = Gathered::default();
+    let mut gathered = Gathered::new(levels);
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
         let section = scene.section(given);
@@ -157,10 +158,8 @@ fn orientation_at(
     let message =
         format!("the directions of orientation {name} are {:.6}° apart, not 90°", angle.to_degrees());
     let (kept, turned) = if orientation.system == System::Rectangular { ("e1", "e2") } else { ("e3", "e1") };
-    let reason = format!(
-        "{kept} is taken along a; {turned} is turned by {:.6}° within the plane of both",
-        off.to_degrees()
-    );
+    let reason =
+        format!("{kept} is taken along a; {turned} is turned by {} within the plane of both", degrees(off));
     let remedy =
         "give b at right angles to a; where only the plane of both is meant, this is as it should be";
     let finding =
@@ -211,6 +210,16 @@ pub(super) fn initial_positions(element: &ConnectorElement) -> crate::connector:
     connector.evaluate(&at_start(element), &Increment::none(), &branch, &request, &mut tally).position
 }
 
+/// An angle (rad) in degrees: with six decimals, or, where these would leave little of it, with four digits.
+fn degrees(angle: f64) -> String {
+    let degrees = angle.to_degrees();
+    if degrees != 0.0 && degrees.abs() < 1e-3 {
+        format!("{degrees:.3e}°")
+    } else {
+        format!("{degrees:.6}°")
+    }
+}
+
 /// Rotations that are held, and are not zero initially.
 fn misaligned(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<Finding> {
     let connector = &element.connector;
@@ -237,7 +246,7 @@ fn misaligned(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<
     }
     let angles: Vec<String> = components
         .iter()
-        .filter_map(|k| Some(format!("{} at {:.6}°", COMPONENT[*k], positions[*k]?.to_degrees())))
+        .filter_map(|k| Some(format!("{} at {}", COMPONENT[*k], degrees(positions[*k]?))))
         .collect();
     let message = format!(
         "element {}: the directions of a and b of {} are not aligned initially; frozen are {}",

@@ -134,8 +134,7 @@ impl Levels {
 
     /// Whether what refuses a scene is taken for less than an error, so that the scene is not refused.
     pub fn lets_pass(&self, diagnostic: &Diagnostic) -> bool {
-        let (code, severity) = (diagnostic.code(), diagnostic.severity());
-        self.at(code, severity, diagnostic.file(), diagnostic.line()) != Some(Severity::Error)
+        self.of_diagnostic(diagnostic) != Some(Severity::Error)
     }
 
     /// Whether a finding is of a code that was set to less than an error there; of no effect where it leaves nothing to evaluate.
@@ -163,10 +162,20 @@ impl Levels {
         heaviest.map(|(_, level)| *level)
     }
 
+    /// How bad a finding is taken to be, where it is; `None` where it is not shown.
+    pub fn of_finding(&self, finding: &Finding) -> Option<Severity> {
+        self.of_diagnostic(finding.diagnostic())
+    }
+
+    /// How bad what a diagnostic says is taken to be, where it is; `None` where it is not shown.
+    pub fn of_diagnostic(&self, diagnostic: &Diagnostic) -> Option<Severity> {
+        self.at(diagnostic.code(), diagnostic.severity(), diagnostic.file(), diagnostic.line())
+    }
+
     /// The findings that are shown, as bad as they are taken to be.
     pub fn apply(&self, findings: Vec<Finding>) -> Vec<Finding> {
         let shown = findings.into_iter().filter_map(|finding| {
-            let severity = self.at(finding.code(), finding.severity(), finding.file(), finding.line())?;
+            let severity = self.of_finding(&finding)?;
             Some(finding.of_severity(severity))
         });
         shown.collect()

@@ -50,6 +50,8 @@ pub struct ModelReport {
     pub later_steps: Vec<Assembly>,
     /// Which region of configuration space the states exercised.
     pub coverage: Coverage,
+    /// Whether the states of the coverage were drawn, for the scene gives none ([`crate::audit::drawn_coverage`]).
+    pub drawn: bool,
     /// How near to a singular set any connector comes, initially and at the states; `None` where no component has one.
     pub nearest: Option<Nearest>,
     /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
@@ -73,12 +75,12 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     let (model, errors) = Model::examine(scene);
     let is_refused = errors.iter().any(|error| !levels.lets_pass(error));
     let mut findings = rules::findings(scene, &model, errors);
-    findings.extend(geometry::findings(scene, &model));
-    findings.extend(behavior::findings(scene, &model));
-    findings.extend(duplicates::findings(scene, &model));
+    findings.extend(geometry::findings(scene, &model, levels));
+    findings.extend(behavior::findings(scene, &model, levels));
+    findings.extend(duplicates::findings(scene, &model, levels));
     let mut coverage = Coverage::default();
     let mut exercises = vec![Exercise::default(); model.connectors.len()];
-    let (along, nearest) = along::findings(scene, &model, states, &mut |result| {
+    let (along, nearest) = along::findings(scene, &model, states, levels, &mut |result| {
         if let (Some(element), Some(exercise)) =
             (model.connectors.get(result.index), exercises.get_mut(result.index))
         {
@@ -92,7 +94,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     if !is_refused {
         match assembly::analyse_steps(scene, &model, states) {
             Ok(found) => {
-                findings.extend(assembly::findings::findings_in_steps(scene, &found));
+                findings.extend(assembly::findings::findings_in_steps(scene, &found, levels));
                 steps = found;
             }
             Err(error) => findings.push(error.into()),
@@ -109,6 +111,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         assembly,
         later_steps,
         coverage,
+        drawn: false,
         nearest,
         findings,
     }

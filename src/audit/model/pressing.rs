@@ -1,8 +1,9 @@
 //! Which contact forces are always zero?
 
+use crate::behavior::entry;
 use crate::catalog::{COMPONENT, PLANE, SPATIAL, component_index};
 use crate::evaluate::ConnectorElement;
-use crate::scene::{Affected, Behavior, DerivedTerm, Friction, FrictionKind, Law, Source};
+use crate::scene::{Affected, Behavior, DerivedTerm, Friction, FrictionKind, Law, Row, Source};
 
 /// Why a source of contact force is zero in every state; `None` where it need not be.
 pub(super) fn nothing_presses(
@@ -13,7 +14,7 @@ pub(super) fn nothing_presses(
     match source {
         Source::Component(component) => {
             let k = component_index(*component)?;
-            (!has_force(element, behavior, k)).then(|| without_force(k))
+            (!has_force(element, behavior, k)).then(|| without_force(behavior, k))
         }
         Source::Derived(name) => {
             let terms = behavior.derived_components.get(name)?;
@@ -30,8 +31,33 @@ pub(super) fn nothing_presses(
     }
 }
 
-fn without_force(k: usize) -> String {
-    format!("{} has no force", COMPONENT[k])
+fn without_force(behavior: &Behavior, k: usize) -> String {
+    let name = COMPONENT[k];
+    let has_law = laws(behavior).any(|law| law.components().iter().any(|of| component_index(*of) == Some(k)));
+    if has_law { format!("the force of {name} is zero by its table") } else { format!("{name} has no force") }
+}
+
+/// The elastic and viscous laws.
+fn laws(behavior: &Behavior) -> impl Iterator<Item = &Law> {
+    let elastic = behavior.elasticity.iter().map(|elasticity| &elasticity.law);
+    elastic.chain(behavior.damping.iter().map(|damping| &damping.law))
+}
+
+/// Whether a law may give a component a force: where it is a table, a number of it that is of the component is not zero.
+fn gives_force(law: &Law, k: usize) -> bool {
+    let is_it = |component: &u8| component_index(*component) == Some(k);
+    let is_given = |rows: &[Row], at: usize| {
+        // What has no row is refused by a rule.
+        rows.is_empty() || rows.iter().any(|row| row.values.get(at).copied().flatten().unwrap_or(0.0) != 0.0)
+    };
+    match law {
+        Law::Linear { component, rows } | Law::Nonlinear { component, rows, .. } => {
+            is_it(component) && is_given(rows, 0)
+        }
+        Law::Coupled { unsymmetric, rows, .. } => (0..6)
+            .any(|j| is_given(rows, entry(*unsymmetric, k, j)) || is_given(rows, entry(*unsymmetric, j, k))),
+        Law::Rigid { components } => components.is_empty() || components.iter().any(is_it),
+    }
 }
 
 /// Why a term of a derived component is zero whatever the forces.
@@ -46,7 +72,7 @@ fn vanishes(element: &ConnectorElement, behavior: &Behavior, term: &DerivedTerm)
         } else if has_force(element, behavior, k) {
             return None;
         } else {
-            whys.push(without_force(k));
+            whys.push(without_force(behavior, k));
         }
     }
     Some(whys.join(", "))
@@ -69,16 +95,11 @@ fn has_force(element: &ConnectorElement, behavior: &Behavior, k: usize) -> bool 
     if !element.connector.connection().slots[k].is_available() || !present[k] {
         return false;
     }
-    let is_all = |law: &Law| match law {
-        Law::Coupled { .. } => true,
-        Law::Rigid { components } => components.is_empty(),
-        Law::Linear { .. } | Law::Nonlinear { .. } => false,
-    };
     let is_it = |component: u8| component_index(component) == Some(k);
-    let laws =
-        behavior.elasticity.iter().map(|law| &law.law).chain(behavior.damping.iter().map(|law| &law.law));
-    behavior.acts_on().any(is_it)
-        || laws.into_iter().any(is_all)
+    let slips = |friction: &Friction| matches!(friction.kind, FrictionKind::User { component: Some(component), .. } if is_it(component));
+    laws(behavior).any(|law| gives_force(law, k))
+        || behavior.friction.iter().any(slips)
+        || behavior.plasticity.iter().filter_map(|plasticity| plasticity.component).any(is_it)
         || behavior.plasticity.iter().any(|plasticity| plasticity.component.is_none())
         || behavior.friction.iter().any(slips_in_several)
         || behavior.stops.iter().any(|stop| is_it(stop.component))

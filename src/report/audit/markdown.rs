@@ -269,13 +269,17 @@ fn models(page: &mut Page, report: &Report) {
 }
 
 fn line(finding: &Finding) -> String {
-    format!(
+    let line = format!(
         "- **{}** `{}` {}: {}",
         super::model::word(finding.severity()),
         finding.code(),
         escaped(&super::model::place(finding)),
         escaped(finding.message())
-    )
+    );
+    match finding.remedy() {
+        "" => line,
+        remedy => format!("{line}; *help:* {}", escaped(remedy)),
+    }
 }
 
 #[cfg(test)]

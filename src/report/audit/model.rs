@@ -2,7 +2,7 @@
 
 use super::super::layout::{BOLD, CARE, DIM, styled, wrap};
 use crate::audit::assembly::{Assembly, Position, Unnamed};
-use crate::audit::coverage::{Coverage, Histogram};
+use crate::audit::coverage::Histogram;
 use crate::audit::model::{Finding, ModelReport, Nearest};
 use crate::grammar::{count, ranges};
 use crate::measure::Unit;
@@ -19,7 +19,7 @@ pub(super) fn human(out: &mut dyn Write, models: &[ModelReport], width: usize) -
         for assembled in model.assembly.iter().chain(&model.later_steps) {
             assembly(out, assembled, width)?;
         }
-        coverage(out, &model.coverage, width)?;
+        coverage(out, model, width)?;
         if let Some(nearest) = &model.nearest {
             paragraph(out, &self::nearest(nearest), 2, width)?;
         }
@@ -201,7 +201,8 @@ pub(super) fn gap(assembly: &Assembly, position: &Position) -> String {
     }
 }
 
-fn coverage(out: &mut dyn Write, coverage: &Coverage, width: usize) -> io::Result<()> {
+fn coverage(out: &mut dyn Write, model: &ModelReport, width: usize) -> io::Result<()> {
+    let coverage = &model.coverage;
     if coverage.exercise.samples == 0 {
         return Ok(());
     }
@@ -209,9 +210,10 @@ fn coverage(out: &mut dyn Write, coverage: &Coverage, width: usize) -> io::Resul
         if histogram.samples() == 0 { "none".to_string() } else { format!("{:.3} rad", histogram.largest) }
     };
     let text = format!(
-        "coverage: {}; largest rotations: a {}, b {}, b relative to a {}; both nodes turned in {} of {}, free components displaced in \
+        "coverage: {}{}; largest rotations: a {}, b {}, b relative to a {}; both nodes turned in {} of {}, free components displaced in \
          {} of {}",
         count(coverage.exercise.samples, "connector state"),
+        if model.drawn { ", drawn about the initial one" } else { "" },
         largest(&coverage.rotation_a),
         largest(&coverage.rotation_b),
         largest(&coverage.relative_rotation),

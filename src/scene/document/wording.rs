@@ -6,6 +6,7 @@ use super::super::diagnostic::Diagnostic;
 const WORDS: &[(&str, &str)] = &[
     ("name an *ORIENTATION as item 1 of the line after the type", "give orientation_a"),
     ("name an *ORIENTATION as item 2 of the line after the type", "give orientation_b"),
+    ("name an *ORIENTATION on the line after the type", "give orientation_a"),
     (
         "define the friction with COMPONENT= or *CONNECTOR POTENTIAL, or remove PREDEFINED",
         "describe the friction with component or potential instead of predefined",

@@ -137,9 +137,10 @@ pub(super) fn coverage(found: &ModelReport) -> Option<CoverageSection> {
     Some(CoverageSection {
         scene: found.scene.clone(),
         summary: format!(
-            "{}, every connector at each state: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
+            "{}, every connector at each state{}: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
              away from the initial state in {}.{}",
             count(coverage.exercise.samples, "sample"),
+            if found.drawn { ", drawn about the initial one, for the scene gives none" } else { "" },
             of(coverage.exercise.both_turned, coverage.exercise.could_turn_both),
             of(coverage.exercise.deformed, coverage.exercise.could_deform),
             of(coverage.exercise.away, coverage.exercise.samples),

@@ -1,0 +1,328 @@
+//! Whether what is found in models is told once, of the right thing, and as bad as it was said to be taken.
+
+use pintle::audit::model::{Finding, Level, Levels, ModelReport, audit_model};
+use pintle::scene::{Code, Scene, Severity, StateFile};
+use std::fmt::Write;
+use std::path::Path;
+
+fn scene(name: &str, text: &str) -> Scene {
+    let path = crate::cli::file(name, text);
+    Scene::read(Path::new(&path)).unwrap_or_else(|error| panic!("{}", error.render(110, false)))
+}
+
+/// What is found in a deck of this text, at the states of a table, which may be empty.
+fn audited(name: &str, deck: &str, states: &str, levels: &[(&str, Level)]) -> ModelReport {
+    let scene = scene(&format!("audit-model-{name}.inp"), deck);
+    let states = if states.is_empty() {
+        Vec::new()
+    } else {
+        let path = crate::cli::file(&format!("audit-model-{name}.csv"), states);
+        StateFile::read(Path::new(&path), &scene).unwrap().states
+    };
+    let mut set = Levels::default();
+    levels.iter().for_each(|(name, level)| set.set(name, *level).unwrap());
+    audit_model(&scene, &states, &set)
+}
+
+fn of(report: &ModelReport, code: Code) -> Vec<&Finding> {
+    report.findings.iter().filter(|finding| finding.code() == code).collect()
+}
+
+/// `pairs` of BEAMs that are there twice, and a chain of two LINKs that is stretched between nodes that are held.
+fn doubled(pairs: usize) -> String {
+    let mut text = String::from("*NODE\n1,0,0,0\n");
+    for pair in 0..pairs {
+        _ = writeln!(text, "{},{pair},1,0", pair + 2);
+    }
+    text.push_str("900,0,0,5\n901,1,0,5\n902,2,0,5\n*ELEMENT,TYPE=CONN3D2,ELSET=B\n");
+    for pair in 0..pairs {
+        _ = writeln!(text, "{},1,{node}\n{},1,{node}", 2 * pair + 1, 2 * pair + 2, node = pair + 2);
+    }
+    text + "*ELEMENT,TYPE=CONN3D2,ELSET=L\n901,900,901\n902,901,902\n*CONNECTOR SECTION,ELSET=B\nBEAM\n\
+            *CONNECTOR SECTION,ELSET=L\nLINK\n*BOUNDARY\n1,1,6\n900,1,3\n902,1,3\n"
+}
+
+/// However many redundancies hold throughout, one that holds at this state only is told, and may be denied: only what is shown of a code is shortened.
+#[test]
+fn many_of_one_code_hide_none_of_another() {
+    let report = audited("many", &doubled(51), "", &[("assembly::redundant-here", Level::Deny)]);
+    let throughout = of(&report, Code::AssemblyRedundant);
+    assert_eq!(throughout.len(), 50);
+    assert!(
+        throughout[49].message().contains("1 more connector or constraint has"),
+        "{}",
+        throughout[49].message()
+    );
+    assert_eq!(of(&report, Code::AssemblyRedundantHere).len(), 1);
+    assert!(report.fails());
+    // One that is denied at its line is told, wherever it comes.
+    let line = 51 + 5 + 1 + 102;
+    let place = format!("assembly::redundant@audit-model-line.inp:{line}");
+    let report = audited("line", &doubled(51), "", &[(&place, Level::Deny)]);
+    let found = of(&report, Code::AssemblyRedundant);
+    let denied: Vec<&&Finding> =
+        found.iter().filter(|finding| finding.severity() == Severity::Error).collect();
+    assert_eq!(denied.len(), 1, "line {line}");
+    assert_eq!((denied[0].line(), found.len()), (u32::try_from(line).ok(), 51));
+    assert!(found.iter().all(|finding| !finding.message().contains("more connector")));
+}
+
+/// A level at a line is that of the connector there, not of all that is gathered with it.
+#[test]
+fn levels_of_a_line_leave_the_others_of_a_section_alone() {
+    const DECK: &str = "*NODE\n1,0,0,0\n2,1,0,0\n3,5,0,0\n4,6,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,1,2\n3,3,4\n4,3,4\n\
+                        *CONNECTOR SECTION,ELSET=E\nAXIAL\n";
+    let told = |level: Option<(&str, Level)>| -> Vec<(Option<u32>, Severity)> {
+        let report = audited("lines", DECK, "", level.as_slice());
+        of(&report, Code::ModelDuplicateConnector).iter().map(|one| (one.line(), one.severity())).collect()
+    };
+    let at = |line: u32| format!("model::duplicate-connector@audit-model-lines.inp:{line}");
+    assert_eq!(told(None), [(Some(8), Severity::Warning)]);
+    assert_eq!(told(Some((&at(8), Level::Allow))), [(Some(10), Severity::Warning)]);
+    assert_eq!(told(Some((&at(10), Level::Allow))), [(Some(8), Severity::Warning)]);
+    assert_eq!(
+        told(Some((&at(10), Level::Deny))),
+        [(Some(8), Severity::Warning), (Some(10), Severity::Error)]
+    );
+}
+
+/// Of a rotation vector that turns too far its angle is told, once, and not that each of its components moves by as much.
+#[test]
+fn a_rotation_vector_turns_as_a_whole() {
+    const NODES: &str = "*NODE\n1,0,0,0\n2,0,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+                         *CONNECTOR SECTION,ELSET=E\n";
+    let told = |name: &str, turn: &str| -> Vec<(String, Vec<String>)> {
+        let states = format!("state,time,node,{turn}\n0,0,2,0\n1,1,2,3.0\n");
+        let report = audited(
+            &format!("turned-{}", name.replace(' ', "-")),
+            &format!("{NODES}{name}\nO,\n"),
+            &states,
+            &[],
+        );
+        let found = of(&report, Code::ModelLargeIncrement);
+        found.iter().map(|one| (one.message().to_string(), one.about.components.clone())).collect()
+    };
+    let names = |of: &[&str]| -> Vec<String> { of.iter().map(ToString::to_string).collect() };
+    let vector = "element 1: its rotation vector turns by 3.0000 rad since the state before at state 1";
+    assert_eq!(told("ROTATION", "ur1"), [(vector.to_string(), names(&["ur1", "ur2", "ur3"]))]);
+    let angle = "element 1: ur1 moves by 3.0000 rad since the state before at state 1";
+    assert_eq!(told("CARDAN", "ur1"), [(angle.to_string(), names(&["ur1"]))]);
+    let bushing = told("BUSHING", "ur3");
+    assert!(!bushing.is_empty());
+    for (message, components) in bushing {
+        let is_torsion = message.contains(": its torsion turns by");
+        assert!(is_torsion || message.contains(": ur"), "{message}");
+        assert_eq!(is_torsion, components.contains(&"u1".to_string()), "{message}");
+    }
+}
+
+/// A diagnosis names the cause of a wrong number: no level applies to it, and `explain` says so.
+#[test]
+fn levels_do_not_apply_to_diagnoses() {
+    let page = |code: &str| crate::cli::stdout(&crate::cli::pintle(&["explain", code]).assert().success());
+    for code in Code::ALL.iter().filter(|code| code.is_finding()) {
+        let said = page(code.as_str()).split_whitespace().collect::<Vec<_>>().join(" ");
+        let applies = said.contains("pintle audit takes it for what --allow");
+        let is_cause = said.contains("--deny do not apply to it") && !said.contains("A warning.");
+        assert_eq!((applies, is_cause), (code.group() != "diagnosis", code.group() == "diagnosis"), "{said}");
+    }
+}
+
+/// A warning that is allowed is shown nowhere: neither among the findings nor on standard error.
+#[test]
+fn allowed_warnings_are_not_shown() {
+    let deck = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,2,3\n\
+                *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nSLIPRING\n\n0.06,\n*CONNECTOR BEHAVIOR,NAME=B\n\
+                *CONNECTOR FRICTION, PREDEFINED\n*FRICTION\n0.2\n*STEP\n*STATIC\n*END STEP\n";
+    let path = crate::cli::file("audit-model-allowed.inp", deck);
+    let told = |levels: &[&str]| {
+        let arguments = [&["audit", path.as_str(), "--model-only"], levels].concat();
+        let assert = crate::cli::pintle(&arguments).assert();
+        (crate::cli::stdout(&assert), crate::cli::stderr(&assert))
+    };
+    let name = "rule::contact-angle-default";
+    let (shown, said) = told(&[]);
+    assert!(shown.contains(name) && said.contains(name), "{shown} {said}");
+    let (shown, said) = told(&["--allow", "rule"]);
+    assert!(!shown.contains(name) && !said.contains(name), "{shown} {said}");
+}
+
+/// A stop that the first state given lies beyond is told, with the number of the state; one that is passed later, or initially already, not again.
+#[test]
+fn stops_passed_at_the_first_state_are_told() {
+    let told = |name: &str, lower: &str, states: &str| -> Vec<String> {
+        let deck = format!(
+            "*NODE\n1,0,0,0\n2,0,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCARTESIAN\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR STOP,COMPONENT=1\n{lower}, 0.1\n"
+        );
+        let report = audited(&format!("first-{name}"), &deck, &format!("state,time,node,u1\n{states}"), &[]);
+        let found = of(&report, Code::ModelStopViolated);
+        found.iter().map(|finding| finding.message().to_string()).collect()
+    };
+    let at = "element 1: u1 is 0.500000 at state 7, the first one given, 4.000e-1 above its stop at 0.1";
+    assert_eq!(told("passed", "-0.5", "7,0,2,0.5\n8,1,2,0.6\n"), [at]);
+    assert_eq!(told("later", "-0.5", "7,0,2,0.05\n8,1,2,0.6\n"), Vec::<String>::new());
+    let initially = "element 1: u1 is 0.000000 initially, 5.000e-2 below its stop at 0.05";
+    assert_eq!(told("initially", "0.05", "7,0,2,0.\n8,1,2,0.6\n"), [initially]);
+}
+
+/// Frictions without effect: a belt that wraps no angle, a contact force of a spring of stiffness zero, a kinetic coefficient of zero.
+#[test]
+fn frictions_without_effect_are_told() {
+    let told = |name: &str, deck: &str| -> Vec<String> {
+        let report = audited(&format!("friction-{name}"), deck, "", &[]);
+        let found = of(&report, Code::ModelFrictionVanishes);
+        found.iter().map(|finding| finding.message().to_string()).collect()
+    };
+    let belt = |angle: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,2,3\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nSLIPRING\n\n0.06, {angle}\n*CONNECTOR BEHAVIOR,NAME=B\n\
+             *CONNECTOR ELASTICITY,COMPONENT=1\n100.\n*CONNECTOR FRICTION, PREDEFINED\n*FRICTION\n0.2\n*STEP\n*STATIC\n*END STEP\n"
+        )
+    };
+    let straight = told("straight", &belt("0."));
+    assert_eq!(straight.len(), 1);
+    assert!(straight[0].contains("the contact angle of the section is zero"), "{straight:?}");
+    assert_eq!(told("wrapped", &belt("1.57")), Vec::<String>::new());
+    let pressed = |laws: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,0.8,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCARTESIAN\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n{laws}\
+             *CONNECTOR FRICTION,COMPONENT=1,CONTACT FORCE=2\n*FRICTION\n0.1\n"
+        )
+    };
+    let spring = |stiffness: &str| format!("*CONNECTOR ELASTICITY,COMPONENT=2\n{stiffness}\n");
+    let unpressed = told("unpressed", &pressed(&spring("0.")));
+    assert_eq!(
+        unpressed,
+        [
+            "element 1: the contact force is always zero, for the force of u2 is zero by its table: nothing presses"
+        ]
+    );
+    assert_eq!(told("pressed", &pressed(&spring("1."))), Vec::<String>::new());
+    let damper = format!("{}*CONNECTOR DAMPING,COMPONENT=2\n5.\n", spring("0."));
+    assert_eq!(told("damped", &pressed(&damper)), Vec::<String>::new());
+    let nonlinear = "*CONNECTOR ELASTICITY,COMPONENT=2,NONLINEAR\n0.,-1.\n0.,1.\n";
+    assert_eq!(told("flat", &pressed(nonlinear)), unpressed);
+    let hinge = |law: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,0,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nHINGE\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n\
+             *CONNECTOR FRICTION, PREDEFINED\n0.02, 0.1, 0.2, 0.1\n*FRICTION,EXPONENTIAL DECAY\n{law}\n"
+        )
+    };
+    let decays = told("decays", &hinge("0.3, 0., 1."));
+    assert_eq!(decays.len(), 1);
+    assert!(decays[0].contains("the kinetic friction coefficient is zero"), "{decays:?}");
+    assert_eq!(told("stays", &hinge("0.3, 0.2, 1.")), Vec::<String>::new());
+    assert_eq!(told("never-decays", &hinge("0.3, 0., 0.")), Vec::<String>::new());
+}
+
+/// Nodes that are as far apart as rounding makes them: a LINK has no direction there, so that its rank is not certain; a WELD or JOIN, whose
+/// directions are given, constrains as it does elsewhere.
+#[test]
+fn nodes_apart_by_rounding() {
+    let codes = |name: &str, kind: &str, x: f64| {
+        let deck = format!(
+            "*NODE\n1,0,0,0\n2,0.3,0.5,0\n3,{x:?},0.5,0\n4,1,1,0.3\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n3,3,4\n\
+             *ELEMENT,TYPE=CONN3D2,ELSET=W\n2,2,3\n*CONNECTOR SECTION,ELSET=E\nBEAM\n*CONNECTOR SECTION,ELSET=W\n{kind}\n"
+        );
+        let report = audited(&format!("apart-{name}"), &deck, "", &[]);
+        let rank = report.assembly.as_ref().and_then(|assembly| assembly.positions[0].rank);
+        let redundant =
+            [Code::AssemblyRedundant, Code::AssemblyRedundantHere, Code::AssemblyRedundantUnjudged]
+                .into_iter()
+                .any(|code| !of(&report, code).is_empty());
+        (rank, redundant, !of(&report, Code::AssemblyUndecided).is_empty())
+    };
+    let sum = 0.1 + 0.2;
+    assert_eq!(codes("weld", "WELD", sum), (Some(18), false, false));
+    assert_eq!(codes("beam", "BEAM", sum), (Some(18), false, false));
+    assert_eq!(codes("join", "JOIN", sum), (Some(15), false, false));
+    assert_eq!(codes("weld-off", "WELD", 0.300_000_000_000_1), (Some(18), false, false));
+    let (_, redundant, undecided) = codes("link", "LINK", sum);
+    assert!(!redundant && undecided);
+    let link = |x: f64| {
+        let deck = format!(
+            "*NODE\n1,0,0.5,0.5\n2,{x:e},0.5,0.5\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E\nLINK\n"
+        );
+        let report = audited(&format!("link-{x:e}"), &deck, "", &[]);
+        (!of(&report, Code::AssemblyRedundant).is_empty(), !of(&report, Code::AssemblyUndecided).is_empty())
+    };
+    assert_eq!([1e-17, 1e-16, 1e-15].map(link), [(false, true); 3]);
+    assert_eq!(link(1e-3), (false, false));
+}
+
+/// What is said fits: the form of the scene, the type, the size of an angle; and a rule that refuses a scene warns not besides.
+#[test]
+fn words_fit_what_they_are_about() {
+    let path = crate::cli::file(
+        "audit-model-two.toml",
+        "nodes = { 1 = [0, 0, 0], 2 = [1, 0, 0] }\nconnectors.101 = { a = 1, b = 2 }\nelement_sets.Q = [101]\n\
+         [[connector_sections]]\nelement_set = \"Q\"\ntype = \"CARTESIAN\"\n",
+    );
+    let report = audit_model(&Scene::read(Path::new(&path)).unwrap(), &[], &Levels::default());
+    let remedy = of(&report, Code::ModelOrientationDefault)[0].remedy().to_string();
+    assert_eq!(remedy, "give orientation_a, or leave it out if the global directions are meant");
+    let deck = |kind: &str, more: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0.2,0.3\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ORIENTATION,NAME=B\n1,1e-9,0,-1e-9,1,0\n\
+             *ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,1,2\n*CONNECTOR SECTION,ELSET=E{more}"
+        )
+        .replace("KIND", kind)
+    };
+    let report = audited("axial", &deck("AXIAL", "\nKIND\n"), "", &[]);
+    let message = of(&report, Code::ModelDuplicateConnector)[0].message().to_string();
+    assert_eq!(message, "element 2 joins the nodes of element 1, and is an AXIAL as well");
+    let report = audited("frozen", &deck("HINGE", "\nKIND\nO,B\n"), "", &[]);
+    let message = of(&report, Code::ModelMisalignedAxes)[0].message().to_string();
+    assert!(message.contains("5.730e-8°") && !message.contains("0.000000°"), "{message}");
+    let friction = ",BEHAVIOR=F\nKIND\nO,\n*CONNECTOR BEHAVIOR,NAME=F\n*CONNECTOR FRICTION,PREDEFINED\n1.,1.,1.,0.,3.\n*FRICTION\n0.1\n";
+    let report = audited("numbers", &deck("HINGE", friction), "", &[]);
+    assert_eq!(of(&report, Code::FrictionParameters).len(), 1);
+}
+
+/// A comment in Markdown says what to do about a finding.
+#[test]
+fn markdown_has_remedies() {
+    let path = crate::cli::file(
+        "audit-model-markdown.inp",
+        "*NODE\n1,0,0,0\n2,1,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,1,2\n*CONNECTOR SECTION,ELSET=E\nAXIAL\n",
+    );
+    let assert =
+        crate::cli::pintle(&["audit", &path, "--model-only", "--format", "markdown"]).assert().success();
+    let page = crate::cli::stdout(&assert);
+    assert!(page.contains("; *help:* remove one of the two; if both are meant, allow this code"), "{page}");
+}
+
+/// Of a deck without states the coverage is that of the states at which it was audited, and said to be drawn.
+#[test]
+fn drawn_states_are_covered() {
+    let path = crate::cli::file(
+        "audit-model-drawn.inp",
+        "*NODE\n1,0,0,0\n2,1,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E\nAXIAL\n",
+    );
+    let told = |more: &[&str]| {
+        let arguments = [&["audit", &path, "--drawn-states", "7", "--wide-states", "1"], more].concat();
+        crate::cli::stdout(&crate::cli::pintle(&arguments).assert().success())
+    };
+    let words = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words(told(&[])).contains("coverage: 7 connector states, drawn about the initial one;"),
+        "{}",
+        told(&[])
+    );
+    let document: serde_json::Value = serde_json::from_str(&told(&["--format", "json"])).unwrap();
+    let model = &document["models"][0];
+    assert_eq!((&model["coverage"]["samples"], &model["drawn"]), (&7.into(), &true.into()));
+    let page = words(told(&["--format", "html"]));
+    assert!(
+        page.contains("id=\"coverage\"")
+            && page.contains("drawn about the initial one, for the scene gives none")
+    );
+    let alone: serde_json::Value =
+        serde_json::from_str(&told(&["--model-only", "--format", "json"])).unwrap();
+    let model = &alone["models"][0];
+    assert_eq!((&model["coverage"]["samples"], &model["drawn"]), (&0.into(), &false.into()));
+}
