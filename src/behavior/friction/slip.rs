@@ -426,7 +426,7 @@ mod tests {
                 jacobian[0][..3].copy_from_slice(&[unit, unit * (1.0 + y), unit]);
                 jacobian[1][..3].copy_from_slice(&[1.0, 1.0, 0.0]);
                 jacobian[2][0] = 1.0;
-                assert_eq!(falls(&Equations { jacobian, n: 2 }, 2), expected, "{unit} {y}");
+                assert_eq!(falls(&Equations { jacobian, n: 3 }, 2), expected, "{unit} {y}");
             }
         }
     }

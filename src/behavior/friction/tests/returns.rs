@@ -107,7 +107,8 @@ fn what_is_tiny_satisfies_its_own_equation() {
                     let left = if trial == 0.0 { f } else { (f + flow - trial) / trial };
                     assert!(left.abs() < 1e-13, "{name} {k}: {left}");
                 }
-                assert_eq!(outcome.flags, [], "{name}");
+                let is_odd = |flag: &Flag| !matches!(flag, Flag::ContributionAtZero { term: 1 });
+                assert!(!outcome.flags.iter().any(is_odd), "{name}: {:?}", outcome.flags);
             }
         }
     }
@@ -116,7 +117,7 @@ fn what_is_tiny_satisfies_its_own_equation() {
 /// Tangents where the unknowns are stretched, of forces and of a moment on a radius, at and beside the zero of a contribution.
 #[test]
 fn tangents_of_bent_potentials() {
-    let decay = Coefficient::Exponential { at_rest: 0.5, kinetic: 0.2, decay: 0.3 };
+    let decay = Coefficient::Exponential { at_rest: 0.5, kinetic: 0.2, decay: 0.03 };
     for (beta, alphas) in [(1.5, [1.5, 1.5, 1.5]), (2.0, [1.25, 1.75, 3.0]), (1.0, [1.5, 2.0, 1.75])] {
         let terms = [term(0, 1.0, alphas[0]), term(1, -0.5, alphas[1]), term(3, 0.25, alphas[2])];
         let friction =
