@@ -107,8 +107,12 @@ fn what_is_tiny_satisfies_its_own_equation() {
                     let left = if trial == 0.0 { f } else { (f + flow - trial) / trial };
                     assert!(left.abs() < 1e-13, "{name} {k}: {left}");
                 }
-                let is_odd = |flag: &Flag| !matches!(flag, Flag::ContributionAtZero { term: 1 });
-                assert!(!outcome.flags.iter().any(is_odd), "{name}: {:?}", outcome.flags);
+                // Of degree below 1, P falls slower than the slip asks: the traction has jumped.
+                let expected =
+                    [(u1 == 0.0, Flag::ContributionAtZero { term: 1 }), (alpha < beta, Flag::Unstable)];
+                let expected: Vec<Flag> =
+                    expected.into_iter().filter(|(holds, _)| *holds).map(|(_, flag)| flag).collect();
+                assert_eq!(outcome.flags, expected, "{name}");
             }
         }
     }
@@ -118,7 +122,7 @@ fn what_is_tiny_satisfies_its_own_equation() {
 #[test]
 fn tangents_of_bent_potentials() {
     let decay = Coefficient::Exponential { at_rest: 0.5, kinetic: 0.2, decay: 0.03 };
-    for (beta, alphas) in [(1.5, [1.5, 1.5, 1.5]), (2.0, [1.25, 1.75, 3.0]), (1.0, [1.5, 2.0, 1.75])] {
+    for (beta, alphas) in [(1.5, [1.5, 1.5, 1.5]), (1.25, [1.25, 1.75, 3.0]), (1.0, [1.5, 2.0, 1.75])] {
         let terms = [term(0, 1.0, alphas[0]), term(1, -0.5, alphas[1]), term(3, 0.25, alphas[2])];
         let friction =
             Friction { radius: 0.5, coefficient: decay.clone(), ..friction(sum(beta, &terms), 10.0) };
