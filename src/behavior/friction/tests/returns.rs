@@ -194,6 +194,37 @@ fn corners_are_met_along_the_traction() {
     }
 }
 
+/// Far tractions of very unequal exponents, where one force nearly vanishes: Newton's method finds the return against the gradient, from
+/// one of its starts, and every force satisfies its own equation.
+#[test]
+fn far_tractions_return_against_the_gradient() {
+    /// α of f1, f2 and m1; β; K; u; R of f2 and m1; L at rest.
+    type Case = ([f64; 3], f64, f64, [f64; 3], [f64; 2], f64);
+    const CASES: [Case; 5] = [
+        ([3.0, 1.05, 4.0], 1.0, 455.0, [0.13, 0.2117, 6.165], [2.468, 2.225], 0.2109),
+        ([10.0, 6.0, 1.05], 1.0, 5.85e4, [1.233e-6, 0.04906, 0.0607], [9.055, 1.266], 0.07585),
+        ([1.05, 4.0, 1.8], 1.05, 1.304e4, [0.9099, 3.515e-4, 1.112], [1.158, 8.771], 0.291),
+        ([1.05, 4.0, 1.8], 1.05, 9.276e4, [0.01817, 0.1904, 0.6142], [1.712, 2.463], 47.315),
+        ([1.2, 3.0, 1.8], 1.0, 1.095e5, [1.018, 0.07016, 0.235], [0.2309, 1.374], 20.955),
+    ];
+    for (alphas, beta, stiffness, u, radii, limit) in CASES {
+        let (places, scales) = ([0, 1, 3], [1.0, radii[0], radii[1]]);
+        let terms = [0, 1, 2].map(|i| term(places[i], scales[i], alphas[i]));
+        let friction = Friction { radius: 0.5, ..friction(sum(beta, &terms), stiffness) };
+        let outcome = slid(&friction, &input([u[0], u[1], 0.0, u[2], 0.0, 0.0], 2.0 * limit));
+        assert_eq!(outcome.flags, [], "{alphas:?}");
+        assert!(outcome.criterion.abs() < 1e-14 * limit, "{alphas:?}: {outcome:?}");
+        for i in 0..3 {
+            let stiffness = stiffness * if places[i] == 3 { 0.25 } else { 1.0 };
+            let f = outcome.force[places[i]];
+            let slope = (f / scales[i]).powf(alphas[i] - 1.0) / scales[i];
+            let flow = outcome.slip_increment * alphas[i] / beta * limit.powf(1.0 - beta) * slope;
+            let left = f / stiffness + flow - u[i];
+            assert!(left.abs() < 1e-12 * u[i], "{alphas:?} {i}: {left} of {}", u[i]);
+        }
+    }
+}
+
 /// Of one force every potential is |f|: f = L, and the slip is what the springs do not hold.
 #[test]
 fn one_force_is_the_limit() {
