@@ -487,10 +487,13 @@ def documents():
 
 
 def unmeasured(text):
-    """The blocks that no measurement wrote: without a date or, but for sentences drawn from another block, without a commit."""
+    """The blocks that no measurement of a commit wrote: without a date or, but for sentences drawn from another block, without a commit as this
+    script names it; and those of sources that no commit holds."""
     blocks = {name: text.split(OPEN.format(name), 1)[1].split(CLOSE.format(name), 1)[0] for name in marks(text)[0]}
-    date, of_commit = re.compile(r"\b20\d\d-\d\d-\d\d\b"), re.compile(r"\b(pintle|commit) [0-9a-f]{7,40}\b")
-    is_complete = lambda name, block: date.search(block) and (name.endswith("-summary") or of_commit.search(block))
+    date, of_commit = re.compile(r"\b20\d\d-\d\d-\d\d\b"), re.compile(r"\b(pintle|commit) [0-9a-f]{10,40}\b")
+    is_complete = lambda name, block: date.search(block) and "with changes" not in block and (
+        name.endswith("-summary") or of_commit.search(block)
+    )
     return [name for name, block in blocks.items() if not is_complete(name, block)]
 
 

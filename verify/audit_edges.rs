@@ -2,19 +2,22 @@
 
 use crate::audit::{at_rest, named};
 use crate::audit_friction::{DECK, path};
-use pintle::audit::case::carried;
-use pintle::audit::sample::Draw;
+use pintle::audit::case::{Step, carried};
+use pintle::audit::sample::{self, Draw, Extent};
 use pintle::audit::{
     Candidate, Check, Example, Failing, Oracle, Planted, Report, Settings, Target, atlas, audit_case,
     audit_scenes,
 };
+use pintle::catalog::TABLE;
 use pintle::connector::{Connector, Increment, Request, Tally};
 use pintle::evaluate::{Model, Plan, Selection};
 use pintle::measure::Measure;
-use pintle::node::DOFS;
-use pintle::scene::{Scene, State};
+use pintle::node::{DOFS, Node, Pair};
+use pintle::scene::{Label, NodeMotion, Rotation, Scene, State};
 use pintle::so3;
+use pintle::vector::identity;
 use serde_json::{Value, json};
+use std::f64::consts::FRAC_PI_2;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Beside a lock, from where every angle has its derivative to where rounding decides them and the first one is kept: nothing is wrong
@@ -53,6 +56,85 @@ fn states_beside_a_lock_are_no_mismatch() {
         }
     }
     assert!(found.is_empty(), "{}\n{}", found.len(), found.join("\n"));
+}
+
+/// At exact half turns of b against a, where half of a torsion changes its sign though no singular set says so, and whole turns beyond, nothing
+/// of any type is wrong, second derivatives among them.
+#[test]
+fn half_turns_are_no_mismatch() {
+    let mut found = Vec::new();
+    for (connection, axis) in TABLE.iter().flat_map(|connection| [0, 1, 2].map(|axis| (connection, axis))) {
+        let about =
+            |angle: f64| so3::matrix(so3::exp([0, 1, 2].map(|i| if i == axis { angle } else { 0.0 })));
+        let mut half = [[0.0; 3]; 3];
+        (0..3).for_each(|i| half[i][i] = if i == axis { 1.0 } else { -1.0 });
+        let mut case = sample::cases(connection, Extent::Brief).swap_remove(0);
+        let Some(last) = case.path.last().cloned() else { continue };
+        let Pair { a, mut b, reference } = last.state.pair;
+        (b.displacement, b.triad) = ([0.3, -0.2, 0.7], half);
+        let pair = Pair { reference, a: Node { displacement: [0.0; 3], triad: identity(), ..a }, b };
+        let quarter = Pair { b: Node { triad: about(FRAC_PI_2), ..b }, ..pair };
+        case.path = vec![Step::between(&case.definition.initial, quarter), Step::between(&quarter, pair)];
+        for step in &mut case.path {
+            (step.state.velocity, step.state.acceleration) = (last.state.velocity, last.state.acceleration);
+        }
+        for check in audit_case(&case, &Settings::default(), true, 0) {
+            if check.verdict.is_mismatch() || check.score.survived > 0 {
+                let worst = check.worst.as_ref().map(|worst| (worst.entry.clone(), worst.units));
+                found.push(format!("{} {axis}: {} {worst:?}", connection.name, check.against.name()));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}\n{}", found.len(), found.join("\n"));
+}
+
+/// Scenes at exact half turns and beside singular sets, whose right numbers were once called wrong: an angle that 237 bits put on the other side
+/// of half a turn, a rotation vector that jumps where it is and on both sides, rows that are extrema beside a lock, an exchanged connector on the
+/// other sheet of its Euler angles.
+#[test]
+fn scenes_once_called_wrong_are_right() {
+    const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    let frames = [
+        "0., 0.6, 0.8, 1., 0., 0.",
+        "0., 1., 0., 0., 0., 1.",
+        "1., 0., 0., 0., 1., 0.",
+        "1., 0., 0., 0., 0., 1.",
+    ];
+    let beside = [1e-10, HALF, 0.0, HALF];
+    let half = [0.0, 0.0, 0.0, 1.0];
+    let none = [1.0, 0.0, 0.0, 0.0];
+    for (name, orientations, turned, spins) in [
+        ("BUSHING", &[0][..], [none, [0.0, HALF, HALF, 0.0]], [[0.0; 3]; 2]),
+        ("PROJECTION CARTESIAN", &[0], [none, [0.0, HALF, HALF, 0.0]], [[0.3, 0.1, -0.2], [0.0; 3]]),
+        ("BEAM", &[1], [none, half], [[-1.0, 1.0, 1.0], [0.0, 1.0, 1.0]]),
+        ("WELD", &[1], [none, half], [[-1.0, 1.0, 1.0], [0.0, 1.0, 1.0]]),
+        ("FLEXION-TORSION", &[1, 2], [none, beside], [[0.0; 3]; 2]),
+        ("UNIVERSAL", &[2], [beside, [HALF, 0.0, 0.0, HALF]], [[0.0; 3]; 2]),
+        ("EULER", &[2, 3], [none, none], [[0.0; 3]; 2]),
+    ] {
+        let named: Vec<String> = orientations.iter().map(|i| format!("O{i}")).collect();
+        let frames: String =
+            frames.iter().enumerate().map(|(i, axes)| format!("*ORIENTATION, NAME=O{i}\n{axes}\n")).collect();
+        let second = if matches!(name, "WELD" | "UNIVERSAL") { "0." } else { "1." };
+        let deck = format!(
+            "*NODE\n1, 0., 0., 0.\n2, {second}, 0., 0.\n{frames}*ELEMENT, TYPE=ROTARYI\n201, 1\n202, 2\n*ELEMENT, TYPE=CONN3D2, \
+             ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E\n{name}\n{},\n",
+            named.join(", ")
+        );
+        let motion = |quaternion, angular_velocity| NodeMotion {
+            rotation: Rotation::Quaternion(quaternion),
+            angular_velocity,
+            ..NodeMotion::default()
+        };
+        let nodes = [1_u64, 2].into_iter().zip(turned.into_iter().zip(spins));
+        let nodes = nodes.map(|(label, (turned, spin))| (Label::from(label), motion(turned, spin)));
+        let state = State { number: Some(1), nodes: nodes.collect(), ..State::default() };
+        let report = audited(&deck, &[state], &Settings::default());
+        for check in report.subjects.iter().flat_map(|subject| &subject.checks) {
+            assert!(!check.verdict.is_mismatch(), "{name}: {check:?}");
+        }
+        assert_eq!(report.survivors(), 0, "{name}");
+    }
 }
 
 /// A routine that gives what the product gives, rows spoiled where `spoils` says so, at states about the initial one and near its

@@ -216,13 +216,14 @@ fn verdicts(case: &Case, planted: Option<Planted>) -> BTreeMap<String, (Verdict,
     let settings = Settings { planted, ..Settings::default() };
     let checks = audit_case(case, &settings, true, 0);
     let asked = checks.iter().filter(|check| planted.is_none() || check.quantity.is_some());
-    asked.map(|check| (told(check), (claimed(check.verdict), check.compared))).collect()
+    asked.map(|check| (told(check), (claimed(check.quantity, check.verdict), check.compared))).collect()
 }
 
 /// Right, or what is wrong. Of a number that is nothing but rounding, as a rate that cancels, the rounding decides whether it is *passed* or
 /// told to be *ill-conditioned*, and units that are no power of two round otherwise.
-const fn claimed(verdict: Verdict) -> Verdict {
-    if matches!(verdict, Verdict::IllConditioned) { Verdict::Pass } else { verdict }
+const fn claimed(quantity: Option<Quantity>, verdict: Verdict) -> Verdict {
+    let may_cancel = matches!(quantity, None | Some(Quantity::Rate | Quantity::Acceleration));
+    if may_cancel && matches!(verdict, Verdict::IllConditioned) { Verdict::Pass } else { verdict }
 }
 
 fn told(check: &Check) -> String {
@@ -356,15 +357,15 @@ fn said(
     let report: Report = audit_scenes(&settings, &[target], &|_| {});
     let mut found = Vec::new();
     for subject in &report.subjects {
-        let claims = (subject.cases, claimed(subject.derivative), subject.formula, subject.declaration);
+        let claims = (subject.cases, claimed(None, subject.derivative), subject.formula, subject.declaration);
         found.push(format!("{} {claims:?} {:?}", subject.name, subject.not_exercised));
         let asked = subject.checks.iter().filter(|check| planted.is_none() || check.quantity.is_some());
         for check in asked {
             let mut states: BTreeMap<Verdict, u64> = BTreeMap::new();
             for (verdict, count) in &check.states {
-                *states.entry(claimed(*verdict)).or_default() += count;
+                *states.entry(claimed(check.quantity, *verdict)).or_default() += count;
             }
-            let counts = (states, check.compared, &check.undecided, claimed(check.verdict));
+            let counts = (states, check.compared, &check.undecided, claimed(check.quantity, check.verdict));
             found.push(format!("{} {} {counts:?}", subject.name, told(check)));
         }
     }

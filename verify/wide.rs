@@ -122,6 +122,18 @@ fn arithmetic_is_correctly_rounded() {
 }
 
 /// Measured 0 units: correctly rounded.
+/// The roots of what Newton's method does not see: zeros, what has no end, what is less than zero, and what is no number.
+#[test]
+fn roots_of_special_values() {
+    let root = |x: f64| Wide::from_f64(x).square_root().to_f64();
+    assert_eq!(root(0.0).to_bits(), 0.0_f64.to_bits());
+    assert_eq!(root(-0.0).to_bits(), (-0.0_f64).to_bits());
+    assert_eq!(root(f64::INFINITY), f64::INFINITY);
+    for none in [-1.0, -1e-300, f64::NEG_INFINITY, f64::NAN] {
+        assert!(root(none).is_nan(), "{none}");
+    }
+}
+
 #[test]
 fn square_roots_and_reciprocals() {
     let mut worst = Worst::new();

@@ -8,7 +8,7 @@
 //! | of | tolerance |
 //! |---|---|
 //! | a value | C u F |
-//! | a first derivative | C u (F/s_j + Σ_k abs(∂²f/∂q_j∂q_k) s_k) |
+//! | a first derivative | C u (F/s_j + Σ_k abs(∂²f/∂q_j∂q_k) s_k) + (C u/δ)² abs(∂f/∂q_j) |
 //! | a second derivative | C u F₂/(s_j s_k) · max(1, 1/δ) |
 //! | a rate | Σ_j tol_j abs(q̇_j) |
 //! | nodal forces of a unit force, their derivatives | as a first and a second derivative; without the value in F where the force is not conjugate to the component |
@@ -17,7 +17,9 @@
 //! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set,
 //! in radians or lengths, they are at most those of the second divided by δ. Where C u is no small part of δ what is rounded may bring the
 //! state that much closer, and a derivative that grows like 1/δ grows by 1/(1 − C u/δ) more than its slope says: so do the tolerances of
-//! all derivatives, by 2 at most. Lengths enter only relative to s, so the verdict
+//! all derivatives, by 2 at most. Beside a set rows are directions that a rounding turns by u/δ: at a symmetric state an entry is an extremum,
+//! which changes by the square of that alone. Forces that are conjugate to another measure than that of the component may be near the sets of
+//! other components. Lengths enter only relative to s, so the verdict
 //! is the same in millimetres and metres and far from the origin.
 
 use super::case::dof_size;
@@ -49,7 +51,14 @@ pub fn scales(
     let f2 = f + times(&bent, input);
     let near = if nearness > 0.0 { (1.0 / nearness).max(1.0) } else { 1.0 };
     let closer = if nearness > 0.0 { 1.0 / (1.0 - (C * U / nearness).min(0.5)) } else { 1.0 };
-    let row: Vec<f64> = size.iter().zip(&bent).map(|(s, bent)| closer * (f / s + bent)).collect();
+    // Of a direction near a set, an extremum at a symmetric state, a rounding changes nothing to first order: to second, (C u/δ)² of it.
+    let turned = if nearness > 0.0 { (C * U / nearness).min(0.5).powi(2) / (C * U) } else { 0.0 };
+    let row: Vec<f64> = size
+        .iter()
+        .zip(&bent)
+        .zip(first)
+        .map(|((s, bent), first)| closer * (f / s + bent) + turned * first.abs())
+        .collect();
     let near = closer * near;
     let matrix: Vec<f64> = size.iter().flat_map(|s| size.iter().map(move |t| near * f2 / s / t)).collect();
     let fastest = velocity.iter().zip(size).fold(0.0_f64, |most, (v, s)| most.max(v.abs() / s));
@@ -65,6 +74,8 @@ pub struct Bound {
     scale: Numbers<f64>,
     /// Whether it rests on numbers of 237 bits, which do not overflow.
     is_of_wide: bool,
+    /// The size of lengths.
+    length: f64,
 }
 
 impl Bound {
@@ -88,7 +99,7 @@ impl Bound {
         nearness: &[f64; 6],
     ) -> Self {
         let size: [f64; DOFS] = std::array::from_fn(|j| dof_size(j, length));
-        let mut of = Self::default();
+        let mut of = Self { length, ..Self::default() };
         let mut scales: [Entries<f64>; Quantity::ALL.len()] = Default::default();
         for k in 0..6 {
             let Some(value) = truth.entries(Quantity::Value).get(k, 0) else { continue };
@@ -110,8 +121,11 @@ impl Bound {
             let is_own = of(Quantity::FirstDerivatives) == Some(rows);
             let value = truth.entries(Quantity::Value).get(k, 0).filter(|_| is_own).unwrap_or(0.0);
             let still = ([0.0; DOFS], [0.0; DOFS]);
+            // What they are conjugate to may be near the singular sets of other components.
+            let nearest = || nearness.iter().copied().filter(|near| *near > 0.0).fold(1.0, f64::min);
+            let near = if is_own || nearness[k] == 0.0 { nearness[k] } else { nearest() };
             let [_, row, matrix, ..] =
-                self::scales(value, rows, changes, (&size, &size), (&still.0, &still.1), nearness[k]);
+                self::scales(value, rows, changes, (&size, &size), (&still.0, &still.1), near);
             scales[Quantity::NodalForces as usize].0[k] = Some(row);
             scales[Quantity::GeometricStiffness as usize].0[k] = Some(matrix);
         }
@@ -126,6 +140,11 @@ impl Bound {
     #[must_use]
     pub(super) fn of_wide(self, is_of_wide: bool) -> Self {
         Self { is_of_wide, ..self }
+    }
+
+    /// An entry times the sizes of the degrees of freedom by which it is a derivative: as large in millimetres as in metres.
+    pub(super) fn sized(&self, quantity: Quantity, i: usize, entry: f64) -> f64 {
+        entry * quantity.entry_size(i, self.length)
     }
 
     /// Whether an entry, which must be `want`, lies or is formed of numbers beyond the range of doubles.

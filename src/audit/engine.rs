@@ -211,17 +211,21 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
         .collect();
     found.into_iter().for_each(|found| checks_of(&mut checks, found));
     checks_of(&mut checks, friction::audit_golden(connection, settings));
-    for law in [Invariant::Start, Invariant::Turns, Invariant::FreeAxis] {
-        let demands = invariant::of_type(connection, law);
-        if !demands.is_empty() {
-            checks.push(law_of_type(law, &demands, connection));
-        }
-    }
+    checks.extend(laws_of_type(connection));
     let expected = regions.first().map_or_else(Expected::default, |case| Expected::of(&case.connector()));
     let (name, certificate) = (connection.name.to_string(), certificate(connection));
     let subject = Subject::new(name, certificate, count as u64, checks, &expected);
     let least = if certifies_predefined(connection) { Verdict::Pass } else { Verdict::Undecided };
     Subject { formula: subject.formula.max(least), ..subject }
+}
+
+/// The laws of a type by itself, at states of their own.
+pub(super) fn laws_of_type(connection: &ConnectionType) -> Vec<Check> {
+    let of = |law: Invariant| {
+        let demands = invariant::of_type(connection, law);
+        (!demands.is_empty()).then(|| law_of_type(law, &demands, connection))
+    };
+    [Invariant::Start, Invariant::Turns, Invariant::FreeAxis].into_iter().filter_map(of).collect()
 }
 
 /// A law whose demands carry the numbers that they judge.

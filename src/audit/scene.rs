@@ -3,7 +3,7 @@
 use super::behavior::{SlopesCase, audit_behavior};
 use super::case::{Case, Step};
 use super::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
-use super::engine::{SOMETIMES, Settings, audit_case, checks_of, spread_of};
+use super::engine::{SOMETIMES, Settings, audit_case, checks_of, laws_of_type, spread_of};
 use super::friction::{FrictionCase, Slipping, audit_slipping, drawn, restored, slipping};
 use super::mpc::MpcCase;
 use super::outcome::{Check, Expected, Report, Subject};
@@ -18,6 +18,7 @@ use crate::scalar::elementary::norm;
 use crate::scene::State;
 use crate::vector::{add, sub};
 use rayon::prelude::*;
+use std::collections::HashMap;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -247,8 +248,15 @@ fn mpc_case(model: &Model, placed: &MpcResult, number: u64) -> MpcCase {
     }
 }
 
-fn subjects(target: &Target<'_>, gathered: Vec<Gathered>) -> Vec<Subject> {
+fn subjects(target: &Target<'_>, mut gathered: Vec<Gathered>) -> Vec<Subject> {
     let Target { model, plan, .. } = *target;
+    let mut laws: HashMap<&str, Vec<Check>> = HashMap::new();
+    for (at, one) in plan.connectors.iter().zip(&mut gathered) {
+        let Some(element) = model.connectors.get(*at) else { continue };
+        let connection = element.connector.connection();
+        let of_type = laws.entry(&connection.name).or_insert_with(|| laws_of_type(connection));
+        one.checks.extend(of_type.iter().cloned());
+    }
     let connectors = plan.connectors.iter().filter_map(|at| {
         let element = model.connectors.get(*at)?;
         let connection = element.connector.connection();

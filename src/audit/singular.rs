@@ -32,10 +32,8 @@ impl Truth {
             }
             found.set(quantity, sides);
         };
-        let values = |at: &Place| self.values(at);
-        let first = self.both(&mut self.active(), &values);
-        let forces = |at: &Place| self.conjugates(at, &self.values(at));
-        let forces = self.both(&mut self.reach(), &forces);
+        let [mut first, forces] = self.both();
+        self.share(&mut first);
         let [second, stiffness] = self.settled(bound, [&first, &forces]);
         let [rate, acceleration] = self.in_time(bound, &first, &second);
         for (quantity, sides) in [
@@ -59,29 +57,37 @@ impl Truth {
         }
     }
 
-    /// First derivatives of functions from both sides.
-    fn both(
-        &self,
-        columns: &mut dyn Iterator<Item = usize>,
-        functions: &dyn Fn(&Place) -> Components<Wide>,
-    ) -> Entries<Sides> {
+    /// First derivatives of what is measured, and of what forces are conjugate to, from both sides.
+    fn both(&self) -> [Entries<Sides>; 2] {
+        let functions = |at: &Place| {
+            let values = self.values(at);
+            [values, self.conjugates(at, &values)]
+        };
         let still = functions(&self.at_rest());
         let flat = Sides::known([Wide::zero(); 2]);
-        let mut found: Components<Vec<Sides>> = still.map(|value| value.map(|_| vec![flat; DOFS]));
-        for j in columns {
+        let mut found = still.map(|values| Entries(values.map(|value| value.map(|_| vec![flat; DOFS]))));
+        let columns: [Vec<usize>; 2] = [self.active().collect(), self.reach().collect()];
+        for j in (0..DOFS).filter(|j| columns.iter().any(|columns| columns.contains(j))) {
             let steps = [FIRST_STEP / 2.0, FIRST_STEP, Sides::COARSE].map(|step| self.sized(j, step));
-            let moved: Moved = steps.map(|h| [-h, h].map(|h| functions(&self.place(Self::along(j, h)))));
-            for (k, entries) in found.iter_mut().enumerate() {
-                let (Some(entries), Some(still)) = (entries, still[k]) else { continue };
-                let scale = self.extent(k) / dof_size(j, self.length());
-                entries[j] = Sides::along(still, &of_component(&moved, k), &steps, scale).unwrap_or(flat);
+            let moved = steps.map(|h| [-h, h].map(|h| functions(&self.place(Self::along(j, h)))));
+            for (n, entries) in found.iter_mut().enumerate().filter(|(n, _)| columns[*n].contains(&j)) {
+                let moved: Moved = moved.map(|both| both.map(|functions| functions[n]));
+                for (k, entries) in entries.0.iter_mut().enumerate() {
+                    let (Some(entries), Some(still)) = (entries, still[n][k]) else { continue };
+                    let scale = self.extent(k) / dof_size(j, self.length());
+                    entries[j] = Sides::along(still, &of_component(&moved, k), &steps, scale).unwrap_or(flat);
+                }
             }
         }
-        Entries(found)
+        found
     }
 
     /// Second derivatives where they settle; `first` are the sides of what they are formed of.
     fn settled(&self, bound: &Bound, first: [&Entries<Sides>; 2]) -> [Entries<Sides>; 2] {
+        if first.into_iter().all(has_none) {
+            let known = |of: &Entries<Wide>| of.map(|_, _, quotient| Sides::known([quotient; 2]).of_none());
+            return self.second_on_a_set().each_ref().map(known);
+        }
         let [half, coarse] =
             [SECOND[0], SECOND[2]].map(|step| self.second_at(true, (step, Directions::Together)));
         let quotients = [&half, self.second_on_a_set(), &coarse];
@@ -144,7 +150,24 @@ impl Truth {
             acceleration.0[k] =
                 Some(vec![if jumps || has_none(first) { settles.of_none() } else { settles }]);
         }
+        self.share(&mut rate);
         [rate, acceleration]
+    }
+
+    /// The components of a rotation vector jump together: on a side where one has no derivative, quotients of the others are of the opposite.
+    fn share(&self, sides: &mut Entries<Sides>) {
+        let Some(places) = self.misaligned() else { return };
+        let count = sides.0[places[0]].as_ref().map_or(0, Vec::len);
+        for i in 0..count {
+            let of =
+                |side: usize| places.iter().all(|k| sides.get(*k, i).is_none_or(|sides| sides.exist[side]));
+            let exist = [of(0), of(1)];
+            for k in places {
+                if let Some(sides) = sides.0[k].as_mut().and_then(|entries| entries.get_mut(i)) {
+                    sides.exist = exist;
+                }
+            }
+        }
     }
 }
 

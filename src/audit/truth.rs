@@ -13,7 +13,7 @@ use super::quantity::{Entries, Numbers, Quantity, request};
 use crate::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
 };
-use crate::measure::{Margin, SingularClass};
+use crate::measure::{Margin, Measure, SingularClass};
 use crate::node::{self, DOFS, Pair};
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
 use crate::vector::{Matrix, Vector, product, sub, transpose, transposed_product};
@@ -39,6 +39,9 @@ pub struct Truth {
     locked: Locked,
     /// The positions whose opposites are as good at the state ([`SingularClass::Reversal`]): what moves from there keeps their signs.
     reversible: Components<Wide>,
+    /// The components of a rotation vector without history that is exactly half a turn, where it is the opposite of the product's: either is right,
+    /// and what moves from there is judged from the side of the product.
+    opposite: Option<[usize; 3]>,
     /// The directions along which constraint moments that are printed about one act, components along e_i^a.
     pub(super) moment_axes: Components<Vector<Wide>>,
     /// What first derivatives are differenced from, behind and ahead in each degree of freedom.
@@ -158,7 +161,8 @@ impl Truth {
         }
         let given = (connector.clone(), given);
         let connector = connector.oriented_from(initial);
-        let branch = exact_branch(&after);
+        // Rounding may have put an angle of half a turn on the other side of it.
+        let branch = connector.advance(&state, &Increment::none(), &exact_branch(&after));
         let is_reversible = |k: usize| {
             let on_set = margins[k].filter(|margin| margin.set.class == SingularClass::Reversal);
             on_set.is_some_and(|margin| margin.distance == 0.0) && !locked.everything[k]
@@ -168,8 +172,9 @@ impl Truth {
             let here = positions(&connector, &state, branch);
             reversible = [0, 1, 2, 3, 4, 5].map(|k| here[k].filter(|_| is_reversible(k)));
         }
-        Some(Self {
+        let mut truth = Self {
             given,
+            opposite: None,
             moment_axes: std::array::from_fn(|k| connector.carried_moment_axis(k)),
             connector,
             state,
@@ -181,7 +186,38 @@ impl Truth {
             locked,
             places: OnceLock::new(),
             on_a_set: OnceLock::new(),
-        })
+        };
+        let is_at_half_a_turn = |k: usize| {
+            let margin = margins[k].filter(|margin| margin.set.class == SingularClass::BranchCut);
+            margin.is_some_and(|margin| margin.distance == 0.0)
+        };
+        let misaligned = truth.misaligned().filter(|places| places.iter().all(|k| is_at_half_a_turn(*k)));
+        truth.opposite = misaligned.filter(|places| {
+            let asked = Request::new(&[Output::RES], [true; 6], 0);
+            let got = narrow.evaluate_on(&end.state, after, &asked, &mut Tally::default()).residual;
+            let here = truth.values(&truth.at_rest());
+            let parts = places.iter().filter_map(|k| Some(Wide::from_f64(got[*k]?) * here[*k]?));
+            parts.fold(Wide::zero(), |sum, part| sum + part) < Wide::zero()
+        });
+        Some(truth)
+    }
+
+    /// The places of a rotation vector without history.
+    pub(super) fn misaligned(&self) -> Option<[usize; 3]> {
+        let place =
+            |i: usize| (0..6).find(|k| self.connector.differentiated(*k) == Some(Measure::Misalignment(i)));
+        Some([place(1)?, place(2)?, place(3)?])
+    }
+
+    /// The values with a rotation vector of the opposite sheet, ρ − 2π ρ/|ρ|.
+    fn on_the_opposite(&self, places: [usize; 3], mut values: Components<Wide>) -> Components<Wide> {
+        let [Some(x), Some(y), Some(z)] = places.map(|k| values[k]) else { return values };
+        let (direction, angle) = Wide::direction_and_norm([x, y, z]);
+        let beyond = angle - Wide::integer(2) * Wide::pi();
+        for (k, along) in places.into_iter().zip(direction) {
+            values[k] = Some(along * beyond);
+        }
+        values
     }
 
     /// min(1, distance to the nearest singular set): 0 on one, where no two-sided derivative exists.
@@ -302,12 +338,13 @@ impl Truth {
     pub(super) fn values(&self, at: &Place) -> Components<Wide> {
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
         let evaluation = self.evaluate(at, &asked);
-        std::array::from_fn(|k| {
+        let values = std::array::from_fn(|k| {
             if self.connector.differentiated(k)?.is_one_form() {
                 return Some(self.accumulated(&at.by));
             }
             evaluation.residual[k].or(evaluation.displacement[k])
-        })
+        });
+        self.opposite.map_or(values, |places| self.on_the_opposite(places, values))
     }
 
     /// Where the case ends, on rotations.

@@ -356,7 +356,8 @@ pub fn judge(
     let mut coarse = false;
     for (k, row) in got.0.iter().enumerate() {
         let (Some(row), Some(wanted)) = (row, &answer.numbers.0[k]) else { continue };
-        let largest = row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let sized = |i: usize, x: f64| around.bound.sized(quantity, i, x.abs());
+        let largest = row.iter().enumerate().fold(0.0_f64, |most, (i, x)| most.max(sized(i, *x)));
         for (i, (x, want)) in row.iter().zip(wanted).enumerate() {
             compared += 1;
             let mut allowed = answer.allowed(around.bound, quantity, k, i);
@@ -366,7 +367,7 @@ pub fn judge(
             let kink = around.kink(quantity, k, i);
             let want = kink.map_or(*want, |sides| sides.nearest(*x).into());
             let units = want.units(*x, allowed);
-            coarse |= allowed > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
+            coarse |= sized(i, allowed) > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
             let is_open = around.nearness[k] == 0.0 && around.sides_of(quantity, k, i).is_none();
             // On a singular set there is no finite scale either.
             let overflows = around.nearness[k] > 0.0 && around.bound.overflows(quantity, k, i, want.to_f64());

@@ -239,19 +239,16 @@ impl<R: Differentiable> Connector<R> {
         let (zero, one) = (R::integer(0), R::integer(1));
         let q = self.initial_orientation();
         let (sine, cosine) = self.initial_branch().turns[3].principal.sine_cosine();
-        let (first, third) = ([one, zero, zero], column(q, 2));
+        let first = [one, zero, zero];
         let square = q[1][2] * q[1][2] + q[2][2] * q[2][2];
-        let along = dot(first, third);
         R::choose(
             R::direction_and_norm([q[1][2], q[2][2]]).1.less(R::from_f64(LOCK)),
             || [first, [zero, cosine, sine], [zero; 3]],
             || {
-                let inverse = one / square;
-                [
-                    scale(sub(first, scale(third, along)), inverse),
-                    [zero, cosine, sine],
-                    scale(sub(third, scale(first, along)), inverse),
-                ]
+                // (e1 − e3b (e1·e3b))/|e1 × e3b|² and (e3b − e1 (e1·e3b))/|e1 × e3b|², without the difference that is 1, or 0.
+                let third = [zero, q[1][2] / square, q[2][2] / square];
+                let along = q[0][2];
+                [[one, -along * third[1], -along * third[2]], [zero, cosine, sine], third]
             },
         )
     }

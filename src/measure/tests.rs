@@ -3,7 +3,7 @@
 use super::Measure::{
     self, Cardan, Euler, Misalignment, Position, PositionAtB, RotationVector, RotationVectorAtB, Torsion,
 };
-use super::{History, Section, Shared, SingularClass};
+use super::{Exchanged, History, Section, Shared, SingularClass};
 use crate::node::{DOFS, Node, Pair, Relative};
 use crate::{so3, vector};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -118,5 +118,88 @@ fn whole_turns_are_the_margin_of_rotation_vectors() {
         let history = History { rotation_vector: phi, euler_sign: 1.0, torsion_turns: 0.0 };
         let margin = RotationVector(1).margin(&relative, &section, &history).unwrap();
         assert!((margin.distance - expected).abs() < 1e-13, "{angle}: {margin:?}");
+    }
+}
+
+/// What a measure becomes when the nodes are exchanged, d → −Qᵀd, Q → Qᵀ, Ψ_a ↔ Ψ_b: a sum of measures but for a constant, which two
+/// states have in common.
+#[test]
+fn exchanged_measures_are_what_they_are_said_to_be() {
+    let section = Section {
+        initial_orientation: vector::identity(),
+        initial_length: 1.0,
+        fixed_direction: [0.0; 3],
+        flow_scale: 1.0,
+    };
+    let value = |measure: Measure, relative: &Relative<f64>| {
+        let phi = so3::log(&relative.q);
+        let history = History { rotation_vector: phi, euler_sign: 1.0, torsion_turns: 0.0 };
+        let triad = vector::identity();
+        measure.evaluate(&mut Shared::new(relative, &triad, &section, &history))
+    };
+    let states =
+        [([0.4, -0.7, 0.5], [0.3, 0.8, -0.2], [0.1, 0.7]), ([-0.2, 0.5, 0.9], [-0.5, 0.4, 0.6], [-0.3, 0.2])];
+    let states = states.map(|(d, phi, flow)| {
+        let q = so3::matrix(so3::exp(phi));
+        let back = vector::scale(vector::apply_transposed(&q, d), -1.0);
+        let there = Relative { d: back, q: vector::transpose(&q), flow: [flow[1], flow[0]], spin: None };
+        [Relative { d, q, flow, spin: None }, there]
+    });
+    let mut sums = 0;
+    let all = [1, 2, 3].into_iter().flat_map(|i| {
+        [
+            Euler(i),
+            RotationVector(i),
+            RotationVectorAtB(i),
+            Measure::ProjectedPosition(i),
+            Measure::Cosine(i, i),
+        ]
+    });
+    let flows = [1, 2].into_iter().flat_map(|i| [Measure::Flow(i), Measure::ComponentFlexion(i)]);
+    let others = [Measure::Distance, Measure::Flexion, Measure::Sweep, Torsion];
+    for measure in all.chain(flows).chain(others) {
+        let Exchanged::Sum(terms) = measure.exchanged() else { panic!("{measure:?} has no rule") };
+        let changed = |side: usize, measure: Measure| {
+            value(measure, &states[0][side]) - value(measure, &states[1][side])
+        };
+        let told: f64 = terms.iter().flatten().map(|(of, factor)| factor * changed(0, *of)).sum();
+        let off = (changed(1, measure) - told).rem_euclid(2.0 * PI);
+        assert!(off.min(2.0 * PI - off) < 1e-13, "{measure:?}: {off}");
+        sums += 1;
+    }
+    assert_eq!(sums, 23);
+    let has_none = |measure: Measure| matches!(measure.exchanged(), Exchanged::None(_));
+    assert!(has_none(Measure::Cosine(1, 2)) && has_none(Cardan(1)) && has_none(Position(1)));
+}
+
+/// What is straight has no second difference along d, and what is not has one.
+#[test]
+fn straight_measures_have_no_curvature() {
+    let section = Section {
+        initial_orientation: vector::identity(),
+        initial_length: 1.0,
+        fixed_direction: [0.0; 3],
+        flow_scale: 1.0,
+    };
+    let phi = [0.3, 0.8, -0.2];
+    let value = |measure: Measure, d: [f64; 3]| {
+        let relative = Relative { d, q: so3::matrix(so3::exp(phi)), flow: [0.1, 0.4], spin: None };
+        let history = History { rotation_vector: phi, euler_sign: 1.0, torsion_turns: 0.0 };
+        measure.evaluate(&mut Shared::new(&relative, &vector::identity(), &section, &history))
+    };
+    let all =
+        [1, 2, 3].into_iter().flat_map(|i| [Position(i), PositionAtB(i), Measure::ProjectedPosition(i)]);
+    let others =
+        [Measure::Flow(1), Measure::Flow(2), Measure::Distance, Measure::RadialDistance, Measure::Strain];
+    for measure in all.chain(others) {
+        let bent = (0..3).any(|i| {
+            let at = |h: f64| {
+                let mut d = [0.4, -0.7, 0.5];
+                d[i] += h;
+                value(measure, d)
+            };
+            (at(0.25) - 2.0 * at(0.0) + at(-0.25)).abs() > 1e-12
+        });
+        assert_eq!(measure.is_straight(), !bent, "{measure:?}");
     }
 }

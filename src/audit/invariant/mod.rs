@@ -406,12 +406,13 @@ impl<'a> Context<'a> {
         !self.is_brief || quantity.entries() <= DOFS
     }
 
-    /// Whether numbers of a component are compared with those of another state: matrices only away from singular sets, for the states are
-    /// rounded apart, and no tolerance knows the third derivatives by which matrices differ there.
+    /// Whether numbers of a component are compared with those of another state: matrices, and accelerations, which second derivatives are in, only
+    /// away from singular sets, for the states are rounded apart, and no tolerance knows the third derivatives by which they differ there.
     fn compares(&self, quantity: Quantity, k: usize) -> bool {
         /// In radians or lengths.
         const AWAY: f64 = 1e-3;
-        self.asks(quantity) && (quantity.entries() <= DOFS || self.nearness[k] > AWAY)
+        let is_of_second = quantity.entries() > DOFS || matches!(quantity, Quantity::Acceleration);
+        self.asks(quantity) && (!is_of_second || self.nearness[k] > AWAY)
     }
 
     fn measure(&self, k: usize) -> Option<Measure> {

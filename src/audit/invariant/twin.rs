@@ -93,9 +93,31 @@ impl Context<'_> {
             let path = self.case.path.iter().map(step).collect();
             return Case { definition, path, ..self.case.clone() };
         }
-        let mut branch = self.after;
-        branch.rotation_vector = scale(branch.rotation_vector, -1.0);
+        // The sheets that mirror those of the history.
+        let after = &self.after;
+        let torsion = Turns { turns: -after.torsion.turns, principal: -after.torsion.principal };
+        let rotation_vector = scale(after.rotation_vector, -1.0);
+        let branch = Branch { rotation_vector, torsion, turns: self.mirrored_angles(), ..*after };
         self.beside(definition, state(&self.state), branch)
+    }
+
+    /// The angles that wind, as the exchanged connector measures them: of Q = Rz(α) Rx(β) Rz(γ) follows Qᵀ = Rz(π − γ) Rx(β) Rz(−π − α), on
+    /// the same sheet of the Euler angles. Others have one sheet.
+    fn mirrored_angles(&self) -> [Turns<f64>; 6] {
+        let all = self.after.turns;
+        let angle = |i: usize| {
+            let place = (0..6).find(|k| self.connector.position_measure(*k) == Some(Measure::Euler(i)));
+            place.map_or(0.0, |k| angle(&all[k]))
+        };
+        let of = |angle: f64| {
+            let turns = (angle / TAU).round();
+            Turns { turns, principal: angle - TAU * turns }
+        };
+        std::array::from_fn(|k| match self.connector.position_measure(k) {
+            Some(Measure::Euler(1)) => of(PI - angle(3)),
+            Some(Measure::Euler(3)) => of(-PI - angle(1)),
+            _ => all[k],
+        })
     }
 
     pub(super) fn node_swap(&self) -> Vec<Demand> {
@@ -159,9 +181,9 @@ impl Context<'_> {
             ];
             all.into_iter().all(|near| near > ROUNDING)
         });
-        let angle = |turns: &Turns<f64>| turns.principal + TAU * turns.turns;
         let is_vector =
             (0..3).all(|i| (after.rotation_vector[i] + self.after.rotation_vector[i]).abs() < 1.0);
+        let is_euler = after.euler_sign == self.after.euler_sign;
         let is_torsion = (angle(&after.torsion) + angle(&self.after.torsion)).abs() < 1.0;
         let measures: [Option<Measure>; 6] = std::array::from_fn(|k| self.measure(k));
         let is_counted: [bool; 6] = std::array::from_fn(|k| {
@@ -171,6 +193,7 @@ impl Context<'_> {
         move |quantity, k| match measures[k] {
             _ if !is_apart[k] => false,
             Some(Measure::RotationVector(_) | Measure::RotationVectorAtB(_)) => is_vector,
+            Some(Measure::Euler(_)) if !is_euler => false,
             Some(measure) if measure.counts_torsion() => is_torsion,
             Some(measure) if measure.winds() && quantity == Quantity::Value => is_counted[k],
             _ => true,
@@ -269,6 +292,11 @@ impl Context<'_> {
         found.extend(self.same(&Numbers::of(&part), &both, 0..6, Claim::WithoutRates));
         found
     }
+}
+
+/// A whole angle (rad).
+fn angle(of: &Turns<f64>) -> f64 {
+    of.principal + TAU * of.turns
 }
 
 /// The numbers of some components of a connector at a state, with forces.
