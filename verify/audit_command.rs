@@ -51,6 +51,13 @@ fn exit_codes_are_those_of_the_manual() {
     let blind = pintle(&brief(&["--plant", "lost-answer"])).assert().code(5);
     assert!(stderr(&blind).contains("self-test failed"), "{}", stderr(&blind));
     assert!(stdout(&blind).contains("survived:"), "{}", stdout(&blind));
+    // 5 too: one of two witnesses lies, and neither is believed.
+    let liar = pintle(&brief(&["--plant", "wrong-answer"])).assert().code(5);
+    assert!(
+        stdout(&liar).contains("oracles contradict each other on first derivatives"),
+        "{}",
+        stdout(&liar)
+    );
     // 6: bad input.
     let missing = pintle(&["audit", "no/such.inp"]).assert().code(6);
     assert!(stderr(&missing).contains("no/such.inp"), "{}", stderr(&missing));

@@ -209,12 +209,12 @@ fn turned_axes_beside_a_singular_set_are_another_state() {
         let triad = [[0.0, 1.0, 0.0], [1.0, 0.0, -beside], [-beside, 0.0, -1.0]];
         let pair = Pair {
             reference: [0.0, 1.0, 0.0],
-            a: node.clone(),
+            a: node,
             b: Node { displacement: [1.0, -1.0, 0.0], triad, flow: 0.0 },
         };
         for axis in 0..3 {
             let step = case.path.last_mut().unwrap();
-            step.state.pair = pair.clone();
+            step.state.pair = pair;
             step.state.velocity = [0.0; 14];
             step.state.velocity[3 + axis] = 1.0;
             step.state.acceleration = step.state.velocity;

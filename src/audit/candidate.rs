@@ -335,7 +335,8 @@ impl Report {
     #[track_caller]
     pub fn assert_ok(&self) {
         let open = self.open_claims();
-        let fine = self.mismatches() == 0 && self.survivors() == 0 && self.compared() > 0 && open.is_empty();
+        let is_proven = self.survivors() == 0 && self.contradictions() == 0;
+        let fine = self.mismatches() == 0 && is_proven && self.compared() > 0 && open.is_empty();
         if !fine {
             let mut text = Vec::new();
             let written = crate::report::audit::human(&mut text, self, 100, false);

@@ -323,6 +323,34 @@ pub struct Subject {
 }
 
 impl Subject {
+    /// The quantities on which independent oracles contradict each other: of as many numbers at the same states one calls wrong what another
+    /// passes.
+    pub fn contradicted(&self) -> Vec<Quantity> {
+        let is_contradicted = |quantity: &Quantity| {
+            let is_witness = |check: &&Check| {
+                let of =
+                    |oracle: Oracle| oracle.is_independent() && oracle.is_wide() && oracle.answers(*quantity);
+                check.quantity == Some(*quantity)
+                    && matches!(check.against, Against::Oracle(oracle) if of(oracle))
+            };
+            let witnesses: Vec<&Check> = self.checks.iter().filter(is_witness).collect();
+            let compares = |check: &&Check| (check.compared, check.states.values().sum::<u64>());
+            witnesses.windows(2).all(|two| two.iter().map(compares).is_sorted_by(|x, y| x == y))
+                && witnesses.iter().any(|check| check.verdict.is_mismatch())
+                && witnesses.iter().any(|check| !check.verdict.is_mismatch())
+        };
+        Quantity::ALL.into_iter().filter(is_contradicted).collect()
+    }
+
+    /// Whether something is wrong by more than the word of one oracle against another's.
+    fn is_wrong(&self) -> bool {
+        let contradicted = self.contradicted();
+        let is_told = |check: &Check| check.quantity.is_some_and(|quantity| contradicted.contains(&quantity));
+        self.verdict().is_mismatch()
+            && (contradicted.is_empty()
+                || self.checks.iter().any(|check| check.verdict.is_mismatch() && !is_told(check)))
+    }
+
     pub(super) fn new(
         name: String,
         certificate: Option<Certificate>,
@@ -463,8 +491,13 @@ impl Report {
 
     /// Subjects with a verified mismatch, and singular sets that are not what they are declared to be.
     pub fn mismatches(&self) -> usize {
-        let wrong = self.subjects.iter().filter(|subject| subject.verdict().is_mismatch()).count();
+        let wrong = self.subjects.iter().filter(|subject| subject.is_wrong()).count();
         wrong + self.atlas.iter().filter(|approach| !approach.is_confirmed()).count()
+    }
+
+    /// Quantities of subjects on which independent oracles contradict each other.
+    pub fn contradictions(&self) -> usize {
+        self.subjects.iter().map(|subject| subject.contradicted().len()).sum()
     }
 
     /// Models of which a finding is an error.

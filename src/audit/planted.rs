@@ -1,6 +1,6 @@
 //! Faults planted on purpose, which an audit must tell of.
 
-use super::oracle::Answer;
+use super::oracle::{Answer, Oracle};
 use super::outcome::{Against, Check};
 use super::quantity::{Numbers, Quantity};
 use super::sheet::Sheet;
@@ -30,6 +30,8 @@ pub enum Planted {
     WrongFriction,
     /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
     LostAnswer,
+    /// The traced formulas on 237 bits have the wrong sign in the first row: one of two witnesses who contradict each other lies.
+    WrongAnswer,
 }
 
 impl Planted {
@@ -44,6 +46,7 @@ impl Planted {
             Self::WrongForce => "a nodal force",
             Self::WrongFriction => "a slope of a friction force",
             Self::LostAnswer => "an answer of an oracle on 237 bits",
+            Self::WrongAnswer => "an answer of wide-symbolic",
         }
     }
 
@@ -54,6 +57,7 @@ impl Planted {
             && match self {
                 Self::WrongFriction => of(&[Quantity::FrictionTangent]),
                 Self::LostAnswer => matches!(check.against, Against::Oracle(oracle) if oracle.is_wide()),
+                Self::WrongAnswer => check.against == Against::Oracle(Oracle::WideSymbolic),
                 _ => of(self.places()),
             }
     }
@@ -74,7 +78,7 @@ impl Planted {
             Self::WrongRate => &[Quantity::Rate],
             Self::WrongAcceleration => &[Quantity::Acceleration],
             Self::WrongForce => &[Quantity::NodalForces],
-            Self::WrongFriction | Self::LostAnswer => &[],
+            Self::WrongFriction | Self::LostAnswer | Self::WrongAnswer => &[],
         }
     }
 
@@ -82,7 +86,7 @@ impl Planted {
     const fn factor(self) -> Option<f64> {
         match self {
             Self::WrongSign => Some(-1.0),
-            Self::WrongFriction | Self::LostAnswer => None,
+            Self::WrongFriction | Self::LostAnswer | Self::WrongAnswer => None,
             _ => Some(1.0 + 1e-6),
         }
     }
@@ -125,6 +129,10 @@ impl Planted {
     pub(super) fn blind(self, answer: &mut Answer) {
         if self == Self::LostAnswer {
             answer.numbers.0.iter_mut().flatten().filter(|row| row.len() > 1).for_each(|row| _ = row.pop());
+        }
+        if self == Self::WrongAnswer && answer.oracle == Oracle::WideSymbolic {
+            let first = answer.numbers.0.iter_mut().flatten().next();
+            first.into_iter().flatten().for_each(|wanted| *wanted = wanted.opposite());
         }
     }
 }

@@ -242,6 +242,11 @@ impl Wanted {
         self.nearest
     }
 
+    /// The number with the other sign.
+    pub(super) const fn opposite(self) -> Self {
+        Self { nearest: -self.nearest, rest: -self.rest }
+    }
+
     /// |got − want|. Where the two are near each other got − nearest has no rounding; elsewhere the rest does not matter.
     pub fn error(self, got: f64) -> f64 {
         ((got - self.nearest) - self.rest).abs()

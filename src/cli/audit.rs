@@ -449,7 +449,7 @@ pub(super) fn verdict(report: &Report) -> Result<(), Failure> {
     if report.mismatches() > 0 {
         return Err(Failure::Mismatch);
     }
-    if report.survivors() > 0 {
+    if report.survivors() > 0 || report.contradictions() > 0 {
         return Err(Failure::SelfTest);
     }
     if let Some(planted) = report.settings.planted {

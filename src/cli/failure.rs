@@ -19,8 +19,8 @@ pub(crate) enum Failure {
     /// Something is undecided, and that was asked to be an error.
     #[error("something is undecided")]
     Undecided,
-    /// A mutant survived: the audit cannot be relied on.
-    #[error("the self-test failed: a mutant was not noticed")]
+    /// A mutant survived, or oracles contradict each other: the audit cannot be relied on.
+    #[error("the self-test failed: a mutant was not noticed, or oracles contradict each other")]
     SelfTest,
     /// A fault was planted, and nothing of it was seen.
     #[error(

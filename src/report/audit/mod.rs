@@ -32,6 +32,8 @@ struct Document<'a> {
     undecided: usize,
     warnings: usize,
     survivors: u64,
+    /// Quantities of subjects on which independent oracles contradict each other.
+    contradictions: usize,
     compared: u64,
     #[serde(flatten)]
     report: &'a Report,
@@ -74,6 +76,7 @@ pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         undecided: report.undecided(),
         warnings: report.warnings(),
         survivors: report.survivors(),
+        contradictions: report.contradictions(),
         compared: report.compared(),
         report,
     };

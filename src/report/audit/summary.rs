@@ -201,7 +201,8 @@ pub(super) enum Outcome {
 pub(super) fn outcome(report: &Report) -> Outcome {
     let is_open = report.undecided() > 0;
     let fails_as_open = report.settings.strict && report.undecided() + report.not_exercised() > 0;
-    if report.mismatches() > 0 || report.survivors() > 0 || report.failing_models() > 0 || fails_as_open {
+    let is_unproven = report.survivors() > 0 || report.contradictions() > 0;
+    if report.mismatches() > 0 || is_unproven || report.failing_models() > 0 || fails_as_open {
         Outcome::Failed
     } else if is_open {
         Outcome::Undecided
@@ -238,13 +239,27 @@ pub(super) fn headline(report: &Report) -> String {
 /// The outcome of the comparisons.
 fn of_numbers(report: &Report) -> String {
     let (mismatches, survivors) = (report.mismatches(), report.survivors());
-    let failed = format!("self-test failed: {} survived", count(survivors, "mutant"));
-    match (mismatches, survivors) {
-        (1.., 0) => count(mismatches, "mismatch"),
-        (1.., 1..) => format!("{}; {failed}", count(mismatches, "mismatch")),
-        (0, 1..) => failed,
-        (0, 0) if report.subjects.is_empty() => "models alone: no number audited".into(),
-        (0, 0) => "no mismatch".into(),
+    let mut words = Vec::new();
+    if mismatches > 0 {
+        words.push(count(mismatches, "mismatch"));
+    }
+    if survivors > 0 {
+        words.push(format!("self-test failed: {} survived", count(survivors, "mutant")));
+    }
+    let mut contradicted = Vec::new();
+    for subject in &report.subjects {
+        contradicted
+            .extend(subject.contradicted().iter().map(|of| format!("{} of {}", of.name(), subject.name)));
+    }
+    if let Some(first) = contradicted.first() {
+        let others = contradicted.len() - 1;
+        let more = if others > 0 { format!(" and {others} more") } else { String::new() };
+        words.push(format!("self-test failed: oracles contradict each other on {first}{more}"));
+    }
+    match words.is_empty() {
+        false => words.join("; "),
+        true if report.subjects.is_empty() => "models alone: no number audited".into(),
+        true => "no mismatch".into(),
     }
 }
 
