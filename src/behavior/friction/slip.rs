@@ -410,3 +410,24 @@ fn falls<R: Ordered + Differentiable>(equations: &Equations<R>, n: usize) -> boo
     let noise = sum * R::from_f64(4.0 * f64::EPSILON) / equations.jacobian[row][n].magnitude();
     by[n].less(noise)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::falls;
+    use crate::behavior::friction::root::{Equations, SLOTS};
+
+    /// Rows that are orthogonal to (1, −1, y), and a third whose product with it is one: P − L grows by y. Rounding hides 4 ε (1 + 1) of it,
+    /// in whatever unit a row is.
+    #[test]
+    fn what_rounding_hides_falls() {
+        for unit in [1.0 / 16.0, 1.0, 16.0] {
+            for (y, expected) in [(-1.0, true), (-1e-14, true), (8e-16, true), (3e-15, false), (1.0, false)] {
+                let mut jacobian = [[0.0; SLOTS]; SLOTS];
+                jacobian[0][..3].copy_from_slice(&[unit, unit * (1.0 + y), unit]);
+                jacobian[1][..3].copy_from_slice(&[1.0, 1.0, 0.0]);
+                jacobian[2][0] = 1.0;
+                assert_eq!(falls(&Equations { jacobian, n: 3 }, 2), expected, "{unit} {y}");
+            }
+        }
+    }
+}

@@ -12,6 +12,9 @@ use crate::scalar::Wide;
 use crate::scene::{Basis, Extrapolation, Operator, PotentialFunction, PotentialOperator};
 use crate::vector::sub;
 
+mod powers; // sums of powers, and the unknowns in which they are curved finitely
+mod returns; // the slip equations, their tangents and their answers
+
 #[test]
 fn divisors_are_positive_and_have_a_reciprocal() {
     for x in [1.0, -0.0 + 1e300, f64::MIN_POSITIVE] {
