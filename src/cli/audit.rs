@@ -91,6 +91,8 @@ pub(crate) enum Plant {
     WrongFriction,
     /// Answers of the oracles are lost
     LostAnswer,
+    /// One of two independent oracles lies
+    WrongAnswer,
 }
 
 impl From<Plant> for Planted {
@@ -105,6 +107,7 @@ impl From<Plant> for Planted {
             Plant::WrongForce => Self::WrongForce,
             Plant::WrongFriction => Self::WrongFriction,
             Plant::LostAnswer => Self::LostAnswer,
+            Plant::WrongAnswer => Self::WrongAnswer,
         }
     }
 }
