@@ -8,7 +8,7 @@ use super::force::product_with_forces as product;
 use super::friction::{self, friction_cases};
 use super::golden::{audit_golden, states_of};
 use super::invariant::{self, Context, Invariant};
-use super::mutant::Mistake;
+use super::mutant::{self, Mistake};
 use super::oracle::{Answer, Narrow, Oracle, WideAnswers};
 use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::planted::Planted;
@@ -19,7 +19,7 @@ use super::stage::invalid_stage;
 use super::standing::cases_on;
 use super::sums::{hyper_dual, taylor};
 use super::truth::{Locked, Truth};
-use super::verdict::{Exact, Score, Surroundings, Verdict, moved_by};
+use super::verdict::{Exact, Score, Smallest, Surroundings, Verdict, moved_by};
 use crate::behavior::Conditions;
 use crate::catalog::{ConnectionType, TABLE};
 
@@ -240,7 +240,16 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
     }
     check.states.insert(check.verdict, 1);
     let passed = demands.iter().filter(|demand| demand.units(&none) <= 1.0);
+    let mut smallest = Smallest::of_none();
     for demand in passed {
+        // Of an angle in radians, of a length in lengths, and of what is larger than one of them a part of it.
+        for delta in mutant::LADDER {
+            let off = invariant::Demand {
+                offset: demand.offset + delta * demand.offset.abs().max(1.0),
+                ..demand.clone()
+            };
+            smallest.see(delta, off.units(&none) > 1.0, true);
+        }
         for wrong in [
             demand.offset + std::f64::consts::PI,
             demand.offset - std::f64::consts::TAU,
@@ -253,6 +262,7 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
             check.score.count(Mistake::WrongParity, noticed, change, || demand.what.to_string());
         }
     }
+    smallest.tell(&mut check.score);
     check
 }
 

@@ -12,7 +12,8 @@ use super::outcome::{Against, Check};
 use super::quantity::Quantity;
 use super::sides::Sides;
 use super::verdict::{
-    COARSE, Finding, Judgement, Point, SIGNIFICANT, Score, Verdict, Wanted, moved_by, units, verdict_of_entry,
+    COARSE, Finding, Judgement, Point, SIGNIFICANT, Score, Smallest, Verdict, Wanted, moved_by, units,
+    verdict_of_entry,
 };
 use crate::scalar::Wide;
 
@@ -223,7 +224,7 @@ impl Sheet {
     /// a mistake could spoil. By an oracle on 237 bits a relative error of [`NOTICED`] must be noticed wherever that is demanded.
     fn try_mistakes_of(&self, oracle: Oracle, mistakes: &[Change]) -> Score {
         let mut score = Score::default();
-        let (mut missed, mut smallest) = (0.0_f64, f64::INFINITY);
+        let mut smallest = Smallest::of_none();
         let wanted: Vec<Wanted> = self.entries.iter().map(|entry| entry.want.into()).collect();
         for Change { mistake, changes } in mistakes {
             let changes = || {
@@ -234,10 +235,7 @@ impl Sheet {
             let Some((_, first, _)) = changes().next() else { continue };
             let noticed = changes().any(|(x, entry, want)| want.units(x, entry.tolerance()) > 1.0);
             if let Mistake::Scaled(delta) = mistake {
-                smallest = smallest.min(*delta);
-                if !noticed && first.got.abs() >= SIGNIFICANT * first.scale {
-                    missed = missed.max(*delta);
-                }
+                smallest.see(*delta, noticed, first.got.abs() >= SIGNIFICANT * first.scale);
             }
             let is_demanded = || {
                 matches!(mistake, Mistake::Scaled(delta) if *delta >= NOTICED)
@@ -253,9 +251,7 @@ impl Sheet {
             };
             score.count(*mistake, noticed, change, || first.name.clone());
         }
-        if smallest.is_finite() {
-            score.detectable_at.push(if missed > 0.0 { missed * 10.0 } else { smallest });
-        }
+        smallest.tell(&mut score);
         score
     }
 }

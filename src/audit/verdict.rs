@@ -537,6 +537,34 @@ impl Score {
 /// error that is noticed: what is left of a cancellation has no relative error of its own.
 pub(super) const SIGNIFICANT: f64 = 1e-3;
 
+/// The smallest relative error from which on a comparison noticed every one that was tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Smallest {
+    tried: f64,
+    missed: f64,
+}
+
+impl Smallest {
+    pub(super) const fn of_none() -> Self {
+        Self { tried: f64::INFINITY, missed: 0.0 }
+    }
+
+    /// An error that was tried; what is not `significant` may be missed.
+    pub(super) fn see(&mut self, delta: f64, noticed: bool, significant: bool) {
+        self.tried = self.tried.min(delta);
+        if !noticed && significant {
+            self.missed = self.missed.max(delta);
+        }
+    }
+
+    /// Adds it to a score, where any was tried: the steps are tenfold.
+    pub(super) fn tell(self, score: &mut Score) {
+        if self.tried.is_finite() {
+            score.detectable_at.push(if self.missed > 0.0 { self.missed * 10.0 } else { self.tried });
+        }
+    }
+}
+
 /// A comparison of sums instead of entries: Σ_i w_i x_i of each component.
 pub struct Along<'a> {
     /// The weight of an entry.
@@ -548,6 +576,11 @@ pub struct Along<'a> {
 /// Tries every mutant on a comparison of sums.
 pub fn try_along(quantity: Quantity, got: &Entries<f64>, along: &Along<'_>, mutants: &[Mutant]) -> Score {
     let mut score = Score::default();
+    let mut smallest = Smallest::of_none();
+    let mut largest = [0.0_f64; 6];
+    for (k, i, x) in got.iter() {
+        largest[k] = largest[k].max((x * (along.weight)(i)).abs());
+    }
     for mutant in mutants {
         let mut moved = [0.0; 6];
         for (k, i, x) in mutant.changes.iter() {
@@ -559,12 +592,17 @@ pub fn try_along(quantity: Quantity, got: &Entries<f64>, along: &Along<'_>, muta
         let entry = || mutant.changes.iter().find(|(k, ..)| along.off.get(*k).is_some_and(Option::is_some));
         let Some((k, i, _)) = entry() else { continue };
         let noticed = compared().any(|(moved, (off, allowed))| (off - moved).abs() > allowed);
+        if let Mistake::Scaled(delta) = mutant.mistake {
+            let size = (got.get(*k, *i).unwrap_or(0.0) * (along.weight)(*i)).abs();
+            smallest.see(delta, noticed, size >= SIGNIFICANT * largest[*k] && size > 0.0);
+        }
         let change = || {
             let of = |(moved, (_, allowed)): (f64, (f64, f64))| moved_by(moved.abs(), allowed);
             compared().map(of).fold(0.0_f64, f64::max)
         };
         score.count(mutant.mistake, noticed, change, || quantity.entry_name(*k, *i));
     }
+    smallest.tell(&mut score);
     score
 }
 
@@ -579,9 +617,7 @@ pub fn try_mutants(
     mutants: &[Mutant],
 ) -> Score {
     let mut score = Score::default();
-    // The smallest ladder step from which on every entry was noticed.
-    let mut missed = 0.0_f64;
-    let mut smallest = f64::INFINITY;
+    let mut smallest = Smallest::of_none();
     let mut largest = [0.0_f64; 6];
     for (k, i, x) in got.iter() {
         largest[k] = largest[k].max(x.abs() * size(i));
@@ -594,11 +630,8 @@ pub fn try_mutants(
             is_given && want.is_some_and(|want| want.units(*x, answer.allowed(bound, quantity, *k, *i)) > 1.0)
         });
         if let (Mistake::Scaled(delta), Some((k, i, _))) = (mutant.mistake, mutant.changes.first()) {
-            smallest = smallest.min(delta);
             let size = got.get(*k, *i).unwrap_or(0.0).abs() * size(*i);
-            if !noticed && size >= SIGNIFICANT * largest[*k] {
-                missed = missed.max(delta);
-            }
+            smallest.see(delta, noticed, size >= SIGNIFICANT * largest[*k]);
         }
         // By how many tolerances it moves an entry; one that nobody compares survives whatever changes it.
         let change = |(k, i, x): &(usize, usize, f64)| {
@@ -621,8 +654,6 @@ pub fn try_mutants(
         let entry = || mutant.changes.first().map(|(k, i, _)| quantity.entry_name(*k, *i));
         score.count(mutant.mistake, noticed, largest_change, || entry().unwrap_or_default());
     }
-    if smallest.is_finite() {
-        score.detectable_at.push(if missed > 0.0 { missed * 10.0 } else { smallest });
-    }
+    smallest.tell(&mut score);
     score
 }

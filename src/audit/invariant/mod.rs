@@ -20,7 +20,7 @@ use super::conditioned::NOTICED;
 use super::mutant::{Mistake, Mutant};
 use super::oracle::nearness;
 use super::quantity::{Numbers, OneOrMany, Quantity};
-use super::verdict::{Finding, Judgement, SIGNIFICANT, Score, Verdict, moved_by};
+use super::verdict::{Finding, Judgement, SIGNIFICANT, Score, Smallest, Verdict, moved_by};
 use crate::catalog::{COMPONENT, FORCE};
 use crate::connector::{Branch, Connector, Increment, State};
 use crate::measure::Measure;
@@ -641,7 +641,7 @@ pub fn try_mutants(
     let is_touched = |mutant: &&Mutant| mutant.changes.iter().any(|(k, i, _)| !in_demands(*k, *i).is_empty());
     let mut moved = vec![0.0; demands.len()];
     let mut asked: Vec<usize> = Vec::new();
-    let (mut missed, mut smallest) = (0.0_f64, f64::INFINITY);
+    let mut smallest = Smallest::of_none();
     let mut score = Score::default();
     for mutant in mutants.iter().filter(is_touched).step_by(tried(quantity)) {
         asked.clear();
@@ -670,9 +670,9 @@ pub fn try_mutants(
         };
         let mut must = false;
         if let Mistake::Scaled(delta) = mutant.mistake {
-            smallest = smallest.min(delta);
-            if !noticed && carried().next().is_some() {
-                missed = missed.max(delta);
+            let is_carried = carried().next().is_some();
+            smallest.see(delta, noticed, is_carried);
+            if !noticed && is_carried {
                 // Of a term below the normal doubles a relative error is less than its last digit.
                 let x = mutant.changes.first().and_then(|(k, i, _)| right(quantity, *k, *i)).unwrap_or(0.0);
                 let must_be = |(n, c): &(usize, f64)| (c * x).abs() >= f64::MIN_POSITIVE && is_plain(*n);
@@ -697,8 +697,6 @@ pub fn try_mutants(
             }
         }
     }
-    if smallest.is_finite() {
-        score.detectable_at.push(if missed > 0.0 { missed * 10.0 } else { smallest });
-    }
+    smallest.tell(&mut score);
     score
 }
