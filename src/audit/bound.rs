@@ -18,8 +18,7 @@
 //! in radians or lengths, they are at most those of the second divided by δ. Where C u is no small part of δ what is rounded may bring the
 //! state that much closer, and a derivative that grows like 1/δ grows by 1/(1 − C u/δ) more than its slope says: so do the tolerances of
 //! all derivatives, by 2 at most. Beside a set rows are directions that a rounding turns by u/δ: at a symmetric state an entry is an extremum,
-//! which changes by the square of that alone. Forces that are conjugate to another measure than that of the component may be near the sets of
-//! other components. Lengths enter only relative to s, so the verdict
+//! which changes by the square of that alone. Lengths enter only relative to s, so the verdict
 //! is the same in millimetres and metres and far from the origin.
 
 use super::case::dof_size;
@@ -121,11 +120,8 @@ impl Bound {
             let is_own = of(Quantity::FirstDerivatives) == Some(rows);
             let value = truth.entries(Quantity::Value).get(k, 0).filter(|_| is_own).unwrap_or(0.0);
             let still = ([0.0; DOFS], [0.0; DOFS]);
-            // What they are conjugate to may be near the singular sets of other components.
-            let nearest = || nearness.iter().copied().filter(|near| *near > 0.0).fold(1.0, f64::min);
-            let near = if is_own || nearness[k] == 0.0 { nearness[k] } else { nearest() };
             let [_, row, matrix, ..] =
-                self::scales(value, rows, changes, (&size, &size), (&still.0, &still.1), near);
+                self::scales(value, rows, changes, (&size, &size), (&still.0, &still.1), nearness[k]);
             scales[Quantity::NodalForces as usize].0[k] = Some(row);
             scales[Quantity::GeometricStiffness as usize].0[k] = Some(matrix);
         }

@@ -147,20 +147,25 @@ fn halved(n: usize, last: usize) -> usize {
 }
 
 /// Which of the regular states of a type, of which the first come one from a region, and of those near its singular sets after them are judged
-/// on 237 bits besides the `standing` ones, which always are: of those wanted that are left, but of half of them at least, three quarters are
-/// regular.
+/// on 237 bits besides the `standing` ones, which always are: of those wanted that are left, but of two thirds of them at least, three quarters
+/// are regular. Every other state near the sets may stand on one, from the first on: those between do not.
 fn wide_states(
     regions: usize,
     (regular, near, standing): (usize, usize, usize),
     wanted: usize,
 ) -> BTreeSet<usize> {
-    let wanted = wanted.saturating_sub(standing).max(wanted / 2);
+    let wanted = wanted.saturating_sub(standing).max((2 * wanted).div_ceil(3));
     let of_near = if near > 0 { wanted / 4 } else { 0 };
     let of_regular = wanted - of_near;
     let others = spread(regular.saturating_sub(regions), of_regular.saturating_sub(regions));
     let mut wide = spread(regions, of_regular);
     wide.extend(others.into_iter().map(|i| regions + i));
-    wide.extend(spread(near, of_near).into_iter().map(|i| regular + i));
+    let between = near / 2;
+    if of_near <= between {
+        wide.extend(spread(between, of_near).into_iter().map(|i| regular + 2 * i + 1));
+    } else {
+        wide.extend(spread(near, of_near).into_iter().map(|i| regular + i));
+    }
     wide
 }
 
@@ -170,7 +175,9 @@ fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let near = if atlas::sites(connection).is_empty() { 0 } else { settings.near_singular_states };
     let regular = settings.states.max(regions.len());
     let on_points = if near > 0 { cases_on(connection) } else { Vec::new() };
-    let standing = on_points.len().min(near.div_ceil(2));
+    // On a removable point nothing is singular, and doubles alone judge what is not wide.
+    let is_singular = |case: &&Case| Narrow::of(case).is_some_and(|narrow| narrow.nearness() == 0.0);
+    let standing = on_points.iter().take(near.div_ceil(2)).filter(is_singular).count();
     let wide = wide_states(regions.len(), (regular, near, standing), settings.wide_states);
     let golden = if settings.oracles.contains(&Oracle::Jax) { states_of(connection) } else { 0 };
     let count = regular + near + golden;
@@ -451,8 +458,11 @@ mod tests {
         assert_eq!(of(1000, 0), [42, 708, 250]);
         assert_eq!(of(40_000, 0), [42, 9_958, 10_000]);
         assert_eq!(of(30, 6), [18, 0, 6]);
-        assert_eq!(of(30, 20), [12, 0, 3]);
+        assert_eq!(of(30, 20), [15, 0, 5]);
+        assert_eq!(of(1, 20), [1, 0, 0]);
         assert_eq!(of(0, 20), [0, 0, 0]);
+        // None of those near singular sets is where another one stands.
+        assert!(wide_states(42, (1000, 200, 20), 30).range(1000..).all(|i| i % 2 == 1));
         assert_eq!(wide_states(42, (42, 0, 0), 1000).len(), 42);
     }
 

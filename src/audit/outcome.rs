@@ -323,32 +323,41 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The quantities on which independent oracles contradict each other: of as many numbers at the same states one calls wrong what another
-    /// passes.
+    /// Whether a check is by an independent oracle on 237 bits that answers entry by entry.
+    fn is_witness(check: &Check) -> bool {
+        let of = |oracle: Oracle| {
+            oracle.is_independent() && oracle.is_wide() && check.quantity.is_some_and(|of| oracle.answers(of))
+        };
+        matches!(check.against, Against::Oracle(oracle) if of(oracle))
+    }
+
+    /// The quantities on which independent oracles contradict each other: of as many numbers at as many states one passes all, and another calls
+    /// one wrong by far more than an oracle's own error.
     pub fn contradicted(&self) -> Vec<Quantity> {
+        /// In tolerances.
+        const FAR: f64 = 1e3;
         let is_contradicted = |quantity: &Quantity| {
-            let is_witness = |check: &&Check| {
-                let of =
-                    |oracle: Oracle| oracle.is_independent() && oracle.is_wide() && oracle.answers(*quantity);
-                check.quantity == Some(*quantity)
-                    && matches!(check.against, Against::Oracle(oracle) if of(oracle))
-            };
-            let witnesses: Vec<&Check> = self.checks.iter().filter(is_witness).collect();
-            let compares = |check: &&Check| (check.compared, check.states.values().sum::<u64>());
-            witnesses.windows(2).all(|two| two.iter().map(compares).is_sorted_by(|x, y| x == y))
-                && witnesses.iter().any(|check| check.verdict.is_mismatch())
-                && witnesses.iter().any(|check| !check.verdict.is_mismatch())
+            let is_of_it = |check: &&Check| check.quantity == Some(*quantity) && Self::is_witness(check);
+            let witnesses: Vec<&Check> = self.checks.iter().filter(is_of_it).collect();
+            let compares = |check: &Check| (check.compared, check.states.values().sum::<u64>());
+            let is_far = |check: &Check| check.worst.as_ref().is_some_and(|worst| worst.units > FAR);
+            let says = |of: fn(&Check) -> bool| witnesses.iter().copied().filter(move |check| of(check));
+            says(|check| check.verdict.is_mismatch()).filter(|check| is_far(check)).any(|wrong| {
+                says(|check| check.verdict == Verdict::Pass).any(|right| compares(right) == compares(wrong))
+            })
         };
         Quantity::ALL.into_iter().filter(is_contradicted).collect()
     }
 
-    /// Whether something is wrong by more than the word of one oracle against another's.
+    /// Whether something is wrong by more than the word of one independent oracle against another's.
     fn is_wrong(&self) -> bool {
         let contradicted = self.contradicted();
-        let is_told = |check: &Check| check.quantity.is_some_and(|quantity| contradicted.contains(&quantity));
+        let is_open = |check: &Check| {
+            Self::is_witness(check) && check.quantity.is_some_and(|quantity| contradicted.contains(&quantity))
+        };
+        let wrong = |check: &&Check| check.verdict.is_mismatch() && !is_open(check);
         self.verdict().is_mismatch()
-            && (contradicted.is_empty()
-                || self.checks.iter().any(|check| check.verdict.is_mismatch() && !is_told(check)))
+            && (contradicted.is_empty() || self.checks.iter().any(|check| wrong(&check)))
     }
 
     pub(super) fn new(
@@ -491,8 +500,13 @@ impl Report {
 
     /// Subjects with a verified mismatch, and singular sets that are not what they are declared to be.
     pub fn mismatches(&self) -> usize {
-        let wrong = self.subjects.iter().filter(|subject| subject.is_wrong()).count();
+        let wrong = self.subjects.iter().filter(|subject| subject.verdict().is_mismatch()).count();
         wrong + self.atlas.iter().filter(|approach| !approach.is_confirmed()).count()
+    }
+
+    /// Whether a mismatch is verified: by more than the word of one independent oracle against another's.
+    pub fn is_verified_wrong(&self) -> bool {
+        self.subjects.iter().any(Subject::is_wrong) || !self.atlas.iter().all(Approach::is_confirmed)
     }
 
     /// Quantities of subjects on which independent oracles contradict each other.

@@ -455,7 +455,7 @@ pub(super) fn write(format: AuditFormat, verbose: bool, found: &Report) -> Resul
 
 /// The exit code of a report. What is wrong comes before what would not have been noticed.
 pub(super) fn verdict(report: &Report) -> Result<(), Failure> {
-    if report.mismatches() > 0 {
+    if report.is_verified_wrong() {
         return Err(Failure::Mismatch);
     }
     if report.survivors() > 0 || report.contradictions() > 0 {
