@@ -29,12 +29,12 @@ const U: f64 = crate::audit::bound::U;
 /// Beyond so many rounding units, in units of the estimated condition, an entry is not zero by rounding.
 pub(super) const ROUNDINGS: f64 = 1e4;
 /// Beyond so many, what counts as zero is not zero for certain: one that is exceeds that with probability 6e-12.
-const CERTAIN: f64 = 1e3;
+pub(super) const CERTAIN: f64 = 1e3;
 /// An entry that is not zero should exceed what counts as zero by this factor.
 pub(super) const GAP: f64 = 1e3;
 /// An entry of so many rounding units, in units of the estimated condition, that a subtraction left, is what rounding leaves: one that is
 /// zero exceeds it with probability 4e-7, and is then kept, which is no harm.
-const REMAINS: f64 = 64.0;
+pub(super) const REMAINS: f64 = 64.0;
 /// What a subtraction leaves of numbers larger by this factor is looked at.
 const CANCELS: f64 = 1e3;
 /// A row of lower number is taken for a pivot where its entry is not smaller than the largest by more than this factor. Multipliers of more
@@ -49,11 +49,11 @@ pub(super) const KEPT: usize = 20_000_000;
 /// A row that became a pivot.
 #[derive(Clone, Debug)]
 pub(super) struct Pivot {
-    column: u32,
-    entry: f64,
+    pub(super) column: u32,
+    pub(super) entry: f64,
     /// Where the other entries of the row are.
-    others: Range<usize>,
-    right: f64,
+    pub(super) others: Range<usize>,
+    pub(super) right: f64,
 }
 
 /// What elimination finds.

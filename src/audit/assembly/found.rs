@@ -16,7 +16,7 @@ use rayon::prelude::*;
 /// this part of the largest does not tell whether that is met.
 pub(super) const SECOND_ORDER: f64 = 1e-7;
 /// By so many rounding units an entry is off that was computed: directions, levers, and what a deck was written from.
-const COMPUTED: f64 = 1e3;
+pub(super) const COMPUTED: f64 = 1e3;
 /// Entries are taken for uncertain by so many times the largest residual of the constraints.
 pub(super) const TIMES: f64 = 30.0;
 /// By so many rounding units of itself a coordinate is off.

@@ -227,6 +227,41 @@ fn separator(levels: &[Vec<u32>]) -> Option<usize> {
     best.map(|(level, _)| level)
 }
 
+/// The pairs of nodes that may be joined while an order by least degree is sought, a second or two: of what is joined in three dimensions dissection
+/// leaves smaller fronts.
+const PAIRS: usize = 150_000_000;
+/// What costs more by least degree may cost less by dissection, which is tried.
+const DIVIDED: f64 = 1e8;
+
+/// In which orders groups of columns are eliminated.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Orders {
+    /// That of least cost.
+    pub(super) best: Vec<u32>,
+    /// That by least degree, where it is known: in it rows that are put in one by one stay sparser than by dissection.
+    pub(super) by_degree: Vec<u32>,
+    /// What the elimination is predicted to cost ([`predicted`]).
+    pub(super) cost: f64,
+}
+
+impl Orders {
+    /// The orders of groups of so many columns, of which these sets are joined.
+    pub(super) fn of(cliques: &[Vec<u32>], widths: &[usize]) -> Self {
+        let cost = |order: &[u32]| predicted(order, cliques, widths);
+        let by_degree = minimum_degree(widths.len(), cliques, PAIRS);
+        let cost_by_degree = by_degree.as_ref().map_or(f64::INFINITY, |order| cost(order));
+        let (mut best, mut least) = (None, cost_by_degree);
+        if cost_by_degree > DIVIDED {
+            let by_dissection = dissection(widths.len(), cliques);
+            least = cost(&by_dissection);
+            best = Some(by_dissection).filter(|_| least < cost_by_degree);
+        }
+        let by_degree = by_degree.or_else(|| best.clone()).unwrap_or_default();
+        let best = best.unwrap_or_else(|| by_degree.clone());
+        Self { best, by_degree, cost: least.min(cost_by_degree) }
+    }
+}
+
 /// Sets of things that are joined, directly or through others.
 pub(super) struct Union {
     parent: Vec<u32>,

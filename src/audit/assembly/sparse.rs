@@ -1,5 +1,6 @@
 //! A sparse matrix by rows, its columns in groups.
 
+use super::contract::Layout;
 use std::ops::Range;
 
 /// A sparse matrix, its columns in groups.
@@ -18,6 +19,8 @@ pub(super) struct Sparse {
     /// By how much the digits of what is given leave the entries of each row that are not zero open, relative to the largest of the row; nothing where
     /// left out.
     pub(super) open: Vec<f32>,
+    /// What the rigid map between groups is made of, where it is known.
+    pub(super) layout: Option<Layout>,
 }
 
 impl Sparse {
