@@ -287,7 +287,7 @@ fn a_parallelogram_with_an_extra_bar() {
         deck
     };
     is(&build([0.6, 0.8, 0.0]).analyse(), -6, 1, 7, &[(Holds::Throughout, 7)]);
-    is(&build([0.3, 0.4, 0.0]).analyse(), -6, 1, 7, &[(Holds::Isolated, 7)]);
+    is(&build([0.3, 0.4, 0.0]).analyse(), -6, 1, 7, &[(Holds::Rigid, 6), (Holds::Isolated, 1)]);
     is(&build([-0.6, 0.8, 0.0]).analyse(), -6, 0, 6, &[(Holds::Rigid, 6)]);
 }
 
@@ -352,7 +352,57 @@ fn a_dead_centre() {
 fn rods_in_line() {
     let mut deck = Deck::default();
     deck.closed(&[([0.0; 3], Z), ([1.0, 0.0, 0.0], Z), ([2.0, 0.0, 0.0], Z)]);
-    is(&deck.analyse(), -3, 1, 4, &[(Holds::Isolated, 4)]);
+    let assembly = deck.analyse();
+    is(&assembly, -3, 1, 4, &[(Holds::Rigid, 3), (Holds::Isolated, 1)]);
+    // What holds out of the plane has nothing to do with the position.
+    let isolated = |one: &&pintle::audit::assembly::Redundant| one.holds == Holds::Isolated;
+    let named: Vec<_> =
+        assembly.redundant.iter().filter(isolated).map(|one| &one.constraint.component).collect();
+    assert!(["u1", "u2", "u3"].contains(&named[0].as_str()), "{named:?}");
+}
+
+/// Rods in line between fixed pins, more than sixty motions: the redundant one belongs to the position, however many they are.
+#[test]
+fn a_string_of_links_in_line() {
+    let count = 45;
+    let mut deck = Deck::default();
+    let nodes: Vec<usize> = (0..=count).map(|k| deck.node([k as f64, 0.0, 0.0])).collect();
+    nodes.windows(2).for_each(|pair| deck.plain("LINK", pair[0], pair[1]));
+    deck.more = format!("*BOUNDARY\n{}, 1, 3\n{}, 1, 3\n", nodes[0], nodes[count]);
+    is(&deck.analyse(), 2 * count as i64 - 3, 2 * count - 2, 1, &[(Holds::Isolated, 1)]);
+}
+
+/// A tower of four-bars, one on the coupler of the other.
+#[test]
+fn a_tower_of_four_bars() {
+    let count = 80;
+    let mut deck = Deck::default();
+    let mut base: Option<[usize; 2]> = None;
+    for level in 0..count {
+        let at = |x: f64, y: f64| [x, 1.25 * f64::from(level) + y, 0.0];
+        let pins = [at(0.0, 0.0), at(0.125, 1.25), at(2.125, 1.25), at(2.0, 0.0)];
+        let ends = pins.map(|at| deck.hinge(at, Z));
+        for k in 0..3 {
+            deck.link(ends[k][1], ends[k + 1][0]);
+        }
+        match base {
+            None => deck.fixed.extend([ends[0][0], ends[3][1]]),
+            Some([left, right]) => {
+                deck.link(left, ends[0][0]);
+                deck.link(right, ends[3][1]);
+            }
+        }
+        base = Some([ends[1][1], ends[2][0]]);
+    }
+    let count = count as usize;
+    let mobility = count;
+    let assembly = deck.analyse();
+    assert_eq!(assembly.positions[0].mobility, Some(mobility));
+    assert!(
+        assembly.redundant.iter().all(|one| one.holds == Holds::Throughout),
+        "{:?}",
+        assembly.redundant[0].holds
+    );
 }
 
 /// Three nodes welded in a triangle: one of the three links is too much, and nothing moves.

@@ -19,7 +19,7 @@
 
 use super::eliminate::{CERTAIN, GAP, Outcome, Pivot, REMAINS, ROUNDINGS, Sparse, Task, eliminate};
 use super::found::{COMPUTED, ROUNDED};
-use super::order::{Orders, Union};
+use super::order::Union;
 use crate::audit::bound::U;
 
 /// An entry that is smaller than the largest of its row by so many rounding units does not join columns.
@@ -105,9 +105,8 @@ impl Layout {
     /// By what the column of one group follows that of another in rigid motion: all six of both.
     fn rigid(&self, of: u32, from: u32) -> Square {
         let [to, of_from] = [of, from].map(|group| self.places[group as usize]);
-        let [x, y, z] = std::array::from_fn(|i| {
-            ((to[0][i] - of_from[0][i]) + (to[1][i] - of_from[1][i])) / self.length
-        });
+        let [x, y, z] =
+            std::array::from_fn(|i| ((to[0][i] - of_from[0][i]) + (to[1][i] - of_from[1][i])) / self.length);
         let turned = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
         let mut map = [[0.0; MOST]; MOST];
         let [after, before] = [of, from].map(|group| self.axes[group as usize]);
@@ -125,8 +124,10 @@ impl Layout {
                 let along = |k: usize, l: usize| after[i][k] * before[j][l];
                 let straight: f64 = (0..3).map(|k| along(k, k)).sum();
                 (map[i][j], map[3 + i][3 + j]) = (straight, straight);
-                map[i][3 + j] =
-                    (0..3).flat_map(|k| (0..3).map(move |l| (k, l))).map(|(k, l)| along(k, l) * turned[k][l]).sum();
+                map[i][3 + j] = (0..3)
+                    .flat_map(|k| (0..3).map(move |l| (k, l)))
+                    .map(|(k, l)| along(k, l) * turned[k][l])
+                    .sum();
             }
         }
         map
@@ -208,14 +209,16 @@ impl<'a> Building<'a> {
             of_set.clear();
             for column in matrix.columns_of(group) {
                 let set = sets.find(column as u32);
-                let cell = match of_set.iter().find(|(of, cell)| *of == set && cells[*cell].columns().len() <= MOST) {
-                    Some((_, cell)) => *cell,
-                    None => {
-                        cells.push(Cell { group: group as u32, columns: [0; MOST + 1], count: 0 });
-                        of_set.push((set, cells.len() - 1));
-                        cells.len() - 1
-                    }
-                };
+                let cell =
+                    match of_set.iter().find(|(of, cell)| *of == set && cells[*cell].columns().len() <= MOST)
+                    {
+                        Some((_, cell)) => *cell,
+                        None => {
+                            cells.push(Cell { group: group as u32, columns: [0; MOST + 1], count: 0 });
+                            of_set.push((set, cells.len() - 1));
+                            cells.len() - 1
+                        }
+                    };
                 cell_of[column] = cell as u32;
                 within[column] = cells[cell].count;
                 let of: &mut Cell = &mut cells[cell];
@@ -319,9 +322,13 @@ impl<'a> Building<'a> {
             let mut sets: Vec<(u32, Vec<u32>)> = Vec::new();
             for one in begin..row {
                 let Some(column) = joining(self.matrix, one).next() else { continue };
-                let cells = |row: u32| joining(self.matrix, row as usize).map(|column| self.cell_of[column as usize]);
+                let cells =
+                    |row: u32| joining(self.matrix, row as usize).map(|column| self.cell_of[column as usize]);
                 let own: Vec<u32> = cells(one as u32).collect();
-                match sets.iter_mut().find(|(_, rows)| rows.iter().any(|row| cells(*row).any(|cell| own.contains(&cell)))) {
+                match sets
+                    .iter_mut()
+                    .find(|(_, rows)| rows.iter().any(|row| cells(*row).any(|cell| own.contains(&cell))))
+                {
                     Some((_, rows)) => rows.push(one as u32),
                     None => sets.push((column, vec![one as u32])),
                 }
@@ -404,7 +411,8 @@ impl Contracted {
             if let (Some(layout), false) = (building.layout, *root == NONE || *root == cell as u32) {
                 let [to, from] = [cell as u32, *root].map(|cell| building.cells[cell as usize].group);
                 let map = layout.rigid(to, from);
-                let most = map[..3].iter().flat_map(|row| &row[3..]).fold(0.0_f64, |most, x| most.max(x.abs()));
+                let most =
+                    map[..3].iter().flat_map(|row| &row[3..]).fold(0.0_f64, |most, x| most.max(x.abs()));
                 longest[*root as usize] = longest[*root as usize].max(most);
             }
         }
@@ -590,7 +598,10 @@ impl Contracted {
         let count = self.cells.len();
         let mut beside: Vec<Vec<u32>> = vec![Vec::new(); count];
         for (at, weld) in self.welds.iter().enumerate() {
-            weld.cells.iter().filter(|cell| **cell != NONE).for_each(|cell| beside[*cell as usize].push(at as u32));
+            weld.cells
+                .iter()
+                .filter(|cell| **cell != NONE)
+                .for_each(|cell| beside[*cell as usize].push(at as u32));
         }
         let mut is_known = vec![false; count];
         let mut queue: Vec<u32> = Vec::new();
@@ -600,7 +611,7 @@ impl Contracted {
                 queue.push(cell as u32);
             }
         }
-        let mut solve = |weld: &Weld, cell: u32, is_known: &[bool], of_columns: &mut [f64]| {
+        let solve = |weld: &Weld, cell: u32, is_known: &[bool], of_columns: &mut [f64]| {
             let columns = self.cells[cell as usize].columns();
             let (mut square, mut rest) = ([[0.0; MOST]; MOST], [0.0; MOST]);
             for (i, row) in weld.rows.iter().filter(|row| **row != NONE).enumerate() {
@@ -630,7 +641,8 @@ impl Contracted {
         while let Some(cell) = queue.pop() {
             for weld in &beside[cell as usize] {
                 let weld = &self.welds[*weld as usize];
-                let Some(next) = weld.cells.into_iter().find(|next| *next != NONE && !is_known[*next as usize])
+                let Some(next) =
+                    weld.cells.into_iter().find(|next| *next != NONE && !is_known[*next as usize])
                 else {
                     continue;
                 };
@@ -641,7 +653,8 @@ impl Contracted {
         }
         let of_row = |row: &u32| {
             let row = *row as usize;
-            let known = matrix.range(row).map(|at| matrix.values[at] * of_columns[matrix.columns[at] as usize]);
+            let known =
+                matrix.range(row).map(|at| matrix.values[at] * of_columns[matrix.columns[at] as usize]);
             right[row] - known.sum::<f64>()
         };
         let right = self.names.iter().map(of_row).collect();
@@ -753,7 +766,12 @@ impl Contracted {
                     outcome.others.extend(of.map(|(column, value)| (*column, -value)));
                 }
                 let right = shifted.map_or(0.0, |shifted| shifted.of_columns[*column as usize]);
-                pivots.push(Pivot { column: *column, entry: 1.0, others: begin..outcome.others.len(), right });
+                pivots.push(Pivot {
+                    column: *column,
+                    entry: 1.0,
+                    others: begin..outcome.others.len(),
+                    right,
+                });
             }
         }
         outcome.fill += pivots.len();

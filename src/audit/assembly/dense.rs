@@ -184,15 +184,15 @@ pub(super) fn combinations(matrix: &Sparse, dependent: &[u32]) -> Option<DMatrix
     Some(all)
 }
 
-/// The rows that depend on those before them.
-pub(super) fn dependent(matrix: &Sparse) -> Vec<u32> {
+/// The rows that depend on those before them in an order, ascending.
+pub(super) fn dependent(matrix: &Sparse, order: &[u32]) -> Vec<u32> {
     /// What is left of a row of length one.
     const ZERO: f64 = 1e-9;
     let rows: Vec<usize> = (0..matrix.rows()).collect();
     let full = dense(matrix, &rows);
     let (mut basis, mut dependent): (Vec<DVector<f64>>, Vec<u32>) = (Vec::new(), Vec::new());
-    for (name, row) in (0..).zip(full.row_iter()) {
-        let mut rest: DVector<f64> = row.transpose();
+    for name in order.iter().copied() {
+        let mut rest: DVector<f64> = full.row(name as usize).transpose();
         let whole = size(&rest);
         for _ in 0..2 {
             for other in &basis {
@@ -202,6 +202,7 @@ pub(super) fn dependent(matrix: &Sparse) -> Vec<u32> {
         let left = size(&rest);
         if left > ZERO * whole { basis.push(rest / left) } else { dependent.push(name) }
     }
+    dependent.sort_unstable();
     dependent
 }
 

@@ -36,6 +36,9 @@ pub(super) struct Echelon<'a> {
     given: Vec<Option<f64>>,
     /// By place: the row of which it is the first entry, and its right-hand side.
     pivots: Vec<(Entries, f64)>,
+    /// The row that is being put in, by place, and where it is not zero.
+    row: Vec<f64>,
+    marks: Marks,
     spare: [Entries; 2],
     /// The entries that may still be looked at.
     left: usize,
@@ -50,8 +53,9 @@ impl<'a> Echelon<'a> {
             place[column] = at;
         }
         let pivots = vec![Default::default(); matrix.width()];
-        let given = vec![None; matrix.width()];
-        Self { matrix, by, place, given, pivots, spare: Default::default(), left: most }
+        let (given, row) = (vec![None; matrix.width()], vec![0.0; matrix.width()]);
+        let marks = Marks::new(matrix.width());
+        Self { matrix, by, place, given, pivots, row, marks, spare: Default::default(), left: most }
     }
 
     /// The same without these columns, whose part of the solution is given.
@@ -62,54 +66,106 @@ impl<'a> Echelon<'a> {
         self
     }
 
-    /// Puts in a row with its right-hand side: whether it does not depend on those before; `None` where that takes too long.
+    /// Puts in a row with its right-hand side: whether it does not depend on those before; `None` where that takes too long, and nothing else is to be put in.
     pub(super) fn put(&mut self, row: u32, mut right: f64) -> Option<bool> {
         let range = self.matrix.range(row as usize);
-        let mut row = Entries::new();
         for (column, value) in self.matrix.columns[range.clone()].iter().zip(&self.matrix.values[range]) {
             match self.given[*column as usize] {
                 Some(given) => right -= value * given,
                 None if *value == 0.0 => {}
-                None => row.push((self.place[*column as usize], *value)),
+                None => {
+                    let at = self.place[*column as usize];
+                    self.row[at as usize] = *value;
+                    self.marks.set(at);
+                }
             }
         }
-        row.sort_unstable_by_key(|(at, _)| *at);
-        loop {
-            let Some(first) = row.iter().position(|(_, value)| value.abs() > ZERO) else {
-                return Some(false);
-            };
-            row.drain(..first);
-            let Some((at, value)) = row.first().copied() else { return Some(false) };
-            let (pivot, of_pivot) = &mut self.pivots[at as usize];
-            let Some((_, of_first)) = pivot.first().copied() else {
-                row.shrink_to_fit();
-                (*pivot, *of_pivot) = (row, right);
+        let mut from = 0;
+        while let Some(at) = self.marks.next(from) {
+            let value = self.row[at as usize];
+            if value.abs() <= ZERO {
+                self.row[at as usize] = 0.0;
+                self.marks.clear(at);
+                from = at + 1;
+                continue;
+            }
+            let Some((_, of_first)) = self.pivots[at as usize].0.first().copied() else {
+                self.gather(at);
+                let entries = self.spare[0].clone();
+                self.spare[0].iter().for_each(|(at, _)| self.row[*at as usize] = 0.0);
+                self.pivots[at as usize] = (entries, right);
                 return Some(true);
             };
-            self.left = self.left.checked_sub(row.len() + pivot.len())?;
-            let [next, turned] = &mut self.spare;
+            self.left = self.left.checked_sub(self.pivots[at as usize].0.len())?;
             match self.by {
                 By::Multiples => {
-                    let mut factor = value / of_first;
-                    if factor.abs() > 1.0 {
-                        std::mem::swap(pivot, &mut row);
+                    let factor = value / of_first;
+                    if factor.abs() <= 1.0 {
+                        self.add(at, -factor);
+                        right -= factor * self.pivots[at as usize].1;
+                    } else {
+                        // The row becomes the pivot, and what is left of that the row.
+                        let factor = 1.0 / factor;
+                        self.gather(at);
+                        self.left = self.left.checked_sub(self.spare[0].len())?;
+                        for (at, value) in &self.spare[0] {
+                            self.row[*at as usize] = -factor * value;
+                            self.marks.set(*at);
+                        }
+                        self.add(at, 1.0);
+                        let (pivot, of_pivot) = &mut self.pivots[at as usize];
+                        std::mem::swap(pivot, &mut self.spare[0]);
                         std::mem::swap(of_pivot, &mut right);
-                        factor = 1.0 / factor;
+                        right -= factor * *of_pivot;
                     }
-                    combined(&row, pivot, [1.0, -factor], next);
-                    right -= factor * *of_pivot;
                 }
                 By::Rotations => {
                     let size = value.hypot(of_first);
                     let [c, s] = [of_first / size, value / size];
-                    combined(&row, pivot, [c, -s], next);
-                    combined(&row, pivot, [s, c], turned);
+                    self.gather(at);
+                    self.left = self.left.checked_sub(self.spare[0].len())?;
+                    for (at, value) in &self.spare[0] {
+                        self.row[*at as usize] = c * value;
+                        self.marks.set(*at);
+                    }
+                    self.add(at, -s);
+                    let (pivot, of_pivot) = &mut self.pivots[at as usize];
+                    let [row, turned] = &mut self.spare;
+                    combined(row, pivot, [s, c], turned);
                     turned.insert(0, (at, size));
                     std::mem::swap(pivot, turned);
                     (right, *of_pivot) = (c * right - s * *of_pivot, s * right + c * *of_pivot);
                 }
             }
-            std::mem::swap(&mut row, next);
+            self.row[at as usize] = 0.0;
+            self.marks.clear(at);
+            from = at + 1;
+        }
+        Some(false)
+    }
+
+    /// Adds a multiple of a pivot to the row.
+    fn add(&mut self, at: u32, times: f64) {
+        for (at, value) in &self.pivots[at as usize].0 {
+            self.row[*at as usize] += times * value;
+            self.marks.set(*at);
+        }
+    }
+
+    /// Takes down what of the row is not zero from a place on, and takes its marks away.
+    fn gather(&mut self, from: u32) {
+        let [entries, _] = &mut self.spare;
+        entries.clear();
+        let mut at = from;
+        while let Some(next) = self.marks.next(at) {
+            let value = self.row[next as usize];
+            if value.abs() > LEFT {
+                entries.push((next, value));
+            } else {
+                self.row[next as usize] = 0.0;
+            }
+            self.marks.clear(next);
+            at = next + 1;
         }
     }
 
@@ -124,6 +180,53 @@ impl<'a> Echelon<'a> {
         }
         let columns = self.place.iter().zip(&self.given);
         columns.map(|(at, given)| given.unwrap_or(by_place[*at as usize])).collect()
+    }
+}
+
+/// Which places of a row are marked, each by a bit, and which words of these have any.
+#[derive(Debug, Default)]
+struct Marks {
+    words: Vec<u64>,
+    any: Vec<u64>,
+}
+
+impl Marks {
+    fn new(width: usize) -> Self {
+        let words = width.div_ceil(64);
+        Self { words: vec![0; words], any: vec![0; words.div_ceil(64)] }
+    }
+
+    #[inline]
+    fn set(&mut self, at: u32) {
+        let word = at as usize / 64;
+        self.words[word] |= 1 << (at % 64);
+        self.any[word / 64] |= 1 << (word % 64);
+    }
+
+    fn clear(&mut self, at: u32) {
+        let word = at as usize / 64;
+        self.words[word] &= !(1 << (at % 64));
+        if self.words[word] == 0 {
+            self.any[word / 64] &= !(1 << (word % 64));
+        }
+    }
+
+    /// The first that is marked, from one on.
+    fn next(&self, from: u32) -> Option<u32> {
+        let word = from as usize / 64;
+        let rest = self.words.get(word)? & (u64::MAX << (from % 64));
+        if rest != 0 {
+            return Some(word as u32 * 64 + rest.trailing_zeros());
+        }
+        let next = word + 1;
+        let mut of = next / 64;
+        let mut any = self.any.get(of)? & (u64::MAX << (next % 64));
+        while any == 0 {
+            of += 1;
+            any = *self.any.get(of)?;
+        }
+        let word = of * 64 + any.trailing_zeros() as usize;
+        Some(word as u32 * 64 + self.words[word].trailing_zeros())
     }
 }
 
@@ -151,12 +254,28 @@ fn combined(x: &[(u32, f64)], y: &[(u32, f64)], [of_x, of_y]: [f64; 2], sum: &mu
 }
 
 /// The rows that depend on those before them; `None` where they are not as many as are known to, or where that takes more than so many entries.
-pub(super) fn dependent(matrix: &Sparse, order: &[u32], count: usize, most: usize) -> Option<Vec<u32>> {
-    [By::Multiples, By::Rotations].into_iter().find_map(|by| dependent_by(by, matrix, order, count, most))
+///
+/// Columns that are known to be free are made of the others: they are left out.
+pub(super) fn dependent(
+    matrix: &Sparse,
+    order: &[u32],
+    free: &[u32],
+    count: usize,
+    most: usize,
+) -> Option<Vec<u32>> {
+    let by = |by| dependent_by(by, matrix, (order, free), count, most);
+    [By::Multiples, By::Rotations].into_iter().find_map(by)
 }
 
-fn dependent_by(by: By, matrix: &Sparse, order: &[u32], count: usize, most: usize) -> Option<Vec<u32>> {
-    let mut echelon = Echelon::new(matrix, order, by, most);
+fn dependent_by(
+    by: By,
+    matrix: &Sparse,
+    (order, free): (&[u32], &[u32]),
+    count: usize,
+    most: usize,
+) -> Option<Vec<u32>> {
+    let free = free.iter().map(|column| (*column, 0.0));
+    let mut echelon = Echelon::new(matrix, order, by, most).without(free);
     let mut found = Vec::new();
     for row in 0..matrix.rows() as u32 {
         if !echelon.put(row, 0.0)? {
@@ -211,19 +330,19 @@ mod tests {
         let mut draw = Draw::new("echelon");
         for case in 0..100 {
             let matrix = random(&mut draw);
-            let expected = dense::dependent(&matrix);
+            let expected = dense::dependent(&matrix, &(0..matrix.rows() as u32).collect::<Vec<_>>());
             let count = expected.len();
             assert!(count > 0, "case {case}");
             let forwards: Vec<u32> = (0..matrix.width() as u32).collect();
             let backwards: Vec<u32> = forwards.iter().rev().copied().collect();
             for by in [By::Multiples, By::Rotations] {
                 for order in [&forwards, &backwards] {
-                    let found = dependent_by(by, &matrix, order, count, usize::MAX);
+                    let found = dependent_by(by, &matrix, (order, &[]), count, usize::MAX);
                     assert_eq!(found.as_ref(), Some(&expected), "case {case} {by:?}");
                 }
-                assert_eq!(dependent_by(by, &matrix, &forwards, count - 1, usize::MAX), None);
-                assert_eq!(dependent_by(by, &matrix, &forwards, count + 1, usize::MAX), None);
-                assert_eq!(dependent_by(by, &matrix, &forwards, count, 10), None);
+                assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count - 1, usize::MAX), None);
+                assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count + 1, usize::MAX), None);
+                assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count, 10), None);
             }
         }
     }

@@ -1,15 +1,16 @@
 //! What is found of the parts of an assembly at one state, and of the whole.
 
+use super::contract::Contracted;
 use super::dense;
-use super::echelon;
 use super::eliminate::{Outcome, Sparse, Task};
 use super::krylov;
-use super::naming::named;
-use super::system::{Origin, Part, Role, System};
+use super::naming::{last, named_of};
+use super::system::{Origin, Part, Role, System, is_dear, is_named};
 use super::{Constraint, Gap, Position};
 use crate::audit::bound::U;
 use crate::catalog::COMPONENT;
 use crate::evaluate::Source;
+use crate::scene::State;
 use rayon::prelude::*;
 
 /// Constraints hold to rounding: a hundred units u, say. At a singular position they allow √(100 u) = 1e-7 to second order, so that a singular value below
@@ -27,6 +28,8 @@ const EVERYWHERE: usize = 60;
 /// What one part has at one state.
 pub(super) struct Found {
     pub(super) constraints: Outcome,
+    /// What its elimination is predicted to cost.
+    pub(super) cost: f64,
     /// Rows of the matrix of constraints.
     pub(super) rows: Vec<u32>,
     /// With drives: rank beyond that of the constraints, and what is free.
@@ -106,32 +109,34 @@ pub(super) fn allowed(matrix: &Sparse, uncertainty: f64) -> f64 {
     U * (COMPUTED * computed + ROUNDED * rounded) + uncertainty * computed
 }
 
-/// The rank of the matrix of a part: by elimination, but where that is dear first by products with it.
-fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>) -> Outcome {
-    let by_products =
-        if part.is_dear() { krylov::rank(matrix, task.uncertainty, part.cost / 4.0) } else { None };
-    let Some(mut outcome) = by_products else { return named(matrix, part, task) };
+/// The rank of the matrix of a part, and what its elimination is predicted to cost: by elimination, but where that is dear first by products with it.
+fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>) -> (Outcome, f64) {
+    let contracted = Contracted::of(matrix, task.uncertainty);
+    let orders = part.orders(&contracted);
+    let cost = part.cost.unwrap_or(orders.cost);
+    let by_products = if is_dear(cost) { krylov::rank(matrix, task.uncertainty, cost / 4.0) } else { None };
+    let Some(mut outcome) = by_products else {
+        return (named_of(matrix, &contracted, &orders, task), cost);
+    };
     if !outcome.names_all()
-        && part.is_named()
-        && let Some(dependent) =
-            echelon::dependent(matrix, &part.by_degree, outcome.redundant(), echelon::MOST)
+        && is_named(cost)
+        && let Some(dependent) = last(matrix, &contracted, &orders, &outcome)
     {
         outcome.dependent = dependent;
         outcome.made_of.clear();
     }
-    outcome
+    (outcome, cost)
 }
 
-/// Parts whose elimination is predicted to cost no more than this are looked at by as many threads as there are: their fronts have less than a
-/// thousand columns.
-const TOGETHER: f64 = 1e7;
+/// Parts of no more columns are looked at by as many threads as there are.
+const TOGETHER: usize = 3000;
 
 /// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system), and of which these rows have no
 /// derivative there. Of those whose elimination would
 /// cost too much, the columns of the front where that was.
 pub(super) fn look(
     system: &System<'_>,
-    values: &[f64],
+    (state, values): (&State, &[f64]),
     (residuals, without_derivative): (&[f64], &[u32]),
     keep: bool,
 ) -> Vec<Result<Found, usize>> {
@@ -139,15 +144,15 @@ pub(super) fn look(
         let worst = part.rows.iter().filter_map(|row| residuals.get(*row as usize));
         let worst = super::largest(worst);
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
-        let (rows, matrix) = system.matrix(part, values, |role| role != Role::Driven);
+        let (rows, matrix) = system.matrix(part, (state, values), |role| role != Role::Driven);
         let task = Task { uncertainty: TIMES * worst, keep, most: part.most, ..Task::default() };
-        let constraints = outcome(part, &matrix, task);
+        let (constraints, cost) = outcome(part, &matrix, task);
         if constraints.exhausted {
             return Err(constraints.front);
         }
         let driven = has_drives.then(|| {
-            let (rows, matrix) = system.matrix(part, values, |_| true);
-            (outcome(part, &matrix, task), rows)
+            let (rows, matrix) = system.matrix(part, (state, values), |_| true);
+            (outcome(part, &matrix, task).0, rows)
         });
         if let Some((driven, _)) = driven.as_ref().filter(|(driven, _)| driven.exhausted) {
             return Err(driven.front);
@@ -187,6 +192,7 @@ pub(super) fn look(
         let matrix = is_wanted.then_some(matrix);
         Ok(Found {
             constraints,
+            cost,
             rows,
             driven,
             singular_values,
@@ -197,7 +203,7 @@ pub(super) fn look(
         })
     };
     // What is large is looked at one after the other, so that the limit of memory of one is that of all.
-    let of_small = |part: &Part| (part.cost <= TOGETHER).then(|| of_part(part));
+    let of_small = |part: &Part| (part.columns.len() <= TOGETHER).then(|| of_part(part));
     let small: Vec<_> = system.parts.par_iter().map(of_small).collect();
     small.into_iter().zip(&system.parts).map(|(found, part)| found.unwrap_or_else(|| of_part(part))).collect()
 }

@@ -68,12 +68,12 @@ pub(super) fn along(
             assembly.off_boundary.push(number);
             continue;
         }
-        let found = look(system, &values, (&residuals, &without_derivative), false);
+        let found = look(system, (state, &values), (&residuals, &without_derivative), false);
         let mut position = position(system, Some(number), &found, fixed);
         let numbers = |found: &Result<Found, usize>| found.as_ref().ok().map(Found::numbers);
         position.differs = initial.iter().zip(&found).any(|(initial, now)| numbers(initial) != numbers(now));
         if position.differs && listed < LISTED {
-            let kept = look(system, &values, (&residuals, &without_derivative), true);
+            let kept = look(system, (state, &values), (&residuals, &without_derivative), true);
             position.modes = modes(system, &kept);
             position.dependent = dependent(system, &kept);
             position.modes.truncate(LISTED - listed);
@@ -92,7 +92,7 @@ pub(super) fn along(
                 .iter()
                 .map(|residual| SECOND_ORDER / TIMES * residual.abs().max(U).sqrt())
                 .collect();
-            let strictly = look(system, &values, (&open, &without_derivative), false);
+            let strictly = look(system, (state, &values), (&open, &without_derivative), false);
             // A rank that the residual alone may have made is none of an admissible state.
             position.decided &= found.iter().zip(&strictly).all(|(found, strictly)| {
                 strictly.as_ref().is_ok_and(Found::is_decided) && numbers(found) == numbers(strictly)

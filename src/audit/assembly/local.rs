@@ -34,8 +34,8 @@ const BATCH: usize = 16;
 struct Surroundings<'a> {
     system: &'a System<'a>,
     part: &'a Part,
-    /// Its nodes that are not held: the number of their degrees of freedom, and their turn in the order of elimination.
-    nodes: HashMap<Label, (usize, usize)>,
+    /// Its nodes that are not held, with the number of their degrees of freedom.
+    nodes: HashMap<Label, usize>,
     /// Connectors and MPCs by those nodes.
     sources: HashMap<Label, Vec<Source>>,
     /// The redundant constraints.
@@ -106,13 +106,7 @@ impl<'a> Surroundings<'a> {
                 _ => labels.push((node, 1)),
             }
         }
-        let turns = part.order.iter().enumerate();
-        let nodes: HashMap<Label, (usize, usize)> = turns
-            .filter_map(|(turn, group)| {
-                let (label, count) = labels.get(*group as usize)?;
-                Some((*label, (*count, turn)))
-            })
-            .collect();
+        let nodes: HashMap<Label, usize> = labels.into_iter().collect();
         let mut sources: HashMap<Label, Vec<Source>> = HashMap::new();
         let connectors = part.connectors.iter().map(|index| Source::Connector(*index));
         let all: BTreeSet<Source> =
@@ -141,7 +135,7 @@ impl<'a> Surroundings<'a> {
         };
         let mut queue: VecDeque<Label> = nodes_of(self.system, seed).filter(is_free).collect();
         let mut inside: BTreeSet<Label> = queue.iter().copied().collect();
-        let count = |node: &Label| self.nodes.get(node).map_or(0, |(count, _)| *count);
+        let count = |node: &Label| self.nodes.get(node).copied().unwrap_or_default();
         let mut total: usize = inside.iter().map(count).sum();
         while let Some(node) = queue.pop_front().filter(|_| total < size) {
             for other in at(&node).iter().flat_map(|source| nodes_of(self.system, *source)).filter(is_free) {
@@ -181,7 +175,7 @@ impl<'a> Surroundings<'a> {
         let mut prescribed = given.restricted(&nodes, &elements, &[]);
         let is_grounded = connectors.iter().any(|index| model.connectors[*index].nodes.contains(&None));
         if !is_grounded && prescribed.held.iter().next().is_none() {
-            let last = inside.iter().max_by_key(|node| self.nodes.get(node).map_or(0, |(_, turn)| *turn));
+            let last = inside.last();
             let held: Vec<Freedom> = last
                 .iter()
                 .flat_map(|node| NUMBERS.map(|number| Freedom { node: **node, number }))
@@ -191,14 +185,14 @@ impl<'a> Surroundings<'a> {
         }
         let plan = Plan { connectors, mpcs, nodes, request: request() };
         let mut own = System::new(model, &plan, &prescribed);
-        own.put_in_order(self.part.length, &|node| self.nodes.get(&node).map_or(0, |(_, turn)| *turn));
+        own.put_length(self.part.length);
         let sequence = Sequence::new(model, &plan);
         let (start, mut values) = (State::default(), Vec::new());
         if sequence.clone().assemble(&start, &own.jacobian, &mut values).is_err() {
             return looked;
         }
         for part in &own.parts {
-            let (rows, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
+            let (rows, matrix) = own.matrix(part, (&start, &values), |role| role != Role::Driven);
             let here = named(&matrix, part, Task { keep: true, ..Task::default() });
             let known: Vec<(u32, u32)> = here
                 .dependent

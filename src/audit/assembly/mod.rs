@@ -25,7 +25,8 @@
 //! |---|---|
 //! | `system` | what are the equations, and which belong together? |
 //! | `steps` | in which steps are they others, and which states belong to those? |
-//! | `order` | in which order are nodes eliminated? |
+//! | `contract` | what moves as one body? |
+//! | `order` | in which order are bodies eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
 //! | `naming` | … and which rows may be named? |
 //! | `echelon` | which rows depend on those before them? |
@@ -44,6 +45,7 @@
 //! | `unread` | which constraints of the deck were not read? |
 //! | `findings` | what is said of it? |
 
+mod contract;
 mod dense;
 mod digits;
 mod echelon;
@@ -421,7 +423,7 @@ fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bo
     }
     let without_derivative =
         system.without_derivative(&Sequence::new(system.model, system.plan), &State::default());
-    let found = look(system, &values, (&[], &without_derivative), true);
+    let found = look(system, (&State::default(), &values), (&[], &without_derivative), true);
     let skipped =
         system.parts.iter().zip(&found).filter_map(|(part, found)| Some((part, found.as_ref().err()?)));
     assembly.skipped = skipped.filter_map(|(part, front)| system.skipped(part, *front)).collect();

@@ -12,7 +12,8 @@
 //! *Where can it go?* Small parts are looked at to second order ([`mod@super::second`]), and moved along what that leaves. Of others a state counts
 //! as one where the rank is the same only where none of the free motions was taken back.
 
-use super::eliminate::{Outcome, Sparse, Task, eliminate};
+use super::contract::Contracted;
+use super::eliminate::{Outcome, Sparse, Task};
 use super::naming::named;
 use super::redundant::only_here;
 use super::second::{Second, mixed, second};
@@ -55,8 +56,12 @@ pub(super) fn elsewhere(
     }
     let second = second(system, part, sequence, state, here);
     let restrained = second.as_ref().filter(|second| !second.restraining.is_empty());
-    if restrained.is_some_and(|second| second.excludes && second.open.is_empty()) {
-        return all(Holds::Isolated);
+    if let Some(second) = restrained.filter(|second| second.excludes && second.open.is_empty()) {
+        // Those that restrain no motion have nothing to do with the position.
+        let one = |row: &u32| {
+            if second.restraining.contains(row) { Holds::Isolated } else { Holds::Rigid }
+        };
+        return here.dependent.iter().map(one).collect();
     }
     let [narrowed, open] = motions(part, here, restrained);
     let seen = seen(system, part, sequence, state, here, (&narrowed, &open, samples));
@@ -205,7 +210,7 @@ fn reach(
         if sequence.clone().assemble(&state, &system.jacobian, &mut values).is_err() {
             return Reached::Lost;
         }
-        let (rows, matrix) = system.matrix(part, &values, is_constraint);
+        let (rows, matrix) = system.matrix(part, (&state, &values), is_constraint);
         let rank = |uncertainty: f64| named(&matrix, part, Task { uncertainty, ..Task::default() });
         let is_there = worst < HOLDS;
         if is_there {
@@ -220,7 +225,7 @@ fn reach(
         let place = |row: &u32| part.rows.binary_search(row).ok();
         let right: Vec<f64> =
             rows.iter().map(|row| place(row).and_then(|at| residuals.get(at)).map_or(0.0, |x| -x)).collect();
-        let Some(mut change) = solution(&matrix, &part.order, right, here, by) else { return Reached::Lost };
+        let Some(mut change) = solution(&matrix, part, right, here, by) else { return Reached::Lost };
         let largest = largest_of(&change);
         if !largest.is_finite() {
             return Reached::Lost;
@@ -257,7 +262,7 @@ pub(super) fn is_whole(here: &Outcome, motion: &[f64], total: &[f64]) -> bool {
 /// A solution of J δ = right; `None` where the matrix is too large for it.
 fn solution(
     matrix: &Sparse,
-    order: &[u32],
+    part: &Part,
     mut right: Vec<f64>,
     here: &Outcome,
     by: Correction,
@@ -278,5 +283,7 @@ fn solution(
         }
     }
     let task = Task { right: Some(&right), keep: true, ..Task::default() };
-    Some(eliminate(&gauged, order, task).solve(matrix.width(), |_| 0.0, false))
+    let contracted = Contracted::of(&gauged, 0.0);
+    let orders = part.orders(&contracted);
+    Some(contracted.eliminate(&gauged, &orders.best, task).solve(matrix.width(), |_| 0.0, false))
 }

@@ -7,8 +7,9 @@
 //! It counts as moved only where none of the free motions was taken back: others may be excluded to second order, of which nothing is known here.
 
 use super::Holds;
+use super::contract::Contracted;
 use super::echelon::{By, Echelon, MOST};
-use super::eliminate::{Sparse, Task};
+use super::eliminate::{Outcome, Sparse, Task};
 use super::found::Found;
 use super::largest;
 use super::moving::{BEYOND, HOLDS, is_constraint, is_whole, spread};
@@ -84,7 +85,7 @@ fn arrive(
         let is_there = worst < ROUNDED || (worst < HOLDS && worst > before / 4.0);
         before = worst;
         sequence.clone().assemble(&state, &system.jacobian, &mut values).ok()?;
-        let (rows, matrix) = system.matrix(part, &values, is_constraint);
+        let (rows, matrix) = system.matrix(part, (&state, &values), is_constraint);
         let residual = |row: u32| {
             let place = rows.get(row as usize).and_then(|row| part.rows.binary_search(row).ok());
             place.and_then(|place| residuals.get(place)).copied().unwrap_or_default()
@@ -93,20 +94,13 @@ fn arrive(
             return None;
         }
         // What was free is left as it is, or moves at random.
-        let given = here.free.iter().map(|column| {
+        let given = |column: &u32| {
             let [random, ..] = random(u64::from(*column));
             (*column, if is_there { f64::from(random) } else { 0.0 })
-        });
-        let mut echelon = Echelon::new(&matrix, &part.by_degree, By::Multiples, MOST).without(given);
-        for row in (0..matrix.rows() as u32).filter(|row| here.dependent.binary_search(row).is_err()) {
-            let right = if is_there { 0.0 } else { -residual(row) };
-            if !echelon.put(row, right)? {
-                return None;
-            }
-        }
-        let change = echelon.solve();
+        };
+        let right = |row: u32| if is_there { 0.0 } else { -residual(row) };
+        let change = solution(&matrix, part, here, &given, &right)?;
         if is_there {
-            drop(echelon);
             let (most, mut is_fresh) = (largest(&change), false);
             for row in &here.dependent {
                 let (mut product, mut own, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -135,4 +129,31 @@ fn arrive(
         state = system.moved(part, &state, &change);
     }
     None
+}
+
+/// A solution of the rows that were not redundant, with what is given of the free columns; `None` where they depend on each other, or these are others now.
+fn solution(
+    matrix: &Sparse,
+    part: &Part,
+    here: &Outcome,
+    given: &dyn Fn(&u32) -> (u32, f64),
+    right: &dyn Fn(u32) -> f64,
+) -> Option<Vec<f64>> {
+    let is_redundant = |row: &u32| here.dependent.binary_search(row).is_ok();
+    let contracted = Contracted::of(matrix, 0.0);
+    if contracted.made_by.iter().any(is_redundant) || !contracted.dependent.iter().all(is_redundant) {
+        return None;
+    }
+    let right: Vec<f64> = (0..matrix.rows() as u32).map(right).collect();
+    let shifted = contracted.shifted(matrix, &right);
+    let given: Option<Vec<_>> = here.free.iter().map(|column| contracted.given(given(column))).collect();
+    let orders = part.orders(&contracted);
+    let mut echelon = Echelon::new(&contracted.rest, &orders.by_degree, By::Multiples, MOST).without(given?);
+    let independent = (0..).zip(&contracted.names).filter(|(_, name)| !is_redundant(name));
+    for (row, _) in independent {
+        if !echelon.put(row, shifted.right[row as usize])? {
+            return None;
+        }
+    }
+    Some(contracted.expanded(matrix, &echelon.solve(), &shifted))
 }

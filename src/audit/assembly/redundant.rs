@@ -4,7 +4,7 @@ use super::eliminate::{self, Task};
 use super::found::{Found, constraint};
 use super::moving::{SAMPLES, elsewhere};
 use super::naming::named;
-use super::system::{Part, Role, System, request};
+use super::system::{Part, Role, System, is_dear, request};
 use super::{Constraint, Holds, Redundant, Unnamed, WhyUnnamed, dense, local, once};
 use crate::evaluate::{Plan, Sequence};
 use crate::scene::State;
@@ -85,12 +85,21 @@ pub(super) fn only_here(dependent: &[u32], elsewhere: &[u32]) -> Vec<u32> {
 
 /// Where the redundancies of a part hold, in their order.
 fn judge(system: &System<'_>, part: &Part, found: &Found) -> Vec<Holds> {
-    let is_large = part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT || part.is_dear();
+    let is_large =
+        part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT || is_dear(found.cost);
     if is_large && found.constraints.mobility() > 0 {
         return once::judge(system, part, found)
             .unwrap_or_else(|| local::judge(system, part, found, &local::SIZES));
     }
-    judge_whole(system, part, found)
+    let whole = judge_whole(system, part, found);
+    // Small parts were looked at to second order: nothing else is known of them.
+    if found.matrix.is_some() || !whole.contains(&Holds::Unjudged) {
+        return whole;
+    }
+    let others =
+        once::judge(system, part, found).unwrap_or_else(|| local::judge(system, part, found, &local::SIZES));
+    let of_both = |(whole, other): (Holds, Holds)| if whole == Holds::Unjudged { other } else { whole };
+    whole.into_iter().zip(others).map(of_both).collect()
 }
 
 /// The same, of a part that is moved as a whole.
@@ -119,7 +128,7 @@ pub(super) fn judge_whole(system: &System<'_>, part: &Part, found: &Found) -> Ve
     if sequence.clone().assemble(&start, &own.jacobian, &mut values).is_err() {
         return all(Holds::Unjudged);
     }
-    let (_, matrix) = own.matrix(part, &values, |role| role != Role::Driven);
+    let (_, matrix) = own.matrix(part, (&start, &values), |role| role != Role::Driven);
     let here = named(&matrix, part, Task { keep: true, ..Task::default() });
     if here.dependent != *dependent {
         return all(Holds::Unjudged);

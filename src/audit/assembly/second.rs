@@ -20,13 +20,13 @@ use crate::scene::State;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Parts of more motions, or redundant constraints, are not looked at to second order.
-const MOST: usize = 60;
+const MOST: [usize; 2] = [400, 60];
 /// The step of the differences (rad, or lengths of a connector): what is left out is of the size of its square.
 const STEP: f64 = 1e-4;
 /// A form is zero whose largest value on motions of length one is smaller: beyond what differences leave out by a factor of 100.
 const ZERO: f64 = 1e-6;
 /// One that is definite is no smaller, on motions of length one.
-const DEFINITE: f64 = 1e-4;
+const DEFINITE: f64 = 1e-5;
 /// Zeros of the forms that are tried.
 const TRIED: usize = 6;
 
@@ -86,13 +86,13 @@ fn forms(
     state: &State,
     here: &Outcome,
 ) -> Option<Forms> {
-    if here.free.len() > MOST || here.dependent.len() > MOST || !(here.has_pivots() || here.rank == 0) {
+    if here.free.len() > MOST[0] || here.dependent.len() > MOST[1] || !(here.has_pivots() || here.rank == 0) {
         return None;
     }
     let jacobian = |state: &State| -> Option<Sparse> {
         let mut values = Vec::new();
         sequence.clone().assemble(state, &system.jacobian, &mut values).ok()?;
-        Some(system.matrix(part, &values, |role| role != Role::Driven).1)
+        Some(system.matrix(part, (state, &values), |role| role != Role::Driven).1)
     };
     let matrix = jacobian(state)?;
     if !dense::is_small(&matrix, dense::LARGEST) {
@@ -179,7 +179,7 @@ fn divided(forms: &Forms) -> Option<[DMatrix<f64>; 2]> {
     let eigen = SymmetricEigen::try_new(sum, f64::EPSILON, 10_000)?;
     let of = |is_open: bool| -> DMatrix<f64> {
         let chosen: Vec<DVector<f64>> = (0..count)
-            .filter(|at| (eigen.eigenvalues[*at] < ZERO * ZERO * 1e4) == is_open)
+            .filter(|at| (eigen.eigenvalues[*at] < ZERO * ZERO * 1e2) == is_open)
             .map(|at| eigen.eigenvectors.column(at).into_owned())
             .collect();
         if chosen.is_empty() { DMatrix::zeros(count, 0) } else { DMatrix::from_columns(&chosen) }
@@ -199,11 +199,14 @@ fn combined(forms: &[DMatrix<f64>], weights: &DVector<f64>) -> DMatrix<f64> {
 /// Whether a combination of forms is found that is definite: a combination that is negative along a motion takes more of the forms that
 /// are positive there (the perceptron).
 fn is_definite(forms: &[DMatrix<f64>]) -> bool {
+    /// So many eigenvalue problems of sixty motions; of more fewer, by what they cost.
     const TIMES: usize = 300;
+    const MOTIONS: usize = 60;
     let values =
         |v: &DVector<f64>| DVector::from_iterator(forms.len(), forms.iter().map(|form| v.dot(&(form * v))));
     let mut weights = DVector::from_iterator(forms.len(), forms.iter().map(|form| form.trace()));
-    for _ in 0..TIMES {
+    let count = forms.first().map_or(0, DMatrix::nrows).max(MOTIONS);
+    for _ in 0..(TIMES * MOTIONS.pow(3) / count.pow(3)).max(3) {
         let length = size(&weights);
         if length > 0.0 {
             weights /= length;

@@ -1,10 +1,11 @@
 //! The equations of an assembly: what is enforced, held and driven, without dimensions, and what belongs together.
 
 use super::Skipped;
+use super::contract::{self, Contracted, Layout};
 use super::digits::Digits;
 use super::eliminate::{Most, Sparse};
 use super::found::ROUNDED;
-use super::order::{Union, dissection, minimum_degree, predicted};
+use super::order::{Orders, Union};
 use crate::audit::bound::U;
 use crate::catalog::COMPONENT;
 use crate::connector::{Flag, Mask, Output, Request};
@@ -19,6 +20,7 @@ use crate::so3;
 use crate::vector::{add, sub};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::convert::Infallible;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Why an equation holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
@@ -46,10 +48,6 @@ pub(super) struct Part {
     pub(super) rows: Vec<u32>,
     /// Columns of the system, by node, ascending.
     pub(super) columns: Vec<u32>,
-    /// The groups of columns (nodes) in the order of elimination.
-    pub(super) order: Vec<u32>,
-    /// The same by least degree, where that is known: in it rows that are put in one by one stay sparser than by dissection.
-    pub(super) by_degree: Vec<u32>,
     /// The length by which lengths are divided.
     pub(super) length: f64,
     /// Which connectors and MPCs of the model.
@@ -57,23 +55,46 @@ pub(super) struct Part {
     pub(super) mpcs: Vec<usize>,
     /// What its elimination may cost.
     pub(super) most: Most,
-    /// What its elimination is predicted to cost ([`predicted`]).
-    pub(super) cost: f64,
+    /// What its elimination is taken to cost, where that is not as predicted.
+    pub(super) cost: Option<f64>,
+    /// The orders of elimination that were found last, with what they are of.
+    known: Arc<Mutex<Option<Known>>>,
+}
+
+/// The sets of groups that rows join, the widths of these, and their orders.
+#[derive(Debug)]
+struct Known {
+    cliques: Vec<Vec<u32>>,
+    widths: Vec<usize>,
+    orders: Arc<Orders>,
+}
+
+/// Whether an elimination of such a cost is so dear that products with the matrix are tried first.
+pub(super) const fn is_dear(cost: f64) -> bool {
+    /// Some two seconds of processor.
+    const CHEAP: f64 = 1e9;
+    cost > CHEAP
+}
+
+/// Whether redundant constraints are named at such a cost, where the rank comes of products.
+pub(super) const fn is_named(cost: f64) -> bool {
+    /// Some tens of seconds of processor.
+    const AFFORDABLE: f64 = 3e10;
+    cost <= AFFORDABLE
 }
 
 impl Part {
-    /// Whether its elimination is so dear that products with the matrix are tried first.
-    pub(super) const fn is_dear(&self) -> bool {
-        /// Some two seconds of processor.
-        const CHEAP: f64 = 1e9;
-        self.cost > CHEAP
-    }
-
-    /// Whether redundant constraints are named, where the rank comes of products.
-    pub(super) const fn is_named(&self) -> bool {
-        /// Some tens of seconds of processor, as the elimination of a grid of four-bars of 1e5 connectors.
-        const AFFORDABLE: f64 = 3e10;
-        self.cost <= AFFORDABLE
+    /// The orders in which the bodies of its matrix are eliminated. They are sought where they are not known of a matrix that joins the same.
+    pub(super) fn orders(&self, contracted: &Contracted) -> Arc<Orders> {
+        let (cliques, widths) = (contracted.cliques(), contracted.widths());
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = known.as_ref().filter(|known| known.cliques == cliques && known.widths == widths)
+        {
+            return known.orders.clone();
+        }
+        let orders = Arc::new(Orders::of(&cliques, &widths));
+        *known = Some(Known { cliques, widths, orders: orders.clone() });
+        orders
     }
 }
 
@@ -96,18 +117,14 @@ pub(super) struct System<'a> {
     hinges: HashSet<Label>,
 }
 
-/// The pairs of nodes that may be joined while an order by least degree is sought, a second or two: of what is joined in three dimensions dissection
-/// leaves smaller fronts.
-const PAIRS: usize = 150_000_000;
-/// What costs more by least degree may cost less by dissection, which is tried.
-const DIVIDED: f64 = 1e8;
-
 /// What prescribed motions do in a step: components of connectors that are held or driven, degrees of freedom that are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Prescribed {
     pub(super) held: Fixed,
     pub(super) motions: HashMap<(Label, usize), Role>,
     pub(super) driven: HashSet<Freedom>,
+    /// Where the nodes are.
+    places: HashMap<Label, [f64; 3]>,
     /// The largest coordinate of each node that has rounded ones.
     rounded: HashMap<Label, f64>,
     /// How exact the numbers are that the scene gives.
@@ -164,7 +181,8 @@ impl Prescribed {
                 put(motion, &mut motions);
             }
         }
-        Ok(Self { held, motions, driven, rounded: rounded(scene), digits: Digits::of(scene) })
+        let places = scene.nodes.iter().map(|(label, node)| (*label, node.coordinates)).collect();
+        Ok(Self { held, motions, driven, places, rounded: rounded(scene), digits: Digits::of(scene) })
     }
 
     /// The same for some nodes and elements alone, with degrees of freedom that are held besides.
@@ -174,6 +192,7 @@ impl Prescribed {
             held: self.held.restricted(nodes, held),
             motions: of_elements.filter_map(|key| Some((key, *self.motions.get(&key)?))).collect(),
             driven: freedoms_of(nodes).filter(|freedom| self.driven.contains(freedom)).collect(),
+            places: nodes.iter().filter_map(|node| Some((*node, *self.places.get(node)?))).collect(),
             rounded: nodes.iter().filter_map(|node| Some((*node, *self.rounded.get(node)?))).collect(),
             digits: self.digits.restricted(nodes.iter(), elements),
         }
@@ -226,6 +245,17 @@ impl<'a> System<'a> {
         };
         system.divide();
         system
+    }
+
+    /// A number of the connector or constraint that enforces a row.
+    fn source(&self, row: usize) -> u32 {
+        match self.origins[row] {
+            Origin::Equation(equation) if self.roles[row] == Role::Enforced => match equation.source {
+                Source::Connector(index) => index as u32,
+                Source::Mpc(index) => (self.model.connectors.len() + index) as u32,
+            },
+            _ => contract::NONE,
+        }
     }
 
     /// The columns of a row.
@@ -332,7 +362,6 @@ impl<'a> System<'a> {
             parts[part].columns.push(column as u32);
         }
         let mut lengths: Vec<(f64, usize)> = vec![(0.0, 0); parts.len()];
-        let mut cliques: Vec<Vec<Vec<u32>>> = vec![Vec::new(); parts.len()];
         let mut before: Option<Origin> = None;
         let mut fixed_rows = Vec::new();
         for row in 0..self.origins.len() {
@@ -343,11 +372,6 @@ impl<'a> System<'a> {
             };
             let Some(part) = part_of.get(&union.find(node_of[*first as usize])).copied() else { continue };
             parts[part].rows.push(row as u32);
-            let mut clique: Vec<u32> = columns.iter().map(|column| node_of[*column as usize]).collect();
-            clique.dedup();
-            if cliques[part].last() != Some(&clique) {
-                cliques[part].push(clique);
-            }
             let origin = self.origins[row];
             let is_same = match (before, origin) {
                 (Some(Origin::Equation(old)), Origin::Equation(new)) => old.source == new.source,
@@ -367,52 +391,16 @@ impl<'a> System<'a> {
             }
             before = Some(origin);
         }
-        for (part, ((sum, count), cliques)) in parts.iter_mut().zip(lengths.into_iter().zip(cliques)) {
+        for (part, (sum, count)) in parts.iter_mut().zip(lengths) {
             part.length = if count > 0 { sum / count as f64 } else { 1.0 };
-            let mut local: HashMap<u32, u32> = HashMap::new();
-            for column in &part.columns {
-                let next = local.len() as u32;
-                local.entry(node_of[*column as usize]).or_insert(next);
-            }
-            let cliques: Vec<Vec<u32>> = cliques
-                .into_iter()
-                .map(|clique| clique.into_iter().filter_map(|node| local.get(&node).copied()).collect())
-                .collect();
-            let mut widths = vec![0; local.len()];
-            for column in &part.columns {
-                if let Some(group) = local.get(&node_of[*column as usize]) {
-                    widths[*group as usize] += 1;
-                }
-            }
-            let cost = |order: &[u32]| predicted(order, &cliques, &widths);
-            let by_degree = minimum_degree(local.len(), &cliques, PAIRS);
-            let cost_by_degree = by_degree.as_ref().map_or(f64::INFINITY, |order| cost(order));
-            let (mut order, mut least) = (None, cost_by_degree);
-            if cost_by_degree > DIVIDED {
-                let by_dissection = dissection(local.len(), &cliques);
-                least = cost(&by_dissection);
-                order = Some(by_dissection).filter(|_| least < cost_by_degree);
-            }
-            part.cost = least.min(cost_by_degree);
-            part.by_degree = by_degree.or_else(|| order.clone()).unwrap_or_default();
-            part.order = order.unwrap_or_else(|| part.by_degree.clone());
         }
         self.parts = parts;
         self.fixed_rows = fixed_rows;
     }
 
-    /// Gives all parts a length, and the order of elimination in which nodes have these turns.
-    pub(super) fn put_in_order(&mut self, length: f64, turn: &dyn Fn(Label) -> usize) {
-        let freedoms = self.jacobian.freedoms();
-        for part in &mut self.parts {
-            part.length = length;
-            let mut nodes: Vec<Label> =
-                part.columns.iter().map(|column| freedoms[*column as usize].node).collect();
-            nodes.dedup();
-            part.order = (0..nodes.len() as u32).collect();
-            part.order.sort_by_key(|group| turn(nodes[*group as usize]));
-            part.by_degree = part.order.clone();
-        }
+    /// Gives all parts a length.
+    pub(super) fn put_length(&mut self, length: f64) {
+        self.parts.iter_mut().for_each(|part| part.length = length);
     }
 
     /// A part that was not looked at, for a front of so many columns would be too large.
@@ -447,22 +435,28 @@ impl<'a> System<'a> {
         if self.is_length(row) { part.length } else { 1.0 }
     }
 
-    /// The rows and the matrix of a part without dimensions, from the entries of the Jacobian: rows of the roles wanted, what is enforced
+    /// The rows and the matrix of a part without dimensions, from the entries of the Jacobian at a state: rows of the roles wanted, what is enforced
     /// before what is held before what is driven, so that of rows that depend on each other the last are named.
     pub(super) fn matrix(
         &self,
         part: &Part,
-        values: &[f64],
+        (state, values): (&State, &[f64]),
         wanted: impl Fn(Role) -> bool,
     ) -> (Vec<u32>, Sparse) {
         let freedoms = self.jacobian.freedoms();
         let mut matrix = Sparse { offsets: vec![0], ..Sparse::default() };
+        let mut layout = Layout { length: part.length, ..Layout::default() };
         let mut last = None;
         for (local, column) in part.columns.iter().enumerate() {
             let node = freedoms[*column as usize].node;
             if last != Some(node) {
                 matrix.groups.push(local as u32);
+                let displacement = state.nodes.get(&node).map(|motion| motion.displacement);
+                let place = self.prescribed.places.get(&node).copied().unwrap_or([f64::NAN; 3]);
+                layout.places.push([place, displacement.unwrap_or_default()]);
+                layout.axes.push(self.prescribed.held.axes(node).copied());
             }
+            layout.numbers.push(freedoms[*column as usize].number);
             last = Some(node);
         }
         matrix.groups.push(part.columns.len() as u32);
@@ -484,7 +478,9 @@ impl<'a> System<'a> {
             matrix.offsets.push(matrix.columns.len());
             matrix.rough.push(self.rough(part, row));
             matrix.open.push(self.open(part, row));
+            layout.sources.push(self.source(row));
         }
+        matrix.layout = Some(layout);
         (rows, matrix)
     }
 

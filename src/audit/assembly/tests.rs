@@ -1,8 +1,9 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
+use super::contract::Contracted;
 use super::dense::{dependent, least, made_of, singular_values};
-use super::echelon;
-use super::eliminate::{Most, Sparse, Task, eliminate};
+use super::echelon::{self, By, Echelon};
+use super::eliminate::{Most, Outcome, Sparse, Task, eliminate};
 use super::findings::findings;
 use super::found::{Found, look};
 use super::given::along;
@@ -11,7 +12,7 @@ use super::naming::named;
 use super::once;
 use super::order::{dissection, minimum_degree};
 use super::redundant::{judge_whole, only_here};
-use super::system::{Part, Prescribed, System, request};
+use super::system::{Part, Prescribed, System, is_dear, request};
 use super::{Assembly, Holds, Position, Unnamed, WhyUnnamed};
 use crate::audit::model::{Finding, Levels};
 use crate::audit::sample::Draw;
@@ -77,7 +78,9 @@ impl Read {
         let mut values = Vec::new();
         let mut sequence = Sequence::new(&self.model, &self.plan);
         sequence.assemble(&State::default(), &system.jacobian, &mut values).unwrap();
-        look(system, &values, (&[], &[]), true).swap_remove(0).unwrap_or_else(|_| panic!())
+        look(system, (&State::default(), &values), (&[], &[]), true)
+            .swap_remove(0)
+            .unwrap_or_else(|_| panic!())
     }
 }
 
@@ -163,8 +166,8 @@ fn what_is_named_can_be_left_out() {
         let is_right = rank_without(&outcome.dependent) == outcome.rank;
         assert!(is_right || outcome.misnames, "case {case}");
         misnamed += usize::from(!is_right);
-        let last = dependent(&matrix);
-        let in_echelon = echelon::dependent(&matrix, &order, last.len(), usize::MAX);
+        let last = dependent(&matrix, &(0..matrix.rows() as u32).collect::<Vec<_>>());
+        let in_echelon = echelon::dependent(&matrix, &order, &[], last.len(), usize::MAX);
         assert_eq!(in_echelon.as_ref(), Some(&last), "case {case}");
         assert_eq!(
             (last.len(), rank_without(&last)),
@@ -287,9 +290,9 @@ fn the_largest_keeps_what_is_no_number() {
 /// A part that is too densely joined is told of, and has no ranks; the other parts have theirs, and what can be counted is counted.
 #[test]
 fn what_is_too_large_is_undecided_and_nothing_else_is() {
-    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n4, 5., 0., 0.\n5, 5., 1., 0.\n\
-                *ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n2, 2, 3\n3, 4, 5\n4, 4, 5\n\
-                *CONNECTOR SECTION, ELSET=C\nBEAM\n*BOUNDARY\n4, 1, 6\n";
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0.5, 0.\n3, 2., 0., 0.25\n4, 5., 0., 0.\n5, 5., 1., 0.\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=L\n1, 1, 2\n2, 2, 3\n5, 1, 3\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n3, 4, 5\n4, 4, 5\n\
+                *CONNECTOR SECTION, ELSET=L\nLINK\n*CONNECTOR SECTION, ELSET=C\nBEAM\n*BOUNDARY\n4, 1, 6\n";
     let read = Read::of(text);
     let mut system = read.system();
     assert_eq!(system.parts.len(), 2);
@@ -302,13 +305,13 @@ fn what_is_too_large_is_undecided_and_nothing_else_is() {
     };
     let (whole, codes) = analysed(&system);
     assert_eq!(codes, [Code::AssemblyRedundant, Code::AssemblyMechanism]);
-    assert_eq!((whole.positions[0].rank, whole.is_decided()), (Some(18), true));
+    assert_eq!((whole.positions[0].rank, whole.is_decided()), (Some(9), true));
     system.parts[0].most.work = 0;
     let (part, codes) = analysed(&system);
     assert_eq!(codes, [Code::AssemblyRedundant, Code::AssemblyUndecided]);
     let counted =
         |of: &Assembly| (of.degrees_of_freedom, of.held, of.constraints, of.drives, of.gruebler, of.parts);
-    assert_eq!(counted(&part), (30, 6, 24, 0, 0, 2));
+    assert_eq!(counted(&part), (21, 6, 15, 0, 0, 2));
     assert_eq!(counted(&part), counted(&whole));
     assert_eq!((part.redundant.len(), part.redundant == whole.redundant), (6, true));
     assert!(part.modes.is_empty() && !part.is_decided());
@@ -317,7 +320,7 @@ fn what_is_too_large_is_undecided_and_nothing_else_is() {
         let Position { rank, mobility, undriven, redundant, overdriven, .. } = position;
         assert_eq!([rank, mobility, undriven, redundant, overdriven], [&None; 5]);
     }
-    assert_eq!((part.skipped.len(), part.skipped[0].front > 0, part.skipped[0].connectors), (1, true, 2));
+    assert_eq!((part.skipped.len(), part.skipped[0].front > 0, part.skipped[0].connectors), (1, true, 3));
 }
 
 /// What was not looked at is not decided.
@@ -384,11 +387,7 @@ fn sheared_grids_are_decided() {
         assert_eq!(outcome.dependent.len(), matrix.rows() + 2 * n - 3 - matrix.width());
         assert!(outcome.is_decided());
         // All are named.
-        let all = named(
-            &matrix,
-            &Part { order: order(&matrix), by_degree: order(&matrix), ..Part::default() },
-            Task::default(),
-        );
+        let all = named(&matrix, &Part::default(), Task::default());
         assert_eq!((all.rank, all.dependent.len()), (outcome.rank, outcome.dependent.len()));
         assert!(outcome.gap[0] < 1e-13 && outcome.gap[1] > 1e-4, "{n}: {:?}", outcome.gap);
         // Rows stay as sparse as they are.
@@ -556,9 +555,9 @@ fn products_find_what_elimination_finds() {
             super::of_system(system, &[], &|_| true, &mut assembly);
             assembly
         };
-        assert!(!system.parts[0].is_dear());
+        assert!(!is_dear(read.found(&system).cost));
         let by_elimination = analysed(&system);
-        system.parts[0].cost = f64::INFINITY;
+        system.parts[0].cost = Some(f64::INFINITY);
         let by_products = analysed(&system);
         assert!(by_products.largest_front == 0 && by_elimination.largest_front > 0);
         assert!(by_elimination.is_decided() && by_products.is_decided());
@@ -612,11 +611,11 @@ fn what_is_affordable_is_named() {
     assert_eq!(numbers.0.map(|rank| 3 * 27 - 3 - rank), numbers.1);
     assert!(numbers.3 && numbers.1.unwrap() <= 3 && names.len() == numbers.2.unwrap() && names.len() > 8);
     assert!(cheap.largest_front > 0 && cheap.unnamed.is_none());
-    system.parts[0].cost = 2e9;
+    system.parts[0].cost = Some(2e9);
     let (by_products, named, dear) = analysed(&system);
     assert_eq!((by_products, dear.largest_front, dear.unnamed), (numbers, 0, None));
     assert_eq!(named, names);
-    system.parts[0].cost = f64::INFINITY;
+    system.parts[0].cost = Some(f64::INFINITY);
     let (too_dear, some, dear) = analysed(&system);
     assert_eq!((too_dear, dear.largest_front), (numbers, 0));
     assert!(!some.is_empty() && some.len() < names.len());
@@ -673,4 +672,129 @@ fn states_off_are_told_once() {
     let some = told(&[both(0.0, 0), both(1.0, 1)]);
     assert!(some.len() == 1 && some[0].contains("its rank there is not looked at: state 1 moves what"));
     assert!(told(&[both(0.0, 0)]).is_empty());
+}
+
+/// A deck of nodes at random, or at random in a plane or on a grid, and connectors between near ones: BEAMs, and what leaves something free; of nodes some are
+/// held, or some of their degrees of freedom, and of some the axes are turned.
+fn assembled(draw: &mut Draw) -> String {
+    let (count, is_planar, far) =
+        (4 + draw.below(7), draw.below(3) == 0, [0.0, 0.0, 1234.567][draw.below(3)]);
+    let is_grid = draw.below(3) == 0;
+    let mut place = |axis: usize| match (axis, is_planar) {
+        (2, true) => 0.0,
+        _ if is_grid => draw.below(3) as f64,
+        _ => far + draw.between(-2.0, 2.0),
+    };
+    let nodes: String =
+        (1..=count).map(|node| format!("{node}, {:?}, {:?}, {:?}\n", place(0), place(1), place(2))).collect();
+    let kinds = ["BEAM", "BEAM", "WELD", "HINGE", "JOIN", "LINK", "ALIGN", "UNIVERSAL"];
+    let mut elements = String::new();
+    for element in 1..=count + draw.below(2 * count) {
+        let [a, b] = [1 + draw.below(count), 1 + draw.below(count)];
+        if a != b {
+            let kind = kinds[draw.below(kinds.len())];
+            elements += &format!(
+                "*ELEMENT, TYPE=CONN3D2, ELSET=E{element}\n{element}, {a}, {b}\n*CONNECTOR SECTION, ELSET=E{element}\n{kind}\n{}\n",
+                if ["BEAM", "LINK"].contains(&kind) { "" } else { "Z," }
+            );
+        }
+    }
+    for mpc in ["BEAM", "TIE", "PIN", "LINK"] {
+        if draw.below(3) == 0 {
+            elements += &format!(
+                "*MPC\n{mpc}, {}, {}\n",
+                2 * draw.below(count / 2) + 1,
+                2 * draw.below(count / 2) + 2
+            );
+        }
+    }
+    let held = match draw.below(4) {
+        0 => String::new(),
+        1 => "*BOUNDARY\n1, 1, 6\n".into(),
+        2 => "*BOUNDARY\n1, 1, 6\n2, 1, 3\n".into(),
+        _ => "*TRANSFORM, NSET=T\n0.6, 0.8, 0., -0.8, 0.6, 0.\n*BOUNDARY\n1, 1, 2\n2, 2, 2\n".into(),
+    };
+    format!(
+        "*NODE\n{nodes}*NSET, NSET=T\n1, 2\n*ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n{}{held}",
+        elements
+    )
+}
+
+/// What is put together to bodies has the rank, the motions and as many redundant constraints as what is eliminated node by node; its solutions are
+/// solutions, and what is named can be left out, in whichever way it was found.
+#[test]
+fn bodies_have_what_their_nodes_have() {
+    let mut draw = Draw::new("bodies");
+    let (mut together, mut looked_at) = (0, 0);
+    for case in 0..400 {
+        let text = assembled(&mut draw);
+        let Ok(scene) = Scene::parse("scene.inp", &text) else { continue };
+        let Ok(model) = Model::compile(&scene) else { continue };
+        let prescribed = Prescribed::of(&scene, 1).unwrap();
+        let plan = Plan::everything(&model, request());
+        let system = System::new(&model, &plan, &prescribed);
+        let mut values = Vec::new();
+        let state = State::default();
+        Sequence::new(&model, &plan).assemble(&state, &system.jacobian, &mut values).unwrap();
+        for part in &system.parts {
+            let (_, matrix) = system.matrix(part, (&state, &values), |_| true);
+            let wanted: Vec<f64> = (0..matrix.width()).map(|_| draw.between(-1.0, 1.0)).collect();
+            let product = |row: usize| {
+                matrix
+                    .range(row)
+                    .map(|at| matrix.values[at] * wanted[matrix.columns[at] as usize])
+                    .sum::<f64>()
+            };
+            let right: Vec<f64> = (0..matrix.rows()).map(product).collect();
+            let task = Task { keep: true, right: Some(&right), ..Task::default() };
+            let by_nodes = eliminate(&matrix, &order(&matrix), task);
+            let contracted = Contracted::of(&matrix, 0.0);
+            let orders = part.orders(&contracted);
+            let by_bodies = contracted.eliminate(&matrix, &orders.best, task);
+            if !(by_nodes.is_decided() && by_bodies.is_decided()) {
+                continue;
+            }
+            looked_at += 1;
+            together += contracted.made_by.len();
+            let numbers =
+                |of: &Outcome| (of.rank, of.redundant(), of.mobility(), of.dependent.len(), of.free.len());
+            assert_eq!(numbers(&by_bodies), numbers(&by_nodes), "case {case}\n{text}");
+            for column in &by_bodies.free {
+                let vector =
+                    by_bodies.solve(matrix.width(), |other| f64::from(u8::from(other == *column)), true);
+                let size = vector.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+                assert!(largest_product(&matrix, &vector) < 1e-9 * size, "case {case}\n{text}");
+            }
+            let free = |column: u32| wanted[column as usize];
+            let solution = by_bodies.solve(matrix.width(), free, false);
+            let off: Vec<f64> = solution.iter().zip(&wanted).map(|(x, y)| x - y).collect();
+            let size = solution.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+            assert!(largest_product(&matrix, &off) < 1e-9 * size, "case {case}\n{text}");
+            // Rows are named by dense matrices, and alike by those of bodies.
+            let last = dependent(&matrix, &contracted.in_order());
+            assert_eq!(last.len(), by_bodies.redundant(), "case {case}\n{text}");
+            let of_rest = last.len() - contracted.dependent.len();
+            let free: Vec<u32> =
+                by_bodies.free.iter().map(|column| contracted.given((*column, 0.0)).unwrap().0).collect();
+            let found =
+                echelon::dependent(&contracted.rest, &orders.by_degree, &free, of_rest, usize::MAX).unwrap();
+            let mut found: Vec<u32> = found.iter().map(|row| contracted.names[*row as usize]).collect();
+            found.extend(&contracted.dependent);
+            found.sort_unstable();
+            assert_eq!(found, last, "case {case}\n{text}");
+            // Given the free columns, all others follow.
+            let shifted = contracted.shifted(&matrix, &right);
+            let given =
+                by_bodies.free.iter().map(|column| contracted.given((*column, wanted[*column as usize])));
+            let mut echelon = Echelon::new(&contracted.rest, &orders.by_degree, By::Multiples, usize::MAX)
+                .without(given.flatten());
+            for row in 0..contracted.rest.rows() as u32 {
+                echelon.put(row, shifted.right[row as usize]).unwrap();
+            }
+            let all = contracted.expanded(&matrix, &echelon.solve(), &shifted);
+            let worst = all.iter().zip(&solution).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-7 * size, "case {case}: {worst}\n{text}");
+        }
+    }
+    assert!(together > 1000 && looked_at > 200, "{together} {looked_at}");
 }
