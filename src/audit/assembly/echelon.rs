@@ -258,8 +258,7 @@ fn combined(x: &[(u32, f64)], y: &[(u32, f64)], [of_x, of_y]: [f64; 2], sum: &mu
 /// Columns that are known to be free are made of the others: they are left out.
 pub(super) fn dependent(
     matrix: &Sparse,
-    order: &[u32],
-    free: &[u32],
+    (order, free): (&[u32], &[u32]),
     count: usize,
     most: usize,
 ) -> Option<Vec<u32>> {
@@ -330,7 +329,8 @@ mod tests {
         let mut draw = Draw::new("echelon");
         for case in 0..100 {
             let matrix = random(&mut draw);
-            let expected = dense::dependent(&matrix, &(0..matrix.rows() as u32).collect::<Vec<_>>());
+            let rows: Vec<u32> = (0..matrix.rows() as u32).collect();
+            let expected = dense::dependent(&matrix, &rows);
             let count = expected.len();
             assert!(count > 0, "case {case}");
             let forwards: Vec<u32> = (0..matrix.width() as u32).collect();

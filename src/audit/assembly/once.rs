@@ -1,15 +1,14 @@
 //! Where do the redundancies of a large part hold? It is moved once, along all its free motions, and brought back to where its constraints hold.
 //!
 //! A random state of a branch of motion has the largest rank there is on it, but for states of no measure. There the constraints that were not redundant
-//! are solved for a random motion ([`mod@super::echelon`]): where it is one of those that were, too, they hold throughout, as is judged. Where it is
+//! are solved for a random motion: where it is one of those that were, too, they hold throughout, as is judged. Where it is
 //! not, elimination has the rank, with what is certain of it; then some held at the first state only.
 //!
 //! It counts as moved only where none of the free motions was taken back: others may be excluded to second order, of which nothing is known here.
 
 use super::Holds;
 use super::contract::Contracted;
-use super::echelon::{By, Echelon, MOST};
-use super::eliminate::{Outcome, Sparse, Task};
+use super::eliminate::{Outcome, Sparse, Task, eliminate};
 use super::found::Found;
 use super::largest;
 use super::moving::{BEYOND, HOLDS, is_constraint, is_whole, spread};
@@ -20,6 +19,7 @@ use super::system::{Part, System};
 use crate::audit::bound::U;
 use crate::evaluate::Sequence;
 use crate::scene::State;
+use std::collections::HashMap;
 
 /// How far it is moved (rad, or lengths of a connector): the first where that leads somewhere.
 const STEPS: [f64; 2] = [0.05, 0.01];
@@ -48,7 +48,10 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found) -> Option<V
         return Some(vec![Holds::Throughout; here.dependent.len()]);
     }
     let outcome = named(&matrix, part, Task { uncertainty, most: part.most, ..Task::default() });
-    if !outcome.is_decided() || !outcome.names_all() || outcome.rank <= here.rank {
+    if outcome.is_decided() && outcome.rank == here.rank {
+        return Some(vec![Holds::Throughout; here.dependent.len()]);
+    }
+    if !outcome.is_decided() || !outcome.names_all() || outcome.rank < here.rank {
         return None;
     }
     let only = only_here(&here.dependent, &outcome.dependent);
@@ -147,13 +150,27 @@ fn solution(
     let right: Vec<f64> = (0..matrix.rows() as u32).map(right).collect();
     let shifted = contracted.shifted(matrix, &right);
     let given: Option<Vec<_>> = here.free.iter().map(|column| contracted.given(given(column))).collect();
-    let orders = part.orders(&contracted);
-    let mut echelon = Echelon::new(&contracted.rest, &orders.by_degree, By::Multiples, MOST).without(given?);
-    let independent = (0..).zip(&contracted.names).filter(|(_, name)| !is_redundant(name));
-    for (row, _) in independent {
-        if !echelon.put(row, shifted.right[row as usize])? {
-            return None;
+    let given: HashMap<u32, f64> = given?.into_iter().collect();
+    // What is given goes to the right-hand side: its columns are without entries, and free.
+    let names = (0..).zip(&contracted.names);
+    let rows: Vec<u32> = names.filter(|(_, name)| !is_redundant(name)).map(|(row, _)| row).collect();
+    let mut rest = contracted.rest.with_rows(&rows);
+    let mut of_rest: Vec<f64> = rows.iter().map(|row| shifted.right[*row as usize]).collect();
+    for (row, right) in of_rest.iter_mut().enumerate() {
+        for at in rest.range(row) {
+            if let Some(given) = given.get(&rest.columns[at]) {
+                *right -= rest.values[at] * given;
+                rest.values[at] = 0.0;
+            }
         }
     }
-    Some(contracted.expanded(matrix, &echelon.solve(), &shifted))
+    rest.drop_zeros();
+    let orders = part.orders(&contracted);
+    let task = Task { right: Some(&of_rest), keep: true, most: part.most, ..Task::default() };
+    let outcome = eliminate(&rest, &orders.best, task);
+    if outcome.rank < rows.len() || !(outcome.has_pivots() || rows.is_empty()) {
+        return None;
+    }
+    let free = |column: u32| given.get(&column).copied().unwrap_or_default();
+    Some(contracted.expanded(matrix, &outcome.solve(rest.width(), free, false), &shifted))
 }

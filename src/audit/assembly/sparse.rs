@@ -36,6 +36,37 @@ impl Sparse {
         self.offsets[row]..self.offsets[row + 1]
     }
 
+    /// The same of some rows alone, in their order.
+    pub(super) fn with_rows(&self, rows: &[u32]) -> Self {
+        let mut some = Self { groups: self.groups.clone(), offsets: vec![0], ..Self::default() };
+        for row in rows {
+            let row = *row as usize;
+            some.columns.extend_from_slice(&self.columns[self.range(row)]);
+            some.values.extend_from_slice(&self.values[self.range(row)]);
+            some.offsets.push(some.columns.len());
+            some.rough.push(self.rough.get(row).copied().unwrap_or_default());
+        }
+        some
+    }
+
+    /// Leaves out entries that are zero.
+    pub(super) fn drop_zeros(&mut self) {
+        let (mut kept, mut begin) = (0, 0);
+        for row in 0..self.rows() {
+            let end = self.offsets[row + 1];
+            for at in begin..end {
+                if self.values[at] != 0.0 {
+                    (self.columns[kept], self.values[kept]) = (self.columns[at], self.values[at]);
+                    kept += 1;
+                }
+            }
+            begin = end;
+            self.offsets[row + 1] = kept;
+        }
+        self.columns.truncate(kept);
+        self.values.truncate(kept);
+    }
+
     /// By how much an entry may be another one, for what is given has so many digits.
     pub(super) fn openness(&self, row: usize) -> f64 {
         let Some(open) = self.open.get(row).copied().filter(|open| *open > 0.0) else { return 0.0 };

@@ -167,7 +167,7 @@ fn what_is_named_can_be_left_out() {
         assert!(is_right || outcome.misnames, "case {case}");
         misnamed += usize::from(!is_right);
         let last = dependent(&matrix, &(0..matrix.rows() as u32).collect::<Vec<_>>());
-        let in_echelon = echelon::dependent(&matrix, &order, &[], last.len(), usize::MAX);
+        let in_echelon = echelon::dependent(&matrix, (&order, &[]), last.len(), usize::MAX);
         assert_eq!(in_echelon.as_ref(), Some(&last), "case {case}");
         assert_eq!(
             (last.len(), rank_without(&last)),
@@ -776,8 +776,8 @@ fn bodies_have_what_their_nodes_have() {
             let of_rest = last.len() - contracted.dependent.len();
             let free: Vec<u32> =
                 by_bodies.free.iter().map(|column| contracted.given((*column, 0.0)).unwrap().0).collect();
-            let found =
-                echelon::dependent(&contracted.rest, &orders.by_degree, &free, of_rest, usize::MAX).unwrap();
+            let found = echelon::dependent(&contracted.rest, (&orders.by_degree, &free), of_rest, usize::MAX)
+                .unwrap();
             let mut found: Vec<u32> = found.iter().map(|row| contracted.names[*row as usize]).collect();
             found.extend(&contracted.dependent);
             found.sort_unstable();
