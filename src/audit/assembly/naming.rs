@@ -65,9 +65,10 @@ fn by_rows(contracted: &Contracted, orders: &Orders, outcome: &Outcome, count: u
     let free: Vec<u32> =
         outcome.free.iter().filter_map(|column| Some(contracted.given((*column, 0.0))?.0)).collect();
     let free = if outcome.free.len() == outcome.mobility() { free } else { Vec::new() };
-    let left = |rows: &[u32], keep: bool| {
-        let uncertainty = if outcome.gap[1].is_finite() { NEARER * outcome.gap[1] } else { 0.0 };
-        eliminate(&rest.with_rows(rows), &orders.best, Task { keep, uncertainty, ..Task::default() })
+    let nearer = if outcome.gap[1].is_finite() { NEARER * outcome.gap[1] } else { 0.0 };
+    let left = |rows: &[u32], uncertainty: f64| {
+        let task = Task { keep: true, uncertainty, ..Task::default() };
+        eliminate(&rest.with_rows(rows), &orders.best, task)
     };
     let without =
         |rows: &[u32]| -> Vec<u32> { all().filter(|row| rows.binary_search(row).is_err()).collect() };
@@ -75,7 +76,7 @@ fn by_rows(contracted: &Contracted, orders: &Orders, outcome: &Outcome, count: u
     // Where nothing was eliminated there is nothing to be asked.
     let found = if outcome.front == 0 || of_rest == 0 {
         in_order?
-    } else if let Some(found) = in_order.filter(|found| left(&without(found), false).rank == rank) {
+    } else if let Some(found) = in_order.filter(|found| left(&without(found), nearer).rank == rank) {
         found
     } else {
         let is_named = |row: &u32| {
@@ -85,19 +86,26 @@ fn by_rows(contracted: &Contracted, orders: &Orders, outcome: &Outcome, count: u
         let mut basis: Vec<u32> = all().filter(|row| !is_named(row)).collect();
         let mut times = 0;
         loop {
-            let found = left(&basis, true);
+            let found = left(&basis, nearer);
             if found.rank == rank && basis.len() == rank {
                 break;
             }
             times += 1;
-            if times > TIMES || found.exhausted || !found.has_pivots() {
+            if found.exhausted || !found.has_pivots() {
                 return None;
             }
+            let before = basis.clone();
             let gone: Vec<u32> = found.dependent.iter().map(|row| basis[*row as usize]).collect();
-            let others = without(&basis);
             basis.retain(|row| gone.binary_search(row).is_err());
-            basis.extend(moving(rest, &others, &found, rank - found.rank)?);
+            basis.extend(moving(rest, &without(&basis), &found, rank - found.rank)?);
             basis.sort_unstable();
+            if times > TIMES || basis == before {
+                // No better ones were found: those that are independent to rounding will do.
+                if left(&basis, 0.0).rank < rank {
+                    return None;
+                }
+                break;
+            }
         }
         without(&basis)
     };
@@ -112,7 +120,7 @@ fn moving(matrix: &Sparse, rows: &[u32], found: &Outcome, count: usize) -> Optio
     /// Motions that are looked at: as many numbers are kept of each row.
     const MOST: usize = 200;
     /// What a row moves at least, relative to the motion.
-    const MOVES: f64 = 1e-10;
+    const MOVES: f64 = 1e-14;
     if found.free.len() > MOST {
         return None;
     }
