@@ -1,8 +1,8 @@
 //! Time and memory of the analysis of whole assemblies, checked before they are measured: `cargo bench --bench assembly [CONNECTORS]`.
 //!
 //! A chain of pendulums, a closed loop, a tree, and a grid of four-bar loops, of 1e5 connectors each unless told otherwise. Each is
-//! analysed at a quarter of the size too: memory that is linear is four times as much at the full one. Then cubic lattices of 20³ and 33³ nodes, and
-//! those whose nodes are moved off them. `cargo bench --bench assembly decks FOLDER` writes the same models as decks instead, for `pintle audit
+//! analysed at a quarter of the size too: memory that is linear is four times as much at the full one. Then grids of scissors, cubic lattices of BEAMs and of
+//! LINKs, and such whose nodes are moved off them. `cargo bench --bench assembly decks FOLDER` writes the same models as decks instead, for `pintle audit
 //! --model-only`.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a bench")]
 
@@ -135,6 +135,41 @@ fn grid(connectors: usize) -> (String, [usize; 2]) {
     (deck.text(), [mobility, redundant])
 }
 
+/// n by n pairs of bars that cross in the middle, hinged there and to the next at their ends: all move together, in one way.
+fn scissors(n: usize) -> (String, [usize; 2]) {
+    let mut deck = Deck::default();
+    let mut ends: Vec<Vec<usize>> = vec![Vec::new(); (n + 1) * (n + 1)];
+    let mut pins = Vec::new();
+    for (i, j) in (0..n * n).map(|cell| (cell / n, cell % n)) {
+        let middle = [i as f64 + 0.5, j as f64 + 0.5];
+        let pin = [[(i, j), (i + 1, j + 1)], [(i + 1, j), (i, j + 1)]].map(|corners| {
+            let crossing = deck.node(middle);
+            for (k, l) in corners {
+                let end = deck.node([k as f64, l as f64]);
+                deck.link(end, crossing);
+                ends[k * (n + 1) + l].push(end);
+            }
+            crossing
+        });
+        pins.push(pin);
+    }
+    let links = deck.elements;
+    pins.extend(ends.iter().flat_map(|ends| ends.windows(2).map(|pair| [pair[0], pair[1]])));
+    pins.iter().for_each(|[a, b]| deck.hinge(*a, *b));
+    deck.ground(1);
+    let (mobility, nodes) = (1, deck.count);
+    let redundant = mobility + 6 * links + 5 * pins.len() - 6 * (nodes - 1);
+    (deck.text(), [mobility, redundant])
+}
+
+/// A cubic lattice of n³ nodes with a BEAM between neighbours, the first node held: nothing moves.
+fn beams(n: usize) -> (String, [usize; 2]) {
+    let (text, [mobility, _]) = lattice(n, 0.0);
+    let links = 3 * (n * n * n - 1) - mobility;
+    let text = text.replace("\nLINK\n", "\nBEAM\n").replace("\n1, 1, 3\n", "\n1, 1, 6\n");
+    (text, [0, 6 * (links + 1 - n * n * n)])
+}
+
 /// A cubic lattice of n³ nodes with a LINK between neighbours, the first node held; nodes moved at random by up to `moved`, so that rows that cross
 /// each other fill. No link is redundant.
 fn lattice(n: usize, moved: f64) -> (String, [usize; 2]) {
@@ -206,7 +241,8 @@ fn main() {
     let lattices = || [("lattice", 0.0), ("moved", 0.1)];
     if let Some(folder) = std::env::args().skip_while(|word| word != "decks").nth(1) {
         let of_lattices = lattices().map(|(name, moved)| (name, lattice(33, moved)));
-        for (name, (text, _)) in models(count).into_iter().chain(of_lattices) {
+        let others = [("beams", beams(32)), ("scissors", scissors(111))];
+        for (name, (text, _)) in models(count).into_iter().chain(of_lattices).chain(others) {
             std::fs::write(format!("{folder}/{name}.inp"), text).unwrap();
         }
         return;
@@ -215,6 +251,14 @@ fn main() {
         for (name, (text, known)) in models(n) {
             measure(name, &text, known);
         }
+    }
+    for n in [20, 32] {
+        let (text, known) = beams(n);
+        measure("beams", &text, known);
+    }
+    for n in [55, 111] {
+        let (text, known) = scissors(n);
+        measure("scissors", &text, known);
     }
     for (name, moved) in lattices() {
         for n in [20, 33] {

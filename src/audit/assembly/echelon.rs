@@ -19,7 +19,7 @@ pub(super) const MOST: usize = 5_000_000_000;
 
 /// How what a pivot has in common with a row is taken from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum By {
+enum By {
     Multiples,
     Rotations,
 }
@@ -27,15 +27,15 @@ pub(super) enum By {
 type Entries = Vec<(u32, f64)>;
 
 /// Rows put in so far.
-pub(super) struct Echelon<'a> {
+struct Echelon<'a> {
     matrix: &'a Sparse,
     by: By,
     /// The place of each column in the order of elimination.
     place: Vec<u32>,
-    /// By column: the solution, where it is given.
-    given: Vec<Option<f64>>,
-    /// By place: the row of which it is the first entry, and its right-hand side.
-    pivots: Vec<(Entries, f64)>,
+    /// By column: whether it is left out.
+    is_out: Vec<bool>,
+    /// By place: the row of which it is the first entry.
+    pivots: Vec<Entries>,
     /// The row that is being put in, by place, and where it is not zero.
     row: Vec<f64>,
     marks: Marks,
@@ -46,38 +46,32 @@ pub(super) struct Echelon<'a> {
 
 impl<'a> Echelon<'a> {
     /// None yet, of a matrix whose groups of columns are taken in an order; so many entries may be looked at.
-    pub(super) fn new(matrix: &'a Sparse, order: &[u32], by: By, most: usize) -> Self {
+    fn new(matrix: &'a Sparse, order: &[u32], by: By, most: usize) -> Self {
         let mut place = vec![0; matrix.width()];
         let columns = order.iter().flat_map(|group| matrix.columns_of(*group as usize));
         for (at, column) in (0..).zip(columns) {
             place[column] = at;
         }
-        let pivots = vec![Default::default(); matrix.width()];
-        let (given, row) = (vec![None; matrix.width()], vec![0.0; matrix.width()]);
+        let pivots = vec![Entries::new(); matrix.width()];
+        let (is_out, row) = (vec![false; matrix.width()], vec![0.0; matrix.width()]);
         let marks = Marks::new(matrix.width());
-        Self { matrix, by, place, given, pivots, row, marks, spare: Default::default(), left: most }
+        Self { matrix, by, place, is_out, pivots, row, marks, spare: Default::default(), left: most }
     }
 
-    /// The same without these columns, whose part of the solution is given.
-    pub(super) fn without(mut self, columns: impl IntoIterator<Item = (u32, f64)>) -> Self {
-        for (column, value) in columns {
-            self.given[column as usize] = Some(value);
-        }
+    /// The same without these columns.
+    fn without(mut self, columns: &[u32]) -> Self {
+        columns.iter().for_each(|column| self.is_out[*column as usize] = true);
         self
     }
 
-    /// Puts in a row with its right-hand side: whether it does not depend on those before; `None` where that takes too long, and nothing else is to be put in.
-    pub(super) fn put(&mut self, row: u32, mut right: f64) -> Option<bool> {
+    /// Puts in a row: whether it does not depend on those before; `None` where that takes too long, and nothing else is to be put in.
+    fn put(&mut self, row: u32) -> Option<bool> {
         let range = self.matrix.range(row as usize);
         for (column, value) in self.matrix.columns[range.clone()].iter().zip(&self.matrix.values[range]) {
-            match self.given[*column as usize] {
-                Some(given) => right -= value * given,
-                None if *value == 0.0 => {}
-                None => {
-                    let at = self.place[*column as usize];
-                    self.row[at as usize] = *value;
-                    self.marks.set(at);
-                }
+            if !self.is_out[*column as usize] && *value != 0.0 {
+                let at = self.place[*column as usize];
+                self.row[at as usize] = *value;
+                self.marks.set(at);
             }
         }
         let mut from = 0;
@@ -89,20 +83,19 @@ impl<'a> Echelon<'a> {
                 from = at + 1;
                 continue;
             }
-            let Some((_, of_first)) = self.pivots[at as usize].0.first().copied() else {
+            let Some((_, of_first)) = self.pivots[at as usize].first().copied() else {
                 self.gather(at);
                 let entries = self.spare[0].clone();
                 self.spare[0].iter().for_each(|(at, _)| self.row[*at as usize] = 0.0);
-                self.pivots[at as usize] = (entries, right);
+                self.pivots[at as usize] = entries;
                 return Some(true);
             };
-            self.left = self.left.checked_sub(self.pivots[at as usize].0.len())?;
+            self.left = self.left.checked_sub(self.pivots[at as usize].len())?;
             match self.by {
                 By::Multiples => {
                     let factor = value / of_first;
                     if factor.abs() <= 1.0 {
                         self.add(at, -factor);
-                        right -= factor * self.pivots[at as usize].1;
                     } else {
                         // The row becomes the pivot, and what is left of that the row.
                         let factor = 1.0 / factor;
@@ -113,10 +106,7 @@ impl<'a> Echelon<'a> {
                             self.marks.set(*at);
                         }
                         self.add(at, 1.0);
-                        let (pivot, of_pivot) = &mut self.pivots[at as usize];
-                        std::mem::swap(pivot, &mut self.spare[0]);
-                        std::mem::swap(of_pivot, &mut right);
-                        right -= factor * *of_pivot;
+                        std::mem::swap(&mut self.pivots[at as usize], &mut self.spare[0]);
                     }
                 }
                 By::Rotations => {
@@ -129,12 +119,11 @@ impl<'a> Echelon<'a> {
                         self.marks.set(*at);
                     }
                     self.add(at, -s);
-                    let (pivot, of_pivot) = &mut self.pivots[at as usize];
+                    let pivot = &mut self.pivots[at as usize];
                     let [row, turned] = &mut self.spare;
                     combined(row, pivot, [s, c], turned);
                     turned.insert(0, (at, size));
                     std::mem::swap(pivot, turned);
-                    (right, *of_pivot) = (c * right - s * *of_pivot, s * right + c * *of_pivot);
                 }
             }
             self.row[at as usize] = 0.0;
@@ -146,7 +135,7 @@ impl<'a> Echelon<'a> {
 
     /// Adds a multiple of a pivot to the row.
     fn add(&mut self, at: u32, times: f64) {
-        for (at, value) in &self.pivots[at as usize].0 {
+        for (at, value) in &self.pivots[at as usize] {
             self.row[*at as usize] += times * value;
             self.marks.set(*at);
         }
@@ -167,19 +156,6 @@ impl<'a> Echelon<'a> {
             self.marks.clear(next);
             at = next + 1;
         }
-    }
-
-    /// A solution of the rows that are pivots: zero in columns without, where it is not given.
-    pub(super) fn solve(&self) -> Vec<f64> {
-        let mut by_place = vec![0.0; self.place.len()];
-        for (at, (pivot, right)) in self.pivots.iter().enumerate().rev() {
-            if let Some(((_, first), others)) = pivot.split_first() {
-                let sum: f64 = others.iter().map(|(at, value)| value * by_place[*at as usize]).sum();
-                by_place[at] = (right - sum) / first;
-            }
-        }
-        let columns = self.place.iter().zip(&self.given);
-        columns.map(|(at, given)| given.unwrap_or(by_place[*at as usize])).collect()
     }
 }
 
@@ -273,11 +249,10 @@ fn dependent_by(
     count: usize,
     most: usize,
 ) -> Option<Vec<u32>> {
-    let free = free.iter().map(|column| (*column, 0.0));
     let mut echelon = Echelon::new(matrix, order, by, most).without(free);
     let mut found = Vec::new();
     for row in 0..matrix.rows() as u32 {
-        if !echelon.put(row, 0.0)? {
+        if !echelon.put(row)? {
             found.push(row);
         }
         if found.len() > count {
@@ -343,32 +318,6 @@ mod tests {
                 assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count - 1, usize::MAX), None);
                 assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count + 1, usize::MAX), None);
                 assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count, 10), None);
-            }
-        }
-    }
-
-    /// The pivots solve the rows that were put in.
-    #[test]
-    fn pivots_solve() {
-        let mut draw = Draw::new("solve");
-        for _ in 0..20 {
-            let matrix = random(&mut draw);
-            let order: Vec<u32> = (0..matrix.width() as u32).collect();
-            let solution: Vec<f64> = order.iter().map(|_| draw.between(-1.0, 1.0)).collect();
-            let times = |row: usize, x: &[f64]| -> f64 {
-                matrix.range(row).map(|at| matrix.values[at] * x[matrix.columns[at] as usize]).sum()
-            };
-            for by in [By::Multiples, By::Rotations] {
-                let mut echelon = Echelon::new(&matrix, &order, by, usize::MAX).without([(2, solution[2])]);
-                for row in 0..matrix.rows() {
-                    echelon.put(row as u32, times(row, &solution)).unwrap();
-                }
-                let found = echelon.solve();
-                assert_eq!(found[2], solution[2]);
-                for row in 0..matrix.rows() {
-                    let off = (times(row, &found) - times(row, &solution)).abs();
-                    assert!(off < 1e-9, "{by:?}: {off}");
-                }
             }
         }
     }

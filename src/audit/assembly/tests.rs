@@ -2,7 +2,7 @@
 
 use super::contract::Contracted;
 use super::dense::{dependent, least, made_of, singular_values};
-use super::echelon::{self, By, Echelon};
+use super::echelon;
 use super::eliminate::{Most, Outcome, Sparse, Task, eliminate};
 use super::findings::findings;
 use super::found::{Found, look};
@@ -784,17 +784,110 @@ fn bodies_have_what_their_nodes_have() {
             assert_eq!(found, last, "case {case}\n{text}");
             // Given the free columns, all others follow.
             let shifted = contracted.shifted(&matrix, &right);
-            let given =
-                by_bodies.free.iter().map(|column| contracted.given((*column, wanted[*column as usize])));
-            let mut echelon = Echelon::new(&contracted.rest, &orders.by_degree, By::Multiples, usize::MAX)
-                .without(given.flatten());
-            for row in 0..contracted.rest.rows() as u32 {
-                echelon.put(row, shifted.right[row as usize]).unwrap();
-            }
-            let all = contracted.expanded(&matrix, &echelon.solve(), &shifted);
+            let task = Task { right: Some(&shifted.right), keep: true, ..Task::default() };
+            let of_rest = eliminate(&contracted.rest, &orders.best, task);
+            let given: Vec<(u32, f64)> = by_bodies
+                .free
+                .iter()
+                .filter_map(|column| contracted.given((*column, wanted[*column as usize])))
+                .collect();
+            let free = |column: u32| given.iter().find(|(of, _)| *of == column).unwrap().1;
+            let all =
+                contracted.expanded(&matrix, &of_rest.solve(contracted.rest.width(), free, false), &shifted);
             let worst = all.iter().zip(&solution).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
             assert!(worst < 1e-7 * size, "case {case}: {worst}\n{text}");
         }
     }
     assert!(together > 1000 && looked_at > 200, "{together} {looked_at}");
+}
+
+/// n by n pairs of bars that cross in the middle, hinged there and to the next at their ends, about z.
+fn scissors(n: usize) -> String {
+    let (mut nodes, mut bars, mut pins) = (String::new(), Vec::new(), Vec::new());
+    let mut ends: Vec<Vec<usize>> = vec![Vec::new(); (n + 1) * (n + 1)];
+    let mut count = 0;
+    for (i, j) in (0..n * n).map(|cell| (cell / n, cell % n)) {
+        let pin = [[(i, j), (i + 1, j + 1)], [(i + 1, j), (i, j + 1)]].map(|corners| {
+            nodes += &format!("{}, {i}.5, {j}.5, 0.\n", count + 1);
+            let crossing = count + 1;
+            count += 1;
+            for (k, l) in corners {
+                nodes += &format!("{}, {k}., {l}., 0.\n", count + 1);
+                count += 1;
+                bars.push([count, crossing]);
+                ends[k * (n + 1) + l].push(count);
+            }
+            crossing
+        });
+        pins.push(pin);
+    }
+    pins.extend(ends.iter().flat_map(|ends| ends.windows(2).map(|pair| [pair[0], pair[1]])));
+    let lines = |all: &[[usize; 2]], first: usize| -> String {
+        all.iter().enumerate().map(|(n, [a, b])| format!("{}, {a}, {b}\n", n + first)).collect()
+    };
+    format!(
+        "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{}*ELEMENT, TYPE=CONN3D2, ELSET=H\n{}*ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n\
+         *CONNECTOR SECTION, ELSET=H\nHINGE\nZ,\n*CONNECTOR SECTION, ELSET=L\nBEAM\n*BOUNDARY\n1, 1, 6\n",
+        lines(&bars, 1),
+        lines(&pins, bars.len() + 1)
+    )
+}
+
+/// In a grid of scissors rows that do not depend on those before them nearly do so: what is named leaves rows that are independent, and well so.
+#[test]
+fn what_is_left_of_a_grid_is_well_independent() {
+    let n = 14;
+    let read = Read::of(&scissors(n));
+    let system = read.system();
+    let found = read.found(&system);
+    let outcome = &found.constraints;
+    assert!(outcome.is_decided() && outcome.names_all() && outcome.mobility() == 1);
+    let mut values = Vec::new();
+    let state = State::default();
+    Sequence::new(&read.model, &read.plan).assemble(&state, &system.jacobian, &mut values).unwrap();
+    let (rows, matrix) = system.matrix(&system.parts[0], (&state, &values), |_| true);
+    // Hinges are named, not the rigid bars.
+    let bars = 4 * n * n;
+    let number = |row: &u32| match super::found::constraint(&system, rows[*row as usize]).element {
+        Some(element) => element.to_string().parse::<usize>().unwrap(),
+        None => 0,
+    };
+    assert!(outcome.dependent.iter().all(|row| number(row) > bars));
+    let is_left = |row: &u32| outcome.dependent.binary_search(row).is_err();
+    let left: Vec<u32> = (0..matrix.rows() as u32).filter(is_left).collect();
+    let some = matrix.with_rows(&left);
+    let alone = eliminate(&some, &order(&some), Task::default());
+    assert_eq!((alone.rank, alone.dependent.len()), (outcome.rank, 0));
+    assert!(alone.is_decided() && alone.gap[1] > 1e-4 * outcome.gap[1], "{:?} {:?}", alone.gap, outcome.gap);
+    // Moved once, it tells that all hold throughout.
+    let holds = once::judge(&system, &system.parts[0], &found).unwrap();
+    assert!(holds.iter().all(|holds| *holds == Holds::Throughout));
+}
+
+/// A lattice of BEAMs is one body: nothing is left to be eliminated, and the last ones are named, whole; free, it moves as that body.
+#[test]
+fn a_lattice_of_beams_is_one_body() {
+    let n = 6;
+    for (held, mobility) in [("*BOUNDARY\n1, 1, 6\n", 0), ("", 6)] {
+        let text = lattice(n, &[]);
+        let (text, _) = text.split_once("*BOUNDARY").unwrap();
+        let text = text.replace("LINK\n", "BEAM\n") + held;
+        let read = Read::of(&text);
+        let system = read.system();
+        let mut assembly = Assembly::none(1);
+        super::of_system(&system, &[], &|_| true, &mut assembly);
+        let position = &assembly.positions[0];
+        let redundant = 6 * (3 * n * n * (n - 1) + 1 - n * n * n);
+        assert_eq!(
+            (position.decided, position.mobility, position.redundant),
+            (true, Some(mobility), Some(redundant))
+        );
+        assert_eq!((assembly.redundant.len(), assembly.largest_front), (redundant, 12));
+        let throughout = |one: &super::Redundant| matches!(one.holds, Holds::Rigid | Holds::Throughout);
+        assert!(assembly.redundant.iter().all(throughout), "{:?}", assembly.redundant[0]);
+        for six in assembly.redundant.chunks(6) {
+            assert!(six.iter().all(|one| one.constraint.element == six[0].constraint.element));
+        }
+        assert!(assembly.modes.len() == mobility && assembly.modes.iter().all(|mode| mode.moving.is_some()));
+    }
 }
