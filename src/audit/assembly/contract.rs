@@ -341,13 +341,17 @@ impl<'a> Building<'a> {
     }
 }
 
+/// Whether an entry is larger than that, or no number.
+fn exceeds(value: f64, least: f64) -> bool {
+    value.is_nan() || value.abs() > least
+}
+
 /// The columns that a row joins.
 fn joining(matrix: &Sparse, row: usize) -> impl Iterator<Item = u32> + use<'_> {
     let least = JOINS * U * f64::from(matrix.uncertainty(row)[0]);
     let range = matrix.range(row);
     let entries = matrix.columns[range.clone()].iter().zip(&matrix.values[range]);
-    // What is no number joins too.
-    entries.filter(move |(_, value)| !(value.abs() <= least)).map(|(column, _)| *column)
+    entries.filter(move |(_, value)| exceeds(**value, least)).map(|(column, _)| *column)
 }
 
 impl Contracted {
@@ -436,7 +440,6 @@ impl Contracted {
         let least = JOINS * U * zero;
         sums.clear();
         let mut cells: Vec<(u32, [f64; MOST + 1], [f64; MOST + 1])> = Vec::with_capacity(2);
-        let mut set = None;
         for at in matrix.range(row) {
             let (column, value) = (matrix.columns[at], matrix.values[at]);
             let cell = building.cell_of[column as usize];
@@ -451,12 +454,9 @@ impl Contracted {
             let (_, values, uncertain) = &mut cells[known];
             values[place] = value;
             uncertain[place] = if value == 0.0 { zero } else { other };
-            if !(value.abs() <= least) {
-                set.get_or_insert(cell);
-            }
         }
         // Cells that nothing joins with those of the row are not its own.
-        let is_own = |values: &[f64; MOST + 1]| values.iter().any(|value| !(value.abs() <= least));
+        let is_own = |values: &[f64; MOST + 1]| values.iter().any(|value| exceeds(*value, least));
         for (cell, values, uncertain) in cells.iter().filter(|(_, values, _)| is_own(values)) {
             let root = self.root[*cell as usize];
             if root == NONE {
