@@ -112,7 +112,10 @@ fn compare(scene: &Scene, model: &Model, plan: &Plan, motions: &[State]) {
         let mut number = 0;
         stream(&path, scene, |state| {
             let (mut of_stream, mut of_memory) = (Vec::new(), Vec::new());
-            let walks = [(&mut streamed, &state, &mut of_stream), (&mut held, &history.state(number, motions), &mut of_memory)];
+            let walks = [
+                (&mut streamed, &state, &mut of_stream),
+                (&mut held, &history.state(number, motions), &mut of_memory),
+            ];
             for (walk, state, all) in walks {
                 let Ok(()) = walk.visit(state, |item| -> Result<(), std::convert::Infallible> {
                     bits(item, all);
@@ -138,7 +141,8 @@ fn measure(history: History, path: &Path, scene: &Scene, model: &Model, plan: &P
     stream(path, scene, |state| {
         let Ok(()) = walk.visit(&state, |item| -> Result<(), std::convert::Infallible> {
             let Item::Connector(result) = item else { panic!("a chain has no MPC") };
-            values += result.evaluation.position.iter().flatten().filter(|value| value.is_finite()).count() as u64;
+            values +=
+                result.evaluation.position.iter().flatten().filter(|value| value.is_finite()).count() as u64;
             Ok(())
         });
     });
@@ -183,6 +187,9 @@ fn main() {
             format!("{:.2} MB", 1e-6 * bytes as f64),
         );
         let least = *known.get_or_insert(bytes);
-        assert!((bytes as f64) < CONSTANT * least as f64, "{bytes} bytes for {states} states, {least} for fewer");
+        assert!(
+            (bytes as f64) < CONSTANT * least as f64,
+            "{bytes} bytes for {states} states, {least} for fewer"
+        );
     }
 }

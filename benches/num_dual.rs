@@ -13,18 +13,19 @@ mod hand {
     pub(crate) mod clock;
     pub(crate) mod common;
     pub(crate) mod naive;
+    pub(crate) mod over_lanes;
     pub(crate) mod peer;
     pub(crate) mod types;
 }
 
 use hand::clock::{BATCHES, time};
 use hand::common::{flat, is_written, settings, spread, untimed};
-use hand::naive;
 use hand::peer::serve;
 use hand::types::TYPES;
+use hand::{naive, over_lanes};
 use num_dual::{Dual2SVec, DualSVec};
-use pintle::batch::COLUMNS;
-use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Subject};
+use pintle::batch::{COLUMNS, LANES};
+use pintle::bench::{Cause, Method, Order, Prepared, Report, Rows, Session, Subject, Tiles};
 use pintle::catalog::ConnectionType;
 use pintle::node::DOFS;
 use pintle::report::bench as report;
@@ -121,6 +122,54 @@ impl Prepared for ByNumDual<'_> {
     }
 }
 
+/// num-dual over four lanes, with a seed for each relative variation: on the tiles of a batch, into its rows.
+struct OverLanes;
+
+impl Method for OverLanes {
+    fn name(&self) -> &'static str {
+        "num-dual on four lanes, relative"
+    }
+
+    fn order(&self) -> Order {
+        Order::Jacobian
+    }
+
+    fn cause(&self) -> Cause {
+        Cause::NoBranches
+    }
+
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        is_written(subject)?;
+        let (tiles, rows) = (Tiles::new(subject)?, Rows::new(Order::Jacobian, subject)?);
+        Ok(Box::new(ByLanes { name: &subject.connection.name, tiles, rows }))
+    }
+}
+
+struct ByLanes<'s> {
+    name: &'s str,
+    tiles: Tiles,
+    rows: Rows,
+}
+
+impl Prepared for ByLanes<'_> {
+    fn run(&mut self) {
+        let Rows::First(rows) = &mut self.rows else { return };
+        let count = self.tiles.batch.rows();
+        for (tile, rows) in self.tiles.tiles.iter().zip(rows.chunks_exact_mut(count)) {
+            over_lanes::rows(self.name, tile, rows);
+        }
+    }
+
+    fn states(&self) -> usize {
+        LANES * self.tiles.tiles.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        self.run();
+        self.rows.numbers(self.tiles.batch.rows())
+    }
+}
+
 /// A value and its derivatives by x_a, θ_a, x_b, θ_b.
 type Entry = (f64, [f64; 12]);
 
@@ -211,7 +260,8 @@ fn main() {
     let subjects: Vec<Subject> =
         types.iter().flat_map(|connection| found.subjects(&settings, connection)).collect();
     let methods = Order::ALL.map(NumDual);
-    let methods: Vec<&dyn Method> = methods.iter().map(|method| method as &dyn Method).collect();
+    let methods: Vec<&dyn Method> =
+        methods.iter().map(|method| method as &dyn Method).chain([&OverLanes as &dyn Method]).collect();
     let mut session = Session::new(&settings, &subjects, &methods).unwrap();
     if words.iter().any(|word| word == "--precision") {
         found.take(&session);

@@ -211,7 +211,9 @@ mod by_hand {
             let Self { v, name, tiles: Tiles { batch, tiles, sections, .. }, found } = self;
             let (v, name, rows) = (*v, *name, batch.rows());
             match found {
-                Found::Values(out) => v.vectorize(Sweep { v, name, tiles, sections, rows, out: &mut out[..] }),
+                Found::Values(out) => {
+                    v.vectorize(Sweep { v, name, tiles, sections, rows, out: &mut out[..] })
+                }
                 Found::Rows(Rows::First(out)) => {
                     v.vectorize(Sweep { v, name, tiles, sections, rows, out: &mut out[..] });
                 }

@@ -383,8 +383,7 @@ impl<'a> Sequence<'a> {
                 let index = plan.mpcs[at];
                 let (nodes, count) = at_mpc(&mpc_nodes[at], moved);
                 let of_state = (request, &model.schedule, state);
-                let result =
-                    model.mpcs[index].evaluate(index, &nodes[..count], angles, of_state, &mut tally);
+                let result = model.mpcs[index].evaluate(index, &nodes[..count], angles, of_state, &mut tally);
                 *angles = result.evaluation.angles;
                 digest(Item::Mpc(room.insert(result)), digested);
                 tally
