@@ -337,10 +337,9 @@ fn some_rows_are_rows_of_all() {
     }
 }
 
-/// Of many tiles each gets the rows that it has by itself: all passes go over one before the next.
+/// Of many tiles each gets the rows that it has by itself, though passes go over some of them before the next.
 #[test]
 fn many_tiles_are_tiles() {
-    // More rows than a cache keeps.
     const TILES: usize = 1000;
     for name in ["TRANSLATOR", "BEAM", "CARDAN"] {
         let connection = ConnectionType::named(name, None).unwrap();

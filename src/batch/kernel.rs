@@ -287,8 +287,8 @@ impl<const FUSED: bool> Element<FUSED> {
     }
 }
 
-/// Bytes of rows that stay in a cache from one pass to the next.
-const CACHED: usize = 1 << 18;
+/// How many tiles a pass goes through before the next pass takes them: they and their rows stay in the second cache.
+const TILES_AT_ONCE: usize = 32;
 
 impl Batch {
     /// Values and rows, in the layout asked for: those of the first tile, then those of the second …
@@ -309,9 +309,7 @@ impl Batch {
         if self.rows() == 0 {
             return Ok(());
         }
-        // Then tile by tile, so that rows go to memory in their order, and the next pass finds the tile in the first cache; it costs the calls.
-        let is_large = self.passes.len() > 1 && size_of_val(out) > CACHED;
-        let at_once = if is_large { 1 } else { tiles.len().max(1) };
+        let at_once = if self.passes.len() > 1 { TILES_AT_ONCE } else { tiles.len().max(1) };
         let constants = sections.chunks(at_once).zip(histories.chunks(at_once));
         let blocks = tiles.chunks(at_once).zip(constants).zip(out.chunks_mut(at_once * self.rows()));
         for ((tiles, (sections, histories)), out) in blocks {
