@@ -14,7 +14,7 @@ use crate::measure::{SingularSet, Unit};
 use crate::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, Kind, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S, Turning,
 };
-use crate::scalar::{Real, Scalar, Wide};
+use crate::scalar::{Scalar, Wide};
 use crate::vector::{self, product, scale};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
