@@ -47,7 +47,7 @@ pub struct Truth {
     /// Where the case ends.
     still: OnceLock<Place>,
     /// What first derivatives are differenced from, ahead and behind in each degree of freedom, with the values there.
-    places: [OnceLock<[(Place, Components<Wide>); 2]>; DOFS],
+    places: [OnceLock<Around>; DOFS],
     /// Second differences as they are taken on a singular set.
     pub(super) on_a_set: OnceLock<[Entries<Wide>; 2]>,
 }
@@ -108,6 +108,9 @@ fn positions(connector: &Connector<Wide>, state: &State<Wide>, branch: Branch<Wi
 
 /// A step, and the values after it and before it.
 type Moved = (Wide, [Components<Wide>; 2]);
+
+/// Places ahead and behind along a degree of freedom, with the values there.
+type Around = [(Place, Components<Wide>); 2];
 
 /// Where the nodes have moved along one degree of freedom.
 pub(super) struct Place {
@@ -265,7 +268,7 @@ impl Truth {
     }
 
     /// The places at h and −h along a degree of freedom with the values there, and 2h.
-    pub(super) fn around(&self, j: usize) -> (&[(Place, Components<Wide>); 2], Wide) {
+    pub(super) fn around(&self, j: usize) -> (&Around, Wide) {
         let step = self.step(j, FIRST_STEP);
         let places = self.places[j].get_or_init(|| {
             [step, -step].map(|h| {
