@@ -1,7 +1,7 @@
 //! Batches against derivatives written by hand, on the same tiles, which stay in the first cache; then every type.
 //!
 //! Every variant is compared with the 237-bit scalar before it is timed. Times are minima over interleaved rounds of one
-//! run: `taskset -c 3 cargo bench --bench lanes`. With `--once WHO ORDER TYPE COUNT` (lanes or hand; rows or second) it goes through the tiles so many
+//! run: `taskset -c 3 cargo bench --bench lanes`. With `--once WHO ORDER TYPE COUNT` (lanes or hand; rows or second; a type, or with " beyond half a turn") it goes through the tiles so many
 //! times and prints how many they were, for a counter of instructions.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
@@ -26,6 +26,8 @@ const TILES: usize = 8;
 /// Tiles whose second derivatives are taken: 30 KiB for six rows.
 const TILES_OF_SECOND: usize = 1;
 const ROUNDS: usize = 8;
+/// What stands behind the name of a type where all states go on beyond half a turn.
+const BEYOND: &str = " beyond half a turn";
 /// The largest error of an entry over the largest of its row.
 const BOUND: f64 = 1e-14;
 /// The same of second derivatives.
@@ -266,8 +268,11 @@ mod by_hand {
 
     pub(super) fn once(words: &[String]) {
         let [who, order, name, count] = words else { return eprintln!("--once WHO ORDER TYPE COUNT") };
-        let name = TYPES.into_iter().find(|known| known == name).unwrap();
-        let (v, case) = (V3::try_new().unwrap(), case_of(name, name, false, false).unwrap());
+        let known = |name: &str| TYPES.into_iter().find(|known| *known == name);
+        let (name, is_beyond) =
+            name.strip_suffix(BEYOND).map_or((known(name), false), |name| (known(name), true));
+        let name = name.unwrap();
+        let (v, case) = (V3::try_new().unwrap(), case_of(name, name, is_beyond, false).unwrap());
         let (mut rows, mut second) = room(&case);
         let count: usize = count.parse().unwrap();
         for _ in 0..count {

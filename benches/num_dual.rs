@@ -1,4 +1,4 @@
-//! num-dual as it comes, with a seed for each nodal degree of freedom, beside which pintle is measured.
+//! num-dual as it comes, with a seed for each nodal degree of freedom, and its formulas on doubles alone, beside which pintle is measured.
 //!
 //! A program of its own, so that it can have its best build whatever the build of pintle costs: its functions are compiled with their
 //! caller, and `scripts/measure.py` compiles this in one unit and for the processor at hand,
@@ -13,18 +13,19 @@ mod hand {
     pub(crate) mod clock;
     pub(crate) mod common;
     pub(crate) mod naive;
+    pub(crate) mod over_lanes;
     pub(crate) mod peer;
     pub(crate) mod types;
 }
 
 use hand::clock::{BATCHES, time};
 use hand::common::{flat, is_written, settings, spread, untimed};
-use hand::naive;
 use hand::peer::serve;
 use hand::types::TYPES;
+use hand::{naive, over_lanes};
 use num_dual::{Dual2SVec, DualSVec};
-use pintle::batch::COLUMNS;
-use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Subject};
+use pintle::batch::{COLUMNS, LANES};
+use pintle::bench::{Cause, Method, Order, Prepared, Report, Rows, Session, Subject, Tiles};
 use pintle::catalog::ConnectionType;
 use pintle::node::DOFS;
 use pintle::report::bench as report;
@@ -35,12 +36,15 @@ use std::hint::black_box;
 /// The largest error over the largest entry of the row, by formulas without branches as close to half a turn as the states come.
 const BOUND: f64 = 1e-6;
 
-/// num-dual as it comes, a seed for each degree of freedom.
+/// num-dual as it comes, a seed for each degree of freedom; for values its functions of doubles, without seeds.
 struct NumDual(Order);
 
 impl Method for NumDual {
     fn name(&self) -> &'static str {
-        "num-dual, 12 seeds"
+        match self.0 {
+            Order::Value => "num-dual, no seeds",
+            _ => "num-dual, 12 seeds",
+        }
     }
 
     fn order(&self) -> Order {
@@ -58,6 +62,7 @@ impl Method for NumDual {
             name: &subject.connection.name,
             flat: flat(subject),
             count: subject.rows(),
+            values: [0.0; 6],
             rows: [[0.0; 12]; 6],
             hessians: [[[0.0; 12]; 12]; 6],
         }))
@@ -69,6 +74,7 @@ struct ByNumDual<'s> {
     name: &'s str,
     flat: Vec<[f64; 27]>,
     count: usize,
+    values: [f64; 6],
     rows: [[f64; 12]; 6],
     hessians: [[[f64; 12]; 12]; 6],
 }
@@ -76,13 +82,15 @@ struct ByNumDual<'s> {
 impl ByNumDual<'_> {
     #[inline(always)]
     fn one(&mut self, i: usize) {
-        let (state, first, second) = (&self.flat[i], &mut self.rows, &mut self.hessians);
-        match self.order {
-            Order::Jacobian => naive::rows(self.name, state, &mut |r, x: DualSVec<f64, 12>| {
-                first[r] = Seeded::gradient(x);
+        let Self { order, name, flat, values, rows, hessians, .. } = self;
+        let state = &flat[i];
+        match order {
+            Order::Value => naive::rows(name, state, &mut |r, x: f64| values[r] = x),
+            Order::Jacobian => naive::rows(name, state, &mut |r, x: DualSVec<f64, 12>| {
+                rows[r] = Seeded::gradient(x);
             }),
-            _ => naive::rows(self.name, state, &mut |r, x: Dual2SVec<f64, 12>| {
-                second[r] = Seeded::hessian(x);
+            Order::Hessian => naive::rows(name, state, &mut |r, x: Dual2SVec<f64, 12>| {
+                hessians[r] = Seeded::hessian(x);
             }),
         }
     }
@@ -92,7 +100,7 @@ impl Prepared for ByNumDual<'_> {
     fn run(&mut self) {
         for i in 0..self.flat.len() {
             self.one(i);
-            black_box((&mut self.rows, &mut self.hessians));
+            black_box((&mut self.values, &mut self.rows, &mut self.hessians));
         }
     }
 
@@ -105,11 +113,60 @@ impl Prepared for ByNumDual<'_> {
         for i in 0..self.flat.len() {
             self.one(i);
             match self.order {
+                Order::Value => all.extend(&self.values[..self.count]),
                 Order::Jacobian => all.extend(self.rows[..self.count].iter().flat_map(spread)),
-                _ => all.extend(self.hessians[..self.count].iter().flat_map(spread_matrix)),
+                Order::Hessian => all.extend(self.hessians[..self.count].iter().flat_map(spread_matrix)),
             }
         }
         all
+    }
+}
+
+/// num-dual over four lanes, with a seed for each relative variation: on the tiles of a batch, into its rows.
+struct OverLanes;
+
+impl Method for OverLanes {
+    fn name(&self) -> &'static str {
+        "num-dual on four lanes, relative"
+    }
+
+    fn order(&self) -> Order {
+        Order::Jacobian
+    }
+
+    fn cause(&self) -> Cause {
+        Cause::NoBranches
+    }
+
+    fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
+        is_written(subject)?;
+        let (tiles, rows) = (Tiles::new(subject)?, Rows::new(Order::Jacobian, subject)?);
+        Ok(Box::new(ByLanes { name: &subject.connection.name, tiles, rows }))
+    }
+}
+
+struct ByLanes<'s> {
+    name: &'s str,
+    tiles: Tiles,
+    rows: Rows,
+}
+
+impl Prepared for ByLanes<'_> {
+    fn run(&mut self) {
+        let Rows::First(rows) = &mut self.rows else { return };
+        let count = self.tiles.batch.rows();
+        for (tile, rows) in self.tiles.tiles.iter().zip(rows.chunks_exact_mut(count)) {
+            over_lanes::rows(self.name, tile, rows);
+        }
+    }
+
+    fn states(&self) -> usize {
+        LANES * self.tiles.tiles.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        self.run();
+        self.rows.numbers(self.tiles.batch.rows())
     }
 }
 
@@ -202,8 +259,9 @@ fn main() {
     let types = TYPES.map(|name| ConnectionType::named(name, None).unwrap());
     let subjects: Vec<Subject> =
         types.iter().flat_map(|connection| found.subjects(&settings, connection)).collect();
-    let methods = [NumDual(Order::Jacobian), NumDual(Order::Hessian)];
-    let methods: Vec<&dyn Method> = methods.iter().map(|method| method as &dyn Method).collect();
+    let methods = Order::ALL.map(NumDual);
+    let methods: Vec<&dyn Method> =
+        methods.iter().map(|method| method as &dyn Method).chain([&OverLanes as &dyn Method]).collect();
     let mut session = Session::new(&settings, &subjects, &methods).unwrap();
     if words.iter().any(|word| word == "--precision") {
         found.take(&session);

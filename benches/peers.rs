@@ -327,6 +327,13 @@ fn main() {
         std::fs::write(&words[at + 1], bench.export().to_string()).unwrap();
         return;
     }
+    if let Some(at) = words.iter().position(|word| word == "--once") {
+        let [name, count, calls] = &words[at + 1..] else { return eprintln!("--once TYPE BATCH CALLS") };
+        let case = bench.cases.iter().find(|case| case.name == name).unwrap();
+        let mut lanes = Lanes::new(case, &bench.states, count.parse().unwrap());
+        (0..calls.parse().unwrap()).for_each(|_: usize| lanes.run(case));
+        return;
+    }
     let errors = bench.errors();
     if words.iter().any(|word| word == "--serve") {
         let greeting = json!({ "errors": errors, "versions": { "pintle": pintle::VERSION } });

@@ -1,14 +1,15 @@
-//! Time and memory of every phase of a run, from a thousand connectors to a million: `taskset -c 3 cargo bench --bench scale [CONNECTORS]`.
+//! Time and memory of every phase of a run, from one connector to a million: `taskset -c 3 cargo bench --bench scale [CONNECTORS]`.
 //!
 //! A chain of connectors of every type, read from a file, evaluated at one state and written. What is linear is the same number in every
 //! column: microseconds on a core for each connector, the least of rounds; bytes for each connector, those that a phase leaves and the most that it
-//! takes while it is at work. Memory is asserted to be linear; times are for reading.
+//! takes while it is at work. Memory is asserted to be linear; times are for reading. One connector is a HINGE.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
 
 #[path = "../verify/scale/chain.rs"]
 mod chain;
 
 use peak_alloc::PeakAlloc;
+use pintle::catalog::Orientation;
 use pintle::connector::{Output, Request};
 use pintle::evaluate::{Fixed, Item, Jacobian, Model, Plan, Selection, Sequence};
 use pintle::report::{Block, Format, Kind, Subject, csv::Csv, json::Json, matrix_market};
@@ -25,6 +26,9 @@ static MEMORY: PeakAlloc = PeakAlloc;
 
 /// How far bytes for each connector may be from one size to another: tables double in size.
 const LINEAR: f64 = 1.6;
+
+const BEGIN: &str = "begin a walk";
+const TOUCH: &str = "fill that much new memory";
 
 /// What a phase took, for each connector.
 struct Cost {
@@ -56,7 +60,9 @@ impl Meter {
     fn of<T>(&mut self, phase: &'static str, work: impl FnOnce() -> T) -> T {
         let before = MEMORY.current_usage() as f64;
         MEMORY.reset_peak_usage();
-        let (start, on_core) = (Instant::now(), on_core());
+        // The clock starts last: to ask for the time on a core takes as long as a phase of one connector.
+        let on_core = on_core();
+        let start = Instant::now();
         let made = work();
         let seconds = on_core.map_or_else(|| start.elapsed().as_secs_f64(), |before| spent(before, start));
         let per = |bytes: usize| (bytes as f64 - before) / self.connectors;
@@ -73,10 +79,13 @@ fn temporary(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-{name}", std::process::id()))
 }
 
+const ORIENTED: &[Orientation] = &[Orientation::Required];
+
 /// The files of a chain and of one state of it.
 fn files(connectors: usize) -> [PathBuf; 2] {
     let [deck, states] = ["scale.inp", "scale.csv"].map(temporary);
-    std::fs::write(&deck, chain::deck(connectors, &chain::types(), "")).unwrap();
+    let types = if connectors == 1 { vec![("HINGE".into(), ORIENTED)] } else { chain::types() };
+    std::fs::write(&deck, chain::deck(connectors, &types, "")).unwrap();
     let mut out = BufWriter::new(File::create(&states).unwrap());
     writeln!(out, "state,time,node,u1,u2,u3,ur1,ur2,ur3,v1,v2,v3").unwrap();
     for (node, motion) in &chain::state(1, connectors + 1).nodes {
@@ -135,7 +144,8 @@ fn write(scene: &Scene, model: &Model, plan: &Plan, state: &State, format: &mut 
 }
 
 fn measure(connectors: usize) -> Meter {
-    let rounds = (200_000 / connectors).clamp(1, 20);
+    // The first round meets memory that nobody has touched.
+    let rounds = (200_000 / connectors).clamp(2, 2000);
     let mut meter = Meter { connectors: connectors as f64, costs: Vec::new() };
     let [deck, states] = files(connectors);
     for _ in 0..rounds {
@@ -144,7 +154,12 @@ fn measure(connectors: usize) -> Meter {
         let state = meter.of("read a state", || read(&scene, &states));
         let plan = |order| planned(&model, order);
         let plan_of = meter.of("plan", || plan(0));
-        drop(meter.of("begin a walk", || Sequence::new(&model, &plan_of)));
+        let before = MEMORY.current_usage();
+        let walk = meter.of(BEGIN, || Sequence::new(&model, &plan_of));
+        let bytes = MEMORY.current_usage() - before;
+        drop(walk);
+        // What of this is the system's: each page is zeroed, and touched for the first time.
+        drop(meter.of(TOUCH, || black_box(vec![1_u8; bytes])));
         for (phase, order) in [("evaluate, order 0", 0), ("evaluate, order 1", 1), ("evaluate, order 2", 2)] {
             let plan = plan(order);
             let mut sequence = Sequence::new(&model, &plan);
@@ -193,34 +208,31 @@ fn measure(connectors: usize) -> Meter {
     meter
 }
 
+/// What a table tells of a cost, of so many connectors.
+type Cell = fn(&Cost, f64) -> String;
+
 fn main() {
     let most: usize = std::env::args().filter_map(|word| word.parse().ok()).next().unwrap_or(1_000_000);
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
-    let sizes: Vec<usize> =
-        [1000, 10_000, 100_000, 1_000_000].into_iter().filter(|size| *size < most).chain([most]).collect();
+    let sizes: Vec<usize> = [1, 100, 1000, 10_000, 100_000, 1_000_000]
+        .into_iter()
+        .filter(|size| *size < most)
+        .chain([most])
+        .collect();
     let meters: Vec<Meter> = sizes.iter().map(|size| measure(*size)).collect();
-    let columns = |head: &str| format!("{head:^width$}", width = 9 * sizes.len());
+    let heads: String = sizes.iter().map(|size| format!("{:>9}", format!("{:e}", *size as f64))).collect();
     println!("a chain of connectors of every type, one thread; for each connector:");
-    println!(
-        "{:28}{}  {}  {}",
-        "",
-        columns("microseconds"),
-        columns("bytes that it leaves"),
-        columns("bytes while at work")
-    );
-    let heads: String = sizes.iter().map(|size| format!("{:>9}", format!("{size:e}"))).collect();
-    println!("{:28}{heads}  {heads}  {heads}", "connectors");
-    for (at, Cost { phase, .. }) in meters[0].costs.iter().enumerate() {
-        let costs = || meters.iter().map(|meter| (&meter.costs[at], meter.connectors));
-        let line = |of: &dyn Fn(&Cost, f64) -> String| -> String {
-            costs().map(|(cost, connectors)| format!("{:>9}", of(cost, connectors))).collect()
-        };
-        println!(
-            "{phase:28}{}  {}  {}",
-            line(&|cost, connectors| format!("{:.3}", 1e6 * cost.seconds / connectors)),
-            line(&|cost, _| format!("{:.0}", cost.held)),
-            line(&|cost, _| format!("{:.0}", cost.most)),
-        );
+    let tables: [(&str, Cell); 3] = [
+        ("microseconds", |cost, connectors| format!("{:.3}", 1e6 * cost.seconds / connectors)),
+        ("bytes that it leaves", |cost, _| format!("{:.0}", cost.held)),
+        ("bytes while at work", |cost, _| format!("{:.0}", cost.most)),
+    ];
+    for (what, of) in tables {
+        println!("{what:28}{heads}");
+        for (at, Cost { phase, .. }) in meters[0].costs.iter().enumerate() {
+            let each = meters.iter().map(|meter| format!("{:>9}", of(&meter.costs[at], meter.connectors)));
+            println!("{phase:28}{}", each.collect::<String>());
+        }
     }
     let largest = meters.last().unwrap();
     for cost in largest.costs.iter().filter(|cost| cost.phase.starts_with("evaluate")) {

@@ -14,8 +14,8 @@ mod hand {
 
 use hand::scalar::{self, Row};
 use hand::types::TYPES;
-use pintle::batch::COLUMNS;
-use pintle::catalog::ConnectionType;
+use pintle::batch::{Batch, COLUMNS};
+use pintle::catalog::{ConnectionType, TABLE};
 use pintle::connector::{Branch, Connector, Definition, Increment, Linear, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
 use pintle::scalar::{Differentiable, Wide};
@@ -271,4 +271,106 @@ fn main() {
         logs[1] += (whole / hand).ln() / 5.0;
     }
     println!("geometric mean: linearize {:.2} ×, evaluate {:.2} ×", logs[0].exp(), logs[1].exp());
+    without_batches();
+}
+
+/// Types whose rows are in no batch, evaluated one at a time, and their halves.
+fn without_batches() {
+    let is_in_no_batch = |of: &&ConnectionType| {
+        let connector = Connector::<f64>::new(&definition(of));
+        Batch::new(&connector, [true; 6]).is_err()
+    };
+    println!(
+        "ns for a row of what is in no batch, evaluated; of an assembled type over that of its dearer half, where the aim is 2.00"
+    );
+    for connection in TABLE.iter().filter(is_in_no_batch) {
+        let own = Evaluated::new(connection);
+        let others = connection.halves.iter().flatten().filter(|half| half.name != connection.name);
+        let halves: Vec<Evaluated> =
+            others.map(|half| Evaluated::new(&ConnectionType::named(half.name, None).unwrap())).collect();
+        let mut least = vec![f64::INFINITY; 1 + halves.len()];
+        for _ in 0..ROUNDS {
+            for (of, least) in halves.iter().chain([&own]).zip(&mut least) {
+                *least = least.min(of.time());
+            }
+        }
+        let (own_time, of_halves) = least.split_last().unwrap();
+        let dearer = of_halves.iter().copied().reduce(f64::max);
+        let over = dearer.map_or(String::new(), |dearer| format!(" = {:.2} ×", own_time / dearer));
+        let each = halves.iter().zip(of_halves).map(|(half, ns)| format!("{} {ns:.1}", half.name));
+        let each: Vec<String> = each.collect();
+        println!("{:16} {own_time:8.1}{over}  {}", own.name, each.join(", "));
+    }
+}
+
+/// A type with material flow.
+fn definition(connection: &ConnectionType) -> Definition {
+    let pair = Draw(7).pair();
+    Definition { flow_scale: 50.0, ..Definition::new(connection.clone(), pair) }
+}
+
+/// A type that is evaluated with its rows.
+struct Evaluated {
+    name: String,
+    connector: Connector<f64>,
+    branch: Branch<f64>,
+    request: Request,
+    states: Vec<State<f64>>,
+    rows: usize,
+}
+
+impl Evaluated {
+    /// Its rows are compared with those by the 237-bit scalar.
+    fn new(connection: &ConnectionType) -> Self {
+        let definition = definition(connection);
+        let (connector, wide) = (Connector::<f64>::new(&definition), Connector::<Wide>::new(&definition));
+        let request = Request::new(&[Output::CP, Output::RES], [true; 6], 1);
+        let mut draw = Draw(11);
+        let pairs: Vec<Pair<f64>> = (0..STATES).map(|_| draw.pair()).collect();
+        let mut rows = 0;
+        for pair in &pairs {
+            let tally = &mut Tally::default();
+            let none = Increment::none();
+            let found = connector.evaluate(&exact(pair), &none, &connector.initial_branch(), &request, tally);
+            let none = Increment::none();
+            let truth = wide.evaluate(&exact(pair), &none, &wide.initial_branch(), &request, tally);
+            rows = found.jacobian.iter().flatten().count();
+            assert_eq!(rows, truth.jacobian.iter().flatten().count(), "{}", connection.name);
+            for (row, known) in found.jacobian.iter().zip(&truth.jacobian) {
+                let (Some(row), Some(known)) = (row, known) else { continue };
+                let scale = known.iter().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()));
+                let is_close = |(x, y): (&f64, &Wide)| (x - y.to_f64()).abs() <= BOUND * scale;
+                assert!(row.iter().zip(known).all(is_close), "{}", connection.name);
+            }
+        }
+        Self {
+            name: connection.name.to_string(),
+            branch: connector.initial_branch(),
+            states: pairs.iter().map(exact).collect(),
+            connector,
+            request,
+            rows,
+        }
+    }
+
+    /// The least time of a row, in ns.
+    fn time(&self) -> f64 {
+        let (begin, mut least) = (Instant::now(), f64::INFINITY);
+        let mut tally = Tally::default();
+        while begin.elapsed() < BUDGET {
+            let start = Instant::now();
+            for state in black_box(&self.states) {
+                let increment = Increment::none();
+                black_box(self.connector.evaluate(
+                    state,
+                    &increment,
+                    &self.branch,
+                    &self.request,
+                    &mut tally,
+                ));
+            }
+            least = least.min(start.elapsed().as_secs_f64());
+        }
+        1e9 * least / (STATES * self.rows) as f64
+    }
 }

@@ -44,9 +44,16 @@ impl Write for Sum {
     }
 }
 
-fn scene() -> Scene {
+/// A multi-point constraint from each node to the one after the next, of kinds in turn.
+fn constraints() -> String {
+    let kinds = ["BEAM", "TIE", "PIN", "LINK"];
+    let lines = (1..CONNECTORS).map(|node| format!("{}, {}, {node}\n", kinds[node % 4], node + 2));
+    format!("*MPC\n{}", lines.collect::<String>())
+}
+
+fn scene(rest: &str) -> Scene {
     let deck = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-threads.inp", std::process::id()));
-    std::fs::write(&deck, chain::deck(CONNECTORS, &chain::types(), "")).unwrap();
+    std::fs::write(&deck, chain::deck(CONNECTORS, &chain::types(), rest)).unwrap();
     let scene = Scene::read(&deck).unwrap();
     std::fs::remove_file(deck).unwrap();
     scene
@@ -117,23 +124,26 @@ fn compare(phase: &str, pools: &[ThreadPool], states: &[State], mut walks: Vec<W
         let microseconds = 1e6 * seconds / CONNECTORS as f64;
         format!("{:>16}", format!("{microseconds:.3} = {:.2} ×", least[0] / seconds))
     });
-    println!("{phase:24}{}", columns.collect::<String>());
+    println!("{phase:28}{}", columns.collect::<String>());
 }
 
 fn main() {
-    let scene = scene();
-    let model = Model::compile(&scene).unwrap();
+    let (scene, constrained) = (scene(""), scene(&constraints()));
+    let [model, constrained] = [&scene, &constrained].map(|scene| Model::compile(scene).unwrap());
     let request = Request::new(&OUTPUTS, [true; 6], 1);
     let plan = Plan::compile(&model, &Selection::All, request).unwrap();
     let nothing = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
     let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::none());
+    let all = Plan::compile(&constrained, &Selection::All, Request::nothing(0)).unwrap();
+    let with_mpcs = Jacobian::of_constraints(&constrained, &all, &Fixed::none());
+    assert_eq!(constrained.mpcs.len(), CONNECTORS - 1);
     let states: Vec<State> = (1..=ROUNDS as u64).map(|number| chain::state(number, CONNECTORS + 1)).collect();
     let available = std::thread::available_parallelism().unwrap().get();
     let counts: Vec<usize> = (0..).map(|k| 1 << k).take_while(|count| *count <= available).collect();
     let pools: Vec<ThreadPool> =
         counts.iter().map(|count| ThreadPoolBuilder::new().num_threads(*count).build().unwrap()).collect();
     println!("{CONNECTORS} connectors; microseconds for each, and the speed over that of one thread");
-    println!("{:24}{}", "threads", counts.iter().map(|count| format!("{count:>16}")).collect::<String>());
+    println!("{:28}{}", "threads", counts.iter().map(|count| format!("{count:>16}")).collect::<String>());
     let each = || pools.iter();
     compare("evaluate, order 1", &pools, &states, each().map(|_| evaluated(&model, &plan)).collect());
     compare(
@@ -141,6 +151,12 @@ fn main() {
         &pools,
         &states,
         each().map(|_| filled(&model, &nothing, &jacobian)).collect(),
+    );
+    compare(
+        "fill it, with as many MPCs",
+        &pools,
+        &states,
+        each().map(|_| filled(&constrained, &all, &with_mpcs)).collect(),
     );
     compare(
         "evaluate, CSV, order 1",

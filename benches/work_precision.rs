@@ -1,5 +1,5 @@
 //! Time against error of values, Jacobians and Hessians, far from singular points, near them and at rest: what `pintle bench` measures, and
-//! besides it rows and second derivatives by hand: `taskset -c 3 cargo bench --bench work_precision`. All go through the same
+//! besides it values, rows and second derivatives by hand: `taskset -c 3 cargo bench --bench work_precision`. All go through the same
 //! states; what takes one state at a time writes its rows into the same memory again, batches into as much as they have rows.
 //!
 //! By itself it prints the tables. For `scripts/measure.py`: `--export FILE` writes states and truth for JAX; `--serve` writes the
@@ -19,24 +19,27 @@ mod hand {
     #[cfg(target_arch = "x86_64")]
     mod simd;
     #[cfg(target_arch = "x86_64")]
+    mod simd_values;
+    #[cfg(target_arch = "x86_64")]
     pub(crate) mod sweep;
     pub(crate) mod types;
+    pub(crate) mod values;
     #[cfg(target_arch = "x86_64")]
     mod vector;
 }
 
 use hand::common::{flat, is_written, settings, spread, untimed};
 use hand::peer::serve;
-use hand::scalar;
 use hand::types::TYPES;
+use hand::{scalar, values};
 use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Settings, Subject, Way};
 use pintle::catalog::ConnectionType;
 use pintle::report::bench as report;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
 
-/// Values and rows by hand, plain doubles.
-struct Hand;
+/// By hand, plain doubles: values alone, or with their rows.
+struct Hand(Order);
 
 impl Method for Hand {
     fn name(&self) -> &'static str {
@@ -44,7 +47,7 @@ impl Method for Hand {
     }
 
     fn order(&self) -> Order {
-        Order::Jacobian
+        self.0
     }
 
     fn cause(&self) -> Cause {
@@ -53,7 +56,64 @@ impl Method for Hand {
 
     fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
         is_written(subject)?;
-        Ok(Box::new(ByHand { subject, rows: [scalar::Row::default(); 6] }))
+        Ok(match self.0 {
+            Order::Value => Box::new(ValuesByHand { subject, values: [0.0; 6] }),
+            Order::Jacobian => Box::new(ByHand { subject, rows: [scalar::Row::default(); 6] }),
+            Order::Hessian => return Err("second derivatives are written for four lanes"),
+        })
+    }
+}
+
+/// What is written for a type of a subject, for its element number `i`: a function for its three rows, or that of TRANSLATOR for six.
+macro_rules! by_hand {
+    ($module:ident, $subject:expr, $i:expr, $out:expr) => {{
+        let element = &$subject.elements[$i];
+        let pair = &element.state.pair;
+        let three = $out.first_chunk_mut::<3>().unwrap();
+        match $subject.connection.name.as_ref() {
+            "SLIDE-PLANE" => $module::slide_plane(pair, three),
+            "REVOLUTE" => $module::revolute(pair, three),
+            "ROTATION" => $module::rotation(pair, three),
+            "CARDAN" => $module::cardan(pair, three),
+            "TRANSLATOR" => {
+                $module::translator(pair, &element.connector.section().initial_orientation, $out);
+            }
+            other => panic!("{other} is not written by hand"),
+        }
+    }};
+}
+
+struct ValuesByHand<'s> {
+    subject: &'s Subject,
+    values: [f64; 6],
+}
+
+impl ValuesByHand<'_> {
+    #[inline(always)]
+    fn one(&mut self, i: usize) {
+        by_hand!(values, self.subject, i, &mut self.values);
+    }
+}
+
+impl Prepared for ValuesByHand<'_> {
+    fn run(&mut self) {
+        for i in 0..self.subject.elements.len() {
+            self.one(i);
+            black_box(&mut self.values);
+        }
+    }
+
+    fn states(&self) -> usize {
+        self.subject.elements.len()
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        let mut all = Vec::new();
+        for i in 0..self.subject.elements.len() {
+            self.one(i);
+            all.extend(&self.values[..self.subject.rows()]);
+        }
+        all
     }
 }
 
@@ -65,19 +125,7 @@ struct ByHand<'s> {
 impl ByHand<'_> {
     #[inline(always)]
     fn one(&mut self, i: usize) {
-        let (element, rows) = (&self.subject.elements[i], &mut self.rows);
-        let pair = &element.state.pair;
-        let three = rows.first_chunk_mut::<3>().unwrap();
-        match self.subject.connection.name.as_ref() {
-            "SLIDE-PLANE" => scalar::slide_plane(pair, three),
-            "REVOLUTE" => scalar::revolute(pair, three),
-            "ROTATION" => scalar::rotation(pair, three),
-            "CARDAN" => scalar::cardan(pair, three),
-            "TRANSLATOR" => {
-                scalar::translator(pair, &element.connector.section().initial_orientation, rows);
-            }
-            other => panic!("{other} is not written by hand"),
-        }
+        by_hand!(scalar, self.subject, i, &mut self.rows);
     }
 }
 
@@ -105,12 +153,12 @@ impl Prepared for ByHand<'_> {
     }
 }
 
-/// Rows, and with second derivatives, by hand for one vector unit.
+/// Values alone, with rows, and with second derivatives, by hand for one vector unit.
 #[cfg(target_arch = "x86_64")]
 mod by_hand {
     use super::*;
     use crate::hand::sweep::Sweep;
-    use pintle::batch::LANES;
+    use pintle::batch::{Four, LANES};
     use pintle::bench::{Rows, Tiles};
     use pulp::x86::V3;
 
@@ -136,28 +184,41 @@ mod by_hand {
         fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
             is_written(subject)?;
             let v = V3::try_new().ok_or("the processor has no AVX2 and FMA")?;
-            let (tiles, rows) = (Tiles::new(subject)?, Rows::new(self.0, subject)?);
-            Ok(Box::new(ByHandLanes { v, name: &subject.connection.name, tiles, rows }))
+            let tiles = Tiles::new(subject)?;
+            let found = match self.0 {
+                Order::Value => Found::Values(vec![Four::default(); tiles.tiles.len() * subject.rows()]),
+                order => Found::Rows(Rows::new(order, subject)?),
+            };
+            Ok(Box::new(ByHandLanes { v, name: &subject.connection.name, tiles, found }))
         }
+    }
+
+    /// Room for what is computed.
+    enum Found {
+        Values(Vec<Four>),
+        Rows(Rows),
     }
 
     struct ByHandLanes<'s> {
         v: V3,
         name: &'s str,
         tiles: Tiles,
-        rows: Rows,
+        found: Found,
     }
 
     impl Prepared for ByHandLanes<'_> {
         fn run(&mut self) {
-            let Self { v, name, tiles: Tiles { batch, tiles, sections, .. }, rows } = self;
-            let (v, name, count) = (*v, *name, batch.rows());
-            match rows {
-                Rows::First(rows) => {
-                    v.vectorize(Sweep { v, name, tiles, sections, rows: count, out: &mut rows[..] });
+            let Self { v, name, tiles: Tiles { batch, tiles, sections, .. }, found } = self;
+            let (v, name, rows) = (*v, *name, batch.rows());
+            match found {
+                Found::Values(out) => {
+                    v.vectorize(Sweep { v, name, tiles, sections, rows, out: &mut out[..] })
                 }
-                Rows::Second(rows) => {
-                    v.vectorize(Sweep { v, name, tiles, sections, rows: count, out: &mut rows[..] });
+                Found::Rows(Rows::First(out)) => {
+                    v.vectorize(Sweep { v, name, tiles, sections, rows, out: &mut out[..] });
+                }
+                Found::Rows(Rows::Second(out)) => {
+                    v.vectorize(Sweep { v, name, tiles, sections, rows, out: &mut out[..] });
                 }
             }
         }
@@ -167,7 +228,16 @@ mod by_hand {
         }
 
         fn numbers(&mut self) -> Vec<f64> {
-            self.rows.numbers(self.tiles.batch.rows())
+            let rows = self.tiles.batch.rows();
+            match &self.found {
+                Found::Values(found) => {
+                    let of_tile = |tile: &[Four]| -> Vec<f64> {
+                        (0..LANES).flat_map(|lane| tile.iter().map(move |row| row[lane])).collect()
+                    };
+                    found.chunks_exact(rows).flat_map(of_tile).collect()
+                }
+                Found::Rows(found) => found.numbers(rows),
+            }
         }
     }
 }
@@ -220,12 +290,9 @@ fn main() {
         return;
     }
     let ways = Way::all();
-    let mut more: Vec<Box<dyn Method>> = vec![Box::new(Hand)];
+    let mut more: Vec<Box<dyn Method>> = vec![Box::new(Hand(Order::Value)), Box::new(Hand(Order::Jacobian))];
     #[cfg(target_arch = "x86_64")]
-    more.extend(
-        [Order::Jacobian, Order::Hessian]
-            .map(|order| -> Box<dyn Method> { Box::new(by_hand::HandLanes(order)) }),
-    );
+    more.extend(Order::ALL.map(|order| -> Box<dyn Method> { Box::new(by_hand::HandLanes(order)) }));
     let more = more;
     let methods: Vec<&dyn Method> =
         ways.iter().map(|way| way as &dyn Method).chain(more.iter().map(AsRef::as_ref)).collect();

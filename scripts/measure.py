@@ -361,7 +361,7 @@ def say(text):
 def printed(bench, is_pinned=True):
     """What a bench prints, which interleaves and checks by itself; that of stress draws its figure too.
 
-    It runs on one core, unless it measures threads.
+    It runs on one core, unless it takes all threads.
     """
 
     def block(arguments):
@@ -405,6 +405,10 @@ def instructions(arguments):
             lanes, by_hand = (per_tile(program, who, order, name) for who in ("lanes", "hand"))
             cells += [f"{lanes:.0f}", f"{by_hand:.0f}", f"{100 * by_hand / lanes:.0f} %"]
         lines.append([name, *cells])
+    beyond = "ROTATION beyond half a turn"
+    say(f"instructions: {beyond}")
+    cells = [[f"{per_tile(program, 'lanes', order, beyond):.0f}", "–", "–"] for order in ("rows", "second")]
+    lines.append([beyond, *cells[0], *cells[1]])
     head = ["instructions of a tile", "rows", "by hand", "", "second derivatives", "by hand", ""]
     return {"instructions": f"{stamp()}, {run('valgrind', '--version').strip()}.\n\n{table(head, lines)}"}
 
@@ -467,6 +471,7 @@ MEASUREMENTS = {
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
     printed("scale"): ("scale",),
+    printed("history", is_pinned=False): ("history",),
     printed("threads", is_pinned=False): ("threads",),
     printed("stress"): ("stress",),
     proof: ("proof",),

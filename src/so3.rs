@@ -446,10 +446,7 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
     });
     let on_principal_sheet = principal(q);
     let whole = S::Real::with_turns(zero, k);
-    let at_identity = || {
-        let angle = S::from_real(whole) + dot_real(reference_direction, on_principal_sheet);
-        times(vector::constant(reference_direction), angle)
-    };
+    let at_identity = || beside_whole_turns(reference_direction, whole, on_principal_sheet);
     if S::Real::HAS_LANES {
         // One series for all, with no turns on the principal sheet.
         let one = S::Real::integer(1);
@@ -459,7 +456,7 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
         let phi = S::Real::choose(
             zero.less(lateral + S::Real::either(is_principal, one, zero)),
             || times([q[1], q[2], q[3]], q[0].lift(&series)),
-            at_identity,
+            || beside_whole_turns(reference_direction, whole, on_principal_sheet),
         );
         return ContinuousLog { phi, lateral };
     }
@@ -482,6 +479,18 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
         S::Real::choose(zero.less(k.magnitude()), turned, || on_principal_sheet)
     });
     ContinuousLog { phi, lateral }
+}
+
+/// The log at whole turns but for rounding: along the reference, with what is left of the principal one. A function of its own, which is compiled for
+/// the vector unit that calls it: a closure that two branches share is not.
+#[inline(always)]
+fn beside_whole_turns<S: Scalar>(
+    reference_direction: Vector<S::Real>,
+    whole: S::Real,
+    on_principal_sheet: Vector<S>,
+) -> Vector<S> {
+    let angle = S::from_real(whole) + dot_real(reference_direction, on_principal_sheet);
+    times(vector::constant(reference_direction), angle)
 }
 
 /// The Taylor coefficients of K_k(c) = (2 acos c + 2πk)/√(1 − c²) at 0 ≤ c < 1: on the sheet k, φ = K_k(w) v.

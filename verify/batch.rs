@@ -337,6 +337,35 @@ fn some_rows_are_rows_of_all() {
     }
 }
 
+/// Of many tiles each gets the rows that it has by itself, though passes go over some of them before the next.
+#[test]
+fn many_tiles_are_tiles() {
+    const TILES: usize = 1000;
+    for name in ["TRANSLATOR", "BEAM", "CARDAN"] {
+        let connection = ConnectionType::named(name, None).unwrap();
+        let group = groups(&connection, crate::states::Extent::Brief).into_iter().next().unwrap();
+        let batch = Batch::new(&group[0].connector, [true; 6]).unwrap();
+        let all: Vec<[&One; 4]> =
+            (0..TILES).map(|tile| four(|lane| &group[(4 * tile + lane) % group.len()])).collect();
+        let tiles: Vec<Tile> = all.iter().map(|ones| Tile::new(&ones.map(|one| one.state().pair))).collect();
+        let sections: Vec<Section> =
+            all.iter().map(|ones| Section::new(&ones.map(|one| &one.connector))).collect();
+        let histories: Vec<History> =
+            all.iter().map(|ones| History::new(&ones.map(|one| one.found.branch))).collect();
+        let rows = |from: usize, count: usize| {
+            let mut rows = vec![Row::default(); count * batch.rows()];
+            let of = from..from + count;
+            let (sections, histories) = (&sections[of.clone()], &histories[of.clone()]);
+            batch.rows_of(&tiles[of], sections, histories, &mut rows).unwrap();
+            rows
+        };
+        let together = rows(0, TILES);
+        for (tile, own) in together.chunks_exact(batch.rows()).enumerate() {
+            assert_eq!(own, rows(tile, 1), "{name}: tile {tile}");
+        }
+    }
+}
+
 /// What has no lanes says so.
 #[test]
 fn material_flow_is_refused() {

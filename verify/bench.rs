@@ -310,7 +310,11 @@ fn the_command_measures_a_type() {
     let figure = fs::read_to_string(folder.join("revolute-jacobian-near.svg")).unwrap();
     assert!(figure.contains("complex step") && figure.matches("<polyline").count() == 6, "{figure}");
     assert!(figure.contains(">REVOLUTE: Jacobian, time against error</text>"), "{figure}");
-    assert!(figure.contains(&format!("one core, {}</text>", report.environment.date)), "{figure}");
+    let machine = report.environment.short();
+    assert!(machine.contains(&report.environment.date), "{machine}");
+    let version = report.environment.commit.as_ref().unwrap_or(&report.environment.pintle);
+    assert!(machine.ends_with(&format!("pintle {version}")), "{machine}");
+    assert!(figure.contains(&format!(">one core of {machine}</text>")), "{figure}");
     // Six diagrams, and both types together.
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 7);
     let both = fs::read_to_string(folder.join("jacobian-far.svg")).unwrap();

@@ -5,6 +5,7 @@
 mod coefficients;
 mod hessian;
 mod simd;
+mod simd_values;
 pub(crate) mod sweep;
 pub(crate) mod types;
 mod vector;

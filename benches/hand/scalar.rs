@@ -12,16 +12,16 @@ pub(crate) struct Row {
     pub(crate) columns: [f64; 12],
 }
 
-type Three = [f64; 3];
-type Matrix = [Three; 3];
+pub(super) type Three = [f64; 3];
+pub(super) type Matrix = [Three; 3];
 
 #[inline(always)]
-fn column(m: &Matrix, j: usize) -> Three {
+pub(super) fn column(m: &Matrix, j: usize) -> Three {
     [m[0][j], m[1][j], m[2][j]]
 }
 
 #[inline(always)]
-fn dot(a: Three, b: Three) -> f64 {
+pub(super) fn dot(a: Three, b: Three) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
@@ -37,7 +37,7 @@ fn combined(a: Three, x: f64, b: Three, y: f64) -> Three {
 }
 
 #[inline(always)]
-fn separation(pair: &Pair<f64>) -> Three {
+pub(super) fn separation(pair: &Pair<f64>) -> Three {
     let (a, b) = (&pair.a.displacement, &pair.b.displacement);
     let at = |i: usize| pair.reference[i] + (b[i] - a[i]);
     [at(0), at(1), at(2)]
@@ -106,7 +106,7 @@ pub(crate) fn cardan(pair: &Pair<f64>, out: &mut [Row; 3]) {
 
 /// Q = AᵀB.
 #[inline(always)]
-fn relative(pair: &Pair<f64>) -> Matrix {
+pub(super) fn relative(pair: &Pair<f64>) -> Matrix {
     let (a, b) = (&pair.a.triad, &pair.b.triad);
     let mut q = [[0.0; 3]; 3];
     for i in 0..3 {
@@ -169,7 +169,7 @@ fn log(a: &Matrix, r: &Matrix, out: &mut [Row; 3]) {
 
 /// The unit quaternion, w ≥ 0, of a rotation: the column of 4 q qᵀ with the largest diagonal entry, over its root (Shepperd).
 #[inline(always)]
-fn quaternion(r: &Matrix) -> [f64; 4] {
+pub(super) fn quaternion(r: &Matrix) -> [f64; 4] {
     let (a, b, c) = (r[0][0], r[1][1], r[2][2]);
     let (x, y, z) = (r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]);
     let (xy, xz, yz) = (r[0][1] + r[1][0], r[0][2] + r[2][0], r[1][2] + r[2][1]);

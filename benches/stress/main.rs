@@ -10,6 +10,7 @@ mod walk;
 use picture::{Curve, Panel, draw};
 use pintle::audit::case::exact_branch;
 use pintle::audit::sample::Draw;
+use pintle::bench::Environment;
 use pintle::connector::Flag;
 use pintle::evaluate::Sequence;
 use pintle::node::DOFS;
@@ -329,11 +330,18 @@ struct Lock {
 
 const CARDAN: Lock = Lock {
     name: "CARDAN",
-    title: "rows of a CARDAN towards its lock, β = ±π/2",
+    title: "rows of a CARDAN towards its lock, β = π/2",
     rotations: |distance| [[0.3, 0.0, 0.0], [0.0, FRAC_PI_2 - distance, 0.0], [0.0, 0.0, 0.2]],
-    distance: |beta| beta.abs() - Wide::pi() / Wide::integer(2),
+    distance: |beta| beta - Wide::pi() / Wide::integer(2),
     others: ["nalgebra's euler_angles on num-dual: α and γ", "nalgebra's euler_angles on num-dual: β"],
     peer: peer::cardan,
+};
+
+const CARDAN_BACK: Lock = Lock {
+    title: "rows of a CARDAN towards its other lock, β = −π/2",
+    rotations: |distance| [[0.3, 0.0, 0.0], [0.0, distance - FRAC_PI_2, 0.0], [0.0, 0.0, 0.2]],
+    distance: |beta| beta + Wide::pi() / Wide::integer(2),
+    ..CARDAN
 };
 
 const EULER: Lock = Lock {
@@ -345,15 +353,25 @@ const EULER: Lock = Lock {
     peer: peer::euler,
 };
 
+const EULER_BACK: Lock = Lock {
+    title: "rows of an EULER towards its other lock, β = π",
+    rotations: |distance| [[0.0, 0.0, 0.3], [PI - distance, 0.0, 0.0], [0.0, 0.0, 0.2]],
+    distance: |beta| beta - Wide::pi(),
+    ..EULER
+};
+
 fn main() -> Result<()> {
     // What is done soonest first.
-    let (cardan, euler, origin) = (lock(&CARDAN)?, lock(&EULER)?, origin()?);
-    let panels = [increments()?, turns()?, origin, drift()?, cardan, euler];
+    let [cardan, cardan_back, euler, euler_back] = [&CARDAN, &CARDAN_BACK, &EULER, &EULER_BACK].map(lock);
+    let locks = [cardan?, cardan_back?, euler?, euler_back?];
+    let origin = origin()?;
+    let panels: Vec<Panel> = [increments()?, turns()?, origin, drift()?].into_iter().chain(locks).collect();
     for Panel { title, ours, others, unit, .. } in &panels {
         println!("{title}; largest errors ({unit}):");
         for curve in ours.iter().chain(others) {
             println!("  {:<46} {:.1e}", curve.of, curve.worst());
         }
     }
-    draw(&panels, concat!(env!("CARGO_MANIFEST_DIR"), "/docs/stress.svg"))
+    let told = format!("errors against 237 bits; {}", Environment::here().short());
+    draw(&panels, &told, concat!(env!("CARGO_MANIFEST_DIR"), "/docs/stress.svg"))
 }

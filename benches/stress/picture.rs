@@ -64,10 +64,19 @@ const OF_OURS: [RGBColor; 2] = [RGBColor(0, 70, 200), RGBColor(0, 150, 130)];
 const OF_OTHERS: [RGBColor; 2] = [RGBColor(205, 40, 40), RGBColor(235, 150, 40)];
 const OF_LIMIT: RGBColor = RGBColor(140, 140, 140);
 
-pub(crate) fn draw(panels: &[Panel], path: &str) -> Result<(), Box<dyn Error + Send + Sync>> {
-    let area = SVGBackend::new(path, (1240, 380 * panels.len().div_ceil(2) as u32)).into_drawing_area();
-    area.fill(&WHITE)?;
-    for (panel, area) in panels.iter().zip(area.split_evenly((panels.len().div_ceil(2), 2))) {
+/// The height of a panel, and of the line below them.
+const PANEL: u32 = 380;
+const LINE: u32 = 30;
+
+/// Panels, and below them on what machine, when and of which commit they were drawn.
+pub(crate) fn draw(panels: &[Panel], told: &str, path: &str) -> Result<(), Box<dyn Error + Send + Sync>> {
+    let lines = panels.len().div_ceil(2);
+    let height = PANEL * lines as u32;
+    let whole = SVGBackend::new(path, (1240, height + LINE)).into_drawing_area();
+    whole.fill(&WHITE)?;
+    let (area, below) = whole.split_vertically(height);
+    below.draw(&Text::new(told, (14, 6), ("sans-serif", 14)))?;
+    for (panel, area) in panels.iter().zip(area.split_evenly((lines, 2))) {
         let curves = || panel.limit.iter().chain(&panel.ours).chain(&panel.others);
         let swept = || curves().flat_map(|curve| &curve.points).map(|(x, _)| *x);
         let [low, high] = [swept().fold(f64::INFINITY, f64::min), swept().fold(0.0, f64::max)];
@@ -124,6 +133,6 @@ pub(crate) fn draw(panels: &[Panel], path: &str) -> Result<(), Box<dyn Error + S
             .border_style(RGBColor(150, 150, 150))
             .draw()?;
     }
-    area.present()?;
+    whole.present()?;
     Ok(())
 }

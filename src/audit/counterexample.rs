@@ -52,6 +52,9 @@ pub struct CounterExample {
     pub tolerance: Hex,
     /// The connector.
     pub connector: ConnectorValues,
+    /// The state by name, from which Taylor's and hyper-dual directions are drawn: a replay takes the same.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub state: String,
     /// What the states before left; none is the initial branch.
     pub start: Option<BranchValues>,
     /// The states up to the one judged.
@@ -386,6 +389,7 @@ impl CounterExample {
             want: Hex(worst.want),
             tolerance: Hex(worst.tolerance),
             connector: ConnectorValues::of(&case.definition, case.length),
+            state: case.name.clone(),
             start: case.start.as_ref().map(BranchValues::of),
             path: case.path.iter().map(StepValues::of).collect(),
         })
@@ -406,6 +410,7 @@ impl CounterExample {
             want: Hex(0.0),
             tolerance: Hex(0.0),
             connector: ConnectorValues::of(&case.definition, case.length),
+            state: case.name.clone(),
             start: case.start.as_ref().map(BranchValues::of),
             path: case.path.iter().map(StepValues::of).collect(),
         }
@@ -482,7 +487,10 @@ impl CounterExample {
         let start = self.start.as_ref().map(BranchValues::branch).transpose()?;
         self.check_values()?;
         finite("sum", self.sum.iter().map(|summand| summand.by))?;
-        let name = format!("{} replayed", definition.connection.name);
+        let name = match self.state.as_str() {
+            "" => format!("{} replayed", definition.connection.name),
+            state => state.to_string(),
+        };
         Ok(Case { name, definition, start, path, length: self.connector.length.0 })
     }
     /// Whether the values make a connector at states.

@@ -14,7 +14,7 @@ use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::planted::Planted;
 use super::quantity::{Numbers, Quantity};
 use super::referee::Referee;
-use super::sample::{Draw, Extent, cases_drawn, random_case};
+use super::sample::{Draw, random_case, regions_drawn};
 use super::stage::invalid_stage;
 use super::standing::cases_on;
 use super::sums::{hyper_dual, taylor};
@@ -148,17 +148,20 @@ fn halved(n: usize, last: usize) -> usize {
 
 /// Which of the regular states of a type, of which the first come one from a region, and of those near its singular sets after them are judged
 /// on 237 bits besides the `standing` ones, which always are: of those wanted that are left, but of two thirds of them at least, three quarters
-/// are regular. Every other state near the sets may stand on one, from the first on: those between do not.
+/// are regular, or as many more as there are regions that are not all alike, as those of right angles are, which come after them. Every other
+/// state near the sets may stand on one, from the first on: those between do not.
 fn wide_states(
-    regions: usize,
+    (distinct, regions): (usize, usize),
     (regular, near, standing): (usize, usize, usize),
     wanted: usize,
 ) -> BTreeSet<usize> {
     let wanted = wanted.saturating_sub(standing).max((2 * wanted).div_ceil(3));
-    let of_near = if near > 0 { wanted / 4 } else { 0 };
+    let of_near = if near > 0 { (wanted / 4).min(wanted.saturating_sub(distinct)) } else { 0 };
     let of_regular = wanted - of_near;
     let others = spread(regular.saturating_sub(regions), of_regular.saturating_sub(regions));
-    let mut wide = spread(regions, of_regular);
+    let mut wide = spread(distinct, of_regular);
+    let alike = spread(regions - distinct, of_regular.saturating_sub(distinct));
+    wide.extend(alike.into_iter().map(|i| distinct + i));
     wide.extend(others.into_iter().map(|i| regions + i));
     let between = near / 2;
     if of_near <= between {
@@ -171,14 +174,14 @@ fn wide_states(
 
 fn audit_type(connection: &ConnectionType, settings: &Settings) -> Subject {
     let draw = &mut Draw::new(&format!("{} {}", settings.seed, connection.name));
-    let regions = cases_drawn(connection, Extent::Full, draw);
+    let (distinct, regions) = regions_drawn(connection, draw);
     let near = if atlas::sites(connection).is_empty() { 0 } else { settings.near_singular_states };
     let regular = settings.states.max(regions.len());
     let on_points = if near > 0 { cases_on(connection) } else { Vec::new() };
     // On a removable point nothing is singular, and doubles alone judge what is not wide.
     let is_singular = |case: &&Case| Narrow::of(case).is_some_and(|narrow| narrow.nearness() == 0.0);
     let standing = on_points.iter().take(near.div_ceil(2)).filter(is_singular).count();
-    let wide = wide_states(regions.len(), (regular, near, standing), settings.wide_states);
+    let wide = wide_states((distinct, regions.len()), (regular, near, standing), settings.wide_states);
     let golden = if settings.oracles.contains(&Oracle::Jax) { states_of(connection) } else { 0 };
     let count = regular + near + golden;
     let mut checks = gather((0..count).into_par_iter().map(|i| {
@@ -414,6 +417,7 @@ fn judge_numbers(
     if often {
         checks.extend(laws(&examined, wide));
     }
+    Check::contradict(&mut checks);
     checks
 }
 
@@ -450,7 +454,7 @@ mod tests {
     #[test]
     fn as_many_states_are_wide_as_are_asked_for() {
         let of = |wanted: usize, standing: usize| {
-            let found = wide_states(42, (10_000, 10_000, standing), wanted);
+            let found = wide_states((18, 42), (10_000, 10_000, standing), wanted);
             [0..42, 42..10_000, 10_000..20_000]
                 .map(|range: std::ops::Range<usize>| found.range(range).count())
         };
@@ -458,12 +462,14 @@ mod tests {
         assert_eq!(of(1000, 0), [42, 708, 250]);
         assert_eq!(of(40_000, 0), [42, 9_958, 10_000]);
         assert_eq!(of(30, 6), [18, 0, 6]);
-        assert_eq!(of(30, 20), [15, 0, 5]);
+        assert_eq!(of(30, 20), [18, 0, 2]);
         assert_eq!(of(1, 20), [1, 0, 0]);
         assert_eq!(of(0, 20), [0, 0, 0]);
+        // Every region that is not like others is among them.
+        assert!((0..18).all(|i| wide_states((18, 42), (1000, 200, 20), 30).contains(&i)));
         // None of those near singular sets is where another one stands.
-        assert!(wide_states(42, (1000, 200, 20), 30).range(1000..).all(|i| i % 2 == 1));
-        assert_eq!(wide_states(42, (42, 0, 0), 1000).len(), 42);
+        assert!(wide_states((18, 42), (1000, 200, 20), 30).range(1000..).all(|i| i % 2 == 1));
+        assert_eq!(wide_states((18, 42), (42, 0, 0), 1000).len(), 42);
     }
 
     #[test]

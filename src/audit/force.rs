@@ -58,8 +58,8 @@ impl Truth {
         let mut found: Components<Vec<Wide>> =
             std::array::from_fn(|k| self.connector().has_force(k).then(|| vec![Wide::zero(); DOFS]));
         for j in self.reach() {
-            let ([plus, minus], width) = self.around(j);
-            let [plus, minus] = [plus, minus].map(|at| self.conjugates(at, &self.values(at)));
+            let (places, width) = self.around(j);
+            let [plus, minus] = places.each_ref().map(|(at, values)| self.conjugates(at, values));
             for (k, row) in found.iter_mut().enumerate() {
                 if let (Some(row), Some(plus), Some(minus)) = (row, plus[k], minus[k]) {
                     row[j] = (plus - minus) / width;
@@ -109,7 +109,7 @@ impl Truth {
 }
 
 /// How far b has turned more than a since a pair was there, for small turns.
-pub(super) fn turned(was: &Pair<Wide>, is: &Pair<Wide>) -> Vector<Wide> {
+fn turned(was: &Pair<Wide>, is: &Pair<Wide>) -> Vector<Wide> {
     let since = |was: &node::Node<Wide>, is: &node::Node<Wide>| {
         if is.triad == was.triad {
             return [Wide::zero(); 3];

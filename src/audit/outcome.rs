@@ -83,6 +83,9 @@ pub struct Check {
     /// What fails worst, for a counter-example.
     #[serde(skip)]
     pub failing: Option<Box<Failing>>,
+    /// At how many states another independent oracle passes all that this one calls wrong, by far more than its own error.
+    #[serde(skip)]
+    pub contradicted: u64,
 }
 
 /// Why numbers that were compared, or a law, are undecided.
@@ -107,7 +110,41 @@ impl Check {
             counter_example: None,
             comparison: None,
             failing: None,
+            contradicted: 0,
         }
+    }
+
+    /// Whether it is by an independent oracle on 237 bits that answers entry by entry.
+    fn is_witness(&self) -> bool {
+        let of = |oracle: Oracle| {
+            oracle.is_independent() && oracle.is_wide() && self.quantity.is_some_and(|of| oracle.answers(of))
+        };
+        matches!(self.against, Against::Oracle(oracle) if of(oracle))
+    }
+
+    /// Marks, among the checks of one state, the word of one independent oracle against another's: of as many numbers one passes all, and another
+    /// calls one wrong by far more than an oracle's own error.
+    pub(super) fn contradict(of_state: &mut [Self]) {
+        /// In tolerances.
+        const FAR: f64 = 1e3;
+        let decides =
+            |check: &&Self| matches!(check.verdict, Verdict::Pass | Verdict::IllConditioned | Verdict::Kink);
+        let right: Vec<_> = of_state
+            .iter()
+            .filter(|check| check.is_witness())
+            .filter(decides)
+            .map(|check| (check.quantity, check.compared))
+            .collect();
+        for check in of_state.iter_mut().filter(|check| check.is_witness() && check.verdict.is_mismatch()) {
+            let is_far = check.worst.as_ref().is_some_and(|worst| worst.units > FAR);
+            check.contradicted = u64::from(is_far && right.contains(&(check.quantity, check.compared)));
+        }
+    }
+
+    /// Whether at each state at which something is wrong that is one oracle's word against another's.
+    fn is_contradicted(&self) -> bool {
+        let wrong = self.states.iter().filter(|(verdict, _)| verdict.is_mismatch()).map(|(_, states)| states);
+        self.contradicted > 0 && self.contradicted == wrong.sum::<u64>()
     }
 
     /// An entry that must be there and is not, or the other way round, in words.
@@ -221,7 +258,8 @@ impl Check {
     /// At how many states an independent oracle decided, one way or the other.
     fn judged_independently(&self) -> u64 {
         let is_one = matches!(self.against, Against::Oracle(oracle) if oracle.is_independent());
-        let decided = self.states.iter().filter(|(verdict, _)| **verdict != Verdict::Undecided);
+        let is_decided = |verdict: &Verdict| !matches!(verdict, Verdict::Undecided | Verdict::Singular);
+        let decided = self.states.iter().filter(|(verdict, _)| is_decided(verdict));
         if is_one && self.compared > 0 { decided.map(|(_, states)| states).sum() } else { 0 }
     }
 
@@ -244,6 +282,7 @@ impl Check {
             self.comparison = other.comparison.or(self.comparison.take());
         }
         self.verdict = self.verdict.max(other.verdict);
+        self.contradicted += other.contradicted;
         self.score.merge(other.score);
         if let Some(diagnosis) = other.diagnosis
             && self.diagnosis.as_ref().is_none_or(|known| diagnosis.is_clearer_than(known))
@@ -323,41 +362,19 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// Whether a check is by an independent oracle on 237 bits that answers entry by entry.
-    fn is_witness(check: &Check) -> bool {
-        let of = |oracle: Oracle| {
-            oracle.is_independent() && oracle.is_wide() && check.quantity.is_some_and(|of| oracle.answers(of))
-        };
-        matches!(check.against, Against::Oracle(oracle) if of(oracle))
-    }
-
-    /// The quantities on which independent oracles contradict each other: of as many numbers at as many states one passes all, and another calls
-    /// one wrong by far more than an oracle's own error.
+    /// The quantities on which independent oracles contradict each other at a state.
     pub fn contradicted(&self) -> Vec<Quantity> {
-        /// In tolerances.
-        const FAR: f64 = 1e3;
         let is_contradicted = |quantity: &Quantity| {
-            let is_of_it = |check: &&Check| check.quantity == Some(*quantity) && Self::is_witness(check);
-            let witnesses: Vec<&Check> = self.checks.iter().filter(is_of_it).collect();
-            let compares = |check: &Check| (check.compared, check.states.values().sum::<u64>());
-            let is_far = |check: &Check| check.worst.as_ref().is_some_and(|worst| worst.units > FAR);
-            let says = |of: fn(&Check) -> bool| witnesses.iter().copied().filter(move |check| of(check));
-            says(|check| check.verdict.is_mismatch()).filter(|check| is_far(check)).any(|wrong| {
-                says(|check| check.verdict == Verdict::Pass).any(|right| compares(right) == compares(wrong))
-            })
+            self.checks.iter().any(|check| check.quantity == Some(*quantity) && check.contradicted > 0)
         };
         Quantity::ALL.into_iter().filter(is_contradicted).collect()
     }
 
     /// Whether something is wrong by more than the word of one independent oracle against another's.
     fn is_wrong(&self) -> bool {
-        let contradicted = self.contradicted();
-        let is_open = |check: &Check| {
-            Self::is_witness(check) && check.quantity.is_some_and(|quantity| contradicted.contains(&quantity))
-        };
-        let wrong = |check: &&Check| check.verdict.is_mismatch() && !is_open(check);
-        self.verdict().is_mismatch()
-            && (contradicted.is_empty() || self.checks.iter().any(|check| wrong(&check)))
+        let is_agreed = self.contradicted().is_empty();
+        let wrong = |check: &Check| check.verdict.is_mismatch() && !check.is_contradicted();
+        self.verdict().is_mismatch() && (is_agreed || self.checks.iter().any(wrong))
     }
 
     pub(super) fn new(
@@ -540,6 +557,17 @@ impl Report {
     /// Subjects of which something is undecided.
     pub fn undecided_subjects(&self) -> usize {
         self.subjects.iter().filter(|subject| subject.verdict() == Verdict::Undecided).count()
+    }
+
+    /// Subjects with a state on a singular set where nobody could judge something, which is not declared.
+    pub fn unjudged(&self) -> usize {
+        let is_unjudged = |check: &Check| check.states.contains_key(&Verdict::Singular);
+        self.subjects.iter().filter(|subject| subject.checks.iter().any(is_unjudged)).count()
+    }
+
+    /// Whether something is undecided, not exercised or judged by nobody: what fails where the audit is strict.
+    pub fn is_open(&self) -> bool {
+        self.undecided() + self.not_exercised() + self.unjudged() > 0
     }
 
     /// Subjects with numbers of which no state tells whether a mistake would have been noticed.

@@ -15,18 +15,19 @@
 
 use super::case::moved;
 use super::differences::{self, Directions, SECOND_STEP};
-use super::force::turned;
 use super::quantity::Entries;
 use super::truth::Truth;
 use crate::catalog::Loading;
-use crate::connector::{Components, NodalRow};
-use crate::node::{DOFS, Node, Pair};
+use crate::connector::{Branch, Components, Mask, NodalRow};
+use crate::measure::Measure;
+use crate::node::{self, DOFS, Node, Pair};
 use crate::scalar::{Real, Scalar, Wide};
-use crate::vector::{add, apply, dot};
+use crate::vector::{add, apply, dot, sub};
 
 /// What is differenced at one place of the nodes.
 struct Sample {
     pair: Pair<Wide>,
+    branch: Branch<Wide>,
     value: Components<Wide>,
     conjugate: Components<Wide>,
 }
@@ -66,17 +67,28 @@ fn combined(terms: &[(i32, &Sample)], width: Wide) -> [Components<Wide>; 2] {
     [of(|sample| &sample.value), of(|sample| &sample.conjugate)]
 }
 
+/// Whether a degree of freedom turns its node.
+const fn turns(j: usize) -> bool {
+    matches!(j % 7, 3..=5)
+}
+
 /// The nodes moved along two degrees of freedom, from where each of them alone has led: a turn is computed again only where both turn
-/// one node.
-fn together(
-    still: &Pair<Wide>,
+/// one node. With that of the samples whose nodes are turned as they are, where there is one.
+fn together<'a>(
+    still: &'a Sample,
     by: &NodalRow<Wide>,
-    [(j, first), (l, second)]: [(usize, &Sample); 2],
-) -> Pair<Wide> {
-    let turns = |j: usize| matches!(j % 7, 3..=5);
+    [(j, first), (l, second)]: [(usize, &'a Sample); 2],
+) -> (Pair<Wide>, Option<&'a Sample>) {
     if j / 7 == l / 7 && turns(j) && turns(l) {
-        return moved(still, by);
+        return (moved(&still.pair, by), None);
     }
+    let turned_alike = match (turns(j), turns(l)) {
+        (true, true) => None,
+        (true, false) => Some(first),
+        (false, true) => Some(second),
+        (false, false) => Some(still),
+    };
+    let still = &still.pair;
     let node = |of: fn(&Pair<Wide>) -> &Node<Wide>, start: usize| {
         let [here, one, other] = [of(still), of(&first.pair), of(&second.pair)];
         let is_turned = |i: usize| turns(i) && i / 7 == start / 7;
@@ -90,7 +102,10 @@ fn together(
         let displacement = add(here.displacement, [by[start], by[start + 1], by[start + 2]]);
         Node { displacement, triad, flow: here.flow + by[start + 6] }
     };
-    Pair { reference: still.reference, a: node(|pair| &pair.a, 0), b: node(|pair| &pair.b, 7) }
+    (
+        Pair { reference: still.reference, a: node(|pair| &pair.a, 0), b: node(|pair| &pair.b, 7) },
+        turned_alike,
+    )
 }
 
 impl Truth {
@@ -134,11 +149,13 @@ impl Truth {
             let columns: Vec<usize> = self.reach().collect();
             match connector.connection().loading(k) {
                 Some(Loading::AlongA(_) | Loading::FrozenAxis(_)) => {
-                    // Moved nodes that have not turned have done no work on such a moment.
-                    let turns: Vec<usize> = columns.into_iter().filter(|j| matches!(j % 7, 3..=5)).collect();
+                    // Moved nodes that have not turned have done no work on such a moment; what turns them is θ_b − θ_a.
+                    let turns: Vec<usize> = columns.into_iter().filter(|j| turns(*j)).collect();
                     let work = |from: &Pair<Wide>, by: &NodalRow<Wide>| {
                         self.moment_axes[k].map_or_else(Wide::zero, |axis| {
-                            dot(apply(&from.a.triad, axis), turned(from, &moved(from, by)))
+                            let turned = |at: usize| [by[at], by[at + 1], by[at + 2]];
+                            let more = sub(turned(node::THETA_B), turned(node::THETA_A));
+                            dot(apply(&from.a.triad, axis), more)
                         })
                     };
                     self.change_of_row(&turns, (step, directions), &work, matrix);
@@ -159,11 +176,36 @@ impl Truth {
         matrices.map(Entries)
     }
 
-    fn sample(&self, by: NodalRow<Wide>, pair: Pair<Wide>, forces: bool) -> Sample {
-        let at = self.place_of(by, pair);
-        let value = self.values(&at);
+    /// What is differenced where the nodes have moved. Of a sample whose nodes are turned alike the branch is the same, and so are the values
+    /// that depend on turns alone.
+    fn sample(
+        &self,
+        by: NodalRow<Wide>,
+        pair: Pair<Wide>,
+        turned_alike: Option<&Sample>,
+        forces: bool,
+    ) -> Sample {
+        let Some(alike) = turned_alike.filter(|_| !self.is_reversible()) else {
+            let at = self.place_anew(by, pair);
+            let value = self.values_of(&at, self.functions());
+            let conjugate = if forces { self.conjugates(&at, &value) } else { [None; 6] };
+            return Sample { pair, branch: at.branch, value, conjugate };
+        };
+        let at = self.place_on(by, pair, alike.branch);
+        let depends = self.depends_on_places();
+        let functions = self.functions();
+        let mut value = self.values_of(&at, [0, 1, 2, 3, 4, 5].map(|k| depends[k] && functions[k]));
+        for (k, value) in value.iter_mut().enumerate().filter(|(k, _)| !depends[*k]) {
+            *value = alike.value[k];
+        }
         let conjugate = if forces { self.conjugates(&at, &value) } else { [None; 6] };
-        Sample { pair, value, conjugate }
+        Sample { pair, branch: at.branch, value, conjugate }
+    }
+
+    /// The components that measure a function: of any other the row is differenced, not the value.
+    fn functions(&self) -> Mask {
+        let connector = self.connector();
+        [0, 1, 2, 3, 4, 5].map(|k| !connector.differentiated(k).is_some_and(Measure::is_one_form))
     }
 
     fn second_of_functions(
@@ -180,9 +222,10 @@ impl Truth {
             by
         };
         let pair = &self.state().pair;
+        let still = self.sample([Wide::zero(); DOFS], *pair, None, forces);
         let sample_along = |j: usize, times: i32| {
             let by = along(j, times);
-            self.sample(by, moved(pair, &by), forces)
+            self.sample(by, moved(pair, &by), (!turns(j)).then_some(&still), forces)
         };
         let alone = |j: usize| [1, -1].map(|sign| sample_along(j, sign));
         let active: Vec<usize> = self.active().collect();
@@ -199,7 +242,6 @@ impl Truth {
                 }
             }
         };
-        let still = self.sample([Wide::zero(); DOFS], *pair, forces);
         let alone: Vec<(usize, [Sample; 2])> = columns.iter().map(|j| (*j, alone(*j))).collect();
         for (n, (j, [ahead, behind])) in alone.iter().enumerate() {
             let terms = match directions {
@@ -215,7 +257,8 @@ impl Truth {
                 };
                 let sample = |sign: i32, first: &Sample, second: &Sample| {
                     let by = both(*j, *l, sign);
-                    self.sample(by, together(pair, &by, [(*j, first), (*l, second)]), forces)
+                    let (pair, alike) = together(&still, &by, [(*j, first), (*l, second)]);
+                    self.sample(by, pair, alike, forces)
                 };
                 let both_ahead = sample(1, ahead, other);
                 let area = step(*j) * step(*l);
@@ -271,5 +314,46 @@ impl Truth {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{Draw, Extent, cases_drawn};
+    use super::*;
+    use crate::catalog::TABLE;
+
+    /// What is taken from a sample whose nodes are turned alike is what is computed there, to the last bit.
+    #[test]
+    fn samples_turned_alike_share_what_depends_on_turns() {
+        let mut shared = 0;
+        for connection in TABLE.iter() {
+            let cases =
+                cases_drawn(connection, Extent::Full, &mut Draw::new(&format!("alike {}", connection.name)));
+            for truth in cases.iter().step_by(3).filter_map(Truth::of) {
+                let pair = &truth.state().pair;
+                let of = |j: usize| {
+                    let by = Truth::along(j, truth.sized(j, SECOND_STEP));
+                    (by, truth.sample(by, moved(pair, &by), None, true))
+                };
+                let still = truth.sample([Wide::zero(); DOFS], *pair, None, true);
+                let mut same = |by: NodalRow<Wide>, pair: Pair<Wide>, alike: &Sample| {
+                    let (anew, found) =
+                        (truth.sample(by, pair, None, true), truth.sample(by, pair, Some(alike), true));
+                    assert_eq!(anew.branch, found.branch, "{}", connection.name);
+                    assert_eq!(anew.value, found.value, "{}", connection.name);
+                    assert_eq!(anew.conjugate, found.conjugate, "{}", connection.name);
+                    shared += 1;
+                };
+                let (place, turn) = (of(8), of(4));
+                same(place.0, place.1.pair, &still);
+                let mut by = place.0;
+                by[4] = turn.0[4];
+                let (pair, alike) = together(&still, &by, [(8, &place.1), (4, &turn.1)]);
+                assert!(alike.is_some_and(|alike| alike.pair.a.triad == turn.1.pair.a.triad));
+                same(by, pair, &turn.1);
+            }
+        }
+        assert!(shared > 300, "{shared}");
     }
 }

@@ -63,7 +63,7 @@ impl Truth {
             let values = self.values(at);
             [values, self.conjugates(at, &values)]
         };
-        let still = functions(&self.at_rest());
+        let still = functions(self.at_rest());
         let flat = Sides::known([Wide::zero(); 2]);
         let mut found = still.map(|values| Entries(values.map(|value| value.map(|_| vec![flat; DOFS]))));
         let columns: [Vec<usize>; 2] = [self.active().collect(), self.reach().collect()];
@@ -115,7 +115,7 @@ impl Truth {
     fn in_time(&self, bound: &Bound, first: &Entries<Sides>, second: &Entries<Sides>) -> [Entries<Sides>; 2] {
         let speed = self.speed();
         let time = |step: f64| Wide::from_f64(if speed > 0.0 { step / speed } else { step });
-        let still = self.values(&self.at_rest());
+        let still = self.values(self.at_rest());
         let moved = |steps: &[Wide; 3]| -> Moved {
             steps.map(|t| [-t, t].map(|t| self.values(&self.place(self.carried_on(t)))))
         };

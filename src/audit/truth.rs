@@ -11,10 +11,10 @@ use super::case::{Case, dof_size, exact_branch, exact_state, moved};
 use super::differences::{self, FIRST_STEP, NOISE};
 use super::quantity::{Entries, Numbers, Quantity, request};
 use crate::connector::{
-    Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
+    Branch, Components, Connector, Evaluation, Increment, Mask, NodalRow, Output, Request, State, Tally,
 };
 use crate::measure::{Margin, Measure, SingularClass};
-use crate::node::{self, DOFS, Pair};
+use crate::node::{self, DOFS, Dependence, Pair};
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
 use crate::vector::{Matrix, Vector, product, sub, transpose, transposed_product};
 use std::sync::OnceLock;
@@ -44,8 +44,10 @@ pub struct Truth {
     opposite: Option<[usize; 3]>,
     /// The directions along which constraint moments that are printed about one act, components along e_i^a.
     pub(super) moment_axes: Components<Vector<Wide>>,
-    /// What first derivatives are differenced from, behind and ahead in each degree of freedom.
-    places: OnceLock<[[Place; 2]; DOFS]>,
+    /// Where the case ends.
+    still: OnceLock<Place>,
+    /// What first derivatives are differenced from, ahead and behind in each degree of freedom, with the values there.
+    places: [OnceLock<Around>; DOFS],
     /// Second differences as they are taken on a singular set.
     pub(super) on_a_set: OnceLock<[Entries<Wide>; 2]>,
 }
@@ -106,6 +108,9 @@ fn positions(connector: &Connector<Wide>, state: &State<Wide>, branch: Branch<Wi
 
 /// A step, and the values after it and before it.
 type Moved = (Wide, [Components<Wide>; 2]);
+
+/// Places ahead and behind along a degree of freedom, with the values there.
+type Around = [(Place, Components<Wide>); 2];
 
 /// Where the nodes have moved along one degree of freedom.
 pub(super) struct Place {
@@ -184,7 +189,8 @@ impl Truth {
             nearness: of_components.into_iter().fold(1.0, f64::min),
             of_components,
             locked,
-            places: OnceLock::new(),
+            still: OnceLock::new(),
+            places: Default::default(),
             on_a_set: OnceLock::new(),
         };
         let is_at_half_a_turn = |k: usize| {
@@ -195,7 +201,7 @@ impl Truth {
         truth.opposite = misaligned.filter(|places| {
             let asked = Request::new(&[Output::RES], [true; 6], 0);
             let got = narrow.evaluate_on(&end.state, after, &asked, &mut Tally::default()).residual;
-            let here = truth.values(&truth.at_rest());
+            let here = truth.values(truth.at_rest());
             let parts = places.iter().filter_map(|k| Some(Wide::from_f64(got[*k]?) * here[*k]?));
             parts.fold(Wide::zero(), |sum, part| sum + part) < Wide::zero()
         });
@@ -261,31 +267,67 @@ impl Truth {
         &self.state
     }
 
-    /// The places at h and −h along a degree of freedom, and 2h.
-    pub(super) fn around(&self, j: usize) -> (&[Place; 2], Wide) {
-        let step = |j: usize| self.step(j, FIRST_STEP);
-        let places = self.places.get_or_init(|| {
-            std::array::from_fn(|j| [step(j), -step(j)].map(|h| self.place(Self::along(j, h))))
+    /// The places at h and −h along a degree of freedom with the values there, and 2h.
+    pub(super) fn around(&self, j: usize) -> (&Around, Wide) {
+        let step = self.step(j, FIRST_STEP);
+        let places = self.places[j].get_or_init(|| {
+            [step, -step].map(|h| {
+                let at = self.place(Self::along(j, h));
+                let values = self.values(&at);
+                (at, values)
+            })
         });
-        (&places[j], step(j) + step(j))
+        (places, step + step)
     }
 
     pub(super) fn place(&self, by: NodalRow<Wide>) -> Place {
         self.place_of(by, moved(&self.state.pair, &by))
     }
 
-    /// The same where the nodes that have moved so far are known. The branch is taken anew at every place, however near: it holds principal
-    /// angles, and the sign of half a torsion, which changes where no singular set is declared.
-    pub(super) fn place_of(&self, by: NodalRow<Wide>, pair: Pair<Wide>) -> Place {
+    /// The same where the nodes that have moved so far are known. The branch is taken anew wherever the nodes have turned, however little: it
+    /// holds principal angles, and the sign of half a torsion, which changes where no singular set is declared.
+    fn place_of(&self, by: NodalRow<Wide>, pair: Pair<Wide>) -> Place {
+        let has_turned = pair.a.triad != self.state.pair.a.triad || pair.b.triad != self.state.pair.b.triad;
+        if !has_turned && !self.is_reversible() {
+            return self.place_on(by, pair, self.at_rest().branch);
+        }
+        self.place_anew(by, pair)
+    }
+
+    /// The same, whatever has turned.
+    pub(super) fn place_anew(&self, by: NodalRow<Wide>, pair: Pair<Wide>) -> Place {
         let state = State { pair, ..self.state };
         let branch = self.connector.advance(&state, &Increment::none(), &self.branch);
         Place { by, state, branch: self.on_the_sheet(&state, branch) }
     }
 
+    /// The same where the branch is known too: nothing is decided by [`Truth::is_reversible`], and the nodes are turned as they are
+    /// elsewhere.
+    pub(super) const fn place_on(&self, by: NodalRow<Wide>, pair: Pair<Wide>, branch: Branch<Wide>) -> Place {
+        Place { by, state: State { pair, ..self.state }, branch }
+    }
+
+    /// Whether the places of the nodes decide between opposites too.
+    pub(super) fn is_reversible(&self) -> bool {
+        self.reversible.iter().any(Option::is_some)
+    }
+
+    /// The components that depend on more than how the nodes are turned.
+    pub(super) fn depends_on_places(&self) -> Mask {
+        let of = |measure: Measure| {
+            let Dependence { translation, flow, .. } = measure.dependence();
+            translation || flow
+        };
+        [0, 1, 2, 3, 4, 5].map(|k| {
+            let measures = [self.connector.differentiated(k), self.connector.position_measure(k)];
+            measures.into_iter().flatten().any(of)
+        })
+    }
+
     /// The branch on which what is reversible has the signs that it has at the state itself. A jump to the opposite is no derivative; what
     /// lies on one sheet has one from each side.
     fn on_the_sheet(&self, state: &State<Wide>, branch: Branch<Wide>) -> Branch<Wide> {
-        if self.reversible.iter().all(Option::is_none) {
+        if !self.is_reversible() {
             return branch;
         }
         let there = positions(&self.connector, state, branch);
@@ -324,7 +366,9 @@ impl Truth {
             whole_turns: [[Wide::zero(); 3]; 2],
             flow: [by[node::PSI_A], by[node::PSI_B]],
         };
-        let after = self.connector.advance(&state, &increment, &self.branch);
+        let forms =
+            [0, 1, 2, 3, 4, 5].map(|k| self.connector.position_measure(k).is_some_and(Measure::is_one_form));
+        let after = self.connector.follow(&state, &increment, &self.branch, forms, &mut Tally::default());
         (after.accumulated - self.branch.accumulated)
             + (after.accumulated_rest - self.branch.accumulated_rest)
     }
@@ -336,10 +380,15 @@ impl Truth {
     }
 
     pub(super) fn values(&self, at: &Place) -> Components<Wide> {
-        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        self.values_of(at, [true; 6])
+    }
+
+    /// The same of some components.
+    pub(super) fn values_of(&self, at: &Place, components: Mask) -> Components<Wide> {
+        let asked = Request::new(&[Output::CU, Output::RES], components, 0);
         let evaluation = self.evaluate(at, &asked);
         let values = std::array::from_fn(|k| {
-            if self.connector.differentiated(k)?.is_one_form() {
+            if self.connector.differentiated(k)?.is_one_form() && components[k] {
                 return Some(self.accumulated(&at.by));
             }
             evaluation.residual[k].or(evaluation.displacement[k])
@@ -348,13 +397,13 @@ impl Truth {
     }
 
     /// Where the case ends, on rotations.
-    pub(super) fn at_rest(&self) -> Place {
-        self.place([Wide::zero(); DOFS])
+    pub(super) fn at_rest(&self) -> &Place {
+        self.still.get_or_init(|| self.place_anew([Wide::zero(); DOFS], self.state.pair))
     }
 
     /// Everything by dual numbers over 237 bits: the product's own source, without its rounding.
     pub fn dual(&self) -> Numbers<Wide> {
-        let mut numbers = Numbers::of(&self.evaluate(&self.at_rest(), &request()));
+        let mut numbers = Numbers::of(&self.evaluate(self.at_rest(), &request()));
         numbers.set(Quantity::Value, self.value());
         super::force::add_forces(&mut numbers, &self.connector, &self.state, &self.branch);
         numbers
@@ -378,8 +427,7 @@ impl Truth {
     pub fn first(&self) -> Entries<Wide> {
         let mut found: Components<Vec<Wide>> = self.empty(DOFS);
         for j in self.active() {
-            let ([plus, minus], width) = self.around(j);
-            let (plus, minus) = (self.values(plus), self.values(minus));
+            let ([(_, plus), (_, minus)], width) = self.around(j);
             for (k, entries) in found.iter_mut().enumerate() {
                 if let (Some(entries), Some(plus), Some(minus)) = (entries, plus[k], minus[k]) {
                     entries[j] = (plus - minus) / width;
@@ -441,7 +489,7 @@ impl Truth {
     pub fn rates(&self) -> [Entries<Wide>; 2] {
         let speed = self.speed();
         let at = |t: Wide| self.carried_on(t);
-        let still = self.values(&self.at_rest());
+        let still = self.values(self.at_rest());
         let both = |h: Wide| [h, -h].map(|h| self.values(&self.place(at(h))));
         // The values after both steps, ahead and behind, by nearness.
         let mut moved: Vec<(f64, [Moved; 2])> = Vec::new();

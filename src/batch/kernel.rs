@@ -287,6 +287,9 @@ impl<const FUSED: bool> Element<FUSED> {
     }
 }
 
+/// How many tiles a pass goes through before the next pass takes them: they and their rows stay in the second cache.
+const TILES_AT_ONCE: usize = 32;
+
 impl Batch {
     /// Values and rows, in the layout asked for: those of the first tile, then those of the second …
     ///
@@ -306,9 +309,14 @@ impl Batch {
         if self.rows() == 0 {
             return Ok(());
         }
-        for pass in &self.passes {
-            let all = Loop { arch: self.arch, rows: self.rows(), tiles, sections, histories, out };
-            L::run(Placed { pass, all });
+        let at_once = if self.passes.len() > 1 { TILES_AT_ONCE } else { tiles.len().max(1) };
+        let constants = sections.chunks(at_once).zip(histories.chunks(at_once));
+        let blocks = tiles.chunks(at_once).zip(constants).zip(out.chunks_mut(at_once * self.rows()));
+        for ((tiles, (sections, histories)), out) in blocks {
+            for pass in &self.passes {
+                let all = Loop { arch: self.arch, rows: self.rows(), tiles, sections, histories, out };
+                L::run(Placed { pass, all });
+            }
         }
         Ok(())
     }

@@ -55,11 +55,12 @@ impl Environment {
         }
     }
 
-    /// Machine and day.
+    /// Machine, day and commit.
     pub fn short(&self) -> String {
         let features =
             if self.features.is_empty() { String::new() } else { format!(" ({})", self.features.join("/")) };
-        format!("{}{features}, one core, {}", self.processor, self.date)
+        let version = self.commit.as_ref().unwrap_or(&self.pintle);
+        format!("{}{features}, {}, pintle {version}", self.processor, self.date)
     }
 
     /// In one line.

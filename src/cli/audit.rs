@@ -476,7 +476,7 @@ pub(super) fn verdict(report: &Report) -> Result<(), Failure> {
     if report.compared() == 0 && !is_of_models_alone {
         return Err(Failure::Nothing("no number was compared".into()));
     }
-    if report.settings.strict && report.undecided() + report.not_exercised() > 0 {
+    if report.settings.strict && report.is_open() {
         return Err(Failure::Undecided);
     }
     Ok(())

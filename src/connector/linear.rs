@@ -80,7 +80,8 @@ impl<R: Differentiable> Connector<R> {
         self.linearize_some(pair, branch, wanted, out)
     }
 
-    /// [`Connector::linearize`] of some of the components.
+    /// [`Connector::linearize`] of some of the components. Apart, so that all of them need no room for what this does.
+    #[inline(never)]
     fn linearize_some(
         &self,
         pair: &Pair<R>,

@@ -19,6 +19,7 @@ use crate::mpc::{self, Kind};
 use crate::node::{DOF_NUMBER, DOFS};
 use crate::scene::{Label, LabelMap};
 use crate::vector::{Matrix, Vector, dot};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// What an equation belongs to.
@@ -90,10 +91,10 @@ struct Block {
 /// Where the entries of one MPC go.
 #[derive(Clone, Debug)]
 struct MpcBlock {
-    /// For each entry the equation, and the degree of freedom by which it is.
-    entries: Vec<(u8, u8)>,
+    /// Its entries among those of all MPCs.
+    entries: Range<usize>,
     /// The axes of its nodes.
-    axes: Vec<Option<u32>>,
+    axes: [Option<u32>; mpc::NODES],
 }
 
 /// The pattern of a sparse Jacobian in compressed rows (CSR), and how to fill it: [`super::Sequence::assemble`].
@@ -125,6 +126,8 @@ pub struct Jacobian {
     columns: Vec<u32>,
     blocks: Vec<Block>,
     mpcs: Vec<MpcBlock>,
+    /// For each entry of an MPC the equation, and the degree of freedom by which it is.
+    mpc_entries: Vec<(u8, u8)>,
     axes: Vec<Matrix<f64>>,
     /// The plan that it belongs to.
     plan: [Vec<usize>; 2],
@@ -178,6 +181,7 @@ impl Jacobian {
             columns: Vec::new(),
             blocks: Vec::with_capacity(plan.connectors.len()),
             mpcs: Vec::with_capacity(plan.mpcs.len()),
+            mpc_entries: Vec::new(),
             axes: Vec::new(),
             plan: [plan.connectors.clone(), plan.mpcs.clone()],
             origin: Arc::default(),
@@ -255,29 +259,31 @@ impl Jacobian {
         (numbering, fixed): (&Numbering, &Fixed),
         known: &mut LabelMap<u32>,
     ) {
-        let axes = element.nodes.iter().map(|node| self.axes_of(Some(*node), fixed, known)).collect();
-        let mut entries = Vec::new();
+        let mut axes = [None; mpc::NODES];
+        for (axes, node) in axes.iter_mut().zip(&element.nodes) {
+            *axes = self.axes_of(Some(*node), fixed, known);
+        }
+        let from = self.mpc_entries.len();
         let has = element.constraint.columns();
-        let mut columns: Vec<(u32, u8)> = (0..mpc::DOFS)
-            .filter(|j| has[*j])
-            .filter_map(|j| {
-                let (place, number) = Kind::column_dof(j);
-                Some((
-                    numbering.column(numbering.places.of(*element.nodes.get(place)?)?, place_of(number)?)?,
-                    j as u8,
-                ))
-            })
-            .collect();
-        columns.sort_unstable();
+        let column = |j: usize| {
+            let (place, number) = Kind::column_dof(j);
+            numbering.column(numbering.places.of(*element.nodes.get(place)?)?, place_of(number)?)
+        };
+        // Degrees of freedom in the order of their columns; those without one are last.
+        let mut order: [(u32, u8); mpc::DOFS] = std::array::from_fn(|j| {
+            let column = Some(j).filter(|j| has[*j]).and_then(column);
+            (column.unwrap_or(u32::MAX), j as u8)
+        });
+        order.sort_unstable();
         for (row, _) in element.constraint.rows().iter().enumerate().filter(|(_, is)| **is) {
-            for (column, j) in &columns {
-                entries.push((row as u8, *j));
+            for (column, j) in order.iter().take_while(|(column, _)| *column < u32::MAX) {
+                self.mpc_entries.push((row as u8, *j));
                 self.columns.push(*column);
             }
             self.equations.push(Equation { source: Source::Mpc(index), component: row });
             self.offsets.push(self.columns.len());
         }
-        self.mpcs.push(MpcBlock { entries, axes });
+        self.mpcs.push(MpcBlock { entries: from..self.mpc_entries.len(), axes });
     }
 
     /// The number of equations.
@@ -321,7 +327,7 @@ impl Jacobian {
     }
 
     /// Where the entries of row i (0-based) are.
-    pub fn range(&self, i: usize) -> Option<std::ops::Range<usize>> {
+    pub fn range(&self, i: usize) -> Option<Range<usize>> {
         Some(*self.offsets.get(i)?..*self.offsets.get(i + 1)?)
     }
 
@@ -391,7 +397,7 @@ impl Jacobian {
     /// Gives the entries of an MPC in the order of the rows.
     pub(super) fn write_mpc(&self, at: usize, rows: &mpc::Rows<mpc::Dofs<f64>>, mut put: impl FnMut(f64)) {
         let MpcBlock { entries, axes } = &self.mpcs[at];
-        for (row, j) in entries {
+        for (row, j) in self.mpc_entries.get(entries.clone()).unwrap_or_default() {
             let Some(row) = &rows[usize::from(*row)] else {
                 put(f64::NAN);
                 continue;

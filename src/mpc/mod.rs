@@ -56,6 +56,9 @@ use crate::vector::{self, Matrix, Vector, cross, dot, sub};
 /// The number of degrees of freedom that a constraint may have: x, θ and Ψ of S, those of M, and the angles of two hinges.
 pub const DOFS: usize = 16;
 
+/// The number of nodes that a constraint may have: S, M, and those of which degree of freedom 6 is the angle of a hinge.
+pub const NODES: usize = 4;
+
 /// Where the displacements of S begin.
 pub const XS: usize = 0;
 /// Where the rotations of S begin.

@@ -318,8 +318,8 @@ fn fastest_first(mut curves: Vec<Curve<'_>>) -> Vec<Curve<'_>> {
 /// Time against error on log axes, a figure for each type, place and order, by file name; of several types together, the geometric mean of
 /// their Jacobians too.
 pub fn figures(report: &Report) -> Vec<(String, String)> {
-    let machine = report.environment.short();
-    let states = |place| format!("states {}; {machine}", where_(place, report.distance));
+    let machine = format!("one core of {}", report.environment.short());
+    let states = |place| format!("states {}", where_(place, report.distance));
     let each = Diagram::all(report).into_iter().filter_map(|diagram| {
         let Point { connection, place, order, .. } = diagram.first()?;
         if *order == Order::Value && diagram.points.len() < 2 {
@@ -332,7 +332,7 @@ pub fn figures(report: &Report) -> Vec<(String, String)> {
             .collect();
         let plot = LogPlot {
             title: &format!("{connection}: {}, time against error", order.name()),
-            heading: vec![states(*place)],
+            heading: vec![states(*place), machine.clone()],
             x_name: match order {
                 Order::Value => "largest error / (|f| + Σ |∂f/∂q| s)",
                 _ => "largest error / largest number of the row",
@@ -354,7 +354,7 @@ pub fn figures(report: &Report) -> Vec<(String, String)> {
         let (points, types) = means(report, place)?;
         let plot = LogPlot {
             title: &format!("Value and Jacobian, time against error: mean of {} types", types.len()),
-            heading: vec![format!("geometric mean of {}", types.join(", ")), states(place)],
+            heading: vec![format!("geometric mean of {}", types.join(", ")), states(place), machine.clone()],
             x_name: "largest error / largest number of the row",
             y_name: "ns per state",
             curves: fastest_first(curves(&points, Order::Jacobian, report)),

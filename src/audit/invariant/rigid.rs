@@ -214,6 +214,8 @@ impl Context<'_> {
         let (rotation, turned) = self.turned();
         let twin = self.numbers_of(&turned);
         // Turned inputs are rounded, so that the state there is another one; close to a singular set it may be where derivatives are far larger.
+        // It is so by less than a factor of two where that moves it by less than a tenth of its distance, whatever the twin says.
+        let is_apart = |k: usize| self.nearness[k] > 10.0 * C * U;
         let there = turned.last().map(|Step { state, .. }| {
             let length = self.case.length;
             Bound::of_components(&twin, &state.velocity, &state.acceleration, length, &self.nearness)
@@ -242,9 +244,10 @@ impl Context<'_> {
                     let mut demand = self.sum(one, want, What::of(Claim::TurnedAxes, quantity, k, i));
                     // Three roundings in each direction; a component of a vector is as uncertain as the vector; and to second order four times as
                     // much is rounded.
+                    let here = Self::around(self.bound, quantity, k, i);
                     let of_twin = there.as_ref().map_or(0.0, |there| Self::around(there, quantity, k, i));
-                    demand.allowed =
-                        4.0 * demand.allowed.max(of_twin).max(Self::around(self.bound, quantity, k, i));
+                    let of_twin = if is_apart(k) { of_twin.min(2.0 * here) } else { of_twin };
+                    demand.allowed = 4.0 * demand.allowed.max(of_twin).max(here);
                     demand.allowed += 16.0 * bent(i);
                     found.push(demand);
                 }

@@ -14,7 +14,7 @@ use crate::measure::{SingularSet, Unit};
 use crate::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, Kind, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S, Turning,
 };
-use crate::scalar::{Real, Scalar, Wide};
+use crate::scalar::{Scalar, Wide};
 use crate::vector::{self, product, scale};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -256,13 +256,15 @@ fn of_angle(case: &MpcCase, i: usize, distance: f64) -> Seen {
     };
     let h = Wide::from_f64(1e-25 * distance);
     let first = ROTATIONS.map(|j| (after(&[(j, h)]) - after(&[(j, -h)])) / (h + h));
+    // Ahead alone: second derivatives are in the scales alone.
     let h = Wide::from_f64(1e-18 * distance);
+    let still = angle(&state);
+    let alone = ROTATIONS.map(|j| after(&[(j, h)]) - still);
     let mut second = [[0.0; ROTATIONS.len()]; ROTATIONS.len()];
     for (m, j) in ROTATIONS.into_iter().enumerate() {
         for (n, k) in ROTATIONS.into_iter().enumerate().take(m + 1) {
-            let at = |one: Wide, other: Wide| after(&[(j, one), (k, other)]);
-            let across = at(h, h) - at(h, -h) - at(-h, h) + at(-h, -h);
-            second[m][n] = (across / (Wide::integer(4) * h * h)).to_f64();
+            let both = after(&[(j, h), (k, h)]) - still;
+            second[m][n] = ((both - alone[m] - alone[n]) / (h * h)).to_f64();
             second[n][m] = second[m][n];
         }
     }

@@ -10,6 +10,7 @@
 //! | rigid modes | J r = 0 for a translation r of everything, J r = e × v for a turn about e: zero where a BEAM, ρ or coincident nodes of a PIN meet the constraint; and the derivative of both along every degree of freedom |
 //! | frame | at the state turned by R, moved, and turning at a rate that changes: v' = R v, v̇' = R v̇ + Ω × v', v̈' = R v̈ + 2 Ω × R v̇ + Ω̇ × v' + Ω × (Ω × v'); rows and second derivatives are turned |
 //! | power | rates are J q̇, accelerations J q̈ + q̇ᵀ H q̇ |
+//! | symmetry | H = Hᵀ |
 //!
 //! The tolerance of a sum is that of its terms, which follows from the conditioning of the state. Nothing is asked of an equation on its
 //! singular set, and nothing is compared with a turned state within 1e-3 of one, or where that state is on the other sheet of ρ.
@@ -147,6 +148,7 @@ impl<'a> Laws<'a> {
             Invariant::RigidModes => self.rigid_modes(),
             Invariant::Frame => self.frame(),
             Invariant::Power => self.power(),
+            Invariant::Symmetry => self.symmetry(),
             _ => Vec::new(),
         }
     }
@@ -286,6 +288,20 @@ impl<'a> Laws<'a> {
                 demand.allowed = f64::INFINITY;
             }
             found.push(demand);
+        }
+        found
+    }
+
+    fn symmetry(&self) -> Vec<Demand> {
+        let quantity = Quantity::SecondDerivatives;
+        let mut found = Vec::new();
+        for row in self.smooth() {
+            for (j, l) in (0..DOFS).flat_map(|j| (0..j).map(move |l| (j, l))) {
+                let [below, above] = [j * DOFS + l, l * DOFS + j];
+                let terms = vec![(quantity, row, below, 1.0), (quantity, row, above, -1.0)];
+                let what = format!("{} with its columns exchanged", self.name(quantity, row, below));
+                found.push(self.sum(terms, 0.0, what));
+            }
         }
         found
     }
@@ -480,8 +496,8 @@ impl<'a> Laws<'a> {
 
 impl MpcCase {
     /// The laws that are asked of a constraint.
-    pub(in crate::audit) const LAWS: [Invariant; 3] =
-        [Invariant::RigidModes, Invariant::Frame, Invariant::Power];
+    pub(in crate::audit) const LAWS: [Invariant; 4] =
+        [Invariant::RigidModes, Invariant::Frame, Invariant::Power, Invariant::Symmetry];
 
     fn evaluated(&self, state: &State<f64>) -> Evaluation<f64> {
         let (request, tally) = (Request::everything(2), &mut Tally::default());

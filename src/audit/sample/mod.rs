@@ -9,7 +9,7 @@ mod draw;
 mod region;
 
 pub(super) use draw::splitmix64;
-pub(super) use region::rates;
+pub(super) use region::{rates, regions_drawn};
 
 pub use domain::{Turning, about_1, about_3, aligned, is_in_table, needs_length, spin_axis, turning, types};
 pub use draw::Draw;

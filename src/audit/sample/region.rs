@@ -207,6 +207,17 @@ pub fn cases_drawn(connection: &ConnectionType, extent: Extent, draw: &mut Draw)
     regions.into_iter().filter_map(|region| draw_case(connection, region, draw)).collect()
 }
 
+/// The same of all regions, and how many of them come before those of right angles, which are alike.
+pub(in crate::audit) fn regions_drawn(connection: &ConnectionType, draw: &mut Draw) -> (usize, Vec<Case>) {
+    let (mut distinct, mut drawn) = (0, Vec::new());
+    for region in Region::of(connection, Extent::Full) {
+        let case = draw_case(connection, region, draw);
+        distinct += usize::from(case.is_some() && !matches!(region, Region::Cube(_)));
+        drawn.extend(case);
+    }
+    (distinct, drawn)
+}
+
 /// A case from a random region.
 pub fn random_case(connection: &ConnectionType, draw: &mut Draw) -> Option<Case> {
     let regions = Region::of(connection, Extent::Full);
@@ -349,8 +360,8 @@ fn cube(connection: &ConnectionType, region: Region, i: usize, draw: &mut Draw) 
         .filter(|case| case.is_clear(CLEAR, CLEAR))
 }
 
-/// State `i` about the initial one of a connector: that itself, then random motions of the nodes that can move, clear of singular
-/// sets; in the plane for a two-dimensional connector. `None` where no clear state was found.
+/// State `i` about the initial one of a connector: that itself, then random motions of the nodes that can move, b turned against a by up to
+/// 1.2 rad, every fourth time up to 3 rad, clear of singular sets; in the plane for a two-dimensional connector. `None` where no clear state was found.
 pub fn about_initial(
     definition: &Definition,
     i: usize,
@@ -366,7 +377,9 @@ pub fn about_initial(
     };
     for _ in 0..ATTEMPTS {
         let still = [0.0; 3];
-        let [mut common, spin] = if i == 0 { [still; 2] } else { [turning(draw, 3.0), turning(draw, 1.2)] };
+        // Beyond a right angle the arctangent of a quotient and the arcsine are other functions than the angle.
+        let most = if i % 4 == 3 { 3.0 } else { 1.2 };
+        let [mut common, spin] = if i == 0 { [still; 2] } else { [turning(draw, 3.0), turning(draw, most)] };
         let mut motion = Motion::random(draw, length, spin);
         if i == 0 {
             (motion.displacement, motion.flow) = ([still; 2], [0.0; 2]);

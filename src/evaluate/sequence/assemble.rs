@@ -1,13 +1,13 @@
 //! The sparse Jacobian along a walk.
 
 use super::element::Context;
-use super::nodes::{Moved, STILL};
-use super::{Sequence, turns};
+use super::nodes::STILL;
+use super::{Sequence, at_mpc, turns};
 use crate::catalog::COMPONENT;
 use crate::connector::{CompactRow, Flag, Request, Tally};
 use crate::evaluate::jacobian::{CompressedColumns, ForeignPattern, Jacobian};
-use crate::evaluate::parallel::in_order;
-use crate::mpc::Dofs;
+use crate::evaluate::parallel::{self, in_order};
+use crate::mpc::{self, Dofs};
 use crate::scene::State as SceneState;
 use std::convert::Infallible;
 
@@ -79,6 +79,8 @@ impl Sequence<'_> {
             velocities,
             conditions,
             rooms,
+            mpc_nodes,
+            mpcs,
             ..
         } = self;
         let followed = &*followed;
@@ -134,30 +136,39 @@ impl Sequence<'_> {
                 Ok(())
             },
         );
-        let request = {
-            let mut request = Request::nothing(1);
-            request.add_rows([true; 6]);
-            request
-        };
-        for (at, index) in self.plan.mpcs.iter().enumerate() {
-            let element = &self.model.mpcs[*index];
-            let nodes =
-                self.mpc_nodes[at].iter().map(|node| node.map_or(STILL, |node| self.moved[node as usize]));
-            let nodes: Vec<Moved> = nodes.collect();
-            let of_state = (&request, &self.model.schedule, state);
-            let result = element.evaluate(*index, &nodes, &self.mpcs[at], of_state, &mut self.tally);
-            self.mpcs[at] = result.evaluation.angles;
-            jacobian.write_mpc(at, &result.evaluation.jacobian, &mut put);
-            let rows = &result.evaluation.jacobian;
-            let has = element.constraint.rows();
-            let is_broken = |row: &Dofs<f64>| row.iter().any(|x| !x.is_finite());
-            let broken = |row: &usize| has[*row] && rows[*row].as_ref().is_none_or(is_broken);
-            let broken = (0..rows.len()).filter(broken).map(|row| Flag::NotFinite {
-                component: element.constraint.kind().row_name(row),
-                quantity: "derivative",
-            });
-            care.extend(result.flags.into_iter().chain(broken).map(|flag| (element.title(), flag)));
-        }
+        let mut request = Request::nothing(1);
+        request.add_rows([true; 6]);
+        let mut rooms: Vec<mpc::Rows<Dofs<f64>>> = vec![Default::default(); parallel::held(mpcs.len())];
+        let Ok(()) = in_order(
+            mpcs,
+            &mut rooms,
+            |at, angles, rows| {
+                let mut tally = Tally::default();
+                let index = plan.mpcs[at];
+                let element = &model.mpcs[index];
+                let (nodes, count) = at_mpc(&mpc_nodes[at], moved);
+                let of_state = (&request, &model.schedule, state);
+                let result = element.evaluate(index, &nodes[..count], angles, of_state, &mut tally);
+                *angles = result.evaluation.angles;
+                *rows = result.evaluation.jacobian;
+                let mut flags = result.flags;
+                let has = element.constraint.rows();
+                let is_broken = |row: &Dofs<f64>| row.iter().any(|x| !x.is_finite());
+                let broken = |row: &usize| has[*row] && rows[*row].as_ref().is_none_or(is_broken);
+                flags.extend((0..rows.len()).filter(broken).map(|row| Flag::NotFinite {
+                    component: element.constraint.kind().row_name(row),
+                    quantity: "derivative",
+                }));
+                (flags, tally)
+            },
+            |at, (flags, work), rows| -> Result<(), Infallible> {
+                *tally += work;
+                jacobian.write_mpc(at, rows, &mut put);
+                let title = || model.mpcs[plan.mpcs[at]].title();
+                care.extend(flags.into_iter().map(|flag| (title(), flag)));
+                Ok(())
+            },
+        );
         self.states += 1;
         Ok(care)
     }

@@ -14,6 +14,7 @@ use super::plan::Plan;
 use crate::behavior::Conditions;
 use crate::behavior::state::Velocities;
 use crate::connector::{Mask, Request, Tally, Turns};
+use crate::mpc;
 use crate::scene::{Label, Rotation, State as SceneState};
 use branches::{Saved, followed};
 use element::{Context, Memory, Needed};
@@ -380,10 +381,9 @@ impl<'a> Sequence<'a> {
             |at, angles, (room, digested)| {
                 let mut tally = Tally::default();
                 let index = plan.mpcs[at];
-                let nodes = mpc_nodes[at].iter().map(|node| node.map_or(STILL, |node| moved[node as usize]));
-                let nodes: Vec<Moved> = nodes.collect();
+                let (nodes, count) = at_mpc(&mpc_nodes[at], moved);
                 let of_state = (request, &model.schedule, state);
-                let result = model.mpcs[index].evaluate(index, &nodes, angles, of_state, &mut tally);
+                let result = model.mpcs[index].evaluate(index, &nodes[..count], angles, of_state, &mut tally);
                 *angles = result.evaluation.angles;
                 digest(Item::Mpc(room.insert(result)), digested);
                 tally
@@ -396,6 +396,15 @@ impl<'a> Sequence<'a> {
         self.states += 1;
         Ok(())
     }
+}
+
+/// The nodes of a constraint where they are, and how many it has.
+fn at_mpc(places: &[Place], moved: &[Moved]) -> ([Moved; mpc::NODES], usize) {
+    let mut nodes = [STILL; mpc::NODES];
+    for (node, place) in nodes.iter_mut().zip(places) {
+        *node = place.map_or(STILL, |place| moved[place as usize]);
+    }
+    (nodes, places.len().min(mpc::NODES))
 }
 
 /// Marks nodes whose turning matters.

@@ -30,6 +30,12 @@ struct Document<'a> {
     oracles: Vec<Described>,
     mismatches: usize,
     undecided: usize,
+    /// Subjects with numbers of which no state tells whether a mistake would have been noticed.
+    not_exercised: usize,
+    /// Subjects with a state on a singular set where nobody could judge something.
+    unjudged: usize,
+    /// Models of which a finding is an error.
+    failing_models: usize,
     warnings: usize,
     survivors: u64,
     /// Quantities of subjects on which independent oracles contradict each other.
@@ -74,6 +80,9 @@ pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         oracles: oracles.collect(),
         mismatches: report.mismatches(),
         undecided: report.undecided(),
+        not_exercised: report.not_exercised(),
+        unjudged: report.unjudged(),
+        failing_models: report.failing_models(),
         warnings: report.warnings(),
         survivors: report.survivors(),
         contradictions: report.contradictions(),

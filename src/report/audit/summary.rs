@@ -86,7 +86,19 @@ pub(super) fn left_out(report: &Report) -> BTreeMap<String, Vec<&str>> {
 
 /// The same of one subject.
 fn left_out_of(subject: &Subject) -> impl Iterator<Item = String> {
-    without_witness(subject).into_iter().chain(not_exercised(subject)).chain(laws_not_asked(subject))
+    let told =
+        without_witness(subject).into_iter().chain(not_exercised(subject)).chain(laws_not_asked(subject));
+    told.chain(ill_conditioned(subject))
+}
+
+/// That a subject passes at states where that does not say much.
+fn ill_conditioned(subject: &Subject) -> Option<String> {
+    let is_so = |check: &Check| check.states.contains_key(&Verdict::IllConditioned);
+    subject.checks.iter().any(is_so).then(|| {
+        "ill-conditioned at some states, where an error of more than 1e-6 of a row may pass: -v and JSON tell of which \
+         numbers, and how small an error was seen"
+            .to_string()
+    })
 }
 
 fn with_list<'a>(why: &str, list: impl Iterator<Item = &'a str>) -> Option<String> {
@@ -200,7 +212,7 @@ pub(super) enum Outcome {
 /// How an audit came out: every form of the report shows the same.
 pub(super) fn outcome(report: &Report) -> Outcome {
     let is_open = report.undecided() > 0;
-    let fails_as_open = report.settings.strict && report.undecided() + report.not_exercised() > 0;
+    let fails_as_open = report.settings.strict && report.is_open();
     let is_unproven = report.survivors() > 0 || report.contradictions() > 0;
     if report.mismatches() > 0 || is_unproven || report.failing_models() > 0 || fails_as_open {
         Outcome::Failed
@@ -226,6 +238,9 @@ pub(super) fn headline(report: &Report) -> String {
     }
     if report.settings.strict && report.not_exercised() > 0 {
         words.push(format!("{} not exercised in all", count(report.not_exercised(), "subject")));
+    }
+    if report.settings.strict && report.unjudged() > 0 {
+        words.push(format!("{} at singular points that nobody judged", count(report.unjudged(), "subject")));
     }
     if report.failing_models() > 0 {
         words.push(format!("{} with errors", count(report.failing_models(), "model")));
