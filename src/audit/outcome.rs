@@ -83,9 +83,10 @@ pub struct Check {
     /// What fails worst, for a counter-example.
     #[serde(skip)]
     pub failing: Option<Box<Failing>>,
-    /// At how many states another independent oracle passes all that this one calls wrong, by far more than its own error.
+    /// At how many states another independent oracle passes all that this one calls wrong, and at how many of these that is by far more than
+    /// its own error.
     #[serde(skip)]
-    pub contradicted: u64,
+    pub contradicted: [u64; 2],
 }
 
 /// Why numbers that were compared, or a law, are undecided.
@@ -110,7 +111,7 @@ impl Check {
             counter_example: None,
             comparison: None,
             failing: None,
-            contradicted: 0,
+            contradicted: [0; 2],
         }
     }
 
@@ -123,12 +124,11 @@ impl Check {
     }
 
     /// Marks, among the checks of one state, the word of one independent oracle against another's: of as many numbers one passes all, and another
-    /// calls one wrong by far more than an oracle's own error.
+    /// calls one wrong.
     pub(super) fn contradict(of_state: &mut [Self]) {
-        /// In tolerances.
+        /// More than an oracle's own error, in tolerances.
         const FAR: f64 = 1e3;
-        let decides =
-            |check: &&Self| matches!(check.verdict, Verdict::Pass | Verdict::IllConditioned | Verdict::Kink);
+        let decides = |check: &&Self| !check.verdict.is_mismatch() && check.verdict != Verdict::Undecided;
         let right: Vec<_> = of_state
             .iter()
             .filter(|check| check.is_witness())
@@ -137,14 +137,16 @@ impl Check {
             .collect();
         for check in of_state.iter_mut().filter(|check| check.is_witness() && check.verdict.is_mismatch()) {
             let is_far = check.worst.as_ref().is_some_and(|worst| worst.units > FAR);
-            check.contradicted = u64::from(is_far && right.contains(&(check.quantity, check.compared)));
+            let is_denied = right.contains(&(check.quantity, check.compared));
+            check.contradicted = [is_denied, is_denied && is_far].map(u64::from);
         }
     }
 
-    /// Whether at each state at which something is wrong that is one oracle's word against another's.
+    /// Whether at each state at which something is wrong that is one oracle's word against another's, at one of them by far.
     fn is_contradicted(&self) -> bool {
         let wrong = self.states.iter().filter(|(verdict, _)| verdict.is_mismatch()).map(|(_, states)| states);
-        self.contradicted > 0 && self.contradicted == wrong.sum::<u64>()
+        let [denied, far] = self.contradicted;
+        far > 0 && denied == wrong.sum::<u64>()
     }
 
     /// An entry that must be there and is not, or the other way round, in words.
@@ -282,7 +284,9 @@ impl Check {
             self.comparison = other.comparison.or(self.comparison.take());
         }
         self.verdict = self.verdict.max(other.verdict);
-        self.contradicted += other.contradicted;
+        for (states, more) in self.contradicted.iter_mut().zip(other.contradicted) {
+            *states += more;
+        }
         self.score.merge(other.score);
         if let Some(diagnosis) = other.diagnosis
             && self.diagnosis.as_ref().is_none_or(|known| diagnosis.is_clearer_than(known))
@@ -362,10 +366,10 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The quantities on which independent oracles contradict each other at a state.
+    /// The quantities on which independent oracles contradict each other at a state, by far more than their own errors.
     pub fn contradicted(&self) -> Vec<Quantity> {
         let is_contradicted = |quantity: &Quantity| {
-            self.checks.iter().any(|check| check.quantity == Some(*quantity) && check.contradicted > 0)
+            self.checks.iter().any(|check| check.quantity == Some(*quantity) && check.contradicted[1] > 0)
         };
         Quantity::ALL.into_iter().filter(is_contradicted).collect()
     }

@@ -214,8 +214,7 @@ impl Context<'_> {
         let (rotation, turned) = self.turned();
         let twin = self.numbers_of(&turned);
         // Turned inputs are rounded, so that the state there is another one; close to a singular set it may be where derivatives are far larger.
-        // It is so by less than a factor of two where that moves it by less than a tenth of its distance, whatever the twin says.
-        let is_apart = |k: usize| self.nearness[k] > 10.0 * C * U;
+        // No multiple of the tolerance here limits that: at a symmetric state it may be nothing here.
         let there = turned.last().map(|Step { state, .. }| {
             let length = self.case.length;
             Bound::of_components(&twin, &state.velocity, &state.acceleration, length, &self.nearness)
@@ -246,7 +245,6 @@ impl Context<'_> {
                     // much is rounded.
                     let here = Self::around(self.bound, quantity, k, i);
                     let of_twin = there.as_ref().map_or(0.0, |there| Self::around(there, quantity, k, i));
-                    let of_twin = if is_apart(k) { of_twin.min(2.0 * here) } else { of_twin };
                     demand.allowed = 4.0 * demand.allowed.max(of_twin).max(here);
                     demand.allowed += 16.0 * bent(i);
                     found.push(demand);
