@@ -48,10 +48,7 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found) -> Option<V
         return Some(vec![Holds::Throughout; here.dependent.len()]);
     }
     let outcome = named(&matrix, part, Task { uncertainty, most: part.most, ..Task::default() });
-    if outcome.is_decided() && outcome.rank == here.rank {
-        return Some(vec![Holds::Throughout; here.dependent.len()]);
-    }
-    if !outcome.is_decided() || !outcome.names_all() || outcome.rank < here.rank {
+    if !outcome.is_decided() || !outcome.names_all() || outcome.rank <= here.rank {
         return None;
     }
     let only = only_here(&here.dependent, &outcome.dependent);
