@@ -29,7 +29,7 @@ const ROUNDED: f64 = 1e-14;
 /// rounding leaves.
 const FRESH: [f64; 2] = [1e-8, 1e-10];
 /// Free motions by less than this part of the step, as of what hangs on a long body that turns, do not show what second order takes back.
-const LEAST: f64 = 1e-3;
+const LEAST: f64 = 1e-2;
 /// Corrections, each of which squares what is left.
 const CORRECTIONS: usize = 8;
 
