@@ -28,6 +28,8 @@ const ROUNDED: f64 = 1e-14;
 /// A motion is off what a row allows by more than this part of what the row is made of, and of the largest amount of the motion, if it is: more than
 /// rounding leaves.
 const FRESH: [f64; 2] = [1e-8, 1e-10];
+/// Free motions by less than this part of the step, as of what hangs on a long body that turns, do not show what second order takes back.
+const LEAST: f64 = 1e-2;
 /// Corrections, each of which squares what is left.
 const CORRECTIONS: usize = 8;
 
@@ -48,10 +50,7 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found) -> Option<V
         return Some(vec![Holds::Throughout; here.dependent.len()]);
     }
     let outcome = named(&matrix, part, Task { uncertainty, most: part.most, ..Task::default() });
-    if outcome.is_decided() && outcome.rank == here.rank {
-        return Some(vec![Holds::Throughout; here.dependent.len()]);
-    }
-    if !outcome.is_decided() || !outcome.names_all() || outcome.rank < here.rank {
+    if !outcome.is_decided() || !outcome.names_all() || outcome.rank <= here.rank {
         return None;
     }
     let only = only_here(&here.dependent, &outcome.dependent);
@@ -77,6 +76,10 @@ fn arrive(
 ) -> Option<There> {
     let here = &found.constraints;
     let (step, mut total) = (largest(motion), motion.to_vec());
+    let of_free = here.free.iter().filter_map(|column| motion.get(*column as usize));
+    if largest(of_free) < LEAST * step {
+        return None;
+    }
     let mut state = system.moved(part, &State::default(), motion);
     let (mut values, mut last, mut before) = (Vec::new(), f64::INFINITY, f64::INFINITY);
     for _ in 0..CORRECTIONS {
