@@ -35,7 +35,7 @@ pub struct Settings {
     pub states: usize,
     /// States per type near its singular sets, besides.
     pub near_singular_states: usize,
-    /// States per type for the oracles on 237 bits, one from every region before any other; without any the claim on derivatives is undecided.
+    /// States per type for the oracles on 237 bits, one from every region before any other, right angles last; without any the claim on derivatives is undecided.
     pub wide_states: usize,
     /// States on 237 bits of a scene in all: at least one of each connector, at most `wide_states`; none where that is 0.
     pub wide_states_of_a_scene: usize,
