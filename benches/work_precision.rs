@@ -57,8 +57,8 @@ impl Method for Hand {
     fn prepare<'s>(&self, subject: &'s Subject) -> Result<Box<dyn Prepared + 's>, &'static str> {
         is_written(subject)?;
         Ok(match self.0 {
-            Order::Value => Box::new(ValuesByHand { subject, values: [0.0; 6] }),
-            Order::Jacobian => Box::new(ByHand { subject, rows: [scalar::Row::default(); 6] }),
+            Order::Value => ByHand::<f64>::prepared(subject),
+            Order::Jacobian => ByHand::<scalar::Row>::prepared(subject),
             Order::Hessian => return Err("second derivatives are written for four lanes"),
         })
     }
@@ -83,23 +83,54 @@ macro_rules! by_hand {
     }};
 }
 
-struct ValuesByHand<'s> {
-    subject: &'s Subject,
-    values: [f64; 6],
+/// What is computed by hand of one measure: its value, or its row.
+trait Computed: Copy + Default {
+    /// Of all measures of an element.
+    fn compute(subject: &Subject, i: usize, out: &mut [Self; 6]);
+
+    /// What is compared with the truth.
+    fn numbers(self) -> impl Iterator<Item = f64>;
 }
 
-impl ValuesByHand<'_> {
+impl Computed for f64 {
     #[inline(always)]
-    fn one(&mut self, i: usize) {
-        by_hand!(values, self.subject, i, &mut self.values);
+    fn compute(subject: &Subject, i: usize, out: &mut [f64; 6]) {
+        by_hand!(values, subject, i, out);
+    }
+
+    fn numbers(self) -> impl Iterator<Item = f64> {
+        [self].into_iter()
     }
 }
 
-impl Prepared for ValuesByHand<'_> {
+impl Computed for scalar::Row {
+    #[inline(always)]
+    fn compute(subject: &Subject, i: usize, out: &mut [scalar::Row; 6]) {
+        by_hand!(scalar, subject, i, out);
+    }
+
+    fn numbers(self) -> impl Iterator<Item = f64> {
+        assert!(self.value.is_finite());
+        spread(&self.columns).into_iter()
+    }
+}
+
+struct ByHand<'s, T> {
+    subject: &'s Subject,
+    out: [T; 6],
+}
+
+impl<'s, T: Computed + 's> ByHand<'s, T> {
+    fn prepared(subject: &'s Subject) -> Box<dyn Prepared + 's> {
+        Box::new(ByHand { subject, out: [T::default(); 6] })
+    }
+}
+
+impl<T: Computed> Prepared for ByHand<'_, T> {
     fn run(&mut self) {
         for i in 0..self.subject.elements.len() {
-            self.one(i);
-            black_box(&mut self.values);
+            T::compute(self.subject, i, &mut self.out);
+            black_box(&mut self.out);
         }
     }
 
@@ -110,44 +141,8 @@ impl Prepared for ValuesByHand<'_> {
     fn numbers(&mut self) -> Vec<f64> {
         let mut all = Vec::new();
         for i in 0..self.subject.elements.len() {
-            self.one(i);
-            all.extend(&self.values[..self.subject.rows()]);
-        }
-        all
-    }
-}
-
-struct ByHand<'s> {
-    subject: &'s Subject,
-    rows: [scalar::Row; 6],
-}
-
-impl ByHand<'_> {
-    #[inline(always)]
-    fn one(&mut self, i: usize) {
-        by_hand!(scalar, self.subject, i, &mut self.rows);
-    }
-}
-
-impl Prepared for ByHand<'_> {
-    fn run(&mut self) {
-        for i in 0..self.subject.elements.len() {
-            self.one(i);
-            black_box(&mut self.rows);
-        }
-    }
-
-    fn states(&self) -> usize {
-        self.subject.elements.len()
-    }
-
-    fn numbers(&mut self) -> Vec<f64> {
-        let mut all = Vec::new();
-        for i in 0..self.subject.elements.len() {
-            self.one(i);
-            let rows = &self.rows[..self.subject.rows()];
-            assert!(rows.iter().all(|row| row.value.is_finite()));
-            all.extend(rows.iter().flat_map(|row| spread(&row.columns)));
+            T::compute(self.subject, i, &mut self.out);
+            all.extend(self.out[..self.subject.rows()].iter().flat_map(|each| each.numbers()));
         }
         all
     }

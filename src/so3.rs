@@ -446,7 +446,6 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
     });
     let on_principal_sheet = principal(q);
     let whole = S::Real::with_turns(zero, k);
-    let at_identity = || beside_whole_turns(reference_direction, whole, on_principal_sheet);
     if S::Real::HAS_LANES {
         // One series for all, with no turns on the principal sheet.
         let one = S::Real::integer(1);
@@ -475,7 +474,11 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
         [phi[0].with_real(v[0] * factor), phi[1].with_real(v[1] * factor), phi[2].with_real(v[2] * factor)]
     };
     let phi = S::joined(|| {
-        let turned = || S::Real::choose(zero.less(lateral), off_identity, at_identity);
+        let turned = || {
+            S::Real::choose(zero.less(lateral), off_identity, || {
+                beside_whole_turns(reference_direction, whole, on_principal_sheet)
+            })
+        };
         S::Real::choose(zero.less(k.magnitude()), turned, || on_principal_sheet)
     });
     ContinuousLog { phi, lateral }

@@ -117,6 +117,19 @@ pub(super) fn relative(pair: &Pair<f64>) -> Matrix {
     q
 }
 
+/// R = Q Q₀ᵀ.
+#[inline(always)]
+pub(super) fn relative_to(pair: &Pair<f64>, frozen: &Matrix) -> Matrix {
+    let q = relative(pair);
+    let mut r = q;
+    for i in 0..3 {
+        for j in 0..3 {
+            r[i][j] = dot(q[i], frozen[j]);
+        }
+    }
+    r
+}
+
 /// φ_i of ROTATION.
 pub(crate) fn rotation(pair: &Pair<f64>, out: &mut [Row; 3]) {
     log(&pair.a.triad, &relative(pair), out);
@@ -126,14 +139,7 @@ pub(crate) fn rotation(pair: &Pair<f64>, out: &mut [Row; 3]) {
 pub(crate) fn translator(pair: &Pair<f64>, frozen: &Matrix, out: &mut [Row; 6]) {
     let [positions, angles] = out.as_chunks_mut::<3>().0 else { return };
     slide_plane(pair, positions);
-    let q = relative(pair);
-    let mut r = q;
-    for i in 0..3 {
-        for j in 0..3 {
-            r[i][j] = dot(q[i], frozen[j]);
-        }
-    }
-    log(&pair.a.triad, &r, angles);
+    log(&pair.a.triad, &relative_to(pair, frozen), angles);
 }
 
 /// The rotation vector of R, principal, whose variation is a spin along the directions of a: with the quaternion (w, v), φ = K(w) v

@@ -1,6 +1,6 @@
 //! Values by hand, without rows: one element at a time, plain doubles, the functions of the standard library.
 
-use super::scalar::{Matrix, column, dot, quaternion, relative, separation};
+use super::scalar::{Matrix, column, dot, quaternion, relative, relative_to, separation};
 use pintle::node::Pair;
 
 /// e_i^a·d of SLIDE-PLANE.
@@ -44,14 +44,7 @@ pub(crate) fn rotation(pair: &Pair<f64>, out: &mut [f64; 3]) {
 pub(crate) fn translator(pair: &Pair<f64>, frozen: &Matrix, out: &mut [f64; 6]) {
     let [positions, angles] = out.as_chunks_mut::<3>().0 else { return };
     slide_plane(pair, positions);
-    let q = relative(pair);
-    let mut r = q;
-    for i in 0..3 {
-        for j in 0..3 {
-            r[i][j] = dot(q[i], frozen[j]);
-        }
-    }
-    log(&r, angles);
+    log(&relative_to(pair, frozen), angles);
 }
 
 /// The rotation vector of R, principal: 2 atan2(|v|, w)/|v| v of the quaternion (w, v).

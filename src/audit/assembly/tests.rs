@@ -444,6 +444,19 @@ fn what_is_not_assembled_is_told() {
     assert_eq!(told(&system), (0, Some(7), vec![Code::AssemblyNotAssembled]));
 }
 
+/// The deck of rigid bars and of hinges about z between pairs of nodes, in the plane of x and y; one node is grounded.
+fn linkage(nodes: &str, bars: &[[usize; 2]], hinges: &[[usize; 2]], grounded: usize) -> String {
+    let lines = |all: &[[usize; 2]], first: usize| -> String {
+        all.iter().enumerate().map(|(n, [a, b])| format!("{}, {a}, {b}\n", n + first)).collect()
+    };
+    format!(
+        "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{}*ELEMENT, TYPE=CONN3D2, ELSET=H\n{}*ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n\
+         *CONNECTOR SECTION, ELSET=H\nHINGE\nZ,\n*CONNECTOR SECTION, ELSET=L\nBEAM\n*BOUNDARY\n{grounded}, 1, 6\n",
+        lines(bars, 1),
+        lines(hinges, bars.len() + 1)
+    )
+}
+
 /// A chain of planar four-bars with bars between them, hinged about z, the first bar on the ground; those whose number is in `flat` are
 /// parallelograms folded flat, where there is one motion more.
 fn four_bars(count: usize, flat: &[usize]) -> String {
@@ -476,17 +489,9 @@ fn four_bars(count: usize, flat: &[usize]) -> String {
             ends.iter().flat_map(|of| of.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>()),
         );
     }
-    let lines = |all: &[[usize; 2]], first: usize| -> String {
-        all.iter().enumerate().map(|(n, [a, b])| format!("{}, {a}, {b}\n", n + first)).collect()
-    };
     let nodes: String =
         nodes.iter().enumerate().map(|(n, [x, y])| format!("{}, {x:?}, {y:?}, 0.\n", n + 1)).collect();
-    format!(
-        "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{}*ELEMENT, TYPE=CONN3D2, ELSET=H\n{}*ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n\
-         *CONNECTOR SECTION, ELSET=H\nHINGE\nZ,\n*CONNECTOR SECTION, ELSET=L\nBEAM\n*BOUNDARY\n1, 1, 6\n",
-        lines(&bars, 1),
-        lines(&hinges, bars.len() + 1)
-    )
+    linkage(&nodes, &bars, &hinges, 1)
 }
 
 /// Neighbourhoods tell of each redundant constraint what the whole tells when it is moved, whatever their size; what is at this state only they do
@@ -527,9 +532,7 @@ fn lattice(n: usize, besides: &[[usize; 2]]) -> String {
     links.extend(besides);
     let links: String =
         links.iter().enumerate().map(|(m, [a, b])| format!("{}, {a}, {b}\n", m + 1)).collect();
-    format!(
-        "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{links}*CONNECTOR SECTION, ELSET=L\nLINK\n*BOUNDARY\n1, 1, 3\n"
-    )
+    linkage(&nodes, &bars, &pins, 2)
 }
 
 /// A part that fills has its rank from products with its matrix: the same as by elimination, with a redundant link named that closes what was rigid.
@@ -822,9 +825,6 @@ fn scissors(n: usize) -> String {
         pins.push(pin);
     }
     pins.extend(ends.iter().flat_map(|ends| ends.windows(2).map(|pair| [pair[0], pair[1]])));
-    let lines = |all: &[[usize; 2]], first: usize| -> String {
-        all.iter().enumerate().map(|(n, [a, b])| format!("{}, {a}, {b}\n", n + first)).collect()
-    };
     format!(
         "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{}*ELEMENT, TYPE=CONN3D2, ELSET=H\n{}*ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n\
          *CONNECTOR SECTION, ELSET=H\nHINGE\nZ,\n*CONNECTOR SECTION, ELSET=L\nBEAM\n*BOUNDARY\n2, 1, 6\n",
