@@ -532,7 +532,9 @@ fn lattice(n: usize, besides: &[[usize; 2]]) -> String {
     links.extend(besides);
     let links: String =
         links.iter().enumerate().map(|(m, [a, b])| format!("{}, {a}, {b}\n", m + 1)).collect();
-    linkage(&nodes, &bars, &pins, 2)
+    format!(
+        "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{links}*CONNECTOR SECTION, ELSET=L\nLINK\n*BOUNDARY\n1, 1, 3\n"
+    )
 }
 
 /// A part that fills has its rank from products with its matrix: the same as by elimination, with a redundant link named that closes what was rigid.
@@ -825,12 +827,7 @@ fn scissors(n: usize) -> String {
         pins.push(pin);
     }
     pins.extend(ends.iter().flat_map(|ends| ends.windows(2).map(|pair| [pair[0], pair[1]])));
-    format!(
-        "*NODE\n{nodes}*ELEMENT, TYPE=CONN3D2, ELSET=L\n{}*ELEMENT, TYPE=CONN3D2, ELSET=H\n{}*ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n\
-         *CONNECTOR SECTION, ELSET=H\nHINGE\nZ,\n*CONNECTOR SECTION, ELSET=L\nBEAM\n*BOUNDARY\n2, 1, 6\n",
-        lines(&bars, 1),
-        lines(&pins, bars.len() + 1)
-    )
+    linkage(&nodes, &bars, &pins, 2)
 }
 
 /// In a grid of scissors rows that do not depend on those before them nearly do so: what is named leaves rows that are independent, and well so.
