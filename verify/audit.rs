@@ -426,6 +426,9 @@ fn the_atlas_tells_classes_apart() {
         for rung in approach.rungs.iter().filter(|rung| rung.distance > 2e-15) {
             assert!(rung.value_error < 4.0, "{} {}: {rung:?}", approach.connection, approach.component);
             assert!(rung.first_error < 4.0, "{} {}: {rung:?}", approach.connection, approach.component);
+            // Far from the point next to nothing is missed, and nearer no more than the scale of the tolerance grows.
+            let most = if rung.distance > 0.05 { 1e-11 } else { 1.0 };
+            assert!(rung.detectable > 0.0 && rung.detectable <= most, "{} {rung:?}", approach.connection);
         }
     }
     assert_eq!(DOFS, 14);

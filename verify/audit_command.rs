@@ -58,6 +58,12 @@ fn exit_codes_are_those_of_the_manual() {
         "{}",
         stdout(&liar)
     );
+    // 1: a component is lost; 3: nobody judges one.
+    let lost = pintle(&brief(&["--plant", "lost-component"])).assert().code(1);
+    assert!(stdout(&lost).contains("is missing"), "{}", stdout(&lost));
+    let page = stdout(&pintle(&brief(&["--plant", "lost-witness"])).assert().code(3));
+    let told = "no independent oracle of those asked judged them: values of ";
+    assert!(page.contains("undecided") && page.contains(told), "{page}");
     // 6: bad input.
     let missing = pintle(&["audit", "no/such.inp"]).assert().code(6);
     assert!(stderr(&missing).contains("no/such.inp"), "{}", stderr(&missing));
@@ -94,6 +100,19 @@ fn counter_examples_are_written_and_replayed() {
     for format in ["json", "junit"] {
         pintle(&["replay", files[0].to_str().unwrap(), "--format", format]).assert().code(0);
     }
+}
+
+/// A replay asks the oracles that found it, and no others.
+#[test]
+fn a_replay_asks_who_was_asked() {
+    let folder = folder("counter-examples-by-one-oracle");
+    let path = folder.to_str().unwrap();
+    let one = ["--oracles", "wide-differences", "--plant", "wrong-entry", "--counter-examples", path];
+    pintle(&brief(&one)).assert().code(1);
+    let file = fs::read_dir(&folder).unwrap().next().unwrap().unwrap().path();
+    let replay = ["replay", file.to_str().unwrap(), "--format", "json"];
+    let again: Value = serde_json::from_str(&stdout(&pintle(&replay).assert().code(0))).unwrap();
+    assert_eq!(again["settings"]["oracles"], serde_json::json!(["wide-differences"]));
 }
 
 /// Values that make no state are refused with their place: of them nothing can be said to be wrong.

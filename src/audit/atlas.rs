@@ -37,6 +37,16 @@ pub struct Rung {
     /// The largest first derivative, lengths in units of the connector's.
     #[schemars(with = "Option<f64>")]
     pub steepness: f64,
+    /// The relative error of the largest first derivative from which on it would have been noticed here; one where nothing less would.
+    #[schemars(with = "Option<f64>")]
+    pub detectable: f64,
+}
+
+/// The relative error from which on one number is beyond what it may be off on a rung, [`C`] units u of its conditioned scale, whatever it is off by
+/// already.
+pub(super) fn detectable(number: f64, scale: f64) -> f64 {
+    let least = 2.0 * C * U * scale / number.abs();
+    if least <= 1.0 { least } else { 1.0 }
 }
 
 /// One singular set of one component, approached.
@@ -165,9 +175,14 @@ impl Seen {
             }
             worst
         };
-        let (first_error, first_relative) = errors(Quantity::FirstDerivatives);
+        let first = Quantity::FirstDerivatives;
+        let (first_error, first_relative) = errors(first);
         let value_error = errors(Quantity::Value).0;
-        Rung { distance: self.distance, value_error, first_error, first_relative, steepness }
+        let row = self.numbers.entries(first).0[k].iter().flatten().enumerate();
+        let detectable = row
+            .max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()))
+            .map_or(1.0, |(i, x)| detectable(*x, self.bound.scale(first, k, i)));
+        Rung { distance: self.distance, value_error, first_error, first_relative, steepness, detectable }
     }
 }
 

@@ -362,7 +362,7 @@ impl Report {
                 found.push(format!("\nundecided: the {claim} of {}: {why}\n", subject.title()));
             };
             if subject.derivative == Verdict::Undecided {
-                let lacking: Vec<&str> = subject.without_witness.iter().map(|of| of.name()).collect();
+                let lacking = subject.lacking_a_witness();
                 let reasons = subject.checks.iter().filter(|check| check.claim() == Verdict::Undecided);
                 let reasons: BTreeSet<&str> =
                     reasons.flat_map(|check| check.undecided.keys().map(String::as_str)).collect();

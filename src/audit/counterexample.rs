@@ -52,6 +52,9 @@ pub struct CounterExample {
     pub tolerance: Hex,
     /// The connector.
     pub connector: ConnectorValues,
+    /// The oracles that were asked; none written is all of them. A replay asks the same.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub oracles: Vec<Oracle>,
     /// The state by name, from which Taylor's and hyper-dual directions are drawn: a replay takes the same.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub state: String,
@@ -389,6 +392,7 @@ impl CounterExample {
             want: Hex(worst.want),
             tolerance: Hex(worst.tolerance),
             connector: ConnectorValues::of(&case.definition, case.length),
+            oracles: Vec::new(),
             state: case.name.clone(),
             start: case.start.as_ref().map(BranchValues::of),
             path: case.path.iter().map(StepValues::of).collect(),
@@ -410,6 +414,7 @@ impl CounterExample {
             want: Hex(0.0),
             tolerance: Hex(0.0),
             connector: ConnectorValues::of(&case.definition, case.length),
+            oracles: Vec::new(),
             state: case.name.clone(),
             start: case.start.as_ref().map(BranchValues::of),
             path: case.path.iter().map(StepValues::of).collect(),

@@ -400,7 +400,11 @@ fn judge_numbers(
             if let Some(planted) = settings.planted.filter(|_| oracle.is_wide()) {
                 planted.blind(&mut answer);
             }
-            checks.push(examined.check(quantity, &answer, &around, (Some(&referee), often)));
+            let mut check = examined.check(quantity, &answer, &around, (Some(&referee), often));
+            if oracle.is_wide() {
+                examined.add_missing(&mut check, quantity, &answer, |_| false);
+            }
+            checks.push(check);
         }
     }
     let draw = &mut Draw::new(&case.name);
@@ -438,6 +442,9 @@ fn laws(examined: &Examined<'_>, wide: bool) -> Vec<Check> {
             for quantity in asked.spans() {
                 score.merge(examined.score_of_law(quantity, &asked.demands));
             }
+        }
+        if wide && law == Invariant::Restored {
+            score.merge(context.forgotten());
         }
         let mut check = Check::new(None, Against::Law(law));
         check.add(asked.judgement, score, case);

@@ -132,12 +132,14 @@ impl<'a> Examined<'a> {
             |referee: &Referee<'_>| referee.excuse_of(answer.oracle, &judgement, (quantity, got), around);
         if let Some(why) = referee.and_then(excuse) {
             check.add_excused(why, judgement.worst, judgement.compared as u64, &self.case.name);
+            check.compares(|k| got.0[k].is_some(), |_| false);
             return check;
         }
         // A check that speaks has proved that it can; mutants are made of right numbers.
         let proves = proves && !judgement.verdict.is_mismatch();
         let score = if proves { self.score(quantity, answer) } else { Score::default() };
         check.add(judgement, score, self.case);
+        check.compares(|k| got.0[k].is_some(), |k| answer.numbers.0[k].is_some());
         check.name_stage(|| invalid_stage(self.state, self.numbers));
         if check.verdict.is_mismatch() {
             // Where the bound rests on what is wrong, what is right is what the oracle says.

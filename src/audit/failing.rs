@@ -8,11 +8,13 @@ use super::engine::{Settings, audit_case};
 use super::friction::{BeltCase, FrictionCase};
 use super::golden::audit_at;
 use super::mpc::MpcCase;
+use super::oracle::Oracle;
 use super::outcome::{Against, Check, Expected, Report, Subject};
 use super::recorded::Recorded;
 use super::sheet::Sheet;
 use super::shrink::shrink;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// One state of something that is judged.
 #[derive(Clone, Debug)]
@@ -150,6 +152,27 @@ impl Example {
             Failing::Connector(_) => Some(Self::Connector(Box::new(CounterExample::of(check, subject)?))),
             _ => Some(Self::Other(Box::new(Recorded::of(check, subject)?))),
         }
+    }
+
+    /// The same as what these oracles found.
+    pub(super) fn found_by(mut self, asked: &BTreeSet<Oracle>) -> Self {
+        if *asked != BTreeSet::from(Oracle::ALL) {
+            let oracles = asked.iter().copied().collect();
+            match &mut self {
+                Self::Connector(example) => example.oracles = oracles,
+                Self::Other(recorded) => recorded.oracles = oracles,
+            }
+        }
+        self
+    }
+
+    /// The oracles that found it: a replay must ask the same.
+    pub fn oracles(&self) -> BTreeSet<Oracle> {
+        let written = match self {
+            Self::Connector(example) => &example.oracles,
+            Self::Other(recorded) => &recorded.oracles,
+        };
+        if written.is_empty() { Oracle::ALL.into() } else { written.iter().copied().collect() }
     }
 
     /// What failed, bit for bit.

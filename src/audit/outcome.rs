@@ -14,6 +14,7 @@ use super::mpc::MpcCase;
 use super::oracle::{Answer, Oracle};
 use super::quantity::Quantity;
 use super::verdict::{Finding, Judgement, Score, Verdict};
+use crate::catalog::COMPONENT;
 use crate::connector::Connector;
 use crate::scene::Severity;
 use serde::Serialize;
@@ -41,6 +42,13 @@ impl Against {
             Self::Law(law) => law.name(),
         }
     }
+}
+
+/// Of how many states a check was given numbers of a component, and at how many of these what they must be decided the verdict.
+#[derive(Clone, Copy, Debug, Default)]
+struct Components {
+    given: [u64; 6],
+    decided: [u64; 6],
 }
 
 /// One check over all cases of a connector.
@@ -87,6 +95,8 @@ pub struct Check {
     /// its own error.
     #[serde(skip)]
     pub contradicted: [u64; 2],
+    #[serde(skip)]
+    components: Components,
 }
 
 /// Why numbers that were compared, or a law, are undecided.
@@ -112,6 +122,16 @@ impl Check {
             comparison: None,
             failing: None,
             contradicted: [0; 2],
+            components: Components::default(),
+        }
+    }
+
+    /// Says of which components there were numbers at the one state of this check, and of which it was known what they must be.
+    pub(super) fn compares(&mut self, given: impl Fn(usize) -> bool, wanted: impl Fn(usize) -> bool) {
+        let is_decided = !matches!(self.verdict, Verdict::Undecided | Verdict::Singular);
+        for k in (0..6).filter(|k| given(*k)) {
+            self.components.given[k] += 1;
+            self.components.decided[k] += u64::from(is_decided && wanted(k));
         }
     }
 
@@ -257,12 +277,16 @@ impl Check {
         Self { verdict: Verdict::Pass, states, worst: None, worst_state: None, ..self }
     }
 
+    /// Whether it is by an independent oracle.
+    const fn is_independent(&self) -> bool {
+        matches!(self.against, Against::Oracle(oracle) if oracle.is_independent())
+    }
+
     /// At how many states an independent oracle decided, one way or the other.
     fn judged_independently(&self) -> u64 {
-        let is_one = matches!(self.against, Against::Oracle(oracle) if oracle.is_independent());
         let is_decided = |verdict: &Verdict| !matches!(verdict, Verdict::Undecided | Verdict::Singular);
         let decided = self.states.iter().filter(|(verdict, _)| is_decided(verdict));
-        if is_one && self.compared > 0 { decided.map(|(_, states)| states).sum() } else { 0 }
+        if self.is_independent() && self.compared > 0 { decided.map(|(_, states)| states).sum() } else { 0 }
     }
 
     pub(super) fn merge(&mut self, other: Self) {
@@ -284,8 +308,13 @@ impl Check {
             self.comparison = other.comparison.or(self.comparison.take());
         }
         self.verdict = self.verdict.max(other.verdict);
-        for (states, more) in self.contradicted.iter_mut().zip(other.contradicted) {
-            *states += more;
+        let Components { given, decided } = &mut self.components;
+        for (states, more) in [
+            (&mut self.contradicted[..], &other.contradicted[..]),
+            (given, &other.components.given),
+            (decided, &other.components.decided),
+        ] {
+            states.iter_mut().zip(more).for_each(|(states, more)| *states += more);
         }
         self.score.merge(other.score);
         if let Some(diagnosis) = other.diagnosis
@@ -349,6 +378,9 @@ pub struct Subject {
     /// Numbers that no independent oracle judged, for which the claim on derivatives is undecided.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub without_witness: Vec<Quantity>,
+    /// Components whose numbers of a kind no independent oracle judged, though one judged others of that kind: the claim is undecided for them too.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub components_without_witness: BTreeMap<Quantity, Vec<&'static str>>,
     /// Numbers of which no state tells whether a mistake would have been noticed: nobody who was asked compares them, or all are zero
     /// whatever the formula, as rates are where nothing moves.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -372,6 +404,15 @@ impl Subject {
             self.checks.iter().any(|check| check.quantity == Some(*quantity) && check.contradicted[1] > 0)
         };
         Quantity::ALL.into_iter().filter(is_contradicted).collect()
+    }
+
+    /// The numbers that no independent oracle judged, in words: kinds of them, and kinds of components.
+    pub fn lacking_a_witness(&self) -> Vec<String> {
+        let kinds = self.without_witness.iter().map(|quantity| quantity.name().to_string());
+        let parts = self.components_without_witness.iter();
+        kinds
+            .chain(parts.map(|(of, components)| format!("{} of {}", of.name(), components.join(" and "))))
+            .collect()
     }
 
     /// Whether something is wrong by more than the word of one independent oracle against another's.
@@ -413,11 +454,26 @@ impl Subject {
         let has_witness = |quantity: Quantity, by_jax: &[bool]| {
             by_jax.iter().any(|by_jax| witnessed(quantity, *by_jax) > 0)
         };
-        let all = |quantity: &Quantity| witnessed(*quantity, false) + witnessed(*quantity, true);
-        let judged_independently = judged.iter().map(all).min().unwrap_or(0);
         let without_witness: Vec<Quantity> =
             judged.iter().copied().filter(|quantity| !has_witness(*quantity, &[false, true])).collect();
-        let is_witnessed = !judged.is_empty() && without_witness.is_empty();
+        let lacking = |quantity: &Quantity| {
+            let of_it = || checks.iter().filter(|check| check.quantity == Some(*quantity));
+            let is_given = |k: usize| of_it().any(|check| check.components.given[k] > 0);
+            let is_judged =
+                |k: usize| of_it().any(|check| check.is_independent() && check.components.decided[k] > 0);
+            let components = (0..6).filter(|k| is_given(*k) && !is_judged(*k));
+            components.map(|k| COMPONENT[k]).collect::<Vec<_>>()
+        };
+        let others = judged.iter().filter(|quantity| !without_witness.contains(quantity));
+        let components_without_witness: BTreeMap<_, _> =
+            others.map(|of| (*of, lacking(of))).filter(|(_, components)| !components.is_empty()).collect();
+        let all = |quantity: &Quantity| match components_without_witness.contains_key(quantity) {
+            true => 0,
+            false => witnessed(*quantity, false) + witnessed(*quantity, true),
+        };
+        let judged_independently = judged.iter().map(all).min().unwrap_or(0);
+        let is_witnessed =
+            !judged.is_empty() && without_witness.is_empty() && components_without_witness.is_empty();
         let of = |wanted: &dyn Fn(&Check) -> bool| {
             let chosen = checks.iter().filter(|check| wanted(check));
             chosen.map(Check::claim).max()
@@ -438,6 +494,7 @@ impl Subject {
             cases,
             judged_independently,
             without_witness,
+            components_without_witness,
             not_exercised,
             laws_not_asked,
             derivative: if is_witnessed { derivative } else { derivative.max(Verdict::Undecided) },
@@ -563,6 +620,11 @@ impl Report {
         self.subjects.iter().filter(|subject| subject.verdict() == Verdict::Undecided).count()
     }
 
+    /// Subjects with numbers that no independent oracle judged.
+    pub fn unwitnessed(&self) -> usize {
+        self.subjects.iter().filter(|subject| !subject.lacking_a_witness().is_empty()).count()
+    }
+
     /// Subjects with a state on a singular set where nobody could judge something, which is not declared.
     pub fn unjudged(&self) -> usize {
         let is_unjudged = |check: &Check| check.states.contains_key(&Verdict::Singular);
@@ -648,7 +710,8 @@ impl Report {
                     kept
                 };
                 let small = failing.shrunk(&is_kept);
-                let example = Example::of(same(&small).as_ref().unwrap_or(check), &subject.name);
+                let example = Example::of(same(&small).as_ref().unwrap_or(check), &subject.name)
+                    .map(|example| example.found_by(&self.settings.oracles));
                 let words: String = subject
                     .name
                     .chars()
@@ -697,6 +760,29 @@ mod tests {
         let mut check = Check::new(Some(quantity), Against::Oracle(oracle));
         check.add_at(Judgement { verdict, worst: None, compared: 1 }, Score::default(), "a state", None);
         check
+    }
+
+    /// A component that no independent oracle judges is undecided, however many judge the others.
+    #[test]
+    fn every_component_needs_a_witness() {
+        let rates = Quantity::Rate;
+        let judged = |oracle: Oracle, wanted: &'static [usize]| {
+            let mut check = judged(rates, oracle, Verdict::Pass);
+            check.compares(|k| k < 2, |k| wanted.contains(&k));
+            check
+        };
+        let open = |checks: Vec<Check>| {
+            let subject = Subject::new("it".to_string(), None, 1, checks, &Expected::numbers(&[rates]));
+            (subject.derivative, subject.judged_independently, subject.components_without_witness)
+        };
+        let by_dual = || judged(Oracle::WideDual, &[0, 1]);
+        let whole = open(vec![judged(Oracle::WideDifferences, &[0, 1]), by_dual()]);
+        assert_eq!(whole, (Verdict::Pass, 1, BTreeMap::new()));
+        let half = open(vec![judged(Oracle::WideDifferences, &[0]), by_dual()]);
+        assert_eq!(half, (Verdict::Undecided, 0, BTreeMap::from([(rates, vec!["u2"])])));
+        let mut both = judged(Oracle::WideDifferences, &[0]);
+        both.merge(judged(Oracle::WideDifferences, &[1]));
+        assert_eq!(open(vec![both]).0, Verdict::Pass);
     }
 
     /// What JAX says is about the formula where others say that the derivative is that of the function; alone it is about both.

@@ -2,7 +2,7 @@
 
 use super::oracle::{Answer, Oracle};
 use super::outcome::{Against, Check};
-use super::quantity::{Numbers, Quantity};
+use super::quantity::{Entries, Numbers, Quantity};
 use super::sheet::Sheet;
 use serde::Serialize;
 
@@ -30,8 +30,19 @@ pub enum Planted {
     WrongFriction,
     /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
     LostAnswer,
+    /// The oracles on 237 bits lose the last component: numbers that no independent oracle judges are undecided.
+    LostWitness,
+    /// The last component of the product's numbers is lost.
+    LostComponent,
     /// The traced formulas on 237 bits have the wrong sign in the first row: one of two witnesses who contradict each other lies.
     WrongAnswer,
+}
+
+/// Loses the numbers of the last component.
+fn lose_last<T>(entries: &mut Entries<T>) {
+    if let Some(last) = entries.0.iter_mut().rfind(|row| row.is_some()) {
+        *last = None;
+    }
 }
 
 impl Planted {
@@ -45,9 +56,15 @@ impl Planted {
             Self::WrongAcceleration => "an acceleration",
             Self::WrongForce => "a nodal force",
             Self::WrongFriction => "a slope of a friction force",
-            Self::LostAnswer => "an answer of an oracle on 237 bits",
+            Self::LostAnswer | Self::LostWitness => "an answer of an oracle on 237 bits",
+            Self::LostComponent => "a component",
             Self::WrongAnswer => "an answer of wide-symbolic",
         }
+    }
+
+    /// Whether what it takes is no number and no answer that must be compared, but what a claim rests on, which is undecided without.
+    pub const fn is_of_a_witness(self) -> bool {
+        matches!(self, Self::LostWitness)
     }
 
     /// Whether a check is of numbers in which it is planted.
@@ -56,7 +73,10 @@ impl Planted {
         check.compared > 0
             && match self {
                 Self::WrongFriction => of(&[Quantity::FrictionTangent]),
-                Self::LostAnswer => matches!(check.against, Against::Oracle(oracle) if oracle.is_wide()),
+                Self::LostAnswer | Self::LostWitness => {
+                    matches!(check.against, Against::Oracle(oracle) if oracle.is_wide())
+                }
+                Self::LostComponent => of(&Quantity::ALL),
                 Self::WrongAnswer => check.against == Against::Oracle(Oracle::WideSymbolic),
                 _ => of(self.places()),
             }
@@ -78,7 +98,11 @@ impl Planted {
             Self::WrongRate => &[Quantity::Rate],
             Self::WrongAcceleration => &[Quantity::Acceleration],
             Self::WrongForce => &[Quantity::NodalForces],
-            Self::WrongFriction | Self::LostAnswer | Self::WrongAnswer => &[],
+            Self::WrongFriction
+            | Self::LostAnswer
+            | Self::LostWitness
+            | Self::LostComponent
+            | Self::WrongAnswer => &[],
         }
     }
 
@@ -86,13 +110,20 @@ impl Planted {
     const fn factor(self) -> Option<f64> {
         match self {
             Self::WrongSign => Some(-1.0),
-            Self::WrongFriction | Self::LostAnswer | Self::WrongAnswer => None,
+            _ if self.places().is_empty() => None,
             _ => Some(1.0 + 1e-6),
         }
     }
 
     /// The numbers with the fault in them.
     pub(super) fn spoil(self, numbers: &mut Numbers<f64>) {
+        if self == Self::LostComponent {
+            for quantity in Quantity::ALL {
+                let mut rows = numbers.entries(quantity).clone();
+                lose_last(&mut rows);
+                numbers.set(quantity, rows);
+            }
+        }
         let Some(factor) = self.factor() else { return };
         for quantity in self.places() {
             let mut rows = numbers.entries(*quantity).clone();
@@ -129,6 +160,9 @@ impl Planted {
     pub(super) fn blind(self, answer: &mut Answer) {
         if self == Self::LostAnswer {
             answer.numbers.0.iter_mut().flatten().filter(|row| row.len() > 1).for_each(|row| _ = row.pop());
+        }
+        if self == Self::LostWitness {
+            lose_last(&mut answer.numbers);
         }
         if self == Self::WrongAnswer && answer.oracle == Oracle::WideSymbolic {
             let first = answer.numbers.0.iter_mut().flatten().next();

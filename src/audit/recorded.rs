@@ -4,6 +4,7 @@
 use super::counterexample::{ReplayError, SCHEMA};
 use super::failing::Failing;
 use super::hex::Hex;
+use super::oracle::Oracle;
 use super::outcome::Check;
 use super::quantity::Quantity;
 use super::shrink::{bits_of, simpler};
@@ -62,6 +63,9 @@ pub struct Recorded {
     pub want: Hex,
     /// How far it may be from that.
     pub tolerance: Hex,
+    /// The oracles that were asked; none written is all of them. A replay asks the same.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub oracles: Vec<Oracle>,
     /// The values, doubles in hexadecimal.
     pub values: Value,
     /// The scene that it was found in, where it was at one of the states given.
@@ -97,6 +101,7 @@ impl Recorded {
             got: Hex(worst.got),
             want: Hex(worst.want),
             tolerance: Hex(worst.tolerance),
+            oracles: Vec::new(),
             values: hexadecimal(values),
             found_in: None,
         };
@@ -118,6 +123,7 @@ impl Recorded {
             got: Hex(0.0),
             want: Hex(0.0),
             tolerance: Hex(0.0),
+            oracles: Vec::new(),
             values: hexadecimal(values),
             found_in: None,
         })

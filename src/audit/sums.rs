@@ -59,6 +59,7 @@ fn check(
     let component = worst.component;
     let sum = entries.map(|(entry, by)| Summand { quantity, component, entry, by }).collect();
     check.add(Judgement { verdict, worst: Some(worst.finding(sum)), compared }, score, examined.case);
+    check.compares(|k| rows.0[k].is_some(), |k| off[k].is_some());
     Some(check)
 }
 

@@ -91,6 +91,10 @@ pub(crate) enum Plant {
     WrongFriction,
     /// Answers of the oracles are lost
     LostAnswer,
+    /// All answers for a component are lost
+    LostWitness,
+    /// A component is lost
+    LostComponent,
     /// One of two independent oracles lies
     WrongAnswer,
 }
@@ -107,6 +111,8 @@ impl From<Plant> for Planted {
             Plant::WrongForce => Self::WrongForce,
             Plant::WrongFriction => Self::WrongFriction,
             Plant::LostAnswer => Self::LostAnswer,
+            Plant::LostWitness => Self::LostWitness,
+            Plant::LostComponent => Self::LostComponent,
             Plant::WrongAnswer => Self::WrongAnswer,
         }
     }
@@ -463,6 +469,9 @@ pub(super) fn verdict(report: &Report) -> Result<(), Failure> {
     }
     if let Some(planted) = report.settings.planted {
         let place = planted.place();
+        if planted.is_of_a_witness() && report.unwitnessed() > 0 {
+            return Err(Failure::Undecided);
+        }
         if report.has_place_for_fault() {
             return Err(Failure::Unnoticed(place));
         }

@@ -96,7 +96,8 @@ pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
         out.flush()?;
     }
     let planted = arguments.plant.map(Planted::from);
-    let settings = Settings { wide_states: 1, atlas: false, planted, ..Settings::default() };
+    let oracles = example.oracles();
+    let settings = Settings { wide_states: 1, atlas: false, oracles, planted, ..Settings::default() };
     let report = failing.audit(&settings);
     super::audit::write(arguments.format, true, &report)?;
     super::audit::verdict(&report)

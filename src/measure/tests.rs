@@ -157,8 +157,10 @@ fn exchanged_measures_are_what_they_are_said_to_be() {
     });
     let flows = [1, 2].into_iter().flat_map(|i| [Measure::Flow(i), Measure::ComponentFlexion(i)]);
     let others = [Measure::Distance, Measure::Flexion, Measure::Sweep, Torsion];
-    for measure in all.chain(flows).chain(others) {
+    let all: Vec<Measure> = all.chain(flows).chain(others).collect();
+    for measure in all.iter().copied() {
         let Exchanged::Sum(terms) = measure.exchanged() else { panic!("{measure:?} has no rule") };
+        assert!(terms.iter().flatten().all(|(of, _)| all.contains(of)), "{measure:?} becomes what is none");
         let changed = |side: usize, measure: Measure| {
             value(measure, &states[0][side]) - value(measure, &states[1][side])
         };

@@ -3,8 +3,10 @@
 use super::{Claim, Context, Demand, What};
 use crate::audit::case::{Case, Step};
 use crate::audit::force::add_forces_of;
+use crate::audit::mutant::Mistake;
 use crate::audit::oracle::nearness;
 use crate::audit::quantity::{Numbers, OneOrMany, Quantity, request_of};
+use crate::audit::verdict::Score;
 use crate::catalog::{ConnectionType, Loading};
 use crate::connector::{
     Branch, Connector, Definition, Increment, NodalRow, Output, Request, State, Tally, Turns,
@@ -276,6 +278,24 @@ impl Context<'_> {
         self.same(&again, &Quantity::ALL, 0..6, Claim::RestoredHistory)
     }
 
+    /// What the law of restored histories would say if one of the numbers of a history, each in turn, were forgotten, and stood where a history
+    /// begins: where that changes a value, it must speak.
+    pub(in crate::audit) fn forgotten(&self) -> Score {
+        let value = |branch: &Branch<f64>| serde_json::to_value(branch).unwrap_or_default();
+        let (saved, initial) = (value(&self.before), value(&self.connector.initial_branch()));
+        let values = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let mut score = Score::default();
+        for (place, lost) in without_one(&saved, &initial) {
+            let Ok(branch) = serde_json::from_value::<Branch<f64>>(lost) else { continue };
+            let mut tally = Tally::default();
+            let again = self.connector.evaluate(&self.state, &self.increment, &branch, &values, &mut tally);
+            let demands = self.same(&Numbers::of(&again), &[Quantity::Value], 0..6, Claim::RestoredHistory);
+            let noticed = demands.iter().any(|demand| demand.units(self.numbers) > 1.0);
+            score.count(Mistake::TurnForgotten, noticed, || 0.0, || place);
+        }
+        score
+    }
+
     /// One component asked for alone, with everything; and all components without second derivatives, rates and forces.
     pub(super) fn restricted(&self) -> Vec<Demand> {
         let mut found = Vec::new();
@@ -291,6 +311,42 @@ impl Context<'_> {
         let both = [Quantity::Value, Quantity::FirstDerivatives];
         found.extend(self.same(&Numbers::of(&part), &both, 0..6, Claim::WithoutRates));
         found
+    }
+}
+
+/// A document with one of its fields, each in turn, as another has it, where the two differ; with the path to the field. Numbers of one field
+/// stand together.
+fn without_one(document: &serde_json::Value, other: &serde_json::Value) -> Vec<(String, serde_json::Value)> {
+    use serde_json::Value;
+    let replaced = |place: &str, part: &Value, of_other: &Value, put: &dyn Fn(Value) -> Value| {
+        let parts = without_one(part, of_other).into_iter();
+        parts.map(|(path, changed)| (format!("{place}/{path}"), put(changed))).collect::<Vec<_>>()
+    };
+    match (document, other) {
+        (same, other) if same == other => Vec::new(),
+        (Value::Object(fields), Value::Object(others)) => {
+            let of = |(name, part): (&String, &Value)| {
+                let put = |changed: Value| {
+                    let mut fields = fields.clone();
+                    fields.insert(name.clone(), changed);
+                    Value::Object(fields)
+                };
+                others.get(name).map(|of_other| replaced(name, part, of_other, &put)).unwrap_or_default()
+            };
+            fields.iter().flat_map(of).collect()
+        }
+        (Value::Array(parts), Value::Array(others)) if parts.iter().all(Value::is_object) => {
+            let of = |(i, (part, of_other)): (usize, (&Value, &Value))| {
+                let put = |changed: Value| {
+                    let mut parts = parts.clone();
+                    parts[i] = changed;
+                    Value::Array(parts)
+                };
+                replaced(&i.to_string(), part, of_other, &put)
+            };
+            parts.iter().zip(others).enumerate().flat_map(of).collect()
+        }
+        (_, other) => vec![(String::new(), other.clone())],
     }
 }
 

@@ -5,7 +5,7 @@
 //! are its rates as one degree of freedom moves at a time, and the truth is differences of the angle on 237 bits.
 
 use super::{MpcCase, exact, moved};
-use crate::audit::atlas::{Approach, Beside, LADDER, Rung, SIDES, classify};
+use crate::audit::atlas::{Approach, Beside, LADDER, Rung, SIDES, classify, detectable};
 use crate::audit::bound::{C, U, scales};
 use crate::audit::case::turn;
 use crate::audit::truth::rotation;
@@ -47,6 +47,8 @@ struct Seen {
     errors: [f64; 2],
     /// The largest error of a first derivative.
     off: f64,
+    /// The relative error of the largest first derivative that would be noticed.
+    detectable: f64,
 }
 
 /// Every declared set of every kind, approached.
@@ -146,7 +148,15 @@ impl Point {
                 let steepness = seen.beside.steepness();
                 let [value_error, first_error] = seen.errors;
                 let first_relative = if seen.off == 0.0 { 0.0 } else { seen.off / steepness };
-                Some(Rung { distance: *distance, value_error, first_error, first_relative, steepness })
+                let detectable = seen.detectable;
+                Some(Rung {
+                    distance: *distance,
+                    value_error,
+                    first_error,
+                    first_relative,
+                    steepness,
+                    detectable,
+                })
             })
             .collect();
         let is_exact = |rung: &Rung| rung.value_error <= C && rung.first_error <= C;
@@ -223,7 +233,9 @@ impl Beside {
             worst = more(worst, [off, units(off, *scale)]);
         }
         let [off, first_error] = worst;
-        Seen { beside: self, errors: [value_error, first_error], off }
+        let largest = zip(&self.first, of_first).max_by(|x, y| x.0.abs().total_cmp(&y.0.abs()));
+        let detectable = largest.map_or(1.0, |(first, scale)| detectable(*first, *scale));
+        Seen { beside: self, errors: [value_error, first_error], off, detectable }
     }
 }
 

@@ -236,6 +236,15 @@ fn atlas(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         count(report.atlas.len(), "declared set"),
         agree(report.atlas.len(), ["is what it is", "are what they are"])
     )?;
+    let mut noticed: Vec<f64> =
+        report.atlas.iter().flat_map(|approach| &approach.rungs).map(|rung| rung.detectable).collect();
+    noticed.sort_by(f64::total_cmp);
+    if let Some(median) = noticed.get(noticed.len() / 2) {
+        let text = format!(
+            "  an error of {median:.0e} of the largest derivative would have been noticed, at the median distance"
+        );
+        writeln!(out, "{text}")?;
+    }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
         let Approach { connection, component, at, .. } = approach;
         let text = format!("{connection} {component} at {at}: {}", approach.told());

@@ -108,8 +108,9 @@ fn with_list<'a>(why: &str, list: impl Iterator<Item = &'a str>) -> Option<Strin
 
 /// The numbers of a subject that no independent oracle judged.
 pub(super) fn without_witness(subject: &Subject) -> Option<String> {
-    let names = subject.without_witness.iter().map(|quantity| quantity.name());
-    with_list("undecided, for no independent oracle of those asked judged them", names)
+    let names = subject.lacking_a_witness();
+    let why = "undecided, for no independent oracle of those asked judged them";
+    with_list(why, names.iter().map(String::as_str))
 }
 
 /// The numbers of a subject that no state exercises, or nobody who was asked compares.

@@ -69,6 +69,7 @@ pub(super) fn approach(found: &Approach, place: Place) -> String {
             curve("error, of the conditioned scale", 1, |rung| rung.first_error),
             curve("error, of the largest derivative", 2, |rung| rung.first_relative / U),
             curve("largest derivative", 3, |rung| rung.steepness),
+            curve("error of the largest derivative that is noticed", 4, |rung| rung.detectable / U),
         ],
         levels: vec![(crate::audit::C, "tolerance")],
         has_legend: false,
