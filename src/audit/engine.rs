@@ -444,7 +444,9 @@ fn laws(examined: &Examined<'_>, wide: bool) -> Vec<Check> {
             }
         }
         if wide && law == Invariant::Restored {
-            score.merge(context.forgotten());
+            for (path, noticed) in context.forgotten() {
+                score.count(Mistake::TurnForgotten, noticed, || 0.0, || path);
+            }
         }
         let mut check = Check::new(None, Against::Law(law));
         check.add(asked.judgement, score, case);

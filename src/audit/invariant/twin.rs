@@ -3,10 +3,8 @@
 use super::{Claim, Context, Demand, What};
 use crate::audit::case::{Case, Step};
 use crate::audit::force::add_forces_of;
-use crate::audit::mutant::Mistake;
 use crate::audit::oracle::nearness;
 use crate::audit::quantity::{Numbers, OneOrMany, Quantity, request_of};
-use crate::audit::verdict::Score;
 use crate::catalog::{ConnectionType, Loading};
 use crate::connector::{
     Branch, Connector, Definition, Increment, NodalRow, Output, Request, State, Tally, Turns,
@@ -278,22 +276,20 @@ impl Context<'_> {
         self.same(&again, &Quantity::ALL, 0..6, Claim::RestoredHistory)
     }
 
-    /// What the law of restored histories would say if one of the numbers of a history, each in turn, were forgotten, and stood where a history
-    /// begins: where that changes a value, it must speak.
-    pub(in crate::audit) fn forgotten(&self) -> Score {
+    /// The numbers of the history, each by its path in what is saved, and whether the law of restored histories would notice that it was forgotten, and
+    /// stood where a history begins: not where that changes no value.
+    pub(in crate::audit) fn forgotten(&self) -> Vec<(String, bool)> {
         let value = |branch: &Branch<f64>| serde_json::to_value(branch).unwrap_or_default();
         let (saved, initial) = (value(&self.before), value(&self.connector.initial_branch()));
         let values = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let mut score = Score::default();
-        for (place, lost) in without_one(&saved, &initial) {
-            let Ok(branch) = serde_json::from_value::<Branch<f64>>(lost) else { continue };
+        let notices = |(path, lost): (String, serde_json::Value)| {
+            let branch = serde_json::from_value::<Branch<f64>>(lost).ok()?;
             let mut tally = Tally::default();
             let again = self.connector.evaluate(&self.state, &self.increment, &branch, &values, &mut tally);
             let demands = self.same(&Numbers::of(&again), &[Quantity::Value], 0..6, Claim::RestoredHistory);
-            let noticed = demands.iter().any(|demand| demand.units(self.numbers) > 1.0);
-            score.count(Mistake::TurnForgotten, noticed, || 0.0, || place);
-        }
-        score
+            Some((path, demands.iter().any(|demand| demand.units(self.numbers) > 1.0)))
+        };
+        without_one(&saved, &initial).into_iter().filter_map(notices).collect()
     }
 
     /// One component asked for alone, with everything; and all components without second derivatives, rates and forces.
@@ -377,6 +373,33 @@ mod tests {
     use crate::audit::invariant::{Invariant, worst};
     use crate::audit::sample::{Extent, cases};
     use crate::catalog::TABLE;
+
+    /// Whatever a history remembers, there are states at which the law of restored histories notices that it was forgotten.
+    #[test]
+    fn what_a_history_forgets_is_noticed() {
+        let mut noticed = std::collections::BTreeMap::<String, bool>::new();
+        for connection in TABLE {
+            for case in cases(connection, Extent::Full) {
+                let numbers = crate::audit::product(&case).unwrap();
+                let state = case.last().unwrap().state;
+                let bound = Bound::new(&numbers, &state.velocity, &state.acceleration, case.length, 1.0);
+                let context = Context::new(&case, &numbers, &bound).unwrap();
+                let demands = context.restored();
+                assert!(worst(&numbers, &demands).is_none_or(|(_, units)| units == 0.0));
+                for (path, is_noticed) in context.forgotten() {
+                    *noticed.entry(path).or_default() |= is_noticed;
+                }
+            }
+        }
+        // The sheet of Euler angles follows from the angles before, of which none moves far.
+        let lost = noticed.iter().filter(|(_, is_noticed)| !**is_noticed);
+        assert_eq!(lost.map(|(path, _)| path.as_str()).collect::<Vec<_>>(), ["euler_sign/"]);
+        let connector = Connector::<f64>::new(&cases(&TABLE[0], Extent::Brief)[0].definition);
+        let all = serde_json::to_value(connector.initial_branch()).unwrap();
+        for field in all.as_object().unwrap().keys() {
+            assert!(noticed.keys().any(|path| path.starts_with(field)), "no history has another {field}");
+        }
+    }
 
     /// Every type has a rule of exchanged nodes or a measure that says why not; the numbers meet it, and each kind of number with an error of
     /// 1e-6 in its largest entry, or with the wrong sign, does not.

@@ -9,6 +9,7 @@ use crate::audit::case::{Case, Step, turn};
 use crate::catalog::ConnectionType;
 use crate::connector::Definition;
 use crate::node::{DOFS, Node, Pair};
+use crate::so3;
 use crate::vector::{self, Matrix, Vector, add, product, scale, transpose};
 use std::f64::consts::PI;
 
@@ -35,6 +36,8 @@ pub enum Region {
     HalfTurn(f64),
     /// b turned against a through this angle (rad) in small steps.
     ManyTurns(f64),
+    /// b turned against a through β = 0, so that the Euler angles go on with sin β < 0.
+    ThroughLock,
     /// 1e9 lengths from the origin.
     Far,
     /// Nodes in one place.
@@ -55,6 +58,7 @@ impl Region {
             Self::Long(_) => "kilometres".into(),
             Self::HalfTurn(gap) => format!("half a turn less {gap}"),
             Self::ManyTurns(angle) => format!("through {angle} rad"),
+            Self::ThroughLock => "through the lock".into(),
             Self::Far => "1e9 lengths away".into(),
             Self::Coincident => "coincident".into(),
             Self::Cube(i) => format!("cube {i}"),
@@ -77,6 +81,9 @@ impl Region {
         found.push(Self::Far);
         if !needs_length(connection) {
             found.push(Self::Coincident);
+        }
+        if turning(connection) == Turning::Euler {
+            found.push(Self::ThroughLock);
         }
         found.extend((0..24).map(Self::Cube));
         found
@@ -241,6 +248,7 @@ pub fn draw_case(connection: &ConnectionType, region: Region, draw: &mut Draw) -
         Region::Long(length) => moderate(connection, region, length, None, 0.7, draw),
         Region::HalfTurn(gap) => half_turn(connection, region, gap, draw),
         Region::ManyTurns(size) => many_turns(connection, region, size, draw),
+        Region::ThroughLock => through_lock(connection, region, draw),
         Region::Far => far(connection, region, draw),
         Region::Coincident => coincident(connection, region, draw),
         Region::Cube(i) => cube(connection, region, i, draw),
@@ -306,6 +314,20 @@ fn many_turns(connection: &ConnectionType, region: Region, size: f64, draw: &mut
         } else {
             Motion { steps, ..Motion::random(draw, 1.0, turned) }
         };
+        Case::new(region, definition, &motion, 1.0, draw)
+    })
+}
+
+/// b turned about the line of nodes until β = −0.6, which leaves α and γ as they are.
+fn through_lock(connection: &ConnectionType, region: Region, draw: &mut Draw) -> Option<Case> {
+    clear(CLEAR, || {
+        let q0 = aligned(connection, draw);
+        let a0 = draw.triad();
+        let [alpha, beta] = [1, 2].map(|i| so3::euler_angle(&q0, 1.0, i));
+        let nodes = vector::apply(&a0, [alpha.cos(), alpha.sin(), 0.0]);
+        let definition = definition(connection, pair(draw.direction(), a0, &q0), 1.0);
+        let spin = scale(nodes, -beta - 0.6);
+        let motion = Motion { steps: 8, ..Motion::random(draw, 1.0, spin) };
         Case::new(region, definition, &motion, 1.0, draw)
     })
 }
