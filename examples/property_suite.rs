@@ -1,4 +1,4 @@
-//! A property suite for an element routine of one's own, on pintle's states: three properties of a hand-written AXIAL.
+//! A property suite for an element routine of one's own, on pintle's states: four properties of a hand-written AXIAL.
 //!
 //! `cargo run --example property_suite --features proptest`
 
@@ -60,6 +60,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Ok(())
     })?;
     println!("rates: passed");
+
+    // Down to 1e-12 from coincident nodes the row is a direction: of length one.
+    runner.run(&strategies::near_singular(&axial.connection), |case| {
+        let case = case.ok_or_else(|| TestCaseError::fail("AXIAL has a singular set"))?;
+        let end = case.last().ok_or_else(|| TestCaseError::fail("no state"))?;
+        let (_, row) = routine(&end.state, 2.0);
+        for node in row.chunks(7) {
+            let length = node.iter().map(|x| x * x).sum::<f64>().sqrt();
+            prop_assert!((length - 1.0).abs() < 1e-15, "{length}");
+        }
+        Ok(())
+    })?;
+    println!("directions near coincident nodes: passed");
 
     // Everything else, by the audit.
     let report = Candidate::new("my AXIAL", &axial).check(|state| {

@@ -494,42 +494,39 @@ impl<'a> Context<'a> {
 
     fn sparsity(&self) -> Vec<Demand> {
         let mut found = Vec::new();
-        let active = self.connector.active();
+        let mut zero = |quantity: Quantity, k: usize, i: usize| {
+            if self.numbers.entries(quantity).get(k, i).is_some() {
+                found.push(Demand {
+                    terms: OneOrMany::One([(quantity, k, i, 1.0)]),
+                    offset: 0.0,
+                    want: 0.0,
+                    allowed: 0.0,
+                    what: What::of(Claim::DeclaredZero, quantity, k, i),
+                });
+            }
+        };
+        let (active, reach) = (self.connector.active(), self.connector.reach());
         for (k, measure) in self.components() {
-            let reach = self.connector.reach();
-            for (j, active) in active.iter().enumerate() {
-                if !self.depends(measure, j) || !active {
-                    found.push(Demand {
-                        terms: OneOrMany::One([(Quantity::FirstDerivatives, k, j, 1.0)]),
-                        offset: 0.0,
-                        want: 0.0,
-                        allowed: 0.0,
-                        what: What::of(Claim::DeclaredZero, Quantity::FirstDerivatives, k, j),
-                    });
+            for (j, is_active) in active.iter().enumerate() {
+                if !self.depends(measure, j) || !is_active {
+                    zero(Quantity::FirstDerivatives, k, j);
                 }
                 for l in (0..=j).filter(|_| self.asks(Quantity::SecondDerivatives)) {
                     let both = |holds: &dyn Fn(usize) -> bool| holds(j) && holds(l);
                     let is_straight = measure.is_straight() && both(&|j| !matches!(j % 7, 3..=5));
                     if is_straight || !both(&|j| self.depends(measure, j)) {
                         for i in [j * DOFS + l, l * DOFS + j].into_iter().take(1 + usize::from(l < j)) {
-                            found.push(Demand {
-                                terms: OneOrMany::One([(Quantity::SecondDerivatives, k, i, 1.0)]),
-                                offset: 0.0,
-                                want: 0.0,
-                                allowed: 0.0,
-                                what: What::of(Claim::DeclaredZero, Quantity::SecondDerivatives, k, i),
-                            });
+                            zero(Quantity::SecondDerivatives, k, i);
                         }
                     }
                 }
-                if !reach[j] && self.numbers.entries(Quantity::NodalForces).get(k, j).is_some() {
-                    found.push(Demand {
-                        terms: OneOrMany::One([(Quantity::NodalForces, k, j, 1.0)]),
-                        offset: 0.0,
-                        want: 0.0,
-                        allowed: 0.0,
-                        what: What::of(Claim::DeclaredZero, Quantity::NodalForces, k, j),
-                    });
+                if !reach[j] {
+                    zero(Quantity::NodalForces, k, j);
+                }
+                for l in (0..DOFS).filter(|_| self.asks(Quantity::GeometricStiffness)) {
+                    if !reach[j] || !active[l] {
+                        zero(Quantity::GeometricStiffness, k, j * DOFS + l);
+                    }
                 }
             }
         }
