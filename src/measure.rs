@@ -675,16 +675,21 @@ impl Measure {
             Self::Cardan(_) => norm([q[1][2], q[2][2]]).atan2(q[0][2].abs()),
             Self::Euler(_) | Self::Flexion | Self::Sweep => norm([q[0][2], q[1][2]]).atan2(q[2][2].abs()),
             Self::RotationVector(_) | Self::RotationVectorAtB(_) => {
-                let angle = norm(so3::continuous_log(q, history.rotation_vector).phi);
-                let turn = std::f64::consts::TAU;
-                let nearest = (angle / turn).round().max(1.0);
-                (angle - nearest * turn).abs()
+                let log = so3::continuous_log(q, history.rotation_vector);
+                let (angle, turn) = (norm(log.phi), std::f64::consts::TAU);
+                // Beside whole turns the angle has lost the digits that the sine of its half still has.
+                let beside = || 2.0 * log.lateral.atan2((1.0 - log.lateral * log.lateral).max(0.0).sqrt());
+                if angle < 0.5 * turn { turn - angle } else { beside() }
             }
             Self::Misalignment(_) => {
                 let frozen = vector::product(q, &vector::transpose(&section.initial_orientation));
                 (std::f64::consts::PI - norm(so3::log(&frozen))).max(0.0)
             }
-            Self::RadialDistance => norm([relative.d[0], relative.d[1]]),
+            // Where rounding decides on which side of the axis b is, it counts as on it.
+            Self::RadialDistance => {
+                let radius = norm([relative.d[0], relative.d[1]]);
+                if radius < LOCK * norm(relative.d) { 0.0 } else { radius }
+            }
             Self::Torsion | Self::ComponentFlexion(_) | Self::ProjectedPosition(_) => {
                 norm([q[0][2], q[1][2]]).atan2(-q[2][2])
             }

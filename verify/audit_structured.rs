@@ -57,6 +57,44 @@ fn turned(axis: usize, angles: &[f64]) -> String {
     text
 }
 
+/// Nodes that turn alike stand to each other as before: where shafts are aligned a flexion is zero but for what rounding leaves of the triads.
+#[test]
+fn a_turn_of_everything_is_no_mistake() {
+    let mut text = String::from("state,time,node,ur1,ur2,ur3\n");
+    for i in 0..60 {
+        let [x, y, z] = [0.37, 0.59, 0.83].map(|step| 2.9 * (f64::from(i) * step).sin());
+        for node in [1, 2] {
+            text += &format!("{i},{i},{node},{x:?},{y:?},{z:?}\n");
+        }
+    }
+    for section in
+        ["FLEXION-TORSION", "RADIAL-THRUST, FLEXION-TORSION", "PROJECTION FLEXION-TORSION", "EULER"]
+    {
+        let given = files("together", &format!("\n{section}\nO, O\n"), &text);
+        report(&given, &["--wide-states", "60"], 0);
+    }
+    report(&files("together-wrong", "\nFLEXION-TORSION\nO, O\n", &text), &["--plant", "lost-component"], 1);
+}
+
+/// b on the axis of a RADIAL-THRUST but for rounding, as a half turn about a diagonal leaves it, is on the axis.
+#[test]
+fn rounding_does_not_hold_a_node_off_its_axis() {
+    let half = std::f64::consts::PI / 2.0_f64.sqrt();
+    let states = format!("state,time,node,ur1,ur2,ur3\n0,0.,1,{half:?},0.,{half:?}\n");
+    let given = files("axis", "\nRADIAL-THRUST\nO, O\n", &states);
+    let page = report(&given, &[], 0);
+    assert!(page.contains("kink") || page.contains("singular point"), "{page}");
+}
+
+/// The distance to whole turns is not lost in the angle: beside them a ROTATION is at a singular point, and what it gives is judged by nobody.
+#[test]
+fn beside_whole_turns_a_rotation_is_singular() {
+    use std::f64::consts::TAU;
+    let angles = [0.0, TAU / 4.0, 0.4997 * TAU, 0.75 * TAU, TAU];
+    let given = files("whole-turn", "\nROTATION\nO, O\n", &turned(2, &angles));
+    assert!(report(&given, &[], 0).contains("singular point"));
+}
+
 /// b turned once round: to the whole turn itself, and next to it, where oracles on doubles lose the digits that the product keeps. They
 /// do not decide by themselves; and where no independent oracle was asked, they do.
 #[test]

@@ -240,8 +240,12 @@ impl<'a> Candidate<'a> {
         };
         let examined = Examined::new(case, &given, trusted, &narrow, &of_components);
         let Some(examined) = examined else { return checks };
+        let sides = (nearness == 0.0).then(|| truth.sides(&examined.bound));
+        let examined = match &sides {
+            Some(sides) => examined.between(sides, &of_components),
+            None => examined,
+        };
         let (bound, units) = (&examined.bound, &examined.units);
-        let sides = (nearness == 0.0).then(|| truth.sides(bound));
         let connector = case.connector();
         let connection = &self.definition.connection.name;
         let is_one_form = std::array::from_fn::<bool, 6, _>(|k| {

@@ -74,6 +74,13 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// Whether oracles on 237 bits are asked at any state.
+    pub fn asks_wide_oracles(&self) -> bool {
+        self.wide_states > 0 && self.oracles.iter().any(|oracle| oracle.is_wide())
+    }
+}
+
 /// Audits every type of the catalogue. `progress` is told of each finished type.
 pub fn audit_catalogue(settings: &Settings, progress: &(dyn Fn(&str) + Sync)) -> Report {
     let of_type = |connection: &ConnectionType| {
@@ -356,8 +363,12 @@ fn judge_numbers(
         Trusted::Wide(answers.trusted(&of_components.map(|near| near > 0.0)))
     });
     let Some(examined) = Examined::new(case, numbers, trusted, narrow, &of_components) else { return checks };
+    let sides = truth.as_ref().filter(|_| nearness == 0.0).map(|truth| truth.sides(&examined.bound));
+    let examined = match &sides {
+        Some(sides) => examined.between(sides, &of_components),
+        None => examined,
+    };
     let bound = &examined.bound;
-    let sides = truth.as_ref().filter(|_| nearness == 0.0).map(|truth| truth.sides(bound));
     let rotations = AtRotations::new(case);
     let exact = |quantity: Quantity| rotations.exact(quantity);
     // 196 second derivatives take about as long as all that is done on doubles besides.
@@ -411,7 +422,10 @@ fn judge_numbers(
     let made = |quantity: Quantity| if often { examined.mutants(quantity) } else { &[] };
     if asked(Oracle::Taylor) {
         let made = made(Quantity::FirstDerivatives);
-        checks.extend(truth.as_ref().and_then(|truth| taylor(&examined, truth, &of_components, draw, made)));
+        let mut of_sum =
+            truth.as_ref().and_then(|truth| taylor(&examined, truth, &of_components, draw, made));
+        referee.hears(of_sum.as_mut_slice(), numbers, &around, &case.name);
+        checks.extend(of_sum);
     }
     if asked(Oracle::HyperDual) {
         let mut of_sum = hyper_dual(&examined, narrow, draw, made(Quantity::SecondDerivatives));

@@ -11,6 +11,7 @@ use super::oracle::{Answer, Narrow};
 use super::outcome::{Against, Check};
 use super::quantity::{Numbers, Quantity};
 use super::referee::Referee;
+use super::sides::Sides;
 use super::stage::{invalid_stage, is_state};
 use super::verdict::{Score, Surroundings, Verdict, Wanted, judge, try_mutants};
 use crate::connector::State;
@@ -83,6 +84,24 @@ impl<'a> Examined<'a> {
             counts_from_rounding: narrow.undetermined_origins().iter().any(Option::is_some),
             made: Default::default(),
         })
+    }
+
+    /// The same with tolerances that rest, of components on a singular set, on the steepest of what is on its sides: at the set itself the row is the
+    /// one of least norm, as that of a flexion is zero, and rounding moves the value along the others all the same.
+    pub(super) fn between(mut self, sides: &Numbers<Sides>, nearness: &[f64; 6]) -> Self {
+        let mut steepest = self.trusted.clone();
+        for quantity in [Quantity::FirstDerivatives, Quantity::NodalForces] {
+            let of_sides = sides.entries(quantity);
+            let rows = steepest.entries(quantity).map(|k, i, row| {
+                let sides = of_sides.get(k, i).filter(|_| !self.is_smooth[k]);
+                sides.map_or(row, |sides| sides.steepest(row))
+            });
+            steepest.set(quantity, rows);
+        }
+        let State { velocity, acceleration, .. } = self.state;
+        let bound = Bound::of_components(&steepest, velocity, acceleration, self.case.length, nearness);
+        self.bound = self.bound.resting_on(bound);
+        self
     }
 
     /// Every mistake in a quantity, of components that are on no singular set.

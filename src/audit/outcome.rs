@@ -169,7 +169,7 @@ impl Check {
         far > 0 && denied == wrong.sum::<u64>()
     }
 
-    /// An entry that must be there and is not, or the other way round, in words.
+    /// An entry that must be there and is not, or the other way round, in words, at the one state of this check.
     pub(super) fn misplaced(&mut self, entry: String, got: f64, case: &Case) {
         let worst = Finding {
             entry,
@@ -188,6 +188,8 @@ impl Check {
             Score::default(),
             case,
         );
+        // It is the same state.
+        self.states = BTreeMap::from([(self.verdict, 1)]);
     }
 
     /// Keeps what was judged, where it failed.

@@ -145,6 +145,14 @@ impl Sides {
         }
     }
 
+    /// The largest of a number and of the derivatives that there are on the sides, by magnitude.
+    pub(super) fn steepest(&self, number: f64) -> f64 {
+        let there = self.quotients.iter().zip(self.exist).filter(|(_, exists)| *exists);
+        there
+            .map(|(quotient, _)| quotient.to_f64())
+            .fold(number, |most, x| if x.abs() > most.abs() { x } else { most })
+    }
+
     /// Why there are not two derivatives, one from each side; `None` where there are.
     pub const fn lack(&self) -> Option<&'static str> {
         match self.exist {

@@ -1,11 +1,12 @@
 //! States that stand exactly on a singular point, where doubles can: what draws come near to and never meet.
 
 use super::beside::{Site, Way, beside, sites};
-use super::case::{Case, Step};
+use super::case::{Case, Step, turn};
 use super::sample::{Draw, definition};
 use crate::catalog::ConnectionType;
+use crate::connector::State;
 use crate::node::Pair;
-use crate::vector::{Matrix, sub};
+use crate::vector::{Matrix, add, apply, product, sub};
 
 /// How a state stands on a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,18 +17,21 @@ enum Stand {
     Coincident,
     /// Nodes that were apart initially, and have moved to one place.
     Met,
+    /// As `Structured`, all of it turned as one by any rotation: what was equal is still equal, and no more orthogonal than rounding leaves it.
+    Turned,
     /// Everything moves, and what the point leaves free is random.
     Random,
 }
 
 impl Stand {
-    const ALL: [Self; 4] = [Self::Structured, Self::Coincident, Self::Met, Self::Random];
+    const ALL: [Self; 5] = [Self::Structured, Self::Coincident, Self::Met, Self::Turned, Self::Random];
 
     const fn name(self) -> &'static str {
         match self {
             Self::Structured => "along axes",
             Self::Coincident => "coincident nodes",
             Self::Met => "nodes that have met",
+            Self::Turned => "along axes, turned",
             Self::Random => "any",
         }
     }
@@ -84,7 +88,7 @@ fn case_on(connection: &ConnectionType, site: &Site, stand: Stand) -> Option<Cas
                 pair.b.displacement = sub(pair.a.displacement, apart);
             }
         }
-        Stand::Structured | Stand::Random => {}
+        Stand::Structured | Stand::Turned | Stand::Random => {}
     }
     let mut before = case.definition.initial;
     for step in &mut case.path {
@@ -97,6 +101,20 @@ fn case_on(connection: &ConnectionType, site: &Site, stand: Stand) -> Option<Cas
         step.state.velocity = state.velocity;
         step.state.acceleration = state.acceleration;
         before = after;
+    }
+    if stand == Stand::Turned
+        && let Some((last, others)) = case.path.split_last_mut()
+    {
+        let from = others.last().map_or(case.definition.initial, |step| step.state.pair);
+        let rotation = turn(Draw::new(&name).rotation(0.3, 1.2));
+        let State { pair: mut after, velocity, acceleration } = last.state;
+        let apart = apply(&rotation, after.separation());
+        for node in [&mut after.a, &mut after.b] {
+            node.triad = product(&rotation, &node.triad);
+        }
+        after.b.displacement = add(after.a.displacement, sub(apart, after.reference));
+        *last = Step::between(&from, after);
+        (last.state.velocity, last.state.acceleration) = (velocity, acceleration);
     }
     Some(Case { name, ..case })
 }

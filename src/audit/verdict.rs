@@ -375,7 +375,8 @@ pub fn judge(
             coarse |= sized(i, allowed) > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
             let is_open = around.nearness[k] == 0.0 && around.sides_of(quantity, k, i).is_none();
             // On a singular set there is no finite scale either.
-            let overflows = around.nearness[k] > 0.0 && around.bound.overflows(quantity, k, i, want.to_f64());
+            let is_scaled = around.nearness[k] > 0.0 || want.to_f64().is_infinite();
+            let overflows = is_scaled && around.bound.overflows(quantity, k, i, want.to_f64());
             let at = Point { is_open, sides: kink.map(Sides::lack), overflows };
             let (verdict, lack) = match verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at) {
                 (Verdict::Wrong, _) if around.is_locked(quantity, k) => (Verdict::Singular, Some(KEPT)),

@@ -524,7 +524,7 @@ impl<'a> Context<'a> {
                     zero(Quantity::NodalForces, k, j);
                 }
                 for l in (0..DOFS).filter(|_| self.asks(Quantity::GeometricStiffness)) {
-                    if !reach[j] || !active[l] {
+                    if !reach[j] || !reach[l] {
                         zero(Quantity::GeometricStiffness, k, j * DOFS + l);
                     }
                 }
