@@ -18,7 +18,7 @@
 //! in radians or lengths, they are at most those of the second divided by δ. Where C u is no small part of δ what is rounded may bring the
 //! state that much closer, and a derivative that grows like 1/δ grows by 1/(1 − C u/δ) more than its slope says: so do the tolerances of
 //! all derivatives, by 2 at most. Beside a set rows are directions that a rounding turns by u/δ: at a symmetric state an entry is an extremum,
-//! which changes by the square of that alone. Lengths enter only relative to s, so the verdict
+//! which changes by the square of that alone. On a set ∂f is the steepest of the derivatives on its sides, along which rounding moves the value. Lengths enter only relative to s, so the verdict
 //! is the same in millimetres and metres and far from the origin.
 
 use super::case::dof_size;
