@@ -16,7 +16,7 @@ use crate::connector::{
 use crate::measure::{Margin, Measure, SingularClass};
 use crate::node::{self, DOFS, Dependence, Pair};
 use crate::scalar::{Differentiable, Real, Scalar, Wide};
-use crate::vector::{Matrix, Vector, product, sub, transpose, transposed_product};
+use crate::vector::{Matrix, Vector, apply_transposed, product, sub, transpose, transposed_product};
 use std::sync::OnceLock;
 
 /// A case on 237-bit numbers, from the same doubles.
@@ -146,13 +146,19 @@ impl Truth {
             && initial == connector.section().initial_orientation;
         let mut locked =
             Locked::of([at_end.locks(), locks(&connector, &given.pair), locks(&connector, &state.pair)]);
+        // On the axis of b's radius by rounding alone: on which side of it nobody can say.
+        let is_off_axis = |k: usize| {
+            let [x, y, _] = apply_transposed(&state.pair.a.triad, state.pair.separation());
+            let is_radius = connector.differentiated(k) == Some(Measure::RadialDistance);
+            is_radius && (x != Wide::zero() || y != Wide::zero())
+        };
         locked.everything = [0, 1, 2, 3, 4, 5].map(|k| {
             let is_undetermined = |Margin { distance, set }: Margin| match set.class {
                 SingularClass::TrueSingularity => true,
                 SingularClass::BranchCut | SingularClass::Reversal => distance > 0.0 || !are_rotations,
                 SingularClass::Kink | SingularClass::Removable => false,
             };
-            of_components[k] == 0.0 && margins[k].is_some_and(is_undetermined)
+            of_components[k] == 0.0 && (margins[k].is_some_and(is_undetermined) || is_off_axis(k))
         });
         for (near, locks) in of_components.iter_mut().zip(locked.rows) {
             *near = if locks { 0.0 } else { *near };
