@@ -116,6 +116,7 @@ fn is(assembly: &Assembly, gruebler: i64, mobility: usize, redundant: usize, hol
     let counted = |wanted: Holds| assembly.redundant.iter().filter(|one| one.holds == wanted).count();
     let seen: Vec<(Holds, usize)> = [
         Holds::Throughout,
+        Holds::Singular,
         Holds::Rigid,
         Holds::Here,
         Holds::Isolated,

@@ -251,7 +251,7 @@ codes! {
     ModelDuplicateMpc = "model::duplicate-mpc": "A multi-point constraint of one kind is given twice for the same nodes: all of its equations are redundant. A warning.";
 
     AssemblyRedundant = "assembly::redundant": "A constraint follows from the others, and does so wherever the assembly can move: how they share the force is not determined. A warning.";
-    AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state and not at others: the assembly is at a singular position, where it can move in more ways than elsewhere. A warning.";
+    AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state and not at every other: the assembly is at a singular position, where it can move in more ways than elsewhere. A warning.";
     AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state; whether it does elsewhere could not be judged. A warning.";
     AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts on what the constraints or other prescribed motions determine already. A warning.";
     AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents and no prescribed motion drives. A note.";

@@ -59,7 +59,30 @@ fn cranks(at: &[f64], by: Move, axis: Point) -> Deck {
 fn a_triangle_without_height() {
     for by in [STAYS, MOVED] {
         let deck = links(&[[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]], &[[1, 2], [2, 3], [1, 3]], &[], by);
-        is(&deck.analyse(), 6, 7, 1, &[(Holds::Isolated, 1)]);
+        is(&deck.analyse(), 6, 7, 1, &[(Holds::Singular, 1)]);
+    }
+}
+
+/// A platform on four equal and parallel LINKs, whose hooks are on no circle, swings with all of them parallel: one is redundant wherever it swings.
+#[test]
+fn a_swing_on_four_links() {
+    let hooks = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.5]];
+    for by in [STAYS, MOVED] {
+        let mut deck = Deck::default();
+        for [x, y] in hooks {
+            deck.node(by([x, y, 1.0]));
+        }
+        for [x, y] in hooks {
+            deck.node(by([x, y, 0.0]));
+        }
+        for leg in 1..5 {
+            deck.plain("LINK", leg, leg + 4);
+            deck.fixed.push(leg);
+        }
+        for bar in 5..8 {
+            deck.plain("BEAM", bar, bar + 1);
+        }
+        is(&deck.analyse(), 2, 3, 1, &[(Holds::Singular, 1)]);
     }
 }
 
@@ -73,7 +96,7 @@ fn a_column_with_a_pendulum() {
             3,
             4,
             1,
-            &[(Holds::Isolated, 1)],
+            &[(Holds::Singular, 1)],
         );
         // Without it.
         is(&links(&nodes[..3], &[[1, 2], [2, 3]], &[1, 3], by).analyse(), 1, 2, 1, &[(Holds::Isolated, 1)]);
@@ -90,7 +113,7 @@ fn a_flat_arch_with_a_pendulum() {
         deck.joint("HINGE", ends[1][0], own, axis);
         let mass = deck.node(by([1.0, -1.0, 0.0]));
         deck.link(own, mass);
-        is(&deck.analyse(), -2, 2, 4, &[(Holds::Throughout, 3), (Holds::Isolated, 1)]);
+        is(&deck.analyse(), -2, 2, 4, &[(Holds::Throughout, 3), (Holds::Singular, 1)]);
     }
 }
 

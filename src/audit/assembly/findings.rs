@@ -131,7 +131,7 @@ type Owner = (Holds, bool, Option<Label>, Option<usize>);
 /// The code of a redundancy.
 const fn code(holds: Holds) -> Code {
     match holds {
-        Holds::Throughout | Holds::Rigid => Code::AssemblyRedundant,
+        Holds::Throughout | Holds::Singular | Holds::Rigid => Code::AssemblyRedundant,
         Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => Code::AssemblyRedundantHere,
         Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
     }
@@ -271,7 +271,7 @@ fn remedy(scene: &Scene, of: &Constraint, makers: &[&Constraint], redundant: &[&
              that its force is not determined"
         }
         _ => {
-            "free the component: choose a connection type that leaves it available (of a planar loop of hinges, make one a JOIN with CARDAN, say), or \
+            "free the component: choose a connection type that leaves it available (of a planar loop of hinges, make one a SLOT along its axis with CARDAN, say), or \
              accept that its force is not determined"
         }
     }

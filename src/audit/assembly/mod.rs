@@ -87,6 +87,8 @@ use system::{Prescribed, System, request};
 pub enum Holds {
     /// At every state that was looked at: judged to hold wherever the part can move.
     Throughout,
+    /// The same, each of them a singular position: motions that are free to first order because of it are excluded to second order.
+    Singular,
     /// The part cannot move at all: there is no other state.
     Rigid,
     /// At this state, and not at another admissible one: proven, to rounding.
@@ -111,9 +113,13 @@ impl Holds {
             Self::Throughout => {
                 "it holds throughout (judged: the same at other states that the assembly was moved to)"
             }
+            Self::Singular => {
+                "it holds throughout (judged: the same at other states that the assembly was moved to), at a singular position wherever that is: \
+                 second order excludes motions that are free to first order because of it"
+            }
             Self::Rigid => "it holds throughout (what belongs to it cannot move)",
             Self::Here => {
-                "it holds at this state only (proven to rounding: at another admissible state it does not)"
+                "it holds at this state and not at every other (proven to rounding: at another admissible state it does not)"
             }
             Self::Differs => {
                 "it holds at this state and not at another one given, to the digits of these (they satisfy the constraints to no more)"

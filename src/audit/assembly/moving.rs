@@ -79,11 +79,15 @@ pub(super) fn elsewhere(
             .map(|row| if only.contains(row) { Holds::Here } else { others })
             .collect();
     }
-    let of_restrained = |second: &Second| if second.excludes { Holds::Isolated } else { Holds::Unjudged };
-    let one = |row: &u32| match restrained {
-        Some(second) if second.restraining.contains(row) => of_restrained(second),
-        _ => others,
+    let excludes = restrained.is_some_and(|second| second.excludes);
+    // Where other motions lead to states at which they restrain the same, it is no matter of this one.
+    let of_restrained = match others {
+        _ if !excludes => Holds::Unjudged,
+        Holds::Throughout => Holds::Singular,
+        _ => Holds::Isolated,
     };
+    let is_restraining = |row: &u32| restrained.is_some_and(|second| second.restraining.contains(row));
+    let one = |row: &u32| if is_restraining(row) { of_restrained } else { others };
     here.dependent.iter().map(one).collect()
 }
 

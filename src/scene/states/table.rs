@@ -129,7 +129,7 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
 
 pub(in crate::scene) fn empty(what: &str) -> Diagnostic {
     Diagnostic::error(Code::StatesEmpty, Span::default(), format!("the file has no {what}"), "")
-        .help("give a header line and at least one row, or leave out --states for the initial state")
+        .help("give a header line and at least one row, or leave the file out for the initial state")
 }
 
 fn place(position: &csv::Position) -> Span {
