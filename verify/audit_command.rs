@@ -503,6 +503,11 @@ fn severities_are_set_by_code_file_and_line() {
     assert_eq!(lowered["subjects"].as_array().unwrap().len(), 3);
     assert!(lowered["compared"].as_u64().unwrap() > 0 && !lowered["models"][0]["assembly"].is_null());
     assert!(!said.contains(RULE) && !said.contains("refused"), "{said}");
+    // A file that is not there is told; one is found by the end of its path.
+    let (_, said) = audit(&["--warn", RULE, "--deny", "warnings@elsewhere.inp"], 0);
+    assert!(said.contains("elsewhere.inp"), "{said}");
+    let (_, said) = audit(&["--warn", RULE, "--deny", "notes@./two.inp:1"], 0);
+    assert!(!said.contains("two.inp"), "{said}");
     let (allowed, _) = audit(&["--allow", "rule"], 0);
     assert!(found(&allowed, RULE).is_empty());
     // One stop is an error, by its line; the other what is said of the file; and a place elsewhere says nothing.

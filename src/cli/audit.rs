@@ -283,6 +283,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         write(arguments.format, arguments.verbose, &report)?;
     }
     say_what_stays(&levels, &report);
+    say_what_is_nowhere(&levels, &loaded, &report);
     let refused = loaded.iter().filter(|loaded| loaded.is_refused).map(|loaded| loaded.name.as_str());
     let refused: Vec<&str> = refused.collect();
     match verdict(&report) {
@@ -307,6 +308,18 @@ fn say_what_stays(levels: &Levels, report: &Report) {
     for code in codes {
         let why = "what breaks it cannot be evaluated";
         complain("note", &format!("{code} stays an error: {why} (pintle explain {code})"));
+    }
+}
+
+/// Where a level was set for a file that is none of those audited.
+fn say_what_is_nowhere(levels: &Levels, loaded: &[Loaded], report: &Report) {
+    let findings = report.models.iter().flat_map(|model| &model.findings).map(|finding| finding.file());
+    let files: Vec<&str> = loaded.iter().map(|loaded| loaded.name.as_str()).chain(findings).collect();
+    for name in levels.of_other_files(&files) {
+        complain(
+            "note",
+            &format!("no scene of that name is audited, nor a file in which there is a finding: {name}"),
+        );
     }
 }
 

@@ -577,7 +577,15 @@ fn mechanism(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     if undriven == 0 {
         return None;
     }
-    let message = format!("the assembly can move in {} initially{}", ways(undriven), named(&modes, undriven));
+    let is_excluded = |one: &Redundant| matches!(one.holds, Holds::Isolated | Holds::Singular);
+    // What is left of the degrees of freedom are motions to first order.
+    let order = if assembly.redundant.iter().any(is_excluded) {
+        "; to first order: at its singular position second order excludes some of them, or all"
+    } else {
+        ""
+    };
+    let message =
+        format!("the assembly can move in {} initially{}{order}", ways(undriven), named(&modes, undriven));
     Some(moves(scene, message, &modes, undriven, None))
 }
 

@@ -68,14 +68,19 @@ impl Place {
             }
             _ => (text, None),
         };
+        let file = file.strip_prefix("./").unwrap_or(file);
         (!file.is_empty()).then(|| Self { file: file.to_string(), line })
     }
 
-    /// Whether something of a file, at a line, is at this place: the file by its path, or the end of it.
+    /// Whether a file is this one: by its path, or the end of it.
+    fn is_of(&self, file: &str) -> bool {
+        let before = file.strip_suffix(&self.file);
+        before.is_some_and(|before| before.is_empty() || before.ends_with('/'))
+    }
+
+    /// Whether something of a file, at a line, is at this place.
     fn has(&self, file: &str, line: Option<u32>) -> bool {
-        let is_end =
-            file.strip_suffix(&self.file).is_some_and(|before| before.is_empty() || before.ends_with('/'));
-        is_end && (self.line.is_none() || self.line == line)
+        self.is_of(file) && (self.line.is_none() || self.line == line)
     }
 }
 
@@ -117,6 +122,17 @@ impl Levels {
             Some(other) if other != level => Err(format!("the level of {whole} is set twice, differently")),
             _ => Ok(()),
         }
+    }
+
+    /// The files for which a level was set that are none of these.
+    pub fn of_other_files(&self, files: &[&str]) -> Vec<&str> {
+        let places = self.set.keys().filter_map(|(place, _)| place.as_ref());
+        let mut others: Vec<&str> = places
+            .filter(|place| !files.iter().any(|file| place.is_of(file)))
+            .map(|place| place.file.as_str())
+            .collect();
+        others.dedup();
+        others
     }
 
     /// How bad a finding of this code is, which would be of `severity` by itself, where nothing is said of its place; `None` where it is not shown.

@@ -158,9 +158,11 @@ pub(super) fn edge_name(edge: f64) -> String {
     /// Edges that are so near to 1 are told by what they are away from it.
     const NEAR: f64 = 1e-3;
     let plain = |x: f64| if x == 0.0 || (1e-3..1e3).contains(&x) { format!("{x}") } else { format!("{x:e}") };
+    /// An angle of π is written so, and what lets its rounding be in the bin before.
+    const ROUNDED: f64 = 1e-8;
     match edge {
+        x if (x - PI).abs() < ROUNDED => "π".to_string(),
         FRAC_PI_2 => "π/2".to_string(),
-        PI => "π".to_string(),
         TAU => "2π".to_string(),
         x if x != 1.0 && (x - 1.0).abs() < NEAR => {
             let sign = if x < 1.0 { '−' } else { '+' };
