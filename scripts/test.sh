@@ -20,7 +20,7 @@ if ! command -v chromium chromium-browser google-chrome > /dev/null; then
     fi
 fi
 
-if [ ! -x .venv/bin/python ]; then
+if [ ! -x .venv/bin/pip ]; then
     python3 -m venv .venv || {
         echo "scripts/test.sh: python3 could not make a virtual environment (on Debian: apt install python3-venv)" >&2
         exit 1
