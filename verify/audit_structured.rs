@@ -86,6 +86,17 @@ fn rounding_does_not_hold_a_node_off_its_axis() {
     assert!(page.contains("kink") || page.contains("singular point"), "{page}");
 }
 
+/// On a singular set, too, what is formed of lengths whose powers leave the range of doubles is undecided.
+#[test]
+fn overflow_on_a_singular_set_is_undecided() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1e300, 3e299, 2e299\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E\nPROJECTION CARTESIAN\nO, O\n";
+    let given = written("overflow-on-a-set", deck, &turned(0, &[std::f64::consts::PI; 2]));
+    let page = report(&given, &[], 0);
+    assert!(page.contains("undecided") && !page.contains("invalid"), "{page}");
+    report(&given, &["--strict"], 3);
+}
+
 /// The distance to whole turns is not lost in the angle: beside them a ROTATION is at a singular point, and what it gives is judged by nobody.
 #[test]
 fn beside_whole_turns_a_rotation_is_singular() {

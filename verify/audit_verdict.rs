@@ -35,7 +35,14 @@ fn a_formula_is_right_only_where_its_exact_value_is() {
     let truth = answers.differences.entries(quantity);
     let around = |sides| {
         let nearness = [nearness; 6];
-        Surroundings { bound: &bound, exact: None, nearness, sides, locked: Locked::default() }
+        Surroundings {
+            bound: &bound,
+            exact: None,
+            nearness,
+            sides,
+            locked: Locked::default(),
+            is_out_of_range: false,
+        }
     };
     let verdict = |off: f64| {
         let product = truth.map(|_, _, x| x + Wide::from_f64(off * tolerance));

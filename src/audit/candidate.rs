@@ -253,8 +253,14 @@ impl<'a> Candidate<'a> {
         });
         let referee = Referee::new(case, &self.settings, Some(&truth));
         let locked = truth.locked();
-        let around =
-            Surroundings { bound, exact: None, nearness: of_components, sides: sides.as_ref(), locked };
+        let around = Surroundings {
+            bound,
+            exact: None,
+            nearness: of_components,
+            sides: sides.as_ref(),
+            locked,
+            is_out_of_range: referee.is_out_of_range(),
+        };
         let mut compare = |quantity: Quantity, answer: &Answer| {
             // Mutants of the routine's numbers, at the states on 237 bits.
             let mut check = examined.check(quantity, answer, &around, (Some(&referee), wide));

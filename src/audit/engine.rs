@@ -382,6 +382,7 @@ fn judge_numbers(
         nearness: of_components,
         sides: sides.as_ref(),
         locked: truth.as_ref().map_or_else(Locked::default, Truth::locked),
+        is_out_of_range: referee.is_out_of_range(),
     };
     for quantity in Quantity::ALL {
         for oracle in Oracle::ALL.into_iter().filter(|oracle| oracle.answers(quantity) && asked(*oracle)) {

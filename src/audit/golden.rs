@@ -270,6 +270,7 @@ impl Golden {
             nearness,
             sides: None,
             locked: Locked::default(),
+            is_out_of_range: false,
         };
         let mut checks = Vec::new();
         for quantity in Quantity::ALL {

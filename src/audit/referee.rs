@@ -105,7 +105,7 @@ impl<'a> Referee<'a> {
 
     /// Whether the fourth power of a length, of which second derivatives are formed on the way, is no normal double, or its reciprocal is
     /// none.
-    fn is_out_of_range(&self) -> bool {
+    pub(super) fn is_out_of_range(&self) -> bool {
         let Some(step) = self.case.last() else { return false };
         let apart = [step.state.pair.separation(), step.state.pair.reference];
         let lengths = apart.into_iter().map(norm).chain([self.case.length]);

@@ -224,6 +224,7 @@ mod tests {
             nearness,
             sides: Some(&sides),
             locked: truth.locked(),
+            is_out_of_range: false,
         };
         let verdict = |quantity: Quantity, spoil: &dyn Fn(f64) -> f64| {
             let got = numbers.entries(quantity).map(|_, _, x| spoil(x));

@@ -198,6 +198,8 @@ pub struct Surroundings<'a> {
     pub sides: Option<&'a Numbers<Sides>>,
     /// The components at a lock.
     pub locked: Locked,
+    /// Whether powers of lengths, of which second derivatives are formed, leave the range of doubles.
+    pub is_out_of_range: bool,
 }
 
 impl<'a> Surroundings<'a> {
@@ -374,8 +376,8 @@ pub fn judge(
             let units = want.units(*x, allowed);
             coarse |= sized(i, allowed) > COARSE * largest && largest > 0.0 && quantity != Quantity::Value;
             let is_open = around.nearness[k] == 0.0 && around.sides_of(quantity, k, i).is_none();
-            // On a singular set there is no finite scale either.
-            let is_scaled = around.nearness[k] > 0.0 || want.to_f64().is_infinite();
+            // On a singular set there is no finite scale either, but where lengths are beyond the range.
+            let is_scaled = around.nearness[k] > 0.0 || around.is_out_of_range || want.to_f64().is_infinite();
             let overflows = is_scaled && around.bound.overflows(quantity, k, i, want.to_f64());
             let at = Point { is_open, sides: kink.map(Sides::lack), overflows };
             let (verdict, lack) = match verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at) {
