@@ -58,7 +58,7 @@ pub enum Measure {
 }
 
 /// The distance from a lock (rad) within which rounding decides the angles, a few roundings of the entries of Q: nothing of the
-/// direction across the axes is left, and a state counts as locked ([`Measure::unlocked`]).
+/// direction across the axes is left, and a state counts as locked ([`Measure::unlocked`]). Of a radius the same part of the distance of the nodes.
 pub(crate) const LOCK: f64 = 2e-15;
 
 /// The unit of a measure.
@@ -649,7 +649,8 @@ impl Measure {
         }
     }
 
-    /// The distance of a state to the nearest point of [`Measure::singular_sets`], `None` where there is no such point.
+    /// The distance of a state to the nearest point of [`Measure::singular_sets`], `None` where there is no such point. It is 0 where rounding decides: at a
+    /// lock within 2e-15 rad, of a radius within 2e-15 of |d|.
     pub fn margin(
         self,
         relative: &Relative<f64>,

@@ -37,7 +37,7 @@ pub struct Rung {
     /// The largest first derivative, lengths in units of the connector's.
     #[schemars(with = "Option<f64>")]
     pub steepness: f64,
-    /// The relative error of the largest first derivative from which on it would have been noticed here; one where nothing less would.
+    /// The relative error of the largest first derivative from which on it would have been noticed here, 2 C u F/|∂f| with its conditioned scale F; 1 where nothing less would.
     #[schemars(with = "Option<f64>")]
     pub detectable: f64,
 }

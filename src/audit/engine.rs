@@ -75,9 +75,9 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Whether oracles on 237 bits are asked at any state.
-    pub fn asks_wide_oracles(&self) -> bool {
-        self.wide_states > 0 && self.oracles.iter().any(|oracle| oracle.is_wide())
+    /// Whether the oracle that answers for every quantity is asked at any state: without it numbers lack a witness anyway.
+    pub fn asks_for_everything(&self) -> bool {
+        self.wide_states > 0 && self.oracles.contains(&Oracle::WideDifferences)
     }
 }
 
@@ -459,8 +459,9 @@ fn laws(examined: &Examined<'_>, wide: bool) -> Vec<Check> {
             }
         }
         if wide && law == Invariant::Restored {
-            for (path, noticed) in context.forgotten() {
-                score.count(Mistake::TurnForgotten, noticed, || 0.0, || path);
+            for (path, [changes, noticed]) in context.forgotten() {
+                let change = || if changes { f64::INFINITY } else { 0.0 };
+                score.count(Mistake::TurnForgotten, noticed, change, || path);
             }
         }
         let mut check = Check::new(None, Against::Law(law));

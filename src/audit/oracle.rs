@@ -370,7 +370,7 @@ impl Narrow {
     }
 }
 
-/// min(1, distance to a singular set, in radians and lengths of the connector); 1 where there is none. An angle that only rounding holds
+/// min(1, distance to a singular set, in radians and lengths of the connector); 1 where there is none. An angle, or a radius, that only rounding holds
 /// off a set is on it.
 pub(super) fn nearness(margin: Option<Margin>, length: f64) -> f64 {
     let Some(Margin { distance, set }) = margin else { return 1.0 };

@@ -188,8 +188,9 @@ impl Check {
             Score::default(),
             case,
         );
-        // It is the same state.
+        // It is the same state, whatever was said of it.
         self.states = BTreeMap::from([(self.verdict, 1)]);
+        self.undecided.clear();
     }
 
     /// Keeps what was judged, where it failed.

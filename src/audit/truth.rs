@@ -62,6 +62,8 @@ pub struct Locked {
     pub values: [bool; 6],
     /// Those of which nothing is determined: at a true singularity, or so close to where a value changes its sign that rounding decides.
     pub everything: [bool; 6],
+    /// Those of which rounding decides on which side of a singular set the state is: values are what they are, of derivatives nobody knows which are meant.
+    pub sides: [bool; 6],
 }
 
 impl Locked {
@@ -70,7 +72,7 @@ impl Locked {
         let all = [0, 1, 2, 3, 4, 5];
         let rows = all.map(|k| found.iter().any(|locks| locks[k]));
         let values = all.map(|k| rows[k] && !found.iter().all(|locks| locks[k]));
-        Self { rows, values, everything: [false; 6] }
+        Self { rows, values, everything: [false; 6], sides: [false; 6] }
     }
 }
 
@@ -158,8 +160,9 @@ impl Truth {
                 SingularClass::BranchCut | SingularClass::Reversal => distance > 0.0 || !are_rotations,
                 SingularClass::Kink | SingularClass::Removable => false,
             };
-            of_components[k] == 0.0 && (margins[k].is_some_and(is_undetermined) || is_off_axis(k))
+            of_components[k] == 0.0 && margins[k].is_some_and(is_undetermined)
         });
+        locked.sides = [0, 1, 2, 3, 4, 5].map(|k| of_components[k] == 0.0 && is_off_axis(k));
         for (near, locks) in of_components.iter_mut().zip(locked.rows) {
             *near = if locks { 0.0 } else { *near };
         }

@@ -203,14 +203,15 @@ pub struct Surroundings<'a> {
 }
 
 impl<'a> Surroundings<'a> {
-    /// Whether a lock, or a true singularity, leaves nothing to compare a number with.
-    fn is_locked(&self, quantity: Quantity, k: usize) -> bool {
-        let by_lock = match quantity {
-            Quantity::Value => self.locked.values[k],
-            // Nodal forces, rates and all others are formed of rows.
-            _ => self.locked.rows[k],
-        };
-        by_lock || self.locked.everything[k]
+    /// Why a lock, a true singularity or rounding leaves nothing to compare a number with.
+    fn undetermined(&self, quantity: Quantity, k: usize) -> Option<&'static str> {
+        let is_value = quantity == Quantity::Value;
+        // Nodal forces, rates and all others are formed of rows.
+        let by_lock = if is_value { self.locked.values[k] } else { self.locked.rows[k] };
+        if by_lock || self.locked.everything[k] {
+            return Some(KEPT);
+        }
+        (self.locked.sides[k] && !is_value).then_some(BESIDE)
     }
 
     /// On a singular set: the sides of a derivative that differ by more than rounding. The two-sided difference is their mean there, which
@@ -294,6 +295,9 @@ const HIGHER: &str = "on a singular set values and one-sided first derivatives e
 /// Why numbers have nothing to be compared with.
 const KEPT: &str =
     "neither value nor derivatives are determined there: a convention stands for them, or rounding decides";
+
+/// Why derivatives have nothing to be compared with.
+const BESIDE: &str = "rounding alone holds the state off a singular set: which of the derivatives on its sides is meant nobody can say";
 
 /// What angles at a lock may be off besides, for their rows do not tell from what they are formed: two angles of up to π.
 const LOCKED_SCALE: f64 = std::f64::consts::TAU;
@@ -381,7 +385,10 @@ pub fn judge(
             let overflows = is_scaled && around.bound.overflows(quantity, k, i, want.to_f64());
             let at = Point { is_open, sides: kink.map(Sides::lack), overflows };
             let (verdict, lack) = match verdict_of_entry(quantity, (*x, want.to_f64()), allowed, units, at) {
-                (Verdict::Wrong, _) if around.is_locked(quantity, k) => (Verdict::Singular, Some(KEPT)),
+                (Verdict::Wrong, lack) => match around.undetermined(quantity, k) {
+                    Some(why) => (Verdict::Singular, Some(why)),
+                    None => (Verdict::Wrong, lack),
+                },
                 other => other,
             };
             let is_open = matches!(verdict, Verdict::Kink | Verdict::Singular);

@@ -482,7 +482,7 @@ pub(super) fn verdict(report: &Report) -> Result<(), Failure> {
     }
     if let Some(planted) = report.settings.planted {
         let place = planted.place();
-        if planted.is_of_a_witness() && report.settings.asks_wide_oracles() && report.unwitnessed() > 0 {
+        if planted.is_of_a_witness() && report.settings.asks_for_everything() && report.unwitnessed() > 0 {
             return Err(Failure::Undecided);
         }
         if report.has_place_for_fault() {

@@ -110,14 +110,46 @@ fn whole_turns_are_the_margin_of_rotation_vectors() {
         fixed_direction: [0.0; 3],
         flow_scale: 1.0,
     };
-    for (angle, expected) in
-        [(0.5, 2.0 * PI - 0.5), (6.0, 2.0 * PI - 6.0), (7.0, 7.0 - 2.0 * PI), (12.0, 4.0 * PI - 12.0)]
-    {
-        let phi = vector::scale([0.0, 0.6, 0.8], angle);
-        let relative = Relative { d: [0.0; 3], q: so3::matrix(so3::exp(phi)), flow: [0.0; 2], spin: None };
-        let history = History { rotation_vector: phi, euler_sign: 1.0, torsion_turns: 0.0 };
-        let margin = RotationVector(1).margin(&relative, &section, &history).unwrap();
-        assert!((margin.distance - expected).abs() < 1e-13, "{angle}: {margin:?}");
+    let distance = |turned: f64, before: f64| {
+        let along = |angle: f64| vector::scale([0.0, 0.6, 0.8], angle);
+        let q = so3::matrix(so3::exp(along(turned)));
+        let relative = Relative { d: [0.0; 3], q, flow: [0.0; 2], spin: None };
+        let history = History { rotation_vector: along(before), euler_sign: 1.0, torsion_turns: 0.0 };
+        RotationVector(1).margin(&relative, &section, &history).unwrap().distance
+    };
+    for (angle, expected) in [
+        (0.5, 2.0 * PI - 0.5),
+        (3.5, 2.0 * PI - 3.5),
+        (6.0, 2.0 * PI - 6.0),
+        (6.6, 6.6 - 2.0 * PI),
+        (7.0, 7.0 - 2.0 * PI),
+        (12.0, 4.0 * PI - 12.0),
+    ] {
+        let found = distance(angle, angle);
+        assert!((found - expected).abs() < 1e-13, "{angle}: {found}");
+    }
+    // It has its own digits, of which the angle has none left.
+    for little in [1e-9, 1e-15, 3e-300] {
+        let found = distance(little, 2.0 * PI + 1e-3);
+        assert!((found / little - 1.0).abs() < 1e-12, "{little}: {found}");
+    }
+}
+
+/// What rounding of b's place leaves of the radius is none.
+#[test]
+fn a_radius_of_rounding_is_none() {
+    let section = Section {
+        initial_orientation: vector::identity(),
+        initial_length: 1.0,
+        fixed_direction: [0.0; 3],
+        flow_scale: 1.0,
+    };
+    let history = History { rotation_vector: [0.0; 3], euler_sign: 1.0, torsion_turns: 0.0 };
+    for (radius, expected) in [(0.0, 0.0), (1e-12, 0.0), (3e-12, 3e-12), (1.0, 1.0), (2e3, 2e3)] {
+        let d = [0.6 * radius, 0.8 * radius, 1000.0];
+        let relative = Relative { d, q: vector::identity(), flow: [0.0; 2], spin: None };
+        let found = Measure::RadialDistance.margin(&relative, &section, &history).unwrap().distance;
+        assert!((found - expected).abs() <= 1e-15 * radius, "{radius}: {found}");
     }
 }
 

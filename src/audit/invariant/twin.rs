@@ -276,9 +276,9 @@ impl Context<'_> {
         self.same(&again, &Quantity::ALL, 0..6, Claim::RestoredHistory)
     }
 
-    /// The numbers of the history, each by its path in what is saved, and whether the law of restored histories would notice that it was forgotten, and
-    /// stood where a history begins: not where that changes no value.
-    pub(in crate::audit) fn forgotten(&self) -> Vec<(String, bool)> {
+    /// The numbers of the history, each by its path in what is saved; whether a value changes where it is forgotten, and stands where a history begins,
+    /// and whether the law of restored histories notices that.
+    pub(in crate::audit) fn forgotten(&self) -> Vec<(String, [bool; 2])> {
         let value = |branch: &Branch<f64>| serde_json::to_value(branch).unwrap_or_default();
         let (saved, initial) = (value(&self.before), value(&self.connector.initial_branch()));
         let values = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
@@ -286,8 +286,14 @@ impl Context<'_> {
             let branch = serde_json::from_value::<Branch<f64>>(lost).ok()?;
             let mut tally = Tally::default();
             let again = self.connector.evaluate(&self.state, &self.increment, &branch, &values, &mut tally);
-            let demands = self.same(&Numbers::of(&again), &[Quantity::Value], 0..6, Claim::RestoredHistory);
-            Some((path, demands.iter().any(|demand| demand.units(self.numbers) > 1.0)))
+            let again = Numbers::of(&again);
+            let value = |numbers: &Numbers<f64>, k: usize| {
+                numbers.entries(Quantity::Value).get(k, 0).filter(|x| x.is_finite())
+            };
+            let changes = (0..6).any(|k| value(&again, k) != value(self.numbers, k));
+            let demands = self.same(&again, &[Quantity::Value], 0..6, Claim::RestoredHistory);
+            let notices = demands.iter().any(|demand| demand.units(self.numbers) > 1.0);
+            Some((path, [changes, notices]))
         };
         without_one(&saved, &initial).into_iter().filter_map(notices).collect()
     }
@@ -386,7 +392,8 @@ mod tests {
                 let context = Context::new(&case, &numbers, &bound).unwrap();
                 let demands = context.restored();
                 assert!(worst(&numbers, &demands).is_none_or(|(_, units)| units == 0.0));
-                for (path, is_noticed) in context.forgotten() {
+                for (path, [changes, is_noticed]) in context.forgotten() {
+                    assert_eq!(changes, is_noticed, "{path}");
                     *noticed.entry(path).or_default() |= is_noticed;
                 }
             }

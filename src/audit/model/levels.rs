@@ -124,9 +124,10 @@ impl Levels {
         }
     }
 
-    /// The files for which a level was set that are none of these.
+    /// The files for which a level was set that are none of these, but for what is not shown: where all findings of a file are not, it has none.
     pub fn of_other_files(&self, files: &[&str]) -> Vec<&str> {
-        let places = self.set.keys().filter_map(|(place, _)| place.as_ref());
+        let set = self.set.iter().filter(|(_, level)| **level != Level::Allow);
+        let places = set.filter_map(|((place, _), _)| place.as_ref());
         let mut others: Vec<&str> = places
             .filter(|place| !files.iter().any(|file| place.is_of(file)))
             .map(|place| place.file.as_str())

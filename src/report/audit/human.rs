@@ -241,7 +241,7 @@ fn atlas(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     noticed.sort_by(f64::total_cmp);
     if let Some(median) = noticed.get(noticed.len() / 2) {
         let text = format!(
-            "  an error of {median:.0e} of the largest derivative would have been noticed, at the median distance"
+            "  an error of {median:.0e} of the largest derivative would have been noticed, in the median of all distances"
         );
         writeln!(out, "{text}")?;
     }
