@@ -4,7 +4,7 @@ use crate::audit::{judged, named};
 use crate::laws::mpc;
 use pintle::audit::oracle::{Narrow, WideAnswers, remainder_of, remainders};
 use pintle::audit::sample::{Draw, Extent, Region, cases, draw_case};
-use pintle::audit::truth::{Locked, Truth};
+use pintle::audit::truth::Truth;
 use pintle::audit::verdict::{Exact, Surroundings, judge};
 use pintle::audit::{
     Against, Bound, Case, Check, MpcCase, Numbers, Oracle, Planted, Quantity, Settings, Verdict, atlas,
@@ -33,17 +33,7 @@ fn a_formula_is_right_only_where_its_exact_value_is() {
     let mut got = numbers.entries(quantity).clone();
     got.0[3].as_mut().unwrap()[10] += 100.0 * tolerance;
     let truth = answers.differences.entries(quantity);
-    let around = |sides| {
-        let nearness = [nearness; 6];
-        Surroundings {
-            bound: &bound,
-            exact: None,
-            nearness,
-            sides,
-            locked: Locked::default(),
-            is_out_of_range: false,
-        }
-    };
+    let around = |sides| Surroundings { sides, ..Surroundings::new(&bound, [nearness; 6]) };
     let verdict = |off: f64| {
         let product = truth.map(|_, _, x| x + Wide::from_f64(off * tolerance));
         let exact = |_: Quantity| Some(Exact { product: &product, truth });

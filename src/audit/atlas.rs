@@ -42,10 +42,11 @@ pub struct Rung {
     pub detectable: f64,
 }
 
-/// The relative error from which on one number is beyond what it may be off on a rung, [`C`] units u of its conditioned scale, whatever it is off by
-/// already.
-pub(super) fn detectable(number: f64, scale: f64) -> f64 {
-    let least = 2.0 * C * U * scale / number.abs();
+/// The relative error from which on the largest of some first derivatives, each with its conditioned scale, is beyond what it may be off on a rung, [`C`]
+/// units u of that scale, whatever it is off by already.
+pub(super) fn detectable(first: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let largest = first.max_by(|x, y| x.0.abs().total_cmp(&y.0.abs()));
+    let least = largest.map_or(f64::INFINITY, |(first, scale)| 2.0 * C * U * scale / first.abs());
     if least <= 1.0 { least } else { 1.0 }
 }
 
@@ -179,9 +180,7 @@ impl Seen {
         let (first_error, first_relative) = errors(first);
         let value_error = errors(Quantity::Value).0;
         let row = self.numbers.entries(first).0[k].iter().flatten().enumerate();
-        let detectable = row
-            .max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()))
-            .map_or(1.0, |(i, x)| detectable(*x, self.bound.scale(first, k, i)));
+        let detectable = detectable(row.map(|(i, x)| (*x, self.bound.scale(first, k, i))));
         Rung { distance: self.distance, value_error, first_error, first_relative, steepness, detectable }
     }
 }

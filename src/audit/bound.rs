@@ -138,11 +138,6 @@ impl Bound {
         Self { is_of_wide, ..self }
     }
 
-    /// Other tolerances, of numbers of as many bits.
-    pub(super) fn resting_on(&self, other: Self) -> Self {
-        other.of_wide(self.is_of_wide)
-    }
-
     /// An entry times the sizes of the degrees of freedom by which it is a derivative: as large in millimetres as in metres.
     pub(super) fn sized(&self, quantity: Quantity, i: usize, entry: f64) -> f64 {
         entry * quantity.entry_size(i, self.length)

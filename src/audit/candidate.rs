@@ -240,11 +240,7 @@ impl<'a> Candidate<'a> {
         };
         let examined = Examined::new(case, &given, trusted, &narrow, &of_components);
         let Some(examined) = examined else { return checks };
-        let sides = (nearness == 0.0).then(|| truth.sides(&examined.bound));
-        let examined = match &sides {
-            Some(sides) => examined.between(sides, &of_components),
-            None => examined,
-        };
+        let (examined, sides) = examined.on_sets(Some(&truth));
         let (bound, units) = (&examined.bound, &examined.units);
         let connector = case.connector();
         let connection = &self.definition.connection.name;
@@ -252,15 +248,7 @@ impl<'a> Candidate<'a> {
             connector.differentiated(k).is_some_and(|measure| measure.is_one_form())
         });
         let referee = Referee::new(case, &self.settings, Some(&truth));
-        let locked = truth.locked();
-        let around = Surroundings {
-            bound,
-            exact: None,
-            nearness: of_components,
-            sides: sides.as_ref(),
-            locked,
-            is_out_of_range: referee.is_out_of_range(),
-        };
+        let around = Surroundings::of(case, &truth, bound, sides.as_ref());
         let mut compare = |quantity: Quantity, answer: &Answer| {
             // Mutants of the routine's numbers, at the states on 237 bits.
             let mut check = examined.check(quantity, answer, &around, (Some(&referee), wide));

@@ -3,6 +3,7 @@
 use crate::connector::{Branch, Connector, Definition, Evaluation, Increment, Request, State, Tally, Turns};
 use crate::measure::Unit;
 use crate::node::{DOFS, Node, Pair};
+use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Real};
 use crate::so3;
 use crate::vector::{self, Matrix, Vector, add, apply, product, sub, transpose};
@@ -54,6 +55,16 @@ impl Case {
     /// The state judged, and the increment that leads to it; `None` for an empty path.
     pub fn last(&self) -> Option<&Step> {
         self.path.last()
+    }
+
+    /// Whether the fourth power of a length at the end, of which second derivatives are formed on the way, is no normal double, or its
+    /// reciprocal is none.
+    pub(super) fn is_out_of_range(&self) -> bool {
+        let Some(step) = self.last() else { return false };
+        let apart = [step.state.pair.separation(), step.state.pair.reference];
+        let lengths = apart.into_iter().map(norm).chain([self.length]);
+        let mut lengths = lengths.filter(|length| *length != 0.0);
+        lengths.any(|length| !length.powi(4).is_normal() || !length.powi(-4).is_normal())
     }
 
     /// The branch that the states before the end leave.

@@ -18,7 +18,7 @@ use super::sample::{Draw, random_case, regions_drawn};
 use super::stage::invalid_stage;
 use super::standing::cases_on;
 use super::sums::{hyper_dual, taylor};
-use super::truth::{Locked, Truth};
+use super::truth::Truth;
 use super::verdict::{Exact, Score, Smallest, Surroundings, Verdict, moved_by};
 use crate::behavior::Conditions;
 use crate::catalog::{ConnectionType, TABLE};
@@ -355,7 +355,6 @@ fn judge_numbers(
     let asks = wide || narrow.nearness() == 0.0 || invalid_stage(&step.state, numbers).is_some();
     let truth = asks.then(|| Truth::of(case)).flatten();
     let answers = truth.as_ref().map(WideAnswers::of);
-    let nearness = truth.as_ref().map_or_else(|| narrow.nearness(), Truth::nearness);
     // Of a component on its singular set there are no differences to trust; any other is judged as everywhere.
     let of_components =
         truth.as_ref().map_or_else(|| narrow.nearness_of_components(), Truth::nearness_of_components);
@@ -363,11 +362,7 @@ fn judge_numbers(
         Trusted::Wide(answers.trusted(&of_components.map(|near| near > 0.0)))
     });
     let Some(examined) = Examined::new(case, numbers, trusted, narrow, &of_components) else { return checks };
-    let sides = truth.as_ref().filter(|_| nearness == 0.0).map(|truth| truth.sides(&examined.bound));
-    let examined = match &sides {
-        Some(sides) => examined.between(sides, &of_components),
-        None => examined,
-    };
+    let (examined, sides) = examined.on_sets(truth.as_ref());
     let bound = &examined.bound;
     let rotations = AtRotations::new(case);
     let exact = |quantity: Quantity| rotations.exact(quantity);
@@ -376,13 +371,11 @@ fn judge_numbers(
     let nested = (often && asked(Oracle::NestedDual)).then(|| narrow.nested_dual());
     let traced = asked(Oracle::Symbolic).then(|| narrow.symbolic());
     let referee = Referee::new(case, settings, truth.as_ref());
-    let around = Surroundings {
-        bound,
-        exact: Some(&exact).filter(|_| answers.is_some()).map(|exact| exact as _),
-        nearness: of_components,
-        sides: sides.as_ref(),
-        locked: truth.as_ref().map_or_else(Locked::default, Truth::locked),
-        is_out_of_range: referee.is_out_of_range(),
+    let around = match &truth {
+        Some(truth) => {
+            Surroundings { exact: Some(&exact), ..Surroundings::of(case, truth, bound, sides.as_ref()) }
+        }
+        None => Surroundings::new(bound, of_components),
     };
     for quantity in Quantity::ALL {
         for oracle in Oracle::ALL.into_iter().filter(|oracle| oracle.answers(quantity) && asked(*oracle)) {

@@ -13,6 +13,7 @@ use super::quantity::{Numbers, Quantity};
 use super::referee::Referee;
 use super::sides::Sides;
 use super::stage::{invalid_stage, is_state};
+use super::truth::Truth;
 use super::verdict::{Score, Surroundings, Verdict, Wanted, judge, try_mutants};
 use crate::connector::State;
 use crate::measure::Unit;
@@ -86,9 +87,12 @@ impl<'a> Examined<'a> {
         })
     }
 
-    /// The same with tolerances that rest, of components on a singular set, on the steepest of what is on its sides: at the set itself the row is the
-    /// one of least norm, as that of a flexion is zero, and rounding moves the value along the others all the same.
-    pub(super) fn between(mut self, sides: &Numbers<Sides>, nearness: &[f64; 6]) -> Self {
+    /// The same, and what is on the sides of the singular sets that the state is on, as it is known on 237 bits. Tolerances of components on one rest on
+    /// the steepest of that: at the set itself the row is the one of least norm, as that of a flexion is zero, and rounding moves the value
+    /// along the others all the same.
+    pub(super) fn on_sets(mut self, truth: Option<&Truth>) -> (Self, Option<Numbers<Sides>>) {
+        let Some(truth) = truth.filter(|truth| truth.nearness() == 0.0) else { return (self, None) };
+        let sides = truth.sides(&self.bound);
         let mut steepest = self.trusted.clone();
         for quantity in [Quantity::FirstDerivatives, Quantity::NodalForces] {
             let of_sides = sides.entries(quantity);
@@ -99,9 +103,10 @@ impl<'a> Examined<'a> {
             steepest.set(quantity, rows);
         }
         let State { velocity, acceleration, .. } = self.state;
-        let bound = Bound::of_components(&steepest, velocity, acceleration, self.case.length, nearness);
-        self.bound = self.bound.resting_on(bound);
-        self
+        let nearness = truth.nearness_of_components();
+        let bound = Bound::of_components(&steepest, velocity, acceleration, self.case.length, &nearness);
+        self.bound = bound.of_wide(is_state(self.state));
+        (self, Some(sides))
     }
 
     /// Every mistake in a quantity, of components that are on no singular set.

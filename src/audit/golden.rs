@@ -15,7 +15,6 @@ use super::oracle::{Answer, Narrow, Oracle};
 use super::outcome::Check;
 use super::quantity::{Entries, Numbers, Quantity};
 use super::sheet::{Entry, Sheet};
-use super::truth::Locked;
 use super::verdict::{Summand, Surroundings, Wanted};
 use crate::catalog::{ConnectionType, FORCE, TABLE};
 use crate::connector::{Components, Definition, Increment, State};
@@ -264,14 +263,7 @@ impl Golden {
         let Some(examined) = examined else { return Vec::new() };
         let rotations = AtRotations::new(case);
         let exact = |quantity: Quantity| rotations.exact(quantity);
-        let around = Surroundings {
-            bound: &examined.bound,
-            exact: Some(&exact),
-            nearness,
-            sides: None,
-            locked: Locked::default(),
-            is_out_of_range: false,
-        };
+        let around = Surroundings { exact: Some(&exact), ..Surroundings::new(&examined.bound, nearness) };
         let mut checks = Vec::new();
         for quantity in Quantity::ALL {
             let Some(answer) = given.answer(quantity) else { continue };

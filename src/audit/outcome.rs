@@ -470,9 +470,9 @@ impl Subject {
         let others = judged.iter().filter(|quantity| !without_witness.contains(quantity));
         let components_without_witness: BTreeMap<_, _> =
             others.map(|of| (*of, lacking(of))).filter(|(_, components)| !components.is_empty()).collect();
-        let all = |quantity: &Quantity| match components_without_witness.contains_key(quantity) {
-            true => 0,
-            false => witnessed(*quantity, false) + witnessed(*quantity, true),
+        let all = |quantity: &Quantity| {
+            let is_whole = !components_without_witness.contains_key(quantity);
+            if is_whole { witnessed(*quantity, false) + witnessed(*quantity, true) } else { 0 }
         };
         let judged_independently = judged.iter().map(all).min().unwrap_or(0);
         let is_witnessed =

@@ -9,7 +9,6 @@ use super::outcome::Check;
 use super::quantity::{Entries, Numbers, Quantity};
 use super::truth::Truth;
 use super::verdict::{Judgement, Surroundings, Verdict, judge};
-use crate::scalar::elementary::norm;
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 
@@ -85,7 +84,7 @@ impl<'a> Referee<'a> {
         around: &Surroundings<'_>,
     ) -> Option<&'static str> {
         if self.oracle.is_none() {
-            return self.is_out_of_range().then_some(OUT_OF_RANGE);
+            return self.case.is_out_of_range().then_some(OUT_OF_RANGE);
         }
         self.passes(quantity, got, around).then_some(OVERRULED)
     }
@@ -101,16 +100,6 @@ impl<'a> Referee<'a> {
         let verdict = judgement.verdict;
         let is_heard = !oracle.is_independent() && verdict.is_mismatch() && verdict != Verdict::Invalid;
         is_heard.then(|| self.excuse(quantity, got, around)).flatten()
-    }
-
-    /// Whether the fourth power of a length, of which second derivatives are formed on the way, is no normal double, or its reciprocal is
-    /// none.
-    pub(super) fn is_out_of_range(&self) -> bool {
-        let Some(step) = self.case.last() else { return false };
-        let apart = [step.state.pair.separation(), step.state.pair.reference];
-        let lengths = apart.into_iter().map(norm).chain([self.case.length]);
-        let mut lengths = lengths.filter(|length| *length != 0.0);
-        lengths.any(|length| !length.powi(4).is_normal() || !length.powi(-4).is_normal())
     }
 
     /// The same of checks that were made apart: those that are excused become undecided.

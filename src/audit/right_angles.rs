@@ -100,14 +100,7 @@ fn verdict(case: &Case, quantity: Quantity, k: usize, change: &dyn Fn(usize, f64
     let state = &case.last().unwrap().state;
     let bound = Bound::of_components(&trusted, &state.velocity, &state.acceleration, case.length, &nearness);
     let sides = truth.sides(&bound);
-    let around = Surroundings {
-        bound: &bound,
-        exact: None,
-        nearness,
-        sides: Some(&sides),
-        locked: truth.locked(),
-        is_out_of_range: false,
-    };
+    let around = Surroundings::of(case, &truth, &bound, Some(&sides));
     let answer = answers.answer(Oracle::WideDifferences, quantity).unwrap();
     let mut got = Entries::default();
     got.0[k] = numbers.entries(quantity).map(|_, i, x| change(i, x)).0[k].take();

@@ -218,14 +218,7 @@ mod tests {
         let bound =
             Bound::of_components(&trusted, &state.velocity, &state.acceleration, case.length, &nearness);
         let sides = truth.sides(&bound);
-        let around = Surroundings {
-            bound: &bound,
-            exact: None,
-            nearness,
-            sides: Some(&sides),
-            locked: truth.locked(),
-            is_out_of_range: false,
-        };
+        let around = Surroundings::of(&case, &truth, &bound, Some(&sides));
         let verdict = |quantity: Quantity, spoil: &dyn Fn(f64) -> f64| {
             let got = numbers.entries(quantity).map(|_, _, x| spoil(x));
             let answer = answers.answer(Oracle::WideDifferences, quantity).unwrap();

@@ -90,31 +90,24 @@ fn case_on(connection: &ConnectionType, site: &Site, stand: Stand) -> Option<Cas
         }
         Stand::Structured | Stand::Turned | Stand::Random => {}
     }
+    let turned = (stand == Stand::Turned).then(|| turn(Draw::new(&name).rotation(0.3, 1.2)));
     let mut before = case.definition.initial;
-    for step in &mut case.path {
-        let mut after = step.state.pair;
+    let last = case.path.len().saturating_sub(1);
+    for (i, step) in case.path.iter_mut().enumerate() {
+        let State { pair: mut after, velocity, acceleration } = step.state;
         for node in [&mut after.a, &mut after.b] {
             node.triad = at_right_angles(node.triad);
         }
-        let state = step.state;
-        *step = Step::between(&before, after);
-        step.state.velocity = state.velocity;
-        step.state.acceleration = state.acceleration;
-        before = after;
-    }
-    if stand == Stand::Turned
-        && let Some((last, others)) = case.path.split_last_mut()
-    {
-        let from = others.last().map_or(case.definition.initial, |step| step.state.pair);
-        let rotation = turn(Draw::new(&name).rotation(0.3, 1.2));
-        let State { pair: mut after, velocity, acceleration } = last.state;
-        let apart = apply(&rotation, after.separation());
-        for node in [&mut after.a, &mut after.b] {
-            node.triad = product(&rotation, &node.triad);
+        if let Some(rotation) = turned.filter(|_| i == last) {
+            let apart = apply(&rotation, after.separation());
+            for node in [&mut after.a, &mut after.b] {
+                node.triad = product(&rotation, &node.triad);
+            }
+            after.b.displacement = add(after.a.displacement, sub(apart, after.reference));
         }
-        after.b.displacement = add(after.a.displacement, sub(apart, after.reference));
-        *last = Step::between(&from, after);
-        (last.state.velocity, last.state.acceleration) = (velocity, acceleration);
+        *step = Step::between(&before, after);
+        (step.state.velocity, step.state.acceleration) = (velocity, acceleration);
+        before = after;
     }
     Some(Case { name, ..case })
 }

@@ -1,6 +1,7 @@
 //! Judging numbers against an answer: which entry, by how much, and how small an error would have been seen.
 
 use super::bound::{Bound, C, U};
+use super::case::Case;
 use super::conditioned::{Conditioned, NOTICED};
 use super::diagnosis::Cause;
 use super::invariant::Demanded;
@@ -8,7 +9,7 @@ use super::mutant::{Mistake, Mutant};
 use super::oracle::Answer;
 use super::quantity::{Entries, Numbers, Quantity};
 use super::sides::Sides;
-use super::truth::Locked;
+use super::truth::{Locked, Truth};
 use crate::scalar::Wide;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -203,6 +204,23 @@ pub struct Surroundings<'a> {
 }
 
 impl<'a> Surroundings<'a> {
+    /// Where no more is known than how far components are from their singular sets.
+    pub fn new(bound: &'a Bound, nearness: [f64; 6]) -> Self {
+        Self { bound, exact: None, nearness, sides: None, locked: Locked::default(), is_out_of_range: false }
+    }
+
+    /// At the end of a case that is known on 237 bits.
+    pub(super) fn of(
+        case: &Case,
+        truth: &Truth,
+        bound: &'a Bound,
+        sides: Option<&'a Numbers<Sides>>,
+    ) -> Self {
+        let nearness = truth.nearness_of_components();
+        let (locked, is_out_of_range) = (truth.locked(), case.is_out_of_range());
+        Self { sides, locked, is_out_of_range, ..Self::new(bound, nearness) }
+    }
+
     /// Why a lock, a true singularity or rounding leaves nothing to compare a number with.
     fn undetermined(&self, quantity: Quantity, k: usize) -> Option<&'static str> {
         let is_value = quantity == Quantity::Value;

@@ -8,6 +8,16 @@ use crate::node::{DOFS, Node, Pair, Relative};
 use crate::{so3, vector};
 use std::f64::consts::{FRAC_PI_2, PI};
 
+/// A connector whose directions are aligned initially, of length one.
+fn section() -> Section<f64> {
+    Section {
+        initial_orientation: vector::identity(),
+        initial_length: 1.0,
+        fixed_direction: [0.0; 3],
+        flow_scale: 1.0,
+    }
+}
+
 /// The rotation vector of a first attempt is the principal one, and continues the history where the reference is within half a turn
 /// of zero and not on the other side; half a turn from a reference at zero does. Where it has not been asked for, nothing is lost.
 #[test]
@@ -18,12 +28,7 @@ fn a_first_attempt_knows_whether_it_holds() {
         let relative = Relative { d: [0.0; 3], q, flow: [0.0; 2], spin: None };
         let history =
             History { rotation_vector: vector::scale(axis, reference), euler_sign: 1.0, torsion_turns: 0.0 };
-        let section = Section {
-            initial_orientation: vector::identity(),
-            initial_length: 1.0,
-            fixed_direction: [0.0; 3],
-            flow_scale: 1.0,
-        };
+        let section = section();
         let triad = vector::identity();
         let mut shared = Shared::new(&relative, &triad, &section, &history).principal();
         if asks {
@@ -104,12 +109,7 @@ fn rates_resolved_in_b_are_nodal() {
 /// The margin of a rotation vector is the distance of its angle from the nearest whole turn.
 #[test]
 fn whole_turns_are_the_margin_of_rotation_vectors() {
-    let section = Section {
-        initial_orientation: vector::identity(),
-        initial_length: 1.0,
-        fixed_direction: [0.0; 3],
-        flow_scale: 1.0,
-    };
+    let section = section();
     let distance = |turned: f64, before: f64| {
         let along = |angle: f64| vector::scale([0.0, 0.6, 0.8], angle);
         let q = so3::matrix(so3::exp(along(turned)));
@@ -138,12 +138,7 @@ fn whole_turns_are_the_margin_of_rotation_vectors() {
 /// What rounding of b's place leaves of the radius is none.
 #[test]
 fn a_radius_of_rounding_is_none() {
-    let section = Section {
-        initial_orientation: vector::identity(),
-        initial_length: 1.0,
-        fixed_direction: [0.0; 3],
-        flow_scale: 1.0,
-    };
+    let section = section();
     let history = History { rotation_vector: [0.0; 3], euler_sign: 1.0, torsion_turns: 0.0 };
     for (radius, expected) in [(0.0, 0.0), (1e-12, 0.0), (3e-12, 3e-12), (1.0, 1.0), (2e3, 2e3)] {
         let d = [0.6 * radius, 0.8 * radius, 1000.0];
@@ -157,12 +152,7 @@ fn a_radius_of_rounding_is_none() {
 /// states have in common.
 #[test]
 fn exchanged_measures_are_what_they_are_said_to_be() {
-    let section = Section {
-        initial_orientation: vector::identity(),
-        initial_length: 1.0,
-        fixed_direction: [0.0; 3],
-        flow_scale: 1.0,
-    };
+    let section = section();
     let value = |measure: Measure, relative: &Relative<f64>| {
         let phi = so3::log(&relative.q);
         let history = History { rotation_vector: phi, euler_sign: 1.0, torsion_turns: 0.0 };
@@ -209,12 +199,7 @@ fn exchanged_measures_are_what_they_are_said_to_be() {
 /// What is straight has no second difference along d, and what is not has one.
 #[test]
 fn straight_measures_have_no_curvature() {
-    let section = Section {
-        initial_orientation: vector::identity(),
-        initial_length: 1.0,
-        fixed_direction: [0.0; 3],
-        flow_scale: 1.0,
-    };
+    let section = section();
     let phi = [0.3, 0.8, -0.2];
     let value = |measure: Measure, d: [f64; 3]| {
         let relative = Relative { d, q: so3::matrix(so3::exp(phi)), flow: [0.1, 0.4], spin: None };

@@ -138,10 +138,7 @@ fn throughout(initial: &[Result<Found, usize>], redundant: &[Redundant]) -> Vec<
         .map(|count| {
             let (of_part, others) = rest.split_at(count.min(rest.len()));
             rest = others;
-            of_part
-                .iter()
-                .filter(|one| matches!(one.holds, Holds::Throughout | Holds::Singular | Holds::Rigid))
-                .count()
+            of_part.iter().filter(|one| one.holds.is_throughout()).count()
         })
         .collect()
 }

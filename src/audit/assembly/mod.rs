@@ -107,6 +107,11 @@ pub enum Holds {
 }
 
 impl Holds {
+    /// Whether it holds wherever the part can be.
+    pub const fn is_throughout(self) -> bool {
+        matches!(self, Self::Throughout | Self::Singular | Self::Rigid)
+    }
+
     /// In words, with what it rests on.
     pub const fn meaning(self) -> &'static str {
         match self {

@@ -880,7 +880,7 @@ fn a_lattice_of_beams_is_one_body() {
             (true, Some(mobility), Some(redundant))
         );
         assert_eq!((assembly.redundant.len(), assembly.largest_front), (redundant, 12));
-        let throughout = |one: &super::Redundant| matches!(one.holds, Holds::Rigid | Holds::Throughout);
+        let throughout = |one: &super::Redundant| one.holds.is_throughout();
         assert!(assembly.redundant.iter().all(throughout), "{:?}", assembly.redundant[0]);
         for six in assembly.redundant.chunks(6) {
             assert!(six.iter().all(|one| one.constraint.element == six[0].constraint.element));

@@ -12,6 +12,7 @@ use crate::connector::{
 use crate::measure::{Exchanged, Measure};
 use crate::node::{DOFS, Pair};
 use crate::vector::{scale, transposed_product};
+use serde_json::Value;
 use std::f64::consts::{PI, TAU};
 
 /// The distance from a singular set within which rounding decides on which side of a lock a state is.
@@ -279,10 +280,13 @@ impl Context<'_> {
     /// The numbers of the history, each by its path in what is saved; whether a value changes where it is forgotten, and stands where a history begins,
     /// and whether the law of restored histories notices that.
     pub(in crate::audit) fn forgotten(&self) -> Vec<(String, [bool; 2])> {
-        let value = |branch: &Branch<f64>| serde_json::to_value(branch).unwrap_or_default();
-        let (saved, initial) = (value(&self.before), value(&self.connector.initial_branch()));
+        let saved_as = |branch: &Branch<f64>| serde_json::to_value(branch).unwrap_or_default();
+        let (saved, initial) = (saved_as(&self.before), saved_as(&self.connector.initial_branch()));
         let values = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let notices = |(path, lost): (String, serde_json::Value)| {
+        let forget = |path: String| {
+            let other = initial.pointer(&path).filter(|other| saved.pointer(&path) != Some(other))?;
+            let mut lost = saved.clone();
+            lost.pointer_mut(&path)?.clone_from(other);
             let branch = serde_json::from_value::<Branch<f64>>(lost).ok()?;
             let mut tally = Tally::default();
             let again = self.connector.evaluate(&self.state, &self.increment, &branch, &values, &mut tally);
@@ -295,7 +299,9 @@ impl Context<'_> {
             let notices = demands.iter().any(|demand| demand.units(self.numbers) > 1.0);
             Some((path, [changes, notices]))
         };
-        without_one(&saved, &initial).into_iter().filter_map(notices).collect()
+        let mut paths = Vec::new();
+        fields(&saved, String::new(), &mut paths);
+        paths.into_iter().filter_map(forget).collect()
     }
 
     /// One component asked for alone, with everything; and all components without second derivatives, rates and forces.
@@ -316,39 +322,16 @@ impl Context<'_> {
     }
 }
 
-/// A document with one of its fields, each in turn, as another has it, where the two differ; with the path to the field. Numbers of one field
-/// stand together.
-fn without_one(document: &serde_json::Value, other: &serde_json::Value) -> Vec<(String, serde_json::Value)> {
-    use serde_json::Value;
-    let replaced = |place: &str, part: &Value, of_other: &Value, put: &dyn Fn(Value) -> Value| {
-        let parts = without_one(part, of_other).into_iter();
-        parts.map(|(path, changed)| (format!("{place}/{path}"), put(changed))).collect::<Vec<_>>()
-    };
-    match (document, other) {
-        (same, other) if same == other => Vec::new(),
-        (Value::Object(fields), Value::Object(others)) => {
-            let of = |(name, part): (&String, &Value)| {
-                let put = |changed: Value| {
-                    let mut fields = fields.clone();
-                    fields.insert(name.clone(), changed);
-                    Value::Object(fields)
-                };
-                others.get(name).map(|of_other| replaced(name, part, of_other, &put)).unwrap_or_default()
-            };
-            fields.iter().flat_map(of).collect()
+/// The paths (JSON Pointers) to the fields of a document; numbers of one field stand together.
+fn fields(document: &Value, path: String, found: &mut Vec<String>) {
+    match document {
+        Value::Object(parts) => {
+            parts.iter().for_each(|(name, part)| fields(part, format!("{path}/{name}"), found));
         }
-        (Value::Array(parts), Value::Array(others)) if parts.iter().all(Value::is_object) => {
-            let of = |(i, (part, of_other)): (usize, (&Value, &Value))| {
-                let put = |changed: Value| {
-                    let mut parts = parts.clone();
-                    parts[i] = changed;
-                    Value::Array(parts)
-                };
-                replaced(&i.to_string(), part, of_other, &put)
-            };
-            parts.iter().zip(others).enumerate().flat_map(of).collect()
+        Value::Array(parts) if parts.iter().all(Value::is_object) => {
+            parts.iter().enumerate().for_each(|(i, part)| fields(part, format!("{path}/{i}"), found));
         }
-        (_, other) => vec![(String::new(), other.clone())],
+        _ => found.push(path),
     }
 }
 
@@ -400,11 +383,14 @@ mod tests {
         }
         // The sheet of Euler angles follows from the angles before, of which none moves far.
         let lost = noticed.iter().filter(|(_, is_noticed)| !**is_noticed);
-        assert_eq!(lost.map(|(path, _)| path.as_str()).collect::<Vec<_>>(), ["euler_sign/"]);
+        assert_eq!(lost.map(|(path, _)| path.as_str()).collect::<Vec<_>>(), ["/euler_sign"]);
         let connector = Connector::<f64>::new(&cases(&TABLE[0], Extent::Brief)[0].definition);
         let all = serde_json::to_value(connector.initial_branch()).unwrap();
         for field in all.as_object().unwrap().keys() {
-            assert!(noticed.keys().any(|path| path.starts_with(field)), "no history has another {field}");
+            assert!(
+                noticed.keys().any(|path| path[1..].starts_with(field)),
+                "no history has another {field}"
+            );
         }
     }
 

@@ -233,8 +233,7 @@ impl Beside {
             worst = more(worst, [off, units(off, *scale)]);
         }
         let [off, first_error] = worst;
-        let largest = zip(&self.first, of_first).max_by(|x, y| x.0.abs().total_cmp(&y.0.abs()));
-        let detectable = largest.map_or(1.0, |(first, scale)| detectable(*first, *scale));
+        let detectable = detectable(zip(self.first.iter().copied(), of_first.iter().copied()));
         Seen { beside: self, errors: [value_error, first_error], off, detectable }
     }
 }

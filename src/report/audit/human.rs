@@ -240,10 +240,10 @@ fn atlas(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         report.atlas.iter().flat_map(|approach| &approach.rungs).map(|rung| rung.detectable).collect();
     noticed.sort_by(f64::total_cmp);
     if let Some(median) = noticed.get(noticed.len() / 2) {
-        let text = format!(
+        writeln!(
+            out,
             "  an error of {median:.0e} of the largest derivative would have been noticed, in the median of all distances"
-        );
-        writeln!(out, "{text}")?;
+        )?;
     }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
         let Approach { connection, component, at, .. } = approach;
