@@ -133,7 +133,7 @@ const fn code(holds: Holds) -> Code {
     match holds {
         Holds::Throughout | Holds::Singular | Holds::Rigid => Code::AssemblyRedundant,
         Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => Code::AssemblyRedundantHere,
-        Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
+        Holds::Large | Holds::Spent | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is found of the parts of an assembly at one state, and of the whole.
 
+use super::budget::Budget;
 use super::contract::Contracted;
 use super::dense;
 use super::eliminate::{Outcome, Sparse, Task};
@@ -109,21 +110,25 @@ pub(super) fn allowed(matrix: &Sparse, uncertainty: f64) -> f64 {
     U * (COMPUTED * computed + ROUNDED * rounded) + uncertainty * computed
 }
 
-/// The rank of the matrix of a part, and what its elimination is predicted to cost: by elimination, but where that is dear first by products with it.
-fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>) -> (Outcome, f64) {
+/// The rank of the matrix of a part, and what its elimination is predicted to cost: by elimination, but where that is dear first by products with it. With
+/// what may be spent on names.
+fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>, budget: &Budget) -> (Outcome, f64) {
     let contracted = Contracted::of(matrix, task.uncertainty);
     let orders = part.orders(&contracted);
     let cost = part.cost.unwrap_or(orders.cost);
-    let by_products = if is_dear(cost) { krylov::rank(matrix, task.uncertainty, cost / 4.0) } else { None };
+    let by_products =
+        if is_dear(cost) { krylov::rank(matrix, task.uncertainty, cost / 4.0, budget) } else { None };
     let Some(mut outcome) = by_products else {
-        return (named_of(matrix, &contracted, &orders, task), cost);
+        return (named_of(matrix, &contracted, &orders, task, budget), cost);
     };
-    if !outcome.names_all()
-        && is_named(cost)
-        && let Some(dependent) = last(matrix, &contracted, &orders, &outcome)
-    {
-        outcome.dependent = dependent;
-        outcome.made_of.clear();
+    if !outcome.names_all() && is_named(cost) {
+        match last(matrix, &contracted, &orders, &outcome, budget) {
+            Some(dependent) => {
+                outcome.dependent = dependent;
+                outcome.made_of.clear();
+            }
+            None => outcome.names_spent = budget.is_spent(),
+        }
     }
     (outcome, cost)
 }
@@ -146,13 +151,14 @@ pub(super) fn look(
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, (state, values), |role| role != Role::Driven);
         let task = Task { uncertainty: TIMES * worst, keep, most: part.most, ..Task::default() };
-        let (constraints, cost) = outcome(part, &matrix, task);
+        let budget = part.names.map_or_else(|| Budget::of(part.columns.len()), Budget::new);
+        let (constraints, cost) = outcome(part, &matrix, task, &budget);
         if constraints.exhausted {
             return Err(constraints.front);
         }
         let driven = has_drives.then(|| {
             let (rows, matrix) = system.matrix(part, (state, values), |_| true);
-            (outcome(part, &matrix, task).0, rows)
+            (outcome(part, &matrix, task, &budget).0, rows)
         });
         if let Some((driven, _)) = driven.as_ref().filter(|(driven, _)| driven.exhausted) {
             return Err(driven.front);
