@@ -10,17 +10,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const ANY: u64 = 300_000_000;
 const EACH: u64 = 50_000;
 const MOST: u64 = 3_000_000_000;
-/// What a part may spend of what is left, whatever its size.
-const SMALL: u64 = 100_000_000;
-
 /// To evaluate a connector or multi-point constraint with its derivatives.
 pub(super) const EVALUATION: usize = 200;
 /// To put a row into a matrix, and that together to bodies.
 pub(super) const ROW: usize = 100;
-/// A product of sums of dense matrices takes this part of an operation, and so does one of a sparse matrix with a vector.
+/// A product of dense matrices takes this part of an operation, and so does one of a sparse matrix with a vector.
 pub(super) const PRODUCTS: usize = 8;
-/// A rotation of a decomposition, or what else takes as many products, by size of the smaller side squared and the larger.
-pub(super) const DECOMPOSITION: usize = 2;
+/// A decomposition of a dense matrix takes so many, times the square of the smaller side, times the larger.
+const DECOMPOSITION: usize = 1;
 
 /// What may be spent.
 #[derive(Debug)]
@@ -66,16 +63,11 @@ impl Budget {
         self.spend(DECOMPOSITION * rows.min(columns).pow(2) * rows.max(columns))
     }
 
-    /// What one of several that run at once may spend of what is left: by its weight among all that are still to come, or [`SMALL`].
-    pub(super) fn share(&self, weight: usize, all: usize) -> Self {
+    /// What one of several that run at once may spend of what is left: by its weight among all that are still to come, or `least`.
+    pub(super) fn share(&self, [weight, all]: [usize; 2], least: u64) -> Self {
         let left = self.left();
         let of_weight = u128::from(left) * weight as u128 / all.max(1) as u128;
-        Self::new((of_weight as u64).max(SMALL.min(left)))
-    }
-
-    /// A fraction of what is left.
-    pub(super) fn fraction(&self, one_of: u64) -> Self {
-        Self::new(self.left() / one_of)
+        Self::new((of_weight as u64).max(least.min(left)))
     }
 
     /// Counts what another spent that was given of this one.

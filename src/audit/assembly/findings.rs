@@ -3,7 +3,7 @@
 use super::dense;
 use super::modes::MODES;
 use super::redundant::EXPLAINED;
-use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant, Unnamed};
+use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant, Spent, Unnamed};
 use crate::audit::model::{About, Finding, Levels};
 use crate::evaluate::Freedom;
 use crate::grammar::{agree, count, ranges};
@@ -202,7 +202,10 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
             components.join(", "),
             holds.meaning()
         );
-        let reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice";
+        let mut reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice".to_string();
+        if let Some(Spent { operations, most }) = assembly.spent.filter(|_| holds == Holds::Spent) {
+            reason += &format!("; of {most:.1e} operations {operations:.1e} were spent");
+        }
         let remedy = match holds {
             Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"

@@ -28,6 +28,8 @@ pub(super) const SIZES: [usize; 4] = [600, 2_400, 9_600, 20_000];
 const WORK: usize = 30_000;
 /// The states that a neighbourhood is moved to: at a random one the rank is the largest there is, but for those of no measure.
 const SAMPLES: usize = 1;
+/// What a neighbourhood may spend of what is left, however many are looked at.
+const LEAST: u64 = 10_000_000;
 /// Neighbourhoods that are looked at at once.
 const BATCH: usize = 16;
 
@@ -74,7 +76,7 @@ pub(super) fn judge(
             let stride = open.len().div_ceil(BATCH);
             let seeds: Vec<Source> = open.keys().step_by(stride).copied().collect();
             let look = |seed: &Source| {
-                let own = budget.share(1, seeds.len());
+                let own = budget.share([1, seeds.len()], LEAST);
                 let looked = around.look(*seed, *size, &own);
                 (looked, own)
             };

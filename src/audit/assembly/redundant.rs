@@ -19,6 +19,8 @@ pub(super) const EXPLAINED: usize = 24;
 
 /// Parts that are looked at at once: what each may spend is known before.
 const BATCH: usize = 16;
+/// What a part may spend of what is left, whatever its size.
+const SMALL: u64 = 100_000_000;
 
 /// Names the redundant constraints and judges where they are, as far as what may be spent on it leads.
 pub(super) fn redundant(
@@ -46,7 +48,7 @@ pub(super) fn redundant(
     let mut of_parts: Vec<Redundant> = Vec::new();
     for batch in parts.chunks(BATCH) {
         let one = |of: &(&Part, &Found)| {
-            let own = budget.share(weight(of), rest);
+            let own = budget.share([weight(of), rest], SMALL);
             (of_part(system, *of, &own), own)
         };
         for (named, own) in batch.par_iter().map(one).collect::<Vec<_>>() {
@@ -104,7 +106,7 @@ pub(super) fn only_here(dependent: &[u32], elsewhere: &[u32]) -> Vec<u32> {
 fn judge(system: &System<'_>, part: &Part, found: &Found, budget: &Budget) -> Vec<Holds> {
     // Once for all free motions, and then by neighbourhoods, which have what is left.
     let otherwise = || {
-        let own = budget.fraction(2);
+        let own = budget.share([3, 4], 0);
         let once = once::judge(system, part, found, &own);
         budget.count(&own);
         once.unwrap_or_else(|| local::judge(system, part, found, &local::SIZES, budget))
@@ -115,7 +117,7 @@ fn judge(system: &System<'_>, part: &Part, found: &Found, budget: &Budget) -> Ve
         return otherwise();
     }
     // Small parts are looked at to second order: nothing else is known of them.
-    let own = budget.fraction(if found.matrix.is_some() { 1 } else { 2 });
+    let own = budget.share([1, if found.matrix.is_some() { 1 } else { 2 }], 0);
     let whole = judge_whole(system, part, found, &own);
     budget.count(&own);
     let is_open = |holds: &Holds| matches!(holds, Holds::Unjudged | Holds::Spent);
