@@ -4,6 +4,7 @@
 //! one entry of a row, some 10 ns; others count as so many as take as long. What runs at once has budgets of its own, which are known before it begins.
 //! Where one is spent, what was found is told, and of the rest that it was not looked for ([`super::Holds::Spent`], [`super::WhyUnnamed::Spent`]).
 
+use super::Spent;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Operations for any assembly, those for each of its degrees of freedom besides, and the most.
@@ -31,7 +32,7 @@ impl Budget {
         Self { most, spent: AtomicU64::new(0) }
     }
 
-    /// That of an assembly, or the names of a part, of so many degrees of freedom.
+    /// That of an assembly, or of the names of all its parts, of so many degrees of freedom.
     pub(super) fn of(freedoms: usize) -> Self {
         Self::new((ANY + EACH * freedoms as u64).min(MOST))
     }
@@ -46,6 +47,11 @@ impl Budget {
 
     pub(super) fn left(&self) -> u64 {
         self.most.saturating_sub(self.spent())
+    }
+
+    /// What was spent, where that was all.
+    pub(super) fn exceeded(&self) -> Option<Spent> {
+        self.is_spent().then(|| Spent { operations: self.spent(), most: self.most })
     }
 
     pub(super) fn is_spent(&self) -> bool {

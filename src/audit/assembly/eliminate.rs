@@ -15,6 +15,7 @@
 //! What rounding leaves is put to zero where it arises ([`REMAINS`]): it would come back multiplied by other remains, with an uncertainty of
 //! second order, of which the first says nothing. By how much an entry was changed is added to its uncertainty.
 
+use super::Spent;
 use super::budget::Budget;
 use super::krylov::Named;
 use super::noise::{self, NONE, Probes, Roundings, random};
@@ -87,8 +88,8 @@ pub(super) struct Outcome {
     pub(super) overflows: bool,
     /// Whether the elimination was given up, for it would have cost too much: nothing is then known but `front`, at which that was.
     pub(super) exhausted: bool,
-    /// Whether names were not sought to the end, for what may be spent on them was.
-    pub(super) names_spent: bool,
+    /// What was spent on names, where they were not sought to the end for that was all.
+    pub(super) names_spent: Option<Spent>,
     /// The number of rows and columns.
     pub(super) size: [usize; 2],
     /// Where nothing was eliminated: bounds of the smallest singular value that is not zero, and of the largest that is, over the largest.

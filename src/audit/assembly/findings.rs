@@ -222,7 +222,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
 
 /// Redundant constraints of which no name is known.
 fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    let Unnamed { count: more, why } = assembly.unnamed.as_ref()?;
+    let Unnamed { count: more, why, spent } = assembly.unnamed.as_ref()?;
     let besides = if assembly.redundant.is_empty() { "" } else { " besides" };
     let message = format!(
         "{} {} redundant{besides}, counted and not named: {}",
@@ -230,7 +230,10 @@ fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
         agree(*more, ["is", "are"]),
         why.meaning()
     );
-    let reason = "the rank of the constraint Jacobian";
+    let mut reason = "the rank of the constraint Jacobian".to_string();
+    if let Some(Spent { operations, most }) = spent {
+        reason += &format!("; of {most:.1e} operations {operations:.1e} were spent");
+    }
     let remedy = "audit smaller pieces of the part as scenes of their own to have them named";
     Some(Finding::new(scene, Code::AssemblyRedundantUnjudged, Span::default(), message, reason, remedy))
 }

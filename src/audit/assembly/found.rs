@@ -127,7 +127,7 @@ fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>, budget: &Budget) -> (Ou
                 outcome.dependent = dependent;
                 outcome.made_of.clear();
             }
-            None => outcome.names_spent = budget.is_spent(),
+            None => outcome.names_spent = budget.exceeded(),
         }
     }
     (outcome, cost)
@@ -135,6 +135,8 @@ fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>, budget: &Budget) -> (Ou
 
 /// Parts of no more columns are looked at by as many threads as there are.
 const TOGETHER: usize = 3000;
+/// What may be spent on the names of a part, whatever its size: as much as a matrix of [`dense::LARGEST`] takes.
+const LEAST: u64 = 2_000_000;
 
 /// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system), and of which these rows have no
 /// derivative there. Of those whose elimination would
@@ -145,13 +147,13 @@ pub(super) fn look(
     (residuals, without_derivative): (&[f64], &[u32]),
     keep: bool,
 ) -> Vec<Result<Found, usize>> {
-    let of_part = |part: &Part| {
+    let of_part = |part: &Part, names: Budget| {
         let worst = part.rows.iter().filter_map(|row| residuals.get(*row as usize));
         let worst = super::largest(worst);
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, (state, values), |role| role != Role::Driven);
         let task = Task { uncertainty: TIMES * worst, keep, most: part.most, ..Task::default() };
-        let budget = part.names.map_or_else(|| Budget::of(part.columns.len()), Budget::new);
+        let budget = part.names.map_or(names, Budget::new);
         let (constraints, cost) = outcome(part, &matrix, task, &budget);
         if constraints.exhausted {
             return Err(constraints.front);
@@ -208,10 +210,20 @@ pub(super) fn look(
             matrix,
         })
     };
-    // What is large is looked at one after the other, so that the limit of memory of one is that of all.
-    let of_small = |part: &Part| (part.columns.len() <= TOGETHER).then(|| of_part(part));
+    let weight = |part: &Part| part.columns.len();
+    let all = system.parts.iter().map(weight).sum();
+    let budget = Budget::of(all);
+    let of_small = |part: &Part| {
+        (weight(part) <= TOGETHER).then(|| of_part(part, budget.share([weight(part), all], LEAST)))
+    };
     let small: Vec<_> = system.parts.par_iter().map(of_small).collect();
-    small.into_iter().zip(&system.parts).map(|(found, part)| found.unwrap_or_else(|| of_part(part))).collect()
+    // What is large is looked at one after the other, so that the limit of memory of one is that of all.
+    let of_large = |part: &Part| of_part(part, budget.share([weight(part), all], LEAST));
+    small
+        .into_iter()
+        .zip(&system.parts)
+        .map(|(found, part)| found.unwrap_or_else(|| of_large(part)))
+        .collect()
 }
 
 /// The whole at one state, from its parts and the number of constraints between nodes that are all fixed.

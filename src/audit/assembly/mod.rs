@@ -357,6 +357,9 @@ pub struct Unnamed {
     pub count: usize,
     /// Why not.
     pub why: WhyUnnamed,
+    /// What was spent on the names of the parts for which that was not enough.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spent: Option<Spent>,
 }
 
 /// Why redundant constraints are not named.
@@ -367,7 +370,7 @@ pub enum WhyUnnamed {
     Dear,
     /// As many rows that depend on those before them were not found as the rank says.
     Numbers,
-    /// They were not sought to the end, for the operations that may be spent on that, by the size of the part, were spent.
+    /// They were not sought to the end, for the operations that may be spent on that, by the size of the assembly, were spent.
     Spent,
 }
 
@@ -379,7 +382,7 @@ impl WhyUnnamed {
                 "the rank came of products with the matrix, and elimination, which names them, would take too long"
             }
             Self::Spent => {
-                "the operations that may be spent on their names, by the size of the part, were spent"
+                "the operations that may be spent on their names, by the size of the assembly, were spent"
             }
             Self::Numbers => "rows were not found, as many as the rank says, without which it is the same",
         }

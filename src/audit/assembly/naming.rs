@@ -36,7 +36,7 @@ pub(super) fn named_of(
         Some(dependent) => outcome.dependent = dependent,
         None if outcome.misnames => {
             outcome.dependent.clear();
-            outcome.names_spent = budget.is_spent();
+            outcome.names_spent = budget.exceeded();
         }
         None => {}
     }

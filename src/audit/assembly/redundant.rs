@@ -6,7 +6,7 @@ use super::found::{Found, constraint};
 use super::moving::{SAMPLES, elsewhere};
 use super::naming::named;
 use super::system::{Part, Role, System, is_dear, request};
-use super::{Constraint, Holds, Redundant, Unnamed, WhyUnnamed, dense, local, once};
+use super::{Constraint, Holds, Redundant, Spent, Unnamed, WhyUnnamed, dense, local, once};
 use crate::evaluate::{Plan, Sequence};
 use crate::scene::State;
 use rayon::prelude::*;
@@ -168,12 +168,14 @@ pub(super) fn unnamed(found: &[Result<Found, usize>]) -> Option<Unnamed> {
     let count = all().map(|outcome| outcome.redundant() - outcome.dependent.len()).sum();
     // Where nothing was eliminated there is no front.
     let is_dear = all().any(|outcome| !outcome.names_all() && outcome.front == 0);
-    let why = if all().any(|outcome| outcome.names_spent) {
+    let add = |x: Spent, y: Spent| Spent { operations: x.operations + y.operations, most: x.most + y.most };
+    let spent = all().filter_map(|outcome| outcome.names_spent).reduce(add);
+    let why = if spent.is_some() {
         WhyUnnamed::Spent
     } else if is_dear {
         WhyUnnamed::Dear
     } else {
         WhyUnnamed::Numbers
     };
-    (count > 0).then_some(Unnamed { count, why })
+    (count > 0).then_some(Unnamed { count, why, spent })
 }

@@ -635,7 +635,7 @@ fn what_is_affordable_is_named() {
     assert_eq!((too_dear, dear.largest_front), (numbers, 0));
     assert!(!some.is_empty() && some.len() < names.len());
     let count = names.len() - some.len();
-    assert_eq!(dear.unnamed, Some(Unnamed { count, why: WhyUnnamed::Dear }));
+    assert_eq!(dear.unnamed, Some(Unnamed { count, why: WhyUnnamed::Dear, spent: None }));
     let told = findings(&read.scene, &dear, &Levels::default()).iter().any(|finding| {
         let said = finding.message().to_string();
         said.contains(&format!("{count} constraints are redundant besides, counted and not named"))
@@ -978,5 +978,7 @@ fn names_that_are_too_dear_are_not_sought() {
     let numbers = |of: &Assembly| (of.positions[0].rank, of.positions[0].redundant, of.positions[0].decided);
     assert_eq!(numbers(&none), numbers(&all));
     let count = all.redundant.len() - none.redundant.len();
-    assert_eq!((all.unnamed, none.unnamed), (None, Some(Unnamed { count, why: WhyUnnamed::Spent })));
+    let unnamed = none.unnamed.unwrap();
+    assert_eq!((all.unnamed, unnamed.count, unnamed.why), (None, count, WhyUnnamed::Spent));
+    assert!(unnamed.spent.is_some_and(|spent| spent.most == 1 && spent.operations >= 1));
 }

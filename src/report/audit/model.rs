@@ -126,7 +126,7 @@ pub(super) fn besides(assembly: &Assembly) -> Vec<String> {
             count(assembly.parts, "part")
         ));
     }
-    if let Some(Unnamed { count: number, why }) = &assembly.unnamed {
+    if let Some(Unnamed { count: number, why, .. }) = &assembly.unnamed {
         let constraints = count(*number, "redundant constraint");
         lines.push(format!("{constraints} counted and not named: {}", why.meaning()));
     }
