@@ -250,7 +250,7 @@ pub(super) fn dependent(
     budget: &Budget,
 ) -> Option<Vec<u32>> {
     let by = |by| {
-        let most = MOST.min(budget.left() as usize * ENTRIES);
+        let most = MOST.min((budget.left() as usize).saturating_mul(ENTRIES));
         let mut left = most;
         let found = dependent_by(by, matrix, (order, free), count, &mut left);
         budget.spend((most - left).div_ceil(ENTRIES));

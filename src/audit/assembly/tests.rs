@@ -928,8 +928,8 @@ fn judged(system: &System<'_>, found: &[Result<Found, usize>], most: u64) -> (u6
 /// What is too dear to be judged is told to be so, after as many operations as may be spent, and by any number of threads the same; what is not is judged.
 #[test]
 fn what_follows_the_rank_ends() {
-    const MOST: u64 = 20_000_000;
-    for (n, is_judged) in [(4, true), (10, false)] {
+    const MOST: u64 = 15_000_000;
+    for (n, is_judged) in [(3, true), (5, false)] {
         let read = Read::of(&frame(n));
         let system = read.system();
         let found = [Ok(read.found(&system))];
