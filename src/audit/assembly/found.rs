@@ -3,7 +3,7 @@
 use super::budget::Budget;
 use super::contract::Contracted;
 use super::dense;
-use super::eliminate::{Outcome, Sparse, Task};
+use super::eliminate::{Most, Outcome, Sparse, Task};
 use super::krylov;
 use super::naming::{last, named_of};
 use super::system::{Origin, Part, Role, System, is_dear, is_named};
@@ -13,6 +13,7 @@ use crate::catalog::COMPONENT;
 use crate::evaluate::Source;
 use crate::scene::State;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Constraints hold to rounding: a hundred units u, say. At a singular position they allow √(100 u) = 1e-7 to second order, so that a singular value below
 /// this part of the largest does not tell whether that is met.
@@ -147,20 +148,26 @@ pub(super) fn look(
     (residuals, without_derivative): (&[f64], &[u32]),
     keep: bool,
 ) -> Vec<Result<Found, usize>> {
-    let of_part = |part: &Part, names: Budget| {
+    let worked = AtomicUsize::new(0);
+    let of_part = |part: &Part, names: Budget, most: Most| {
         let worst = part.rows.iter().filter_map(|row| residuals.get(*row as usize));
         let worst = super::largest(worst);
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, (state, values), |role| role != Role::Driven);
-        let task = Task { uncertainty: TIMES * worst, keep, most: part.most, ..Task::default() };
+        let task = Task { uncertainty: TIMES * worst, keep, most, ..Task::default() };
         let budget = part.names.map_or(names, Budget::new);
-        let (constraints, cost) = outcome(part, &matrix, task, &budget);
+        let outcome = |matrix: &Sparse| {
+            let found = outcome(part, matrix, task, &budget);
+            worked.fetch_add(found.0.work, Ordering::Relaxed);
+            found
+        };
+        let (constraints, cost) = outcome(&matrix);
         if constraints.exhausted {
             return Err(constraints.front);
         }
         let driven = has_drives.then(|| {
             let (rows, matrix) = system.matrix(part, (state, values), |_| true);
-            (outcome(part, &matrix, task, &budget).0, rows)
+            (outcome(&matrix).0, rows)
         });
         if let Some((driven, _)) = driven.as_ref().filter(|(driven, _)| driven.exhausted) {
             return Err(driven.front);
@@ -214,11 +221,15 @@ pub(super) fn look(
     let all = system.parts.iter().map(weight).sum();
     let budget = Budget::of(all);
     let of_small = |part: &Part| {
-        (weight(part) <= TOGETHER).then(|| of_part(part, budget.share([weight(part), all], LEAST)))
+        (weight(part) <= TOGETHER).then(|| of_part(part, budget.share([weight(part), all], LEAST), part.most))
     };
     let small: Vec<_> = system.parts.par_iter().map(of_small).collect();
-    // What is large is looked at one after the other, so that the limit of memory of one is that of all.
-    let of_large = |part: &Part| of_part(part, budget.share([weight(part), all], LEAST));
+    // What is large is looked at one after the other, so that the limits of memory and of work of one are those of all.
+    let of_large = |part: &Part| {
+        let left = Most::default().work.saturating_sub(worked.load(Ordering::Relaxed));
+        let most = Most { work: part.most.work.min(left), ..part.most };
+        of_part(part, budget.share([weight(part), all], LEAST), most)
+    };
     small
         .into_iter()
         .zip(&system.parts)
