@@ -100,7 +100,8 @@ fn about(constraints: &[&Constraint]) -> About {
     about
 }
 
-/// Of what is found, in its order, so much of each code and severity as is shown; and, with the last of each, how many more there are.
+/// Of what is found, in its order, so much of each code and severity as is shown; and, with the last of each, how many more there are. What a
+/// level was set for at its own line is always among it.
 fn shortened<T>(
     scene: &Scene,
     levels: &Levels,
@@ -110,9 +111,12 @@ fn shortened<T>(
     let mut shown: Vec<(Code, Span, T, usize)> = Vec::new();
     let mut kinds: HashMap<(Code, Severity), (usize, usize)> = HashMap::new();
     for (code, place, what) in found {
-        let Some(severity) = levels.of_finding(&Finding::new(scene, code, place, "", "", "")) else {
+        let finding = Finding::new(scene, code, place, "", "", "");
+        if levels.singles_out(&finding) {
+            shown.push((code, place, what, 0));
             continue;
-        };
+        }
+        let Some(severity) = levels.of_finding(&finding) else { continue };
         let (count, last) = kinds.entry((code, severity)).or_default();
         *count += 1;
         if *count <= most {
@@ -204,8 +208,12 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
         );
         let reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice";
         let remedy = match holds {
-            Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => {
+            Holds::Here | Holds::Loop | Holds::Differs => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"
+            }
+            Holds::Isolated => {
+                "move a node, or change a length, so that the position is not singular: the constraints resist loads along the motions that are free to \
+                 first order only as it deforms, and forces grow without bound as it comes nearer"
             }
             _ => remedy(scene, &first.constraint, &makers, &redundant),
         };
@@ -330,7 +338,7 @@ fn redundant_at(
         listed(&names),
         agree(names.len(), ["depends", "depend"]),
     );
-    let reason = "the rank of the constraint Jacobian is smaller than at other given states";
+    let reason = "the rank of the constraint Jacobian is smaller than initially, or at another state given";
     let remedy =
         "keep clear of this position, or drive through it with care: forces grow without bound near it";
     let finding = Finding::new(scene, code, place, message, reason, remedy);
