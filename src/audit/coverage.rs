@@ -132,6 +132,8 @@ pub struct Sample {
     deformed: Option<bool>,
     /// The relative displacement of the nodes, in lengths of the connector.
     displacement: f64,
+    /// Whether either node was moved or turned.
+    moves: bool,
     /// Whether something holds each node from turning.
     held: [bool; 2],
     /// Whether something holds both nodes from moving.
@@ -211,16 +213,19 @@ impl Sample {
             margin,
             deformed: (!free.is_empty()).then(|| free.iter().any(moved)),
             displacement: norm(vector::sub(pair.b.displacement, pair.a.displacement)) / size,
+            moves: [pair.a, pair.b].iter().any(|node| norm(node.displacement) > DISPLACED * size)
+                || angles.iter().any(|angle| *angle > DISPLACED),
             held: [false; 2],
             stands: false,
         }
     }
 
-    /// The same of a connector whose ends cannot turn, each or neither, or which cannot move at all: what cannot be is not asked for.
-    /// A state that moves them all the same, to exercise the connector, counts.
+    /// The same where something holds an end from turning, or both from moving: what cannot be is not asked for. A state that turns or moves them
+    /// all the same, to exercise the connector, asks for the rest.
     #[must_use]
-    pub const fn held(self, held: [bool; 2], stands: bool) -> Self {
-        Self { held, stands, ..self }
+    pub fn held(self, ends: [bool; 2], stands: bool) -> Self {
+        let is_turned = |end: usize| self.rotations[end].is_some_and(|angle| angle > DISPLACED);
+        Self { held: [0, 1].map(|end| ends[end] && !is_turned(end)), stands: stands && !self.moves, ..self }
     }
 }
 
@@ -232,15 +237,12 @@ impl Exercise {
         let rotation = a.into_iter().chain(b).reduce(f64::max);
         let relative = rotation.map(|_| sample.relative);
         let is_away = turned(a) || turned(b) || turned(relative) || sample.displacement > NEIGHBOURHOOD;
-        if sample.stands && !is_away {
+        if sample.stands {
             return;
         }
-        let free = relative.filter(|_| sample.turns_freely && (sample.held != [true; 2] || turned(relative)));
+        let free = relative.filter(|_| sample.turns_freely && sample.held != [true; 2]);
         self.samples += 1;
-        if [0, 1].iter().all(|end| {
-            let angle = sample.rotations[*end];
-            angle.is_some() && (!sample.held[*end] || turned(angle))
-        }) {
+        if sample.rotations.iter().zip(sample.held).all(|(angle, is_held)| angle.is_some() && !is_held) {
             self.could_turn_both += 1;
             self.both_turned += u64::from(turned(a) && turned(b));
         }

@@ -41,9 +41,11 @@ pintle explain CODE explains, and is a note, a warning or an error; --deny,
 --warn, --note and --allow say which: of a code, a group of codes, all notes or
 warnings, everywhere or at a place (CODE@FILE, CODE@FILE:LINE). The line
 outweighs the file, and that what is said everywhere; the code outweighs its
-group, and that all. A rule that leaves nothing to evaluate (pintle explain CODE
-says which) stays an error: no number of such a scene is audited, the report has
-all it breaks, and the exit code is 6.
+group, and that all. A level for a line without such a finding is told, and one
+of what no level applies to, such as the cause of a wrong number, is refused. A
+rule that leaves nothing to evaluate (pintle explain CODE says which) stays an
+error: no number of such a scene is audited, the report has all it breaks, and
+the exit code is 6.
 
 Examples:
   pintle audit

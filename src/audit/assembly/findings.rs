@@ -585,16 +585,17 @@ fn mechanism(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     if undriven == 0 {
         return None;
     }
-    let is_excluded = |one: &Redundant| matches!(one.holds, Holds::Isolated | Holds::Singular);
+    let is_isolated = |one: &Redundant| one.holds == Holds::Isolated;
+    let excludes = assembly.redundant.iter().any(is_isolated);
     // What is left of the degrees of freedom are motions to first order.
-    let order = if assembly.redundant.iter().any(is_excluded) {
+    let order = if excludes || assembly.redundant.iter().any(|one| one.holds == Holds::Singular) {
         "; to first order: at its singular position second order excludes some of them, or all"
     } else {
         ""
     };
     let message =
         format!("the assembly can move in {} initially{}{order}", ways(undriven), named(&modes, undriven));
-    Some(moves(scene, message, &modes, undriven, None))
+    Some(moves(scene, (message, &modes), undriven, None, excludes))
 }
 
 /// A number of motions.
@@ -644,7 +645,7 @@ fn mechanism_at(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             ways(*undriven),
             named(&modes, *undriven)
         );
-        moves(scene, message, &modes, *undriven, states.first().copied())
+        moves(scene, (message, &modes), *undriven, states.first().copied(), false)
     };
     let mut found: Vec<Finding> = sets.iter().take(SETS).map(of).collect();
     if more > 0
@@ -655,14 +656,26 @@ fn mechanism_at(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     found
 }
 
-fn moves(scene: &Scene, message: String, modes: &[&Mode], undriven: usize, state: Option<u64>) -> Finding {
+/// The finding of motions at a state; `excludes` says whether second order excludes some of them.
+fn moves(
+    scene: &Scene,
+    (message, modes): (String, &[&Mode]),
+    undriven: usize,
+    state: Option<u64>,
+    excludes: bool,
+) -> Finding {
     let reason = if super::unread::is_any(scene) {
         "degrees of freedom less the rank of the constraints and drives that are read; other constraints, springs, friction, stops and other \
          elements are not looked at"
     } else {
         "degrees of freedom less the rank of constraints and drives; springs, friction, stops and other elements are not looked at"
     };
-    let remedy = "as it should be for a mechanism under forces; in statics, hold or drive the motion";
+    let remedy = if excludes {
+        "move a node, or change a length, so that the position is not singular: what second order excludes is then no motion; what is left is as it should be for a \
+         mechanism under forces, and in statics hold or drive it"
+    } else {
+        "as it should be for a mechanism under forces; in statics, hold or drive the motion"
+    };
     let mut nodes: Vec<Label> = modes.iter().flat_map(|mode| mode.nodes.iter().copied()).collect();
     nodes.sort();
     nodes.dedup();
