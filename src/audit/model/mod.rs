@@ -93,8 +93,9 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(duplicates::findings(scene, &model, levels));
     let mut coverage = Coverage::default();
     let mut exercises = vec![Exercise::default(); model.connectors.len()];
-    // What defines no directions is told with the assembly.
-    let still = Still::of(scene, &model).unwrap_or_default();
+    // What defines no directions is told with the assembly; without states nothing is asked for.
+    let still =
+        if states.is_empty() { Still::default() } else { Still::of(scene, &model).unwrap_or_default() };
     let (along, nearest) = along::findings(scene, &model, states, levels, &mut |result| {
         if let (Some(element), Some(exercise)) =
             (model.connectors.get(result.index), exercises.get_mut(result.index))
