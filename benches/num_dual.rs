@@ -262,7 +262,7 @@ fn main() {
     let methods = Order::ALL.map(NumDual);
     let methods: Vec<&dyn Method> =
         methods.iter().map(|method| method as &dyn Method).chain([&OverLanes as &dyn Method]).collect();
-    let mut session = Session::new(&settings, &subjects, &methods).unwrap();
+    let mut session = Session::new(&settings, &subjects, &methods);
     if words.iter().any(|word| word == "--precision") {
         found.take(&session);
         serve(&untimed(&found), || json!(session.round()));

@@ -244,7 +244,10 @@ fn export(subjects: &[Subject], settings: &Settings) -> Value {
             .iter()
             .map(|order| {
                 let distance = subject.place.distance(settings.distance);
-                (order.name().to_owned(), json!(Cause::NoBranches.bound(*order, subject.place, distance)))
+                (
+                    order.name().to_owned(),
+                    json!(Cause::NoBranches.bound(*order, subject.place, distance).unwrap()),
+                )
             })
             .collect();
         let truth: Map<String, Value> =
@@ -291,7 +294,8 @@ fn main() {
     let more = more;
     let methods: Vec<&dyn Method> =
         ways.iter().map(|way| way as &dyn Method).chain(more.iter().map(AsRef::as_ref)).collect();
-    let mut session = Session::new(&settings, &subjects, &methods).unwrap_or_else(|wrong| panic!("{wrong}"));
+    let mut session = Session::new(&settings, &subjects, &methods);
+    assert!(session.wrong().is_empty(), "{:?}", session.wrong());
     if at("--serve").is_some() {
         found.take(&session);
         serve(&untimed(&found), || json!(session.round()));
