@@ -9,6 +9,8 @@
 //! `--precision` on those of `benches/work_precision.rs`. Without either it prints one round of the latter.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
+#[path = "hand/commit.rs"]
+mod commit;
 mod hand {
     pub(crate) mod clock;
     pub(crate) mod common;
@@ -25,7 +27,7 @@ use hand::types::TYPES;
 use hand::{naive, over_lanes};
 use num_dual::{Dual2SVec, DualSVec};
 use pintle::batch::{COLUMNS, LANES};
-use pintle::bench::{Cause, Method, Order, Prepared, Report, Rows, Session, Subject, Tiles};
+use pintle::bench::{Cause, Method, Order, Prepared, Report, Rows, Session, Subject, Tiles, worse};
 use pintle::catalog::ConnectionType;
 use pintle::node::DOFS;
 use pintle::report::bench as report;
@@ -203,7 +205,7 @@ impl Peers {
                     let scale = exact.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
                     let entries = columns.iter().zip(exact).map(|(x, y)| (x - y).abs() / scale);
                     for error in entries.chain([(value - known).abs() / scale.max(known.abs())]) {
-                        worst = worst.max(if error.is_nan() { f64::INFINITY } else { error });
+                        worst = worse(worst, error);
                     }
                 });
             }
@@ -248,6 +250,9 @@ fn spread_matrix(matrix: &[[f64; 12]; 12]) -> [f64; DOFS * DOFS] {
 }
 
 fn main() {
+    if commit::is_told() {
+        return;
+    }
     let words: Vec<String> = std::env::args().collect();
     if let Some(at) = words.iter().position(|word| word == "--peers") {
         let peers = Peers::read(&words[at + 1]);

@@ -3,7 +3,7 @@
 use crate::cli::{file, pintle};
 use pintle::bench::{
     CLEAR, Cause, Method, Order, Place, Point, Prepared, Report, Session, Settings, Subject, Unmeasured, Way,
-    Wrong, measure,
+    Wrong, measure, worse,
 };
 use pintle::catalog::ConnectionType;
 use pintle::report::bench;
@@ -258,6 +258,16 @@ fn what_is_not_a_number_is_beyond_rounding() {
         assert_eq!(judged(&spoilt(x))[0], f64::INFINITY);
         assert_eq!(subject.errors(Order::Jacobian, &spoilt(x))[1], f64::INFINITY);
     }
+}
+
+/// The largest of errors is never a number where one of them is none: [`f64::max`] would pass over it.
+#[test]
+fn no_error_is_passed_over() {
+    for (worst, error) in [(0.0, f64::NAN), (f64::NAN, 0.0), (f64::NAN, f64::NAN), (f64::INFINITY, 1.0)] {
+        assert_eq!(worse(worst, error), f64::INFINITY);
+    }
+    assert_eq!([0.5, f64::NAN, 1.0].into_iter().fold(0.0, worse), f64::INFINITY);
+    assert_eq!([0.5, 2.0, 1.0].into_iter().fold(0.0, worse), 2.0);
 }
 
 /// A row that no way has is told in every format.

@@ -31,7 +31,7 @@ pub use bound::Cause;
 pub use environment::Environment;
 pub use method::{Method, Prepared, Way};
 pub use place::{CLEAR, Place, REST, Unmeasured};
-pub use subject::{Element, Order, Subject};
+pub use subject::{Element, Order, Subject, worse};
 
 use crate::catalog::{COMPONENT, ConnectionType};
 use serde::{Deserialize, Serialize};

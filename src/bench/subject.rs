@@ -238,9 +238,9 @@ struct Offset {
     known: usize,
 }
 
-/// The larger error; what is not a number is an infinite one.
-fn worse(worst: f64, error: f64) -> f64 {
-    if error.is_nan() { f64::INFINITY } else { worst.max(error) }
+/// The larger of two errors; one that is no number is infinite, where [`f64::max`] would pass over it.
+pub fn worse(worst: f64, error: f64) -> f64 {
+    if worst.is_nan() || error.is_nan() { f64::INFINITY } else { worst.max(error) }
 }
 
 impl Element {
