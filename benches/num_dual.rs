@@ -3,7 +3,8 @@
 //! A program of its own, so that it can have its best build whatever the build of pintle costs: its functions are compiled with their
 //! caller, and `scripts/measure.py` compiles this in one unit and for the processor at hand,
 //! `cargo rustc --profile bench --all-features --bench num_dual -- -C codegen-units=1 -C target-cpu=native`. In the sixteen units of the profile they are
-//! called instead of inlined, and take five times as long.
+//! called instead of inlined, and take five times as long. The script has these settings compiled in besides (`PINTLE_BENCH_BUILD`); the program answers
+//! `--build` with them, and the script takes none that does not.
 //!
 //! It takes part in what the script measures, as the peers in Python do: with `--peers FILE` on the states that `benches/peers.rs` exports, with
 //! `--precision` on those of `benches/work_precision.rs`. Without either it prints one round of the latter.
@@ -254,6 +255,10 @@ fn main() {
         return;
     }
     let words: Vec<String> = std::env::args().collect();
+    if words.iter().any(|word| word == "--build") {
+        println!("{}", option_env!("PINTLE_BENCH_BUILD").unwrap_or("none"));
+        return;
+    }
     if let Some(at) = words.iter().position(|word| word == "--peers") {
         let peers = Peers::read(&words[at + 1]);
         serve(&json!({ "errors": peers.errors(), "versions": {} }), || peers.round());
