@@ -5,7 +5,7 @@
 //! By itself it prints the tables. For `scripts/measure.py`: `--export FILE` writes states and truth for JAX; `--serve` writes the
 //! points with their errors, then runs a round for each line read, and answers with the times of the points in the same order;
 //! `--draw FILE FOLDER` prints the tables of a report and draws it.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
+#![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
 #[path = "hand/commit.rs"]
 mod commit;
