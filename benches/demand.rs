@@ -197,12 +197,12 @@ fn main() {
     }
     println!("{count} HINGEs, one thread; per connector and state; counts are of the counter of work");
     println!(
-        "{:38} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8}",
+        "{:46} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8}",
         "", "ns", "values", "rows", "second", "rates", "turns", "forces", "rotations"
     );
     let each = |of: u64| of as f64 / (count * STATES) as f64;
     for Line { what, least, tally, jacobian, .. } in &lines {
-        print!("{what:38} {:8.0}", 1e9 * least / count as f64);
+        print!("{what:46} {:8.0}", 1e9 * least / count as f64);
         for number in
             [tally.values, tally.gradients, tally.hessians, tally.rates, tally.histories, tally.behaviors]
         {
