@@ -2,6 +2,7 @@
 
 use super::label::Label;
 use indexmap::IndexMap;
+use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::LazyLock;
@@ -78,9 +79,41 @@ impl Hasher for LabelHasher {
     }
 }
 
+/// Looks labels up beside the one before.
+///
+/// Elements mostly name nodes that are numbered without gaps and stand in their order: one is as far behind the other as their numbers are apart. To look
+/// there first waits for memory once, and not three times, where a table of millions has left the caches.
+#[derive(Debug)]
+pub(crate) struct Beside<'a, T> {
+    table: &'a ByLabel<T>,
+    /// The place of the last one found, and its number.
+    last: Cell<(usize, u64)>,
+}
+
+impl<'a, T> Beside<'a, T> {
+    /// Looks up in a table.
+    pub(crate) const fn new(table: &'a ByLabel<T>) -> Self {
+        Self { table, last: Cell::new((0, 0)) }
+    }
+
+    /// What has a label.
+    pub(crate) fn get(&self, label: Label) -> Option<&'a T> {
+        let (place, number) = self.last.get();
+        let guess = (place as u64).wrapping_add(label.number()).wrapping_sub(number);
+        let beside =
+            usize::try_from(guess).ok().and_then(|guess| Some((guess, self.table.get_index(guess)?)));
+        let (at, found) = match beside {
+            Some((at, (known, found))) if *known == label => (at, found),
+            _ => self.table.get_full(&label).map(|(at, _, found)| (at, found))?,
+        };
+        self.last.set((at, label.number()));
+        Some(found)
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{BLOCK, ByLabel, Label, LabelSet, LabelState};
+    use super::{BLOCK, Beside, ByLabel, Label, LabelSet, LabelState};
     use crate::scene::label::Instance;
     use std::collections::HashSet;
     use std::hash::BuildHasher;
@@ -123,5 +156,13 @@ mod tests {
             assert!(!set.contains(&Label::of(label.instance(), label.number() + 1)), "{label}");
         }
         assert_eq!((table.len(), set.len()), (4999, 4999));
+        // In their order, far apart, backwards, and what is not there.
+        let beside = Beside::new(&table);
+        let others =
+            (1..9000).map(|i| Label::of((i % 5 == 0).then(|| Instance::named("A-1")), i * 37 % 5003));
+        for label in labels().chain(others).chain(labels().collect::<Vec<_>>().into_iter().rev()) {
+            assert_eq!(beside.get(label), table.get(&label), "{label}");
+        }
+        assert_eq!(Beside::new(&ByLabel::<u64>::default()).get(Label::from(1)), None);
     }
 }
