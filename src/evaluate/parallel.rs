@@ -109,3 +109,82 @@ fn wait_for<T>(result: &Receiver<T>) -> Option<T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    /// Rooms that are enough for all items, for one, for some parts, and not for whole parts.
+    const ROOMS: [usize; 6] = [1, 3, 50, 512, 999, 1000];
+
+    fn with_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
+        rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap().install(work)
+    }
+
+    /// Every item is worked on once and taken in its order, by any number of threads.
+    #[test]
+    fn results_are_taken_in_order() {
+        for threads in [1, 2, 5, 7] {
+            for (count, rooms) in
+                [10, 64, 1000].into_iter().flat_map(|count| ROOMS.map(|rooms| (count, rooms)))
+            {
+                let (mut items, mut taken) = (vec![0; count], Vec::new());
+                let mut rooms = vec![usize::MAX; rooms];
+                let work = |own: &mut usize, at: usize, item: &mut usize, room: &mut usize| {
+                    (*item, *room, *own) = (*item + 1, at, *own + 1);
+                    Tally { values: at as u64, ..Tally::default() }
+                };
+                let sum = with_threads(threads, || {
+                    in_order(
+                        &mut items,
+                        &mut rooms,
+                        || 0,
+                        work,
+                        |room| -> Result<(), ()> {
+                            taken.push(*room);
+                            Ok(())
+                        },
+                    )
+                });
+                assert!(
+                    taken.iter().copied().eq(0..count),
+                    "{threads} threads, {} rooms: {taken:?}",
+                    rooms.len()
+                );
+                assert!(items.iter().all(|item| *item == 1));
+                assert_eq!(sum.unwrap().values, (0..count as u64).sum::<u64>());
+                if rooms.len() >= count {
+                    assert!(rooms[..count].iter().copied().eq(0..count));
+                }
+            }
+            let sums = with_threads(threads, || parts((0..100).collect(), |i: u32| i * i));
+            assert!(sums.into_iter().eq((0..100).map(|i| i * i)));
+        }
+    }
+
+    /// An error ends it, and so does a panic, which nobody waits for.
+    #[test]
+    fn errors_and_panics_end_it() {
+        for threads in [1, 2, 5] {
+            let (mut items, mut rooms, mut taken) = (vec![(); 3000], vec![0; 512], 0);
+            let run = |last: usize, items: &mut [()], rooms: &mut [usize], taken: &mut usize| {
+                let work = |(): &mut (), at: usize, (): &mut (), room: &mut usize| {
+                    assert!(at != last, "no more");
+                    *room = at;
+                    Tally::default()
+                };
+                let take = |room: &mut usize| {
+                    *taken = *room;
+                    if *room == 700 { Err(*room) } else { Ok(()) }
+                };
+                with_threads(threads, || in_order(items, rooms, || (), work, take))
+            };
+            assert_eq!(run(usize::MAX, &mut items, &mut rooms, &mut taken).err(), Some(700));
+            assert_eq!(taken, 700);
+            let panicking =
+                catch_unwind(AssertUnwindSafe(|| run(600, &mut items, &mut rooms, &mut taken).is_ok()));
+            assert!(panicking.is_err() && taken < 600, "{threads} threads: {taken}");
+        }
+    }
+}

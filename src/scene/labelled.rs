@@ -81,33 +81,39 @@ impl Hasher for LabelHasher {
 
 /// Looks labels up beside the one before.
 ///
-/// Elements mostly name nodes that are numbered without gaps and stand in their order: one is as far behind the other as their numbers are apart. To look
-/// there first waits for memory once, and not three times, where a table of millions has left the caches.
+/// Elements mostly name nodes that are numbered without gaps and stand in their order: one is as far behind the other as their numbers are apart. Sets mostly
+/// list what they have in its order. To look there first waits for memory once, and not three times, where a table of millions has left the caches.
 #[derive(Debug)]
-pub(crate) struct Beside<'a, T> {
+pub(super) struct Beside<'a, T> {
     table: &'a ByLabel<T>,
-    /// The place of the last one found, and its number.
+    /// The place after the last one found, and its number.
     last: Cell<(usize, u64)>,
 }
 
 impl<'a, T> Beside<'a, T> {
     /// Looks up in a table.
-    pub(crate) const fn new(table: &'a ByLabel<T>) -> Self {
+    pub(super) const fn new(table: &'a ByLabel<T>) -> Self {
         Self { table, last: Cell::new((0, 0)) }
     }
 
     /// What has a label.
-    pub(crate) fn get(&self, label: Label) -> Option<&'a T> {
-        let (place, number) = self.last.get();
-        let guess = (place as u64).wrapping_add(label.number()).wrapping_sub(number);
-        let beside =
-            usize::try_from(guess).ok().and_then(|guess| Some((guess, self.table.get_index(guess)?)));
-        let (at, found) = match beside {
-            Some((at, (known, found))) if *known == label => (at, found),
-            _ => self.table.get_full(&label).map(|(at, _, found)| (at, found))?,
+    pub(super) fn get(&self, label: Label) -> Option<&'a T> {
+        let (next, number) = self.last.get();
+        let beside = (next as u64).wrapping_add(label.number()).wrapping_sub(number).wrapping_sub(1);
+        let at = |place: usize| {
+            let (known, found) = self.table.get_index(place)?;
+            (*known == label).then_some((place, found))
         };
-        self.last.set((at, label.number()));
+        let near = at(next).or_else(|| at(usize::try_from(beside).ok()?));
+        let (place, found) =
+            near.or_else(|| self.table.get_full(&label).map(|(place, _, found)| (place, found)))?;
+        self.last.set((place + 1, label.number()));
         Some(found)
+    }
+
+    /// Whether it is there.
+    pub(super) fn contains(&self, label: Label) -> bool {
+        self.get(label).is_some()
     }
 }
 

@@ -14,7 +14,7 @@ use crate::mpc::Dofs;
 use crate::scene::State as SceneState;
 
 /// How many elements have their entries by rows at hand while those go to their places by columns.
-const GROUP: usize = 4096;
+const GROUP: usize = 1024;
 
 /// Elements of which one is next to the other, and their entries.
 struct Part<'p, M> {
@@ -99,8 +99,8 @@ impl Sequence<'_> {
         self.fill(state, jacobian, None, values)
     }
 
-    /// As [`Sequence::assemble`], with the entries in the order of the columns ([`Jacobian::by_columns`]): those of some thousand elements
-    /// at a time go to their places.
+    /// As [`Sequence::assemble`], with the entries in the order of the columns ([`Jacobian::by_columns`]): those of a thousand elements at a
+    /// time go to their places.
     ///
     /// # Errors
     /// As [`Sequence::assemble`]; columns of another pattern.
