@@ -1,13 +1,11 @@
 //! Work shared by threads, its results taken in order.
 //!
-//! A thread that finds nothing to do goes to sleep, and to wake it takes as long as ten or twenty connectors. So there is no point at which threads wait for each
-//! other: while one takes results, the others work on, and what a thread writes besides a result is its own.
+//! A thread that finds nothing to do goes to sleep, and to wake it takes as long as ten or twenty connectors: the fewer times threads wait for each other,
+//! the better. What a thread allocates it frees itself. Small blocks that are freed elsewhere wander from thread to thread, and then threads that render
+//! text wait for each other's allocators: tasks on the heap, one for each part of a pipeline, made text by four threads slower than by one.
 
 use crate::connector::Tally;
-use rayon::Yield;
 use rayon::prelude::*;
-use std::collections::VecDeque;
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 /// Below this many items the threads cost more than they bring.
 const FEW: usize = 64;
@@ -23,7 +21,7 @@ fn is_shared(count: usize) -> bool {
     count >= FEW && rayon::current_num_threads() > 1
 }
 
-/// How many of `count` items are worked on before the first of them is taken: one by one where there is one thread, or little to do.
+/// How many of `count` items are worked on before the first of them is taken: one after the other where there is one thread, or little to do.
 pub(super) fn held(count: usize) -> usize {
     if is_shared(count) { HELD.min(count) } else { 1 }
 }
@@ -54,60 +52,29 @@ pub(super) fn in_order<M: Send, S, R: Send, E>(
     work: impl Fn(&mut S, usize, &mut M, &mut R) -> Tally + Sync,
     mut take: impl FnMut(&mut R) -> Result<(), E>,
 ) -> Result<Tally, E> {
-    let mut sum = Tally::default();
-    if rooms.len() < 2 || !is_shared(items.len()) {
-        let mut own = make();
-        let at_once = rooms.len().max(1);
-        for (chunk, items) in items.chunks_mut(at_once).enumerate() {
-            for (at, (item, room)) in (chunk * at_once..).zip(items.iter_mut().zip(&mut *rooms)) {
-                sum += work(&mut own, at, item, room);
-                take(room)?;
-            }
+    let (mut sum, mut own) = (Tally::default(), make());
+    let at_once = rooms.len().max(1);
+    for (group, items) in items.chunks_mut(at_once).enumerate() {
+        let first = group * at_once;
+        if at_once > 1 && is_shared(items.len()) {
+            let pairs = items.par_iter_mut().zip(&mut *rooms).enumerate();
+            let each = |own: &mut S, (at, (item, room)): (usize, (&mut M, &mut R))| {
+                work(own, first + at, item, room)
+            };
+            let add = |mut sum: Tally, more| {
+                sum += more;
+                sum
+            };
+            sum += pairs.map_init(&make, each).reduce(Tally::default, add);
+            rooms.iter_mut().take(items.len()).try_for_each(&mut take)?;
+            continue;
         }
-        return Ok(sum);
-    }
-    let size = (rooms.len() / (2 * rayon::current_num_threads())).clamp(1, PART);
-    // A room for each item of a part.
-    let used = if rooms.len() < items.len() { rooms.len() / size * size } else { rooms.len() };
-    let (make, work) = (&make, &work);
-    rayon::in_place_scope_fifo(|scope| {
-        let mut parts = items.chunks_mut(size).enumerate();
-        let mut begin = |rooms| {
-            let (number, items) = parts.next()?;
-            let count = items.len();
-            let (done, result) = sync_channel(1);
-            scope.spawn_fifo(move |_| {
-                let (rooms, mut own, mut tally): (&mut [R], _, _) = (rooms, make(), Tally::default());
-                for (at, (item, room)) in (number * size..).zip(items.iter_mut().zip(&mut *rooms)) {
-                    tally += work(&mut own, at, item, room);
-                }
-                // After an error nobody takes it.
-                _ = done.send((rooms, tally));
-            });
-            Some((count, result))
-        };
-        let mut under_way: VecDeque<_> = rooms[..used].chunks_mut(size).map_while(&mut begin).collect();
-        while let Some((count, result)) = under_way.pop_front() {
-            // What is not there has panicked, which the scope hands on.
-            let Some((rooms, tally)) = wait_for(&result) else { break };
-            sum += tally;
-            rooms.iter_mut().take(count).try_for_each(&mut take)?;
-            under_way.extend(begin(rooms));
-        }
-        Ok(sum)
-    })
-}
-
-/// What comes there, after the work that this thread can do until then; nothing where nothing can come.
-fn wait_for<T>(result: &Receiver<T>) -> Option<T> {
-    loop {
-        match result.try_recv() {
-            Ok(found) => return Some(found),
-            Err(TryRecvError::Disconnected) => return None,
-            Err(TryRecvError::Empty) if rayon::yield_now() == Some(Yield::Executed) => {}
-            Err(TryRecvError::Empty) => return result.recv().ok(),
+        for (at, (item, room)) in (first..).zip(items.iter_mut().zip(&mut *rooms)) {
+            sum += work(&mut own, at, item, room);
+            take(room)?;
         }
     }
+    Ok(sum)
 }
 
 #[cfg(test)]
