@@ -154,8 +154,11 @@ impl Model {
                 return model;
             }
         }
+        model.connectors.reserve_exact(scene.connectors.len());
+        let position = scene.positions();
         for (label, element) in &scene.connectors {
-            let broken = model.connector(scene, *label, element, &mut shared).err();
+            let ends = [SceneEnd::A, SceneEnd::B].map(|end| position(element, end).unwrap_or_default());
+            let broken = model.connector(scene, (*label, element), ends, &mut shared).err();
             for error in shared.refused.drain(..).chain(broken) {
                 if !tell(error) {
                     return model;
@@ -181,12 +184,12 @@ impl Model {
         model
     }
 
-    /// Resolves one connector.
+    /// Resolves one connector, whose ends are initially there.
     fn connector(
         &mut self,
         scene: &Scene,
-        label: Label,
-        element: &crate::scene::ConnectorElement,
+        (label, element): (Label, &crate::scene::ConnectorElement),
+        ends: [[f64; 3]; 2],
         shared: &mut Shared,
     ) -> Result<(), Diagnostic> {
         let Shared { types, actions, drives, behaviors, common, last, warned, refused, freedom } = shared;
@@ -209,8 +212,6 @@ impl Model {
             }
         };
         let moving = [element.a, element.b];
-        let position = |end| scene.position(element, end).unwrap_or_default();
-        let ends = [position(SceneEnd::A), position(SceneEnd::B)];
         let reference = sub(ends[1], ends[0]);
         let behavior = scene.behavior(section);
 
@@ -415,8 +416,9 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
 
 /// The mean length of the connectors of a scene whose nodes are apart; `None` where there is none.
 fn mean_length(scene: &Scene) -> Option<f64> {
+    let position = scene.positions();
     let length = |element: &crate::scene::ConnectorElement| {
-        let at = |end| scene.position(element, end).unwrap_or_default();
+        let at = |end| position(element, end).unwrap_or_default();
         norm(sub(at(SceneEnd::B), at(SceneEnd::A)))
     };
     let lengths: Vec<f64> = scene.connectors.values().map(length).filter(|length| *length > 0.0).collect();

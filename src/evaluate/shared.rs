@@ -23,7 +23,7 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
     let mut warnings = Vec::new();
     let has_neighbour = beside_another(&model.connectors);
     for (element, has_neighbour) in model.connectors.iter().zip(has_neighbour) {
-        let place = scene.connectors.get(&element.label).map(|element| element.span).unwrap_or_default();
+        let place = || scene.connectors.get(&element.label).map(|element| element.span).unwrap_or_default();
         let connection = element.connector.connection();
         if connection.is_belt() {
             for node in element.nodes.into_iter().flatten() {
@@ -34,7 +34,7 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
                         element.label
                     );
                     let label = "by connection type SLIPRING, Description [D]";
-                    return Err(Diagnostic::error(Code::CrowdedSliprings, place, message, label)
+                    return Err(Diagnostic::error(Code::CrowdedSliprings, place(), message, label)
                         .help("give each belt a node of its own, and tie the nodes by JOIN")
                         .in_scene(scene));
                 }
@@ -67,7 +67,7 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
             let label = "by the rules for several connectors on the same nodes [R]";
             model.repeated.insert(element.label);
             warnings.push(
-                Diagnostic::warning(Code::RepeatedConstraint, place, message, label)
+                Diagnostic::warning(Code::RepeatedConstraint, place(), message, label)
                     .help("remove one of the two: how they share the constraint force is not determined")
                     .in_scene(scene),
             );
