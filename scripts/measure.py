@@ -81,7 +81,7 @@ def conditions(versions, rounds, loads, of_commit):
 
 
 # What a measurement depends on.
-SOURCES = ("Cargo.toml", "Cargo.lock", "build.rs", "src", "benches", "decks", "examples", "scripts")
+SOURCES = ("Cargo.toml", "Cargo.lock", "build.rs", "src", "benches", "decks", "examples", "scripts", "verify/scale/chain.rs")
 
 
 def commit(*programs):
@@ -570,7 +570,7 @@ def lack(block):
     commits = re.findall(r"\b(?:pintle|commit) (?:[\d.]+ \()?([0-9a-f]{10,40})\b", block)
     if not re.search(r"\b20\d\d-\d\d-\d\d\b", block):
         return "tells no date"
-    if not re.search(r"\b20\d\d-\d\d-\d\d, [^,;)]+ \(", block):
+    if not re.search(r"\b20\d\d-\d\d-\d\d, [^,;\n]+ \([A-Z0-9/-]*\)", block):
         return "tells no machine"
     if not commits:
         return "tells no commit"
@@ -582,10 +582,10 @@ def lack(block):
 
 
 # What is complete, and what is not after such a change: looked at with every --check.
-COMPLETE = "2026-01-31, A Processor (AVX2), one of 4 cores; pintle 0.1.0 (0123456789ab), rustc 1.2.3. Measured of commit 0123456789."
+COMPLETE = "2026-01-31, A(R) Processor(TM) @ 2.20GHz (AVX2/FMA), one of 4 cores; pintle 0.1.0 (0123456789ab), rustc 1.2.3. Measured of commit 0123456789."
 INCOMPLETE = {
     "no date": ("2026-01-31, ", ""),
-    "no machine": ("A Processor (AVX2), ", ""),
+    "no machine": ("A(R) Processor(TM) @ 2.20GHz (AVX2/FMA), ", ""),
     "no commit": ("0123456789", "HEAD"),
     "no commit holds": ("9.", "9 with changes."),
     "more than one": ("commit 0123456789", "commit 9876543210"),

@@ -97,6 +97,8 @@ pub struct Coverage {
 pub struct Exercise {
     /// The number of states of connectors, each connector at each state, but for those whose nodes stand still.
     pub samples: u64,
+    /// The number of states of connectors whose nodes stand still, which are counted in nothing else.
+    pub standing: u64,
     /// Samples in which both nodes were turned, each by more than 0.1 rad.
     pub both_turned: u64,
     /// Samples of connectors both of whose nodes have rotations, of which nothing is known to hold one.
@@ -238,6 +240,7 @@ impl Exercise {
         let relative = rotation.map(|_| sample.relative);
         let is_away = turned(a) || turned(b) || turned(relative) || sample.displacement > NEIGHBOURHOOD;
         if sample.stands {
+            self.standing += 1;
             return;
         }
         let free = relative.filter(|_| sample.turns_freely && sample.held != [true; 2]);
@@ -264,6 +267,7 @@ impl Exercise {
         let most = |x: Option<f64>, y: Option<f64>| x.into_iter().chain(y).reduce(f64::max);
         Self {
             samples: self.samples + other.samples,
+            standing: self.standing + other.standing,
             both_turned: self.both_turned + other.both_turned,
             could_turn_both: self.could_turn_both + other.could_turn_both,
             deformed: self.deformed + other.deformed,
@@ -339,8 +343,11 @@ impl Coverage {
 
     /// Counts a sample.
     pub fn take(&mut self, sample: &Sample) {
-        let Sample { rotations: [a, b], relative, stretch, margin, .. } = *sample;
+        let Sample { rotations: [a, b], relative, stretch, margin, stands, .. } = *sample;
         self.exercise.add(sample);
+        if stands {
+            return;
+        }
         a.into_iter().for_each(|angle| self.rotation_a.add(angle));
         b.into_iter().for_each(|angle| self.rotation_b.add(angle));
         if a.is_some() || b.is_some() {

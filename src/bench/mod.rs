@@ -181,6 +181,7 @@ pub struct Wrong {
     #[serde(deserialize_with = "or_infinite")]
     pub error: f64,
     /// The error allowed there.
+    #[serde(deserialize_with = "or_infinite")]
     pub bound: f64,
 }
 

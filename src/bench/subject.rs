@@ -196,8 +196,9 @@ impl Subject {
     pub fn beyond_rounding(&self, order: Order, found: &[f64]) -> [f64; 2] {
         let scales = self.scales(order);
         let relative = |Offset { error, known }: Offset| {
-            let scale = scales[known / order.width()];
-            [error / scale, self.tolerance[order as usize][known] / scale]
+            let (scale, tolerance) = (scales[known / order.width()], self.tolerance[order as usize][known]);
+            // A tolerance that is no number allows nothing.
+            [error / scale, if tolerance.is_finite() { tolerance / scale } else { 0.0 }]
         };
         // An error of zero is within any tolerance, that of zero too.
         let excess = |of: &[f64; 2]| if of[0] == 0.0 { 0.0 } else { worse(0.0, of[0] / of[1]) };
@@ -205,7 +206,7 @@ impl Subject {
         all.max_by(|a, b| excess(a).total_cmp(&excess(b))).unwrap_or([f64::INFINITY, 0.0])
     }
 
-    /// What errors are told over, row by row of all states.
+    /// What errors are told over, row by row of all states: 1 of a row of zeros.
     fn scales(&self, order: Order) -> Vec<f64> {
         let width = order.width();
         let size = |numbers: &[Wide]| numbers.iter().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()));
@@ -216,7 +217,8 @@ impl Subject {
                 own.max(size(&self.truth[1][row * DOFS..(row + 1) * DOFS]))
             }
         };
-        (0..self.states() * self.rows()).map(scale).collect()
+        let or_one = |scale: f64| if scale == 0.0 { 1.0 } else { scale };
+        (0..self.states() * self.rows()).map(scale).map(or_one).collect()
     }
 
     /// The errors of numbers element by element, row by row, of the states over and over; of all states at least.

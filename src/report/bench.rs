@@ -283,6 +283,7 @@ pub fn csv(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         "largest_error",
         "rows",
         "left_out",
+        "wrong_beyond",
     ];
     writer.write_record(heading)?;
     for point in &report.points {
@@ -300,13 +301,15 @@ pub fn csv(out: &mut dyn Write, report: &Report) -> io::Result<()> {
             &number(point.largest_error),
             &point.rows.join(" "),
             &point.left_out.join(" "),
+            "",
         ])?;
     }
-    for Wrong { connection, place, order, method, error, .. } in &report.wrong {
-        let mut cells = [""; 12].map(String::from);
+    for Wrong { connection, place, order, method, error, bound } in &report.wrong {
+        let mut cells = [""; 13].map(String::from);
         let told = [connection.clone(), place.name().into(), order.name().into(), method.to_string()];
         cells.iter_mut().zip(told).for_each(|(cell, told)| *cell = told);
         cells[9] = format!("{error:e}");
+        cells[12] = format!("{bound:e}");
         writer.write_record(&cells)?;
     }
     writer.flush()

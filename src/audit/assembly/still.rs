@@ -69,7 +69,11 @@ fn held(
         What::All => (1..=6).contains(&freedom.number),
     };
     let is_asked = |freedom: &Freedom| what == What::All || (4..=6).contains(&freedom.number);
+    // A failure may release what is held, a constraint too.
     let holds = |element: &ConnectorElement, k: usize| {
+        if !element.behavior.behavior.failures.is_empty() {
+            return false;
+        }
         let motion = |step: &Prescribed| step.motions.get(&(element.label, k)) == Some(&Role::Held);
         element.connector.is_constrained(k) || steps.iter().all(motion)
     };
