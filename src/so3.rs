@@ -14,7 +14,7 @@
 //! ```
 
 use crate::scalar::elementary::{
-    atan2, atan2_opposite, direction, inverse_sqrt, norm, norm_and_direction, recip,
+    atan2, atan2_opposite, direction, elevation, inverse_sqrt, norm, norm_and_direction, recip,
 };
 use crate::scalar::{MAX_ORDER, Real, Scalar, Series, unrolled};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
@@ -564,7 +564,7 @@ pub fn cardan_first<S: Scalar>(r: &Matrix<S>) -> S {
 /// β of [`cardan`].
 #[inline(always)]
 pub fn cardan_second<S: Scalar>(r: &Matrix<S>) -> S {
-    atan2(r[0][2], norm([r[1][2], r[2][2]]))
+    elevation(r[0][2], [r[1][2], r[2][2]])
 }
 
 /// γ of [`cardan`].

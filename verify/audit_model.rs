@@ -128,6 +128,179 @@ fn levels_do_not_apply_to_diagnoses() {
     }
 }
 
+/// A level can be set of every code of which it says something, as `explain` has it; of any other it is refused with the reason.
+#[test]
+fn levels_are_taken_or_refused_of_every_code() {
+    let page = |code: &str| crate::cli::stdout(&crate::cli::pintle(&["explain", code]).assert().success());
+    let mut refused = 0;
+    for code in Code::ALL {
+        let said = page(code.as_str()).split_whitespace().collect::<Vec<_>>().join(" ");
+        for level in [Level::Allow, Level::Note, Level::Warn, Level::Deny] {
+            let set = Levels::default().set(code.as_str(), level);
+            assert_eq!(set.is_ok(), code.takes_level(), "{code}");
+            let Err(why) = set else { continue };
+            let is_said = said.contains("do not apply to it") || said.contains("no level that --allow");
+            assert!(why.contains("leave it out") && is_said, "{why}: {said}");
+            refused += 1;
+        }
+        if code.takes_level() {
+            let levels = ["for what --allow", "goes on where --allow", "whatever --allow"];
+            assert!(levels.iter().any(|words| said.contains(words)), "{code}: {said}");
+        }
+    }
+    assert!(refused > 4 * 100, "{refused}");
+    // So of groups: those in which there is nothing else.
+    for (group, is_taken) in [("diagnosis", false), ("states", false), ("deck", true), ("rule::*", true)] {
+        assert_eq!(Levels::default().set(group, Level::Deny).is_ok(), is_taken, "{group}");
+    }
+}
+
+/// What is said of a level for a line: nothing where a finding answers to it, shown or not; else that none does, unless that is not known.
+#[test]
+fn levels_of_lines_without_findings_are_told() {
+    let nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,5,0,0\n4,6,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,1,2\n3,3,4\n4,3,4\n";
+    let sound = format!("{nodes}*CONNECTOR SECTION,ELSET=E\nAXIAL\n");
+    let refused = format!("{nodes}*CONNECTOR SECTION,ELSET=E\nHINGE\n");
+    let told = |name: &str, deck: &str, levels: &[&str]| -> Vec<String> {
+        let name = format!("audit-model-silent-{name}.inp");
+        let path = crate::cli::file(&name, deck);
+        let levels: Vec<String> = levels.iter().map(|level| level.replace("DECK", &name)).collect();
+        let mut arguments = vec!["audit", path.as_str(), "--model-only"];
+        arguments.extend(levels.iter().map(String::as_str));
+        let said = crate::cli::stderr(&crate::cli::pintle(&arguments).assert());
+        let notes = said.lines().filter(|line| line.contains("nothing of that code is found at that line"));
+        let words = |line: &str| line.split("states given: ").nth(1).unwrap().to_string();
+        notes.map(|line| words(line).replace(&name, "DECK")).collect()
+    };
+    const CODE: &str = "model::duplicate-connector@DECK";
+    let at = |line: u32| format!("{CODE}:{line}");
+    let remedy = "; correct the line, or leave the level out";
+    // Elements 2 and 4 are there twice, at lines 8 and 10: told together, of the first.
+    for level in ["--allow", "--note", "--warn", "--deny"] {
+        for line in [8, 10] {
+            assert!(told("one", &sound, &[level, &at(line)]).is_empty(), "{level} {line}");
+        }
+        assert_eq!(told("one", &sound, &[level, &at(9)]), [at(9) + remedy], "{level}");
+    }
+    assert!(told("one", &sound, &["--deny", "model@DECK:8", "--allow", &at(10)]).is_empty());
+    assert_eq!(told("one", &sound, &["--deny", "assembly@DECK:8"]), ["assembly@DECK:8".to_string() + remedy]);
+    assert!(told("one", &sound, &["--deny", "warnings@DECK:8", "--deny", CODE]).is_empty());
+    assert_eq!(told("one", &sound, &["--deny", "notes@DECK:8"]), ["notes@DECK:8".to_string() + remedy]);
+    // Of a scene that a rule refuses not all was looked at.
+    assert!(told("refused", &refused, &["--deny", &at(9)]).is_empty());
+    // Of many redundancies the last are shown where their line is named, and are known where they are not shown.
+    let last = 51 + 5 + 1 + 102;
+    for level in ["--allow", "--warn"] {
+        let place = format!("assembly::redundant@DECK:{last}");
+        assert!(told("many", &doubled(51), &[level, &place]).is_empty(), "{level}");
+    }
+    // An include is audited, whether anything is found in it or not.
+    crate::cli::file("audit-model-silent-part.inp", "*NODE\n1,0,0,0\n2,1,0,0\n3,5,0,0\n4,6,0,0\n");
+    let deck =
+        format!("*INCLUDE, INPUT=audit-model-silent-part.inp\n{}", sound.split_once("6,0,0\n").unwrap().1);
+    let part = "model@audit-model-silent-part.inp:2";
+    assert_eq!(told("whole", &deck, &["--deny", part]), [part.to_string() + remedy]);
+}
+
+/// What is said of a redundancy is what was judged: that nothing moves, or that second order excludes what moves to first order, through which
+/// nobody can drive; and `explain` tells these apart.
+#[test]
+fn what_a_redundancy_rests_on_is_told() {
+    let report = audited("rests", &doubled(1), "", &[]);
+    let one = |code: Code| match of(&report, code).as_slice() {
+        [one] => (one.message().to_string(), one.remedy().to_string()),
+        others => panic!("{code}: {} findings", others.len()),
+    };
+    let (message, remedy) = one(Code::AssemblyRedundant);
+    assert!(message.contains("it holds throughout (what belongs to it cannot move)"), "{message}");
+    assert!(remedy.contains("remove one of the two"), "{remedy}");
+    for code in [Code::AssemblyRedundantHere, Code::AssemblyMechanism] {
+        let (message, remedy) = one(code);
+        assert!(message.contains("at this singular position") || message.contains("second order excludes"));
+        assert!(remedy.starts_with("move a node") && !remedy.contains("drive through"), "{remedy}");
+    }
+    let page = |code: Code| {
+        let said = crate::cli::stdout(&crate::cli::pintle(&["explain", code.as_str()]).assert().success());
+        said.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    for (code, words) in [
+        (Code::AssemblyRedundant, "at every state that the assembly can come to"),
+        (Code::AssemblyRedundantHere, "second order excludes these motions"),
+        (Code::AssemblyRedundantHere, "to leave it out makes another assembly"),
+        (Code::AssemblyRedundantUnjudged, "its rank is not certain"),
+        (Code::AssemblyUndecided, "moves what boundary conditions hold"),
+        (Code::AssemblyMechanism, "Springs, friction, stops and other elements are not looked at"),
+    ] {
+        assert!(page(code).contains(words), "{}", page(code));
+    }
+}
+
+/// What cannot turn, or move, because boundary conditions hold it, directly or through connectors and constraints that fix all of it, is not asked for.
+#[test]
+fn coverage_asks_for_nothing_that_is_held() {
+    let deck = |between: &str, held: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n4,3,0,0\n*ORIENTATION,NAME=O\n0,0,1,1,0,0\n{between}\
+             *ELEMENT,TYPE=CONN3D2,ELSET=E\n9,3,4\n*CONNECTOR SECTION,ELSET=E\nREVOLUTE\nO,\n*BOUNDARY\n{held}\n"
+        )
+    };
+    let connector = |number: u8, nodes: &str, what: &str| {
+        format!(
+            "*ELEMENT,TYPE=CONN3D2,ELSET=E{number}\n{number},{nodes}\n*CONNECTOR SECTION,ELSET=E{number}\n{what}\n"
+        )
+    };
+    let turned = "state,node,u1,ur3\n1,4,0,1.0\n";
+    let still = "state,node,u1,ur3\n1,4,0,1e-3\n";
+    let told = |name: &str, deck: &str, states: &str| -> Vec<&'static str> {
+        let report = audited(&format!("held-{name}"), deck, states, &[]);
+        let coverage = report.findings.iter().filter(|finding| finding.code().group() == "coverage");
+        coverage.map(|finding| finding.code().as_str()).collect()
+    };
+    let one = Code::CoverageOneNode.as_str();
+    let beam = connector(1, "1,2", "BEAM");
+    let welds = beam.clone() + &connector(2, "2,3", "WELD\nO,");
+    let ties = "*MPC\nBEAM,2,1\nTIE,3,2\n";
+    let slides = beam.clone() + &connector(2, "3,2", "TRANSLATOR\nO,");
+    let hinge = beam + &connector(2, "2,3", "HINGE\nO,");
+    for (name, between, held, wanted) in [
+        ("free", welds.as_str(), "1,1,3", &[one][..]),
+        ("beams", &welds, "1,1,6", &[]),
+        ("rotations", &welds, "1,4,6", &[]),
+        ("two-of-three", &welds, "1,5,6", &[one]),
+        ("ties", ties, "1,1,6", &[]),
+        ("slides", &slides, "1,1,6", &[]),
+        ("pin", "*MPC\nPIN,3,1\n", "1,1,6", &[one]),
+        ("turns", &hinge, "1,1,6", &[one]),
+        ("held-hinge", &format!("{hinge}*CONNECTOR MOTION\n2,4\n"), "1,1,6", &[]),
+        ("driven-hinge", &format!("{hinge}*CONNECTOR MOTION\n2,4,0.5\n"), "1,1,6", &[one]),
+        ("other", "", "3,1,6", &[]),
+        (
+            "later",
+            "",
+            "3,1,6\n*STEP\n*STATIC\n*END STEP\n*STEP\n*STATIC\n*BOUNDARY, OP=NEW\n3,1,3\n*END STEP",
+            &[one],
+        ),
+    ] {
+        let found = told(name, &deck(between, held), turned);
+        let of_revolute: Vec<&str> = found.into_iter().filter(|code| *code == one).collect();
+        assert_eq!(of_revolute, wanted, "{name}");
+    }
+    // Between nodes that stand still nothing moves, and nothing is asked for; one of them free, it is.
+    let held = deck("", "3,1,6\n4,1,6");
+    let rest = "state,node,u1,ur3\n1,4,0,0\n";
+    assert!(told("both", &held, rest).is_empty());
+    assert_eq!(told("one", &deck("", "3,1,6\n4,1,5"), still), [Code::CoverageIdentity.as_str()]);
+    // States that move what is held all the same are there to exercise the connector.
+    assert_eq!(told("moved", &held, still), [Code::CoverageIdentity.as_str()]);
+    assert!(told("turned", &held, turned).is_empty());
+    // A planar linkage is asked for nothing that it cannot do.
+    let gallery =
+        pintle::scene::GALLERY.iter().find(|example| example.name.starts_with("slider_crank")).unwrap();
+    let scene = gallery.scene().unwrap();
+    let report = audit_model(&scene, &gallery.states(&scene).unwrap().states, &Levels::default());
+    assert!(of(&report, Code::CoverageOneNode).is_empty());
+}
+
 /// A warning that is allowed is shown nowhere: neither among the findings nor on standard error.
 #[test]
 fn allowed_warnings_are_not_shown() {

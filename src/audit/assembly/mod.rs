@@ -25,6 +25,7 @@
 //! |---|---|
 //! | `system` | what are the equations, and which belong together? |
 //! | `steps` | in which steps are they others, and which states belong to those? |
+//! | `still` | which nodes stand still, or cannot turn, whatever the assembly does? |
 //! | `contract` | what moves as one body? |
 //! | `order` | in which order are bodies eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
@@ -65,6 +66,7 @@ mod redundant;
 mod second;
 mod sparse;
 mod steps;
+pub(super) mod still;
 mod system;
 #[cfg(test)]
 mod tests;

@@ -30,11 +30,13 @@ pub use along::Nearest;
 pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
+use crate::audit::assembly::still::Still;
 use crate::audit::assembly::{self, Assembly};
 use crate::audit::coverage::{Coverage, Exercise, Sample};
 use crate::evaluate::Model;
 use crate::scene::{Scene, Severity, State};
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// What is found in one scene.
 #[derive(Clone, Debug, Serialize)]
@@ -56,12 +58,23 @@ pub struct ModelReport {
     pub nearest: Option<Nearest>,
     /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
     pub findings: Vec<Finding>,
+    /// The levels of lines, `CODE@FILE:LINE`, to which a finding answers, whether it is shown or not.
+    #[serde(skip)]
+    pub answered: BTreeSet<String>,
 }
 
 impl ModelReport {
     /// The number of findings as bad as that.
     pub fn count(&self, severity: Severity) -> usize {
         self.findings.iter().filter(|finding| finding.severity() == severity).count()
+    }
+
+    /// Whether all was looked at that findings come of: no rule refuses the model, and no part of its assembly was left out.
+    pub fn is_whole(&self) -> bool {
+        let is_whole = |assembly: &Assembly| {
+            assembly.skipped.is_empty() && assembly.not_assembled.is_none() && assembly.unnamed.is_none()
+        };
+        self.assembly.is_some() && self.assembly.iter().chain(&self.later_steps).all(is_whole)
     }
 
     /// Whether the model fails: a finding is an error.
@@ -80,11 +93,15 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(duplicates::findings(scene, &model, levels));
     let mut coverage = Coverage::default();
     let mut exercises = vec![Exercise::default(); model.connectors.len()];
+    // What defines no directions is told with the assembly; without states nothing is asked for.
+    let still =
+        if states.is_empty() { Still::default() } else { Still::of(scene, &model).unwrap_or_default() };
     let (along, nearest) = along::findings(scene, &model, states, levels, &mut |result| {
         if let (Some(element), Some(exercise)) =
             (model.connectors.get(result.index), exercises.get_mut(result.index))
         {
-            let sample = Sample::of(&element.connector, &element.definition(), &result.state, model.length);
+            let sample = Sample::of(&element.connector, &element.definition(), &result.state, model.length)
+                .held(still.cannot_turn(element), still.cannot_move(element));
             coverage.take(&sample);
             exercise.add(&sample);
         }
@@ -101,6 +118,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         }
     }
     findings.extend(coverage::findings(scene, &model, &exercises));
+    let answered = levels.answered(&findings);
     let findings = levels.apply(findings);
     let mut steps = steps.into_iter();
     let assembly = steps.next();
@@ -114,5 +132,6 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         drawn: false,
         nearest,
         findings,
+        answered,
     }
 }
