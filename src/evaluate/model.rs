@@ -73,11 +73,13 @@ struct Refusal {
     /// What is broken, whichever element breaks it, where that tells it from others of its code at the same place: of one behaviour, each
     /// connection type that it does not suit.
     breach: String,
+    /// Whether that is a rule of connection types, of which others may be warned of at the same place.
+    is_rule: bool,
 }
 
 impl From<Diagnostic> for Refusal {
     fn from(diagnostic: Diagnostic) -> Self {
-        Self { diagnostic, breach: String::new() }
+        Self { diagnostic, breach: String::new(), is_rule: false }
     }
 }
 
@@ -126,11 +128,11 @@ impl Model {
     /// one type break alike at one place is told once, of the first.
     pub fn examine(scene: &Scene) -> (Self, Vec<Diagnostic>) {
         let mut errors: Vec<Diagnostic> = Vec::new();
-        let mut seen: HashMap<(Code, Span), Vec<String>> = HashMap::new();
-        let mut model = Self::resolve(scene, &mut |Refusal { diagnostic, breach }| {
+        let mut seen: HashMap<(Code, Span), Vec<(String, bool)>> = HashMap::new();
+        let mut model = Self::resolve(scene, &mut |Refusal { diagnostic, breach, is_rule }| {
             let at_place = seen.entry((diagnostic.code(), diagnostic.span())).or_default();
-            if !at_place.contains(&breach) {
-                at_place.push(breach);
+            if at_place.iter().all(|(known, _)| *known != breach) {
+                at_place.push((breach, is_rule));
                 errors.push(diagnostic);
             }
             true
@@ -138,7 +140,8 @@ impl Model {
         // What refuses a scene is not a warning besides.
         model.warnings.retain(|warning| {
             let refused = seen.get(&(warning.code(), warning.span()));
-            !refused.is_some_and(|all| all.iter().any(|breach| warning.message().ends_with(breach)))
+            let is_it = |(breach, is_rule): &(String, bool)| !is_rule || warning.message().ends_with(breach);
+            !refused.is_some_and(|all| all.iter().any(is_it))
         });
         (model, errors)
     }
@@ -255,7 +258,7 @@ impl Model {
             if breach.refuses() {
                 for diagnostic in told {
                     is_left_out |= !diagnostic.code().leaves_numbers();
-                    refused.push(Refusal { diagnostic, breach: breach.message.clone() });
+                    refused.push(Refusal { diagnostic, breach: breach.message.clone(), is_rule: true });
                 }
                 continue;
             }
@@ -340,7 +343,7 @@ impl Model {
                         let errors: Vec<Diagnostic> = errors.filter(is_new).collect();
                         refused.extend(errors.into_iter().map(|diagnostic| {
                             let breach = diagnostic.message().to_string();
-                            Refusal { diagnostic, breach }
+                            Refusal { diagnostic, breach, is_rule: false }
                         }));
                         return Ok(());
                     }

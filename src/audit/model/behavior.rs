@@ -311,8 +311,8 @@ impl Gone {
             [rates().fold(f64::INFINITY, f64::min), rates().fold(f64::NEG_INFINITY, f64::max)];
         Self {
             always: !rows.is_empty() && rows.iter().all(|row| of(row, 0) == 0.0),
-            at_rest: is_gone(least).then_some("μ"),
-            in_fast_slip: is_gone(most).then_some("μ"),
+            at_rest: is_gone(least).then_some("μ(0)"),
+            in_fast_slip: is_gone(most).then_some("μ(∞)"),
             formulas: [
                 "μ of the rows of the least slip rate holds below it",
                 "μ of the rows of the largest slip rate holds beyond it",
@@ -329,12 +329,18 @@ fn vanishing(
     friction: &scene::Friction,
 ) -> Vec<Finding> {
     let mut found = Vec::new();
+    // Frictions of several components are told each by itself.
+    let slides = match &friction.kind {
+        FrictionKind::User { component: Some(component), .. } => component_index(*component),
+        _ => None,
+    };
     let mut tell = |what: String, reason: &str, remedy: &str, component: String| {
         let message = format!("element {}: {what}", element.label);
         let finding =
             Finding::new(scene, Code::ModelFrictionVanishes, friction.span, message, reason, remedy);
-        let about = About { elements: vec![element.label], components: vec![component], ..About::default() };
-        found.push(finding.about(about));
+        let mut components = vec![component];
+        components.extend(slides.map(|k| COMPONENT[k].to_string()));
+        found.push(finding.about(About { elements: vec![element.label], components, ..About::default() }));
     };
     if let Some(coefficient) = &friction.coefficient {
         let gone = Gone::of(&coefficient.law);

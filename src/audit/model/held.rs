@@ -4,16 +4,15 @@ use super::finding::{About, Finding};
 use crate::audit::assembly::steps::{ends, of_state};
 use crate::evaluate::{Fixed, Freedom};
 use crate::grammar::count;
-use crate::scene::{Code, ConditionKind, Label, Scene, Span, State, Target};
-use indexmap::IndexMap;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use crate::scene::{Boundary, Code, Label, Scene, Span, State, Target};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What counts as moved (rad, or mean lengths of connectors): well above what solvers leave.
 const MOVED: f64 = 1e-4;
 /// The nodes that a finding names.
 const NAMED: usize = 100;
 
-/// What moves of what one boundary condition holds.
+/// What moves of what the boundary conditions of a step hold.
 #[derive(Default)]
 struct Moved {
     /// The worst, in radians or mean lengths.
@@ -24,25 +23,27 @@ struct Moved {
     states: BTreeSet<u64>,
 }
 
-/// One finding for each boundary condition that states do not observe, of the worst.
+/// One finding for each step whose boundary conditions states do not observe, of the worst.
 pub(super) fn findings(scene: &Scene, states: &[State], length: f64) -> Vec<Finding> {
     let ends = ends(scene);
-    let mut held: BTreeMap<usize, Fixed> = BTreeMap::new();
-    let mut places: BTreeMap<usize, HashMap<Freedom, Span>> = BTreeMap::new();
-    let mut found: IndexMap<Span, Moved> = IndexMap::new();
+    let mut held: BTreeMap<usize, (Fixed, BTreeSet<Label>)> = BTreeMap::new();
+    let mut found: BTreeMap<usize, Moved> = BTreeMap::new();
     for (index, state) in states.iter().enumerate() {
         let step = of_state(ends.as_deref(), state);
         // What defines no directions is told with the assembly.
-        let fixed = held.entry(step).or_insert_with(|| Fixed::held_in_step(scene, step).unwrap_or_default());
-        for (node, motion) in &state.nodes {
+        let (fixed, nodes) = held.entry(step).or_insert_with(|| {
+            let fixed = Fixed::held_in_step(scene, step).unwrap_or_default();
+            let nodes = fixed.iter().map(|freedom| freedom.node).collect();
+            (fixed, nodes)
+        });
+        for (node, motion) in nodes.iter().filter_map(|node| state.nodes.get_key_value(node)) {
             for (number, amount) in fixed.moved_by(*node, motion) {
                 let size = amount.abs() / if (4..=6).contains(&number) { 1.0 } else { length };
                 let freedom = Freedom { node: *node, number };
                 if size <= MOVED {
                     continue;
                 }
-                let places = places.entry(step).or_insert_with(|| places_in(scene, step));
-                let moved = found.entry(places.get(&freedom).copied().unwrap_or_default()).or_default();
+                let moved = found.entry(step).or_default();
                 let state = state.number.unwrap_or(index as u64);
                 moved.nodes.insert(*node);
                 moved.states.insert(state);
@@ -53,45 +54,35 @@ pub(super) fn findings(scene: &Scene, states: &[State], length: f64) -> Vec<Find
             }
         }
     }
-    found.into_iter().filter_map(|(place, moved)| finding(scene, place, &moved)).collect()
+    found.into_iter().filter_map(|(step, moved)| finding(scene, step, &moved)).collect()
 }
 
-/// Where each degree of freedom is prescribed last, up to a step.
-fn places_in(scene: &Scene, step: usize) -> HashMap<Freedom, Span> {
-    let mut places = HashMap::new();
-    let put = |places: &mut HashMap<Freedom, Span>, boundary: &crate::scene::Boundary| {
-        let nodes: &[Label] = match &boundary.target.value {
-            Target::Label(label) => std::slice::from_ref(label),
-            Target::Set(name) => scene.node_sets.get(name.as_str()).map_or(&[], |set| set.labels.as_slice()),
+/// Where a degree of freedom is prescribed last, up to a step.
+fn place(scene: &Scene, step: usize, Freedom { node, number }: Freedom) -> Option<Span> {
+    let names = |boundary: &&Boundary| {
+        let is_it = match &boundary.target.value {
+            Target::Label(label) => *label == node,
+            Target::Set(name) => {
+                scene.node_sets.get(name.as_str()).is_some_and(|set| set.labels.contains(&node))
+            }
         };
-        for node in nodes {
-            let freedoms =
-                boundary.degrees_of_freedom.iter().map(|number| Freedom { node: *node, number: *number });
-            places.extend(freedoms.map(|freedom| (freedom, boundary.target.span)));
-        }
+        is_it && boundary.degrees_of_freedom.contains(&number)
     };
-    for boundary in &scene.boundaries {
-        put(&mut places, boundary);
-    }
-    for step in scene.steps.iter().take(step) {
-        if step.removes(ConditionKind::Boundary) {
-            places.clear();
-        }
-        for boundary in &step.boundaries {
-            put(&mut places, boundary);
-        }
-    }
-    places
+    let of_steps = scene.steps.iter().take(step).rev().flat_map(|step| step.boundaries.iter().rev());
+    let mut all = of_steps.chain(scene.boundaries.iter().rev());
+    all.find(names).map(|boundary| boundary.target.span)
 }
 
-fn finding(scene: &Scene, place: Span, moved: &Moved) -> Option<Finding> {
-    let (state, Freedom { node, number }, amount) = moved.worst?;
+fn finding(scene: &Scene, step: usize, moved: &Moved) -> Option<Finding> {
+    let (state, freedom, amount) = moved.worst?;
+    let place = place(scene, step, freedom).unwrap_or_default();
+    let Freedom { node, number } = freedom;
     let (verb, unit) = if (4..=6).contains(&number) { ("turns", " rad") } else { ("moves", "") };
     let others = |all: usize, word: &str| match all {
         0 | 1 => None,
         more => Some(count(more - 1, &format!("other {word}"))),
     };
-    let others: Vec<String> = [others(moved.nodes.len(), "node of it"), others(moved.states.len(), "state")]
+    let others: Vec<String> = [others(moved.nodes.len(), "node"), others(moved.states.len(), "state")]
         .into_iter()
         .flatten()
         .collect();
