@@ -712,7 +712,7 @@ fn what_lies_on_its_stop_is_not_beyond() {
             assert_eq!(found, Vec::from_iter(severity), "{name} {code}");
         }
         let said = |finding: &&Finding| finding.message().contains("digits of the coordinates");
-        let is_open = of(&report, Code::ModelStopViolated).iter().any(|finding| said(&finding));
+        let is_open = of(&report, Code::ModelStopViolated).iter().any(said);
         assert_eq!(is_open, severity == Some(Severity::Note), "{name}");
     }
     // A state that carries it to the stop.

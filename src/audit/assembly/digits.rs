@@ -169,6 +169,6 @@ mod tests {
         let grid = [0.25, 0.5, 12.25];
         assert_eq!(uncertain(grid.map(|x| unit(&grid, x)), 0.25), 0.0);
         assert_eq!(uncertain([1e-5; 3], 1.0), 0.5e-5);
-        assert_eq!([0.25, 2.0, 1.5708].map(Digits::of_number), [0.0, 0.0, 0.5e-4]);
+        assert_eq!([0.25, 2.0, 1.2345].map(Digits::of_number), [0.0, 0.0, 0.5e-4]);
     }
 }

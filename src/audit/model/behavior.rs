@@ -267,21 +267,21 @@ struct Gone {
 
 impl Gone {
     fn of(law: &FrictionLaw) -> Self {
-        let decays = |[first, last]: [f64; 2], decay: f64, symbols: [&'static str; 2]| {
+        let decays = |[first, last]: [f64; 2], decay: f64, symbols: [&'static str; 2], formulas| {
             // What test data give at their end is computed.
             let is_zero = |x: f64| x.abs() <= 4.0 * U * first.abs().max(last.abs());
             let at_rest = is_zero(first).then_some(symbols[0]);
             let in_fast_slip = if decay == 0.0 { at_rest } else { is_zero(last).then_some(symbols[1]) };
-            let formulas = [
-                "μ = μ_k (1 − exp(−d_c·slip rate)), without the term of μ_s",
-                "μ = μ_s exp(−d_c·slip rate), without the term of μ_k",
-            ];
             Self { always: at_rest.is_some() && in_fast_slip.is_some(), at_rest, in_fast_slip, formulas }
         };
         match law {
             FrictionLaw::Table(rows) => Self::of_table(rows),
             FrictionLaw::Exponential { static_coefficient, kinetic_coefficient, decay } => {
-                decays([*static_coefficient, *kinetic_coefficient], *decay, ["μ_s", "μ_k"])
+                let formulas = [
+                    "μ = μ_k (1 − exp(−d_c·slip rate)), without the term of μ_s",
+                    "μ = μ_s exp(−d_c·slip rate), without the term of μ_k",
+                ];
+                decays([*static_coefficient, *kinetic_coefficient], *decay, ["μ_s", "μ_k"], formulas)
             }
             FrictionLaw::TestData(rows) => {
                 let item = |row: usize, column: usize| rows.get(row)?.get(column).copied().flatten();
@@ -290,7 +290,11 @@ impl Gone {
                 };
                 match Coefficient::test_data(first, (second, rate), item(2, 0)) {
                     Ok(Coefficient::Exponential { at_rest, kinetic, decay }) => {
-                        decays([at_rest, kinetic], decay, ["μ_1", "μ_∞"])
+                        let formulas = [
+                            "μ = μ_∞ (1 − exp(−d_c·slip rate)), without the term of μ_1",
+                            "μ = μ_1 exp(−d_c·slip rate), without the term of μ_∞",
+                        ];
+                        decays([at_rest, kinetic], decay, ["μ_1", "μ_∞"], formulas)
                     }
                     // What is no law is refused where it is read.
                     _ => Self::default(),
