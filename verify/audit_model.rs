@@ -499,3 +499,272 @@ fn drawn_states_are_covered() {
     let model = &alone["models"][0];
     assert_eq!((&model["coverage"]["samples"], &model["drawn"]), (&0.into(), &false.into()));
 }
+
+/// Where each error is, and the element that it names.
+fn errors(report: &ModelReport) -> Vec<(&'static str, u32, String)> {
+    let errors = report.findings.iter().filter(|finding| finding.severity() == Severity::Error);
+    let one = |finding: &Finding| {
+        let message = finding.message().to_string();
+        (finding.code().as_str(), finding.line().unwrap_or_default(), message)
+    };
+    errors.map(one).collect()
+}
+
+/// A connector has as many errors as there are places where it breaks a rule: one does not hide the others, nor does one type those of another.
+#[test]
+fn every_error_of_a_connector_is_told() {
+    let head = "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n\
+                *ELEMENT,TYPE=CONN3D2,ELSET=E1\n1,1,2\n*ELEMENT,TYPE=CONN3D2,ELSET=E2\n2,2,3\n3,2,3\n\
+                *CONNECTOR SECTION,ELSET=E1,BEHAVIOR=B\nTRANSLATOR\nO,\n*CONNECTOR SECTION,ELSET=E2,BEHAVIOR=B\nSLOT\nO,\n";
+    let lines = head.lines().count() as u32;
+    let places = |name: &str, rest: &str| -> Vec<(&'static str, u32, String)> {
+        let found = errors(&audited(&format!("errors-{name}"), &format!("{head}{rest}"), "", &[]));
+        let of = |(code, line, message): (&'static str, u32, String)| {
+            let element = message.split([' ', ':']).nth(1).unwrap_or_default().to_string();
+            (code, line.saturating_sub(lines), element)
+        };
+        let mut found: Vec<_> = found.into_iter().map(of).collect();
+        found.sort();
+        found
+    };
+    let told = |all: &[(&'static str, u32, &str)]| -> Vec<(&'static str, u32, String)> {
+        let mut all: Vec<_> =
+            all.iter().map(|(code, line, element)| (*code, *line, (*element).to_string())).collect();
+        all.sort();
+        all
+    };
+    let [action, stop, parameters] =
+        ["rule::action-not-available", "rule::stop-not-available", "rule::friction-parameters"];
+    // Two stops, a damping, an elasticity of the same component, and a friction that lacks a number.
+    let behavior = "*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR STOP,COMPONENT=2\n-1,1\n*CONNECTOR STOP,COMPONENT=3\n-1,1\n\
+                    *CONNECTOR DAMPING,COMPONENT=5\n1.\n*CONNECTOR ELASTICITY,COMPONENT=5\n1.\n*CONNECTOR FRICTION,PREDEFINED\n1,2,3,4\n\
+                    *FRICTION\n0.1\n";
+    let of = |element: &'static str| {
+        vec![
+            (stop, 3, element),
+            (stop, 5, element),
+            (action, 6, element),
+            (action, 8, element),
+            (parameters, 10, element),
+        ]
+    };
+    // SLOT takes two numbers, and is told once for both of its elements.
+    assert_eq!(places("behavior", behavior), told(&[of("1"), of("2")].concat()));
+    // Motions and loads, of one component and of others.
+    let driven = "*CONNECTOR BEHAVIOR,NAME=B\n*STEP\n*STATIC\n*CONNECTOR MOTION\n1,2,0.5\n2,4,0.5\n*CONNECTOR LOAD\n1,3,0.5\n2,4,0.5\n*END STEP\n";
+    assert_eq!(
+        places("driven", driven),
+        told(&[(action, 5, "1"), (action, 6, "2"), (action, 8, "1"), (action, 9, "2")])
+    );
+    // Of failures and locks each by itself, and both components of one.
+    let failing = "*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR LOCK,COMPONENT=1,LOCK=1\n-9,9\n*CONNECTOR FAILURE,COMPONENT=2,RELEASE=3\n-1,1\n\
+                   *CONNECTOR FAILURE,COMPONENT=1,RELEASE=1\n-1,1\n*CONNECTOR FAILURE,COMPONENT=2,RELEASE=1\n-1,1\n*STEP\n*STATIC\n*END STEP\n";
+    let failure = "rule::failure-not-available";
+    let of =
+        |element: &'static str| vec![(failure, 4, element), (failure, 4, element), (failure, 8, element)];
+    assert_eq!(places("failing", failing), told(&[of("1"), of("2")].concat()));
+}
+
+/// So has a behaviour whose laws are wrong by themselves: two frictions through whose data no decay goes.
+#[test]
+fn every_law_that_is_wrong_is_told() {
+    let friction = |component: u8| {
+        format!(
+            "*CONNECTOR FRICTION,COMPONENT={component}\n,5.\n*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.1,0.\n0.3,1.\n0.2,10.\n"
+        )
+    };
+    let deck = format!(
+        "*NODE\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+         *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCYLINDRICAL\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n{}{}",
+        friction(1),
+        friction(4)
+    );
+    let found = errors(&audited("errors-laws", &deck, "", &[]));
+    let places: Vec<(&str, u32)> = found.iter().map(|(code, line, _)| (*code, *line)).collect();
+    assert_eq!(places, [("deck::number-out-of-range", 12), ("deck::number-out-of-range", 18)]);
+}
+
+/// Nodes out of the plane are told each by itself, constraints that a solver does not have too.
+#[test]
+fn every_error_beside_the_behaviour_is_told() {
+    let deck =
+        "*NODE\n1,0,0,1\n2,1,0,2\n*ELEMENT,TYPE=CONN2D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E\nHINGE\n";
+    let found = errors(&audited("errors-plane", deck, "", &[]));
+    let of = |code: &str| {
+        found.iter().filter(|(of, ..)| *of == code).map(|(_, line, _)| *line).collect::<Vec<_>>()
+    };
+    assert_eq!(of("rule::out-of-plane"), [2, 3], "{found:?}");
+    assert_eq!(
+        of("rule::not-in-two-dimensions").len() + of("rule::orientation-required").len(),
+        found.len() - 2
+    );
+    let deck = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,0,0\n4,5,0,0\n5,6,0,0\n6,6,0,0\n*MPC\nREVOLUTE,1,2,3\nREVOLUTE,4,5,6\n\
+                *STEP\n*DYNAMIC,EXPLICIT\n,1.\n*END STEP\n";
+    let found = errors(&audited("errors-explicit", deck, "", &[]));
+    let lines: Vec<u32> = found.iter().map(|(_, line, _)| *line).collect();
+    assert_eq!(lines, [9, 10], "{found:?}");
+}
+
+/// A friction may vanish at rest, and test data may end in no friction.
+#[test]
+fn frictions_that_begin_or_end_with_none_are_told() {
+    let deck = |law: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nTRANSLATOR\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n\
+             *CONNECTOR FRICTION,PREDEFINED\n0.05,0.1,1.\n{law}"
+        )
+    };
+    let told = |name: &str, law: &str| -> Vec<String> {
+        let report = audited(&format!("vanishing-{name}"), &deck(law), "", &[]);
+        of(&report, Code::ModelFrictionVanishes).iter().map(|finding| finding.message().to_string()).collect()
+    };
+    let [rest, fast, never] =
+        ["no friction at rest", "vanishes the faster it slips", "is zero: there is no friction"];
+    for (name, law, words) in [
+        ("rest", "*FRICTION,EXPONENTIAL DECAY\n0.,0.2,3.\n", vec![rest]),
+        ("rest-undecayed", "*FRICTION,EXPONENTIAL DECAY\n0.,0.2,0.\n", vec![never]),
+        ("fast", "*FRICTION,EXPONENTIAL DECAY\n0.2,0.,3.\n", vec![fast]),
+        ("fast-undecayed", "*FRICTION,EXPONENTIAL DECAY\n0.2,0.,0.\n", vec![]),
+        ("both", "*FRICTION,EXPONENTIAL DECAY\n0.,0.,3.\n", vec![never]),
+        ("data-fast", "*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.3,0.\n0.1,1.\n0.,100.\n", vec![fast]),
+        ("data-rest", "*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.,0.\n0.1,1.\n0.3,100.\n", vec![rest]),
+        ("data", "*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.3,0.\n0.2,1.\n0.1,100.\n", vec![]),
+        // 95 % of the fall at the second point: to nothing.
+        ("data-open", "*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.3,0.\n0.015,1.\n", vec![fast]),
+        ("table", "*FRICTION\n0.,0.\n0.2,1.\n0.,2.\n", vec![fast, rest]),
+        ("table-rest", "*FRICTION\n0.,0.\n0.2,1.\n", vec![rest]),
+        ("table-plain", "*FRICTION\n0.1,0.\n0.,1.\n0.2,2.\n", vec![]),
+        ("table-zero", "*FRICTION\n0.,0.\n0.,1.\n", vec![never]),
+    ] {
+        let found = told(name, law);
+        assert!(
+            found.len() == words.len()
+                && found.iter().zip(&words).all(|(found, words)| found.contains(words)),
+            "{name}: {found:?}, not {words:?}"
+        );
+    }
+}
+
+/// Of two frictions of a behaviour each is told.
+#[test]
+fn each_friction_without_effect_is_told() {
+    let friction = |component: u8| format!("*CONNECTOR FRICTION,COMPONENT={component}\n,5.\n*FRICTION\n0.\n");
+    let deck = format!(
+        "*NODE\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+         *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCYLINDRICAL\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n{}{}",
+        friction(1),
+        friction(4)
+    );
+    let report = audited("each-friction", &deck, "", &[]);
+    let lines: Vec<_> =
+        of(&report, Code::ModelFrictionVanishes).iter().map(|finding| finding.line()).collect();
+    assert_eq!(lines, [Some(12), Some(16)]);
+}
+
+/// What is placed on its stop does not lie beyond it for rounding, in any frame and at any distance from the origin; what lies beyond by less than the digits
+/// of the numbers is a note.
+#[test]
+fn what_lies_on_its_stop_is_not_beyond() {
+    let deck = |a: &str, b: &str, orientation: &str, limits: &str| {
+        format!(
+            "*NODE\n1,{a}\n2,{b}\n*ORIENTATION,NAME=O\n{orientation}\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nSLOT\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR STOP,COMPONENT=1\n{limits}\n\
+             *CONNECTOR LOCK,COMPONENT=1,LOCK=1\n{limits}\n"
+        )
+    };
+    let along = "1,0,0,0,1,0";
+    let oblique = "1,1,0,-1,1,0";
+    for (name, deck, severity) in [
+        ("rounded", deck("0.5,0,0", "0.6,0,0", along, "0.1,0.1"), None),
+        ("far", deck("1000000.1,0,0", "1000000.4,0,0", along, "0.3,0.3"), None),
+        ("minus", deck("0.7,0,0", "0.4,0,0", along, "-0.3,-0.3"), None),
+        // 8.9e-16 beyond is 8 roundings: of no coordinate.
+        ("beyond", deck("0,0,0", "0.5,0,0", along, "0.1,0.499999999999999"), Some(Severity::Warning)),
+        (
+            "beyond-far",
+            deck("1000000.1,0,0", "1000000.4,0,0", along, "0.1,0.2999999"),
+            Some(Severity::Warning),
+        ),
+        // √½ to six decimals, along the diagonal; and to 16.
+        (
+            "digits",
+            deck("0.353553,0.353553,0", "0.707107,0.707107,0", oblique, "0.2,0.5"),
+            Some(Severity::Note),
+        ),
+        (
+            "exact",
+            deck(
+                "0.35355339059327379,0.35355339059327379,0",
+                "0.70710678118654757,0.70710678118654757,0",
+                oblique,
+                "0.5,0.5",
+            ),
+            None,
+        ),
+        // The limit is written with as many digits as it has.
+        ("limit", deck("0,0,0", "0.66666666666666663,0,0", along, "0.66667,0.9"), Some(Severity::Note)),
+        ("nominal", deck("0,0,0", "0.51,0,0", along, "0.1,0.5"), Some(Severity::Warning)),
+    ] {
+        let report = audited(&format!("stop-{name}"), &deck, "", &[]);
+        for code in [Code::ModelStopViolated, Code::ModelLockMet] {
+            let found: Vec<Severity> = of(&report, code).iter().map(|finding| finding.severity()).collect();
+            assert_eq!(found, Vec::from_iter(severity), "{name} {code}");
+        }
+        let said = |finding: &&Finding| finding.message().contains("digits of the coordinates");
+        let is_open = of(&report, Code::ModelStopViolated).iter().any(said);
+        assert_eq!(is_open, severity == Some(Severity::Note), "{name}");
+    }
+    // A state that carries it to the stop.
+    let states = "state,node,u1\n0,1,0.1\n0,2,0.3\n";
+    let at = |limits: &str| {
+        let report = audited("stop-state", &deck("0,0,0", "0.1,0,0", along, limits), states, &[]);
+        of(&report, Code::ModelStopViolated).len()
+    };
+    assert_eq!([at("0,0.3"), at("0,0.299999999")], [0, 1]);
+}
+
+/// A stop is told at its own data line, whatever else the behaviour has, and each of several.
+#[test]
+fn stops_are_told_at_their_own_lines() {
+    let deck = "*NODE\n1,0,0,0\n2,1,2,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCARTESIAN\n\
+                *CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR ELASTICITY,COMPONENT=1\n5.\n*CONNECTOR STOP,COMPONENT=1\n-0.5,0.5\n\
+                *CONNECTOR DAMPING,COMPONENT=1\n1.\n** a comment\n*CONNECTOR STOP,COMPONENT=2\n** another\n-1,1\n*BOUNDARY\n1,1,6\n";
+    let report = audited("stop-lines", deck, "", &[]);
+    let lines: Vec<Option<u32>> =
+        of(&report, Code::ModelStopViolated).iter().map(|finding| finding.line()).collect();
+    assert_eq!(lines, [Some(12), Some(18)]);
+}
+
+/// What states move of what boundary conditions of their step hold is told once for the step, of the worst.
+#[test]
+fn held_nodes_that_move_are_told() {
+    let deck = "*NODE,NSET=ALL\n1,0,0,0\n2,0,0,0\n3,1,0,0\n4,1,0,0\n*ORIENTATION,NAME=O\n0,0,1,1,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,3,4\n\
+                *CONNECTOR SECTION,ELSET=E\nHINGE\nO,\n*NSET,NSET=H\n1,3\n*BOUNDARY\nH,1,6\n*STEP\n*STATIC\n1.,1.\n*END STEP\n\
+                *STEP\n*STATIC\n1.,1.\n*BOUNDARY,OP=NEW\n1,1,6\n*END STEP\n";
+    let told = |name: &str, states: &str| -> Vec<(Option<u32>, String)> {
+        let report = audited(&format!("moves-{name}"), deck, states, &[]);
+        let one = |finding: &&Finding| (finding.line(), finding.message().to_string());
+        of(&report, Code::ModelHeldNodeMoves).iter().map(one).collect()
+    };
+    let found =
+        told("both", "state,time,node,u1,ur3\n0,0,1,0.5,0\n0,0,3,0,0.25\n1,0.5,1,0.75,0\n1,0.5,2,9,0\n");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].0, Some(17));
+    assert!(
+        found[0].1.starts_with(
+            "state 1 moves node 1 by 7.500e-1 in degree of freedom 1, which a boundary condition holds"
+        ) && found[0].1.ends_with("(and so on for 1 other node and 1 other state)"),
+        "{found:?}"
+    );
+    let found = told("turned", "state,time,node,u1,ur3\n0,0,3,0,0.25\n");
+    assert!(
+        found.len() == 1 && found[0].1.contains("turns node 3 by 2.500e-1 rad in degree of freedom 6"),
+        "{found:?}"
+    );
+    // In the second step node 3 is free, and node 1 is held by another line.
+    assert_eq!(told("free", "state,time,node,u1,ur3\n0,1.5,3,0.25,0\n"), []);
+    assert_eq!(told("again", "state,time,node,u1,ur3\n0,1.5,1,0.25,0\n")[0].0, Some(26));
+    // What solvers leave is none.
+    assert_eq!(told("left", "state,time,node,u1,ur3\n0,0,1,1e-5,0\n0,0,3,0,1e-5\n"), []);
+}

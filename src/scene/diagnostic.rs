@@ -242,8 +242,9 @@ codes! {
     ModelPathDependent = "model::path-dependent": "The value of a component depends on the path between two states, which they do not tell. A warning.";
     ModelStateNotFinite = "model::not-finite": "A number at a given state is infinite or not a number, or coordinates are so large that the squares of distances overflow. A warning.";
     ModelConstraintViolated = "model::constraint-violated": "A given state does not satisfy a constraint of the model. A warning.";
-    ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially, or at the first state given. A warning.";
-    ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially. A warning.";
+    ModelHeldNodeMoves = "model::held-node-moves": "A given state moves a node in a degree of freedom that a boundary condition of its step holds, by more than 1e-4 rad, or 1e-4 of the mean length of the connectors: it is none that the model can come to. A warning.";
+    ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially, or at the first state given, by more than the rounding of coordinates explains. A warning; a note where the digits of coordinates and of the limit leave open whether it does.";
+    ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially, by more than the rounding of coordinates explains. A warning; a note where the digits of coordinates and of the limit leave open whether it is.";
     ModelEntriesIgnored = "model::entries-ignored": "A coupled elasticity or damping has entries that are not zero for components that are not available, constrained ones say: they do nothing. A warning.";
     ModelLimitUnreachable = "model::limit-unreachable": "A lock or failure is triggered by nothing but the position of a constrained component, which stays within the limits: it never acts. A warning.";
     ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes, at rest or in fast slip; a belt wraps no angle; or what presses has no force, or one that its table makes zero. A warning.";

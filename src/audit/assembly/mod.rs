@@ -48,7 +48,7 @@
 
 mod contract;
 mod dense;
-mod digits;
+pub(super) mod digits;
 mod echelon;
 mod eliminate;
 pub(super) mod findings;
@@ -65,7 +65,7 @@ mod order;
 mod redundant;
 mod second;
 mod sparse;
-mod steps;
+pub(super) mod steps;
 pub(super) mod still;
 mod system;
 #[cfg(test)]

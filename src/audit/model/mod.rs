@@ -11,17 +11,21 @@
 //! | `geometry` | are the directions and lengths what they look like? |
 //! | `along` | what happens along the given states? |
 //! | `behavior` | does what is attached to components act? |
+//! | `certainty` | how certain is a position? |
+//! | `held` | do the states move what boundary conditions hold? |
 //! | `pressing` | which contact forces are always zero? |
 //! | `coverage` | which connectors and types did the states exercise? |
 //! | `duplicates` | is something there twice? |
 
 mod along;
 mod behavior;
+mod certainty;
 mod coverage;
 mod duplicates;
 mod finding;
 mod gather;
 mod geometry;
+mod held;
 mod levels;
 mod pressing;
 mod rules;
@@ -107,6 +111,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         }
     });
     findings.extend(along);
+    findings.extend(held::findings(scene, states, model.length));
     let mut steps = Vec::new();
     if !is_refused {
         match assembly::analyse_steps(scene, &model, states) {

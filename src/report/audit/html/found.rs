@@ -2,7 +2,7 @@
 
 use super::figure;
 use super::figure::{Bin, Map};
-use super::prose::{grouped, sentence};
+use super::prose::{grouped, grouped_signed, sentence};
 use crate::audit::Report;
 use crate::audit::assembly::Assembly;
 use crate::audit::coverage::Histogram;
@@ -91,7 +91,7 @@ pub(super) fn assembly(found: &Assembly, is_of_many: bool) -> AssemblySection {
         ("held by boundary conditions", grouped(found.held as u64)),
         ("constraints", grouped(found.constraints as u64)),
         ("drives", grouped(found.drives as u64)),
-        ("mobility by Grübler", found.gruebler.to_string()),
+        ("mobility by Grübler", grouped_signed(found.gruebler)),
     ];
     let known =
         |number: Option<usize>| number.map_or_else(|| "not known".into(), |number| grouped(number as u64));
