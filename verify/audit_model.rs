@@ -262,8 +262,14 @@ fn coverage_asks_for_nothing_that_is_held() {
     let ties = "*MPC\nBEAM,2,1\nTIE,3,2\n";
     let slides = beam.clone() + &connector(2, "3,2", "TRANSLATOR\nO,");
     let hinge = beam + &connector(2, "2,3", "HINGE\nO,");
+    // A failure may release what held the node.
+    let fails = connector(2, "2,3", "HINGE\nO,")
+        .replace("*CONNECTOR SECTION,ELSET=E2", "*CONNECTOR SECTION,ELSET=E2,BEHAVIOR=B");
+    let failure = "*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR FAILURE,COMPONENT=1,RELEASE=ALL\n,,,5.\n";
+    let fails = connector(1, "1,2", "BEAM") + &fails + failure;
     for (name, between, held, wanted) in [
-        ("free", welds.as_str(), "1,1,3", &[one][..]),
+        ("may-fail", format!("{fails}*CONNECTOR MOTION\n2,4\n").as_str(), "1,1,6", &[one][..]),
+        ("free", welds.as_str(), "1,1,3", &[one]),
         ("beams", &welds, "1,1,6", &[]),
         ("rotations", &welds, "1,4,6", &[]),
         ("two-of-three", &welds, "1,5,6", &[one]),
@@ -290,6 +296,19 @@ fn coverage_asks_for_nothing_that_is_held() {
     let rest = "state,node,u1,ur3\n1,4,0,0\n";
     assert!(told("both", &held, rest).is_empty());
     assert_eq!(told("one", &deck("", "3,1,6\n4,1,5"), still), [Code::CoverageIdentity.as_str()]);
+    // In the plane a node has fewer degrees of freedom, and a connector fewer components.
+    let planar = |what: &str, held: &str| {
+        format!(
+            "*NODE\n1,0,0\n2,1,0\n3,2,0\n*ELEMENT,TYPE=CONN2D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E\n{what}\n\
+             *ELEMENT,TYPE=CONN2D2,ELSET=F\n2,2,3\n*CONNECTOR SECTION,ELSET=F\nJOIN,ROTATION\n*BOUNDARY\n{held}\n"
+        )
+    };
+    for (what, held, is_told) in
+        [("WELD", "1,1,2\n1,6", false), ("WELD", "1,1,2", true), ("JOIN,ROTATION", "1,1,2\n1,6", true)]
+    {
+        let found = told("planar", &planar(what, held), "state,node,ur3\n1,3,1.0\n");
+        assert_eq!(found.contains(&one), is_told, "{what} {held}: {found:?}");
+    }
     // States that move what is held all the same are there to exercise the connector.
     assert_eq!(told("moved", &held, still), [Code::CoverageIdentity.as_str()]);
     assert!(told("turned", &held, turned).is_empty());

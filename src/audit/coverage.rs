@@ -232,6 +232,11 @@ impl Sample {
 }
 
 impl Exercise {
+    /// Whether there was no state of a connector.
+    pub fn is_empty(&self) -> bool {
+        self.samples + self.standing == 0
+    }
+
     /// Counts a sample.
     pub fn add(&mut self, sample: &Sample) {
         let turned = |angle: Option<f64>| angle.is_some_and(|angle| angle > TURNED);

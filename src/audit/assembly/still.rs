@@ -5,6 +5,7 @@
 
 use super::steps::differing;
 use super::system::{Prescribed, Role};
+use crate::catalog::PLANE;
 use crate::evaluate::{ConnectorElement, Fixed, Freedom, Jacobian, Model, Plan};
 use crate::mpc::{Entry, Translation};
 use crate::scene::{Diagnostic, Label, Scene};
@@ -77,8 +78,14 @@ fn held(
         let motion = |step: &Prescribed| step.motions.get(&(element.label, k)) == Some(&Role::Held);
         element.connector.is_constrained(k) || steps.iter().all(motion)
     };
+    let of_node = |node: &Label| freedoms.get(node).into_iter().flatten();
+    // In the plane there are fewer components; a node that a spatial element moves too may leave it.
+    let is_in_plane = |node: &Label| of_node(node).all(|freedom| in_plane(freedom.number));
     let components = if what == What::All { 0..6 } else { 3..6 };
-    let fixes = |element: &&ConnectorElement| components.clone().all(|k| holds(element, k));
+    let fixes = |element: &&ConnectorElement| {
+        let lies = element.is_planar() && element.nodes.iter().flatten().all(is_in_plane);
+        components.clone().filter(|k| !lies || PLANE[*k]).all(|k| holds(element, k))
+    };
     let ties = |entry: &Entry| {
         let is_carried = matches!(entry.translation, Translation::Equal | Translation::Carried);
         entry.hinges == Some(0) && (what == What::Rotations || is_carried)
@@ -100,7 +107,6 @@ fn held(
             join(*s, *m);
         }
     }
-    let of_node = |node: &Label| freedoms.get(node).into_iter().flatten();
     let is_fixed = |node: &&Label| of_node(node).filter(|one| is_asked(one)).all(is_held);
     waiting.extend(freedoms.keys().filter(is_fixed));
     let mut found = HashSet::new();
@@ -112,4 +118,9 @@ fn held(
         waiting.extend(beside.get(&node).into_iter().flatten());
     }
     found
+}
+
+/// Whether a degree of freedom is none that leads out of the plane.
+fn in_plane(number: u8) -> bool {
+    PLANE.get(usize::from(number).wrapping_sub(1)).is_none_or(|is| *is)
 }

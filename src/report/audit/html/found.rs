@@ -123,7 +123,7 @@ pub(super) fn assembly(found: &Assembly, is_of_many: bool) -> AssemblySection {
 /// Which region of configuration space the states of a scene exercised; nothing where there were no samples.
 pub(super) fn coverage(found: &ModelReport) -> Option<CoverageSection> {
     let coverage = &found.coverage;
-    if coverage.exercise.samples == 0 {
+    if coverage.exercise.is_empty() {
         return None;
     }
     let all = [
@@ -138,12 +138,16 @@ pub(super) fn coverage(found: &ModelReport) -> Option<CoverageSection> {
         scene: found.scene.clone(),
         summary: format!(
             "{}, every connector at each state{}: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
-             away from the initial state in {}.{}",
+             away from the initial state in {}.{}{}",
             count(coverage.exercise.samples, "sample"),
             if found.drawn { ", drawn about the initial one, for the scene gives none" } else { "" },
             of(coverage.exercise.both_turned, coverage.exercise.could_turn_both),
             of(coverage.exercise.deformed, coverage.exercise.could_deform),
             of(coverage.exercise.away, coverage.exercise.samples),
+            match coverage.exercise.standing {
+                0 => String::new(),
+                standing => format!(" Besides, {} of connectors whose nodes stand still.", grouped(standing)),
+            },
             found
                 .nearest
                 .as_ref()
