@@ -3,12 +3,15 @@
 //! A program of its own, so that it can have its best build whatever the build of pintle costs: its functions are compiled with their
 //! caller, and `scripts/measure.py` compiles this in one unit and for the processor at hand,
 //! `cargo rustc --profile bench --all-features --bench num_dual -- -C codegen-units=1 -C target-cpu=native`. In the sixteen units of the profile they are
-//! called instead of inlined, and take five times as long.
+//! called instead of inlined, and take five times as long. The script has these settings compiled in besides (`PINTLE_BENCH_BUILD`); the program answers
+//! `--build` with them, and the script takes none that does not.
 //!
 //! It takes part in what the script measures, as the peers in Python do: with `--peers FILE` on the states that `benches/peers.rs` exports, with
 //! `--precision` on those of `benches/work_precision.rs`. Without either it prints one round of the latter.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
+#[path = "hand/commit.rs"]
+mod commit;
 mod hand {
     pub(crate) mod clock;
     pub(crate) mod common;
@@ -25,7 +28,7 @@ use hand::types::TYPES;
 use hand::{naive, over_lanes};
 use num_dual::{Dual2SVec, DualSVec};
 use pintle::batch::{COLUMNS, LANES};
-use pintle::bench::{Cause, Method, Order, Prepared, Report, Rows, Session, Subject, Tiles};
+use pintle::bench::{Cause, Method, Order, Prepared, Report, Rows, Session, Subject, Tiles, worse};
 use pintle::catalog::ConnectionType;
 use pintle::node::DOFS;
 use pintle::report::bench as report;
@@ -203,7 +206,7 @@ impl Peers {
                     let scale = exact.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
                     let entries = columns.iter().zip(exact).map(|(x, y)| (x - y).abs() / scale);
                     for error in entries.chain([(value - known).abs() / scale.max(known.abs())]) {
-                        worst = worst.max(if error.is_nan() { f64::INFINITY } else { error });
+                        worst = worse(worst, error);
                     }
                 });
             }
@@ -248,7 +251,14 @@ fn spread_matrix(matrix: &[[f64; 12]; 12]) -> [f64; DOFS * DOFS] {
 }
 
 fn main() {
+    if commit::is_told() {
+        return;
+    }
     let words: Vec<String> = std::env::args().collect();
+    if words.iter().any(|word| word == "--build") {
+        println!("{}", option_env!("PINTLE_BENCH_BUILD").unwrap_or("none"));
+        return;
+    }
     if let Some(at) = words.iter().position(|word| word == "--peers") {
         let peers = Peers::read(&words[at + 1]);
         serve(&json!({ "errors": peers.errors(), "versions": {} }), || peers.round());
@@ -262,7 +272,7 @@ fn main() {
     let methods = Order::ALL.map(NumDual);
     let methods: Vec<&dyn Method> =
         methods.iter().map(|method| method as &dyn Method).chain([&OverLanes as &dyn Method]).collect();
-    let mut session = Session::new(&settings, &subjects, &methods).unwrap();
+    let mut session = Session::new(&settings, &subjects, &methods);
     if words.iter().any(|word| word == "--precision") {
         found.take(&session);
         serve(&untimed(&found), || json!(session.round()));

@@ -5,6 +5,8 @@
 //! for each line that it reads, for the script, which takes the rounds of all in turn.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
+#[path = "hand/commit.rs"]
+mod commit;
 mod hand {
     pub(crate) mod clock;
     pub(crate) mod peer;
@@ -17,6 +19,7 @@ use hand::types::TYPES;
 use pintle::audit::case::exact_state;
 use pintle::audit::sample::Draw;
 use pintle::batch::{Batch, History, Row, Section, Tile};
+use pintle::bench::worse;
 use pintle::catalog::ConnectionType;
 use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle::node::{DOFS, Node, Pair};
@@ -93,10 +96,9 @@ impl Case {
             for (r, (value, columns)) in rows.iter().enumerate() {
                 let (found, row) = of(i, r);
                 let scale = columns.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-                worst = worst.max((found - value).abs() / scale.max(value.abs()));
+                worst = worse(worst, (found - value).abs() / scale.max(value.abs()));
                 for (x, y) in row.iter().zip(columns) {
-                    let error = (x - y).abs() / scale;
-                    worst = worst.max(if error.is_nan() { f64::INFINITY } else { error });
+                    worst = worse(worst, (x - y).abs() / scale);
                 }
             }
         }
@@ -321,6 +323,9 @@ fn by_variant(of: [Map<String, Value>; 3]) -> Value {
 }
 
 fn main() {
+    if commit::is_told() {
+        return;
+    }
     let words: Vec<String> = std::env::args().collect();
     let bench = Bench::new();
     if let Some(at) = words.iter().position(|word| word == "--export") {

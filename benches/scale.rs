@@ -7,6 +7,8 @@
 
 #[path = "../verify/scale/chain.rs"]
 mod chain;
+#[path = "hand/commit.rs"]
+mod commit;
 
 use peak_alloc::PeakAlloc;
 use pintle::catalog::Orientation;
@@ -212,6 +214,9 @@ fn measure(connectors: usize) -> Meter {
 type Cell = fn(&Cost, f64) -> String;
 
 fn main() {
+    if commit::is_told() {
+        return;
+    }
     let most: usize = std::env::args().filter_map(|word| word.parse().ok()).next().unwrap_or(1_000_000);
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
     let sizes: Vec<usize> = [1, 100, 1000, 10_000, 100_000, 1_000_000]

@@ -6,6 +6,8 @@
 
 #[path = "../verify/scale/chain.rs"]
 mod chain;
+#[path = "hand/commit.rs"]
+mod commit;
 
 use pintle::connector::{Output, Request};
 use pintle::evaluate::{Fixed, Item, Jacobian, Model, Plan, Selection, Sequence};
@@ -128,6 +130,9 @@ fn compare(phase: &str, pools: &[ThreadPool], states: &[State], mut walks: Vec<W
 }
 
 fn main() {
+    if commit::is_told() {
+        return;
+    }
     let (scene, constrained) = (scene(""), scene(&constraints()));
     let [model, constrained] = [&scene, &constrained].map(|scene| Model::compile(scene).unwrap());
     let request = Request::new(&OUTPUTS, [true; 6], 1);

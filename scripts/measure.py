@@ -1,13 +1,17 @@
 """Measures speed and rewrites the tables in README.md and docs/ that tell it.
 
-Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 8] [--quick] [--core N] [--python VENV/bin/python] [--built FOLDER]
+Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 8] [--quick] [--core N] [--python VENV/bin/python]
+                                  [--built FOLDER [--built-best FOLDER]]
        python3 scripts/measure.py --check
 
 Without a block, all of them. A block is the text between <!-- measured: NAME --> and <!-- end: NAME -->. What is compared is
 measured in rounds that take turns, on one core, and of each the least time counts, so that a busy machine disturbs all alike; every
 participant compares its numbers with the truth before it is timed. --check only verifies that the marks in the documents and the blocks here
-are the same, and that each block tells when it was measured and of which commit. --built takes the programs from a folder as cargo leaves
-them, target/release say, and builds none; they must be of the sources that are checked out. Needs gcc, valgrind and, for the first time, a network: the peers are installed under target/peers.
+are the same, and that each block tells when it was measured, on what and of which one commit. --built takes the programs from a folder as
+cargo leaves them, target/release say; each tells the commit that it was built from, which is what is written, and must be of the sources that
+are checked out. What has a better build than they (num-dual: one unit, for this processor) never comes from there: cargo builds it here, or
+has built it in the folder of --built-best by the command that is told where it is not there. Needs gcc, valgrind and, for the first time, a
+network: the peers are installed under target/peers.
 """
 
 import argparse
@@ -66,9 +70,9 @@ def flags():
     return "/".join(flag.upper() for flag in known if re.search(rf"\b{flag}\b", text))
 
 
-def conditions(versions, rounds, loads):
+def conditions(versions, rounds, loads, of_commit):
     load = f"load {min(loads):.1f} to {max(loads):.1f} on {os.cpu_count()} cores"
-    versions = {**versions, "pintle": commit()}
+    versions = {**versions, "pintle": of_commit}
     named = ", ".join(f"{name} {version}" for name, version in sorted(versions.items(), key=lambda item: item[0].lower()))
     return (
         f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), one core of {os.cpu_count()}, {load}; "
@@ -76,16 +80,58 @@ def conditions(versions, rounds, loads):
     )
 
 
-def commit():
-    """What is measured: the commit, and whether sources differ from it."""
-    name = run("git", "rev-parse", "--short=10", "HEAD").strip()
-    changed = run("git", "status", "--porcelain", "--untracked-files=no", "--", "Cargo.toml", "Cargo.lock", "build.rs", "src", "benches", "scripts")
-    return f"{name} with changes" if changed else name
+# What a measurement depends on.
+SOURCES = ("Cargo.toml", "Cargo.lock", "build.rs", "src", "benches", "decks", "examples", "scripts", "verify/scale/chain.rs")
 
 
-def stamp(of=None):
+def commit(*programs):
+    """What is measured: the one commit that all programs were built from, as they tell it themselves; and whether the sources that are checked
+    out differ from it, which those of programs that were built before must not."""
+    told = {program: told_commit(program) for program in programs}
+    if len(set(told.values())) != 1:
+        lines = "\n".join(f"  {name}: {program}" for program, name in told.items())
+        raise SystemExit(f"the programs were built from more than one commit, or do not tell it:\n{lines}")
+    program, name = next(iter(told.items()))
+    found = re.fullmatch(r"([0-9a-f]{10,40})(, with changes)?", name)
+    if not found:
+        raise SystemExit(f"{program} tells no commit: it is older than this script, or no release build of a repository")
+    of_commit, has_changes = found.groups()
+    differs = differ_from(of_commit)
+    if BUILT and (differs or has_changes):
+        raise SystemExit(f"{program} was built from {name}, and what is checked out are others, {checked_out()}: build it from them")
+    return f"{of_commit} with changes" if differs or has_changes else of_commit
+
+
+def differ_from(of_commit):
+    """Whether the sources that are checked out differ from those of a commit; those of one that git does not know do."""
+    return subprocess.run(("git", "diff", "--quiet", of_commit, "--", *SOURCES), cwd=ROOT, stderr=subprocess.DEVNULL).returncode != 0
+
+
+def checked_out():
+    """The commit that is checked out, and whether sources differ from it."""
+    name = run("git", "rev-parse", "--short=12", "HEAD").strip()
+    return f"{name} with changes" if differ_from(name) else name
+
+
+def told_commit(program):
+    """What a program says of its commit: pintle by --version, all others by --commit."""
+    if pathlib.Path(program).name == "pintle":
+        found = re.search(r"^commit: (.*)$", run(program, "--version"), re.MULTILINE)
+        return found[1] if found else "none"
+    return answer(program, "--commit")
+
+
+def answer(program, question):
+    """What a program answers at once; `none` of one that does not know the question."""
+    try:
+        return run(program, question, timeout=20, stderr=subprocess.DEVNULL).strip()
+    except (subprocess.SubprocessError, OSError):
+        return "none"
+
+
+def stamp(of_commit):
     """When, on what and of which commit."""
-    return f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), pintle {of or commit()}"
+    return f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), pintle {of_commit}"
 
 
 # Programs
@@ -93,24 +139,37 @@ def stamp(of=None):
 # num-dual's functions are compiled with the program that calls them. In one unit they are inlined, as in the best build of a user; in the
 # sixteen of the profile they are called, and take five times as long. That program is nothing else, and compiled for this processor.
 BEST = {"num_dual": ("-C", "codegen-units=1", "-C", "target-cpu=native")}
+# With such a build this variable holds its settings, which the program answers to --build.
+SETTINGS = "PINTLE_BENCH_BUILD"
+
+# Where programs are taken from instead of being built: --built, and those with a better build --built-best.
+BUILT, BUILT_BEST = None, None
 
 
-# Where programs are taken from instead of being built: --built.
-BUILT = None
-
-
-def built(name, place):
-    """The newest program in the folder of what is built that the pattern of a place finds."""
-    found = [path for path in BUILT.glob(place) if path.is_file() and not path.suffix and os.access(path, os.X_OK)]
+def built(folder, name, place):
+    """The newest program in a folder of what is built that the pattern of a place finds."""
+    found = [path for path in folder.glob(place) if path.is_file() and not path.suffix and os.access(path, os.X_OK)]
     if not found:
-        raise SystemExit(f"{BUILT} has no program {name}: it would be {place}")
+        raise SystemExit(f"{folder} has no program {name}: it would be {place}")
     return str(max(found, key=lambda path: path.stat().st_mtime))
+
+
+def of_best_build(bench, program):
+    """The program, which must have the settings that are told of it: with others it looks slower than it is."""
+    wanted = " ".join(BEST[bench])
+    if answer(program, "--build") == wanted:
+        return program
+    raise SystemExit(
+        f"{program} was not built with {wanted}, and would look slower than it is. It is built here without --built-best; or by\n"
+        f"{SETTINGS}='{wanted}' cargo rustc --profile bench --all-features --bench {bench} --target-dir FOLDER -- {wanted}\n"
+        "where --built-best FOLDER/release finds it"
+    )
 
 
 def command():
     """Builds pintle; its program."""
     if BUILT:
-        return built("pintle", "pintle")
+        return built(BUILT, "pintle", "pintle")
     say("pintle: cargo builds it, where that is still to be done")
     messages = run("cargo", "build", "--release", "--all-features", "--bin", "pintle", "--message-format=json")
     artifacts = [message for message in map(json.loads, messages.splitlines()) if message["reason"] == "compiler-artifact"]
@@ -118,13 +177,19 @@ def command():
 
 
 def executable(bench):
-    """Builds a bench; its program."""
-    if BUILT:
-        return built(bench, f"deps/{bench}-*")
+    """Builds a bench; its program. One with a better build is never taken from among the others."""
+    place, is_best = f"deps/{bench}-*", bench in BEST
+    if is_best:
+        return of_best_build(bench, built(BUILT_BEST, bench, place) if BUILT_BEST else compiled(bench, BEST[bench]))
+    return built(BUILT, bench, place) if BUILT else compiled(bench)
+
+
+def compiled(bench, settings=()):
+    """The program of a bench as cargo builds it."""
     say(f"{bench}: cargo builds it, where that is still to be done")
-    flags = ("--", *BEST[bench]) if bench in BEST else ()
     target = ("--profile", "bench", "--all-features", "--bench", bench)
-    messages = run("cargo", "rustc", *target, "--message-format=json", *flags)
+    environment = {**os.environ, SETTINGS: " ".join(settings)} if settings else None
+    messages = run("cargo", "rustc", *target, "--message-format=json", "--", *settings, env=environment)
     for message in map(json.loads, messages.splitlines()):
         if message["reason"] == "compiler-artifact" and message["target"]["name"] == bench and message["executable"]:
             return message["executable"]
@@ -192,6 +257,7 @@ def peers(arguments):
     WORK.mkdir(parents=True, exist_ok=True)
     python = arguments.python or python_of_peers()
     program, num_dual, states = executable("peers"), executable("num_dual"), WORK / "states.json"
+    of_commit = commit(program, num_dual)
     run(program, "--export", states)
     folder = ROOT / "scripts" / "peers"
     participants = [
@@ -225,9 +291,9 @@ def peers(arguments):
     for peer in participants:
         peer.end()
     (WORK / "rounds.json").write_text(json.dumps({"rounds": per_round, "errors": errors, "loads": loads}))
-    told = conditions(versions, arguments.rounds, loads)
+    told = conditions(versions, arguments.rounds, loads, of_commit)
     blocks = peer_tables(least, per_round, errors)
-    return {"peers": f"{told}\n\n{blocks}", "peers-summary": summary(least, errors, told)}
+    return {"peers": f"{told}\n\n{blocks}", "peers-summary": summary(least, errors, of_commit)}
 
 
 def locked(crate):
@@ -291,7 +357,7 @@ def peer_tables(least, per_round, errors):
     return f"{times}\n\n{ratios}\n\n{accuracy}"
 
 
-def summary(least, errors, told):
+def summary(least, errors, of_commit):
     names = list(errors[OURS])
     parts = []
     for variant, label in (
@@ -304,7 +370,7 @@ def summary(least, errors, told):
     worst = max(errors[OURS].values())
     return (
         f"Values and Jacobians of a batch of 4096, geometric means of five types, on one core: the speed of {', '.join(parts)},\n"
-        f"to within {worst:.0e} of the largest entry of a row ({told.partition(',')[0]}; [docs/performance.md](docs/performance.md))."
+        f"to within {worst:.0e} of the largest entry of a row at the thousand states that are timed\n({stamp(of_commit)}; [docs/performance.md](docs/performance.md))."
     )
 
 
@@ -313,6 +379,7 @@ def work_precision(arguments):
     WORK.mkdir(parents=True, exist_ok=True)
     python = arguments.python or python_of_peers()
     program, num_dual = executable("work_precision"), executable("num_dual")
+    of_commit = commit(program, num_dual)
     states, merged = WORK / "precision.json", WORK / "points.json"
     say("work-precision: states and their truth on 237 bits")
     run(program, "--export", states)
@@ -349,7 +416,7 @@ def work_precision(arguments):
     text = run(program, "--draw", merged, folder).rstrip()
     named = ", ".join(f"{name} {version}" for name, version in versions.items())
     return {
-        "work-precision": f"{text}\n\nMeasured of commit {commit()}, beside {named}. JAX: `jit(vmap(…))`, the same states in the same batches; CasADi:"
+        "work-precision": f"{text}\n\nMeasured of commit {of_commit}, beside {named}. JAX: `jit(vmap(…))`, the same states in the same batches; CasADi:"
         " C generated for twelve derivatives, `gcc -O3 -march=native`, one state after the other."
     }
 
@@ -358,8 +425,8 @@ def say(text):
     print(f"{datetime.datetime.now():%H:%M:%S} {text}", file=sys.stderr, flush=True)
 
 
-def printed(bench, is_pinned=True):
-    """What a bench prints, which interleaves and checks by itself; that of stress draws its figure too.
+def printed(bench, *words, is_pinned=True):
+    """What a bench prints, which interleaves and checks by itself; `words` are what it is told.
 
     It runs on one core, unless it takes all threads.
     """
@@ -367,37 +434,39 @@ def printed(bench, is_pinned=True):
     def block(arguments):
         say(f"{bench}: built, then run")
         program = executable(bench)
+        of_commit = commit(program)
         before = os.getloadavg()[0]
-        text = run(program, preexec_fn=pinned(arguments.core) if is_pinned else None).rstrip()
+        text = run(program, *words, preexec_fn=pinned(arguments.core) if is_pinned else None).rstrip()
         cores = f"one core of {os.cpu_count()}" if is_pinned else f"{os.cpu_count()} cores"
         load = f"load {before:.1f} to {os.getloadavg()[0]:.1f}"
         machine = f"{datetime.date.today():%Y-%m-%d}, {processor()} ({flags()}), {cores}, {load}"
-        return {bench: f"{machine}; rustc {rust_version()}, pintle {commit()}.\n\n```text\n{text}\n```"}
+        return {bench: f"{machine}; rustc {rust_version()}, pintle {of_commit}.\n\n```text\n{text}\n```"}
 
     return block
 
 
 def lanes(arguments):
     """The bench of lanes, and what it says in one sentence."""
+    told = stamp(commit(executable("lanes")))
     blocks = printed("lanes")(arguments)
     text = blocks["lanes"]
     means = re.findall(r"geometric mean of the speed: (\d+) %", text)
     speeds = [int(speed) for speed in re.findall(r"speed (\d+) %", text)]
     errors = [float(error) for error in re.findall(r"largest errors: lanes (\S+) (\S+)", text) for error in error]
     if not means:
-        return blocks | {"lanes-summary": f"The machine of {datetime.date.today():%Y-%m-%d} lacks the vector unit for which rows are written by hand."}
+        return blocks | {"lanes-summary": f"The machine lacks the vector unit for which rows are written by hand ({told})."}
     first = speeds[: len(speeds) // len(means)]
     return blocks | {
         "lanes-summary": f"Batches of four connectors reach {means[0]} % of the speed of rows differentiated by hand for the same vector unit"
         f" ({min(first)} to {max(first)} %),\nwith second derivatives {means[1]} %, with errors of at most {max(errors):.1e} of the largest entry"
-        f" of a row ({datetime.date.today():%Y-%m-%d};\n[docs/performance.md](docs/performance.md))."
+        f" of a row at the states that are timed there\n({told}; [docs/performance.md](docs/performance.md))."
     }
 
 
 def instructions(arguments):
     """What callgrind counts for a tile of four states, of batches and of rows by hand."""
     program = executable("lanes")
-    lines = []
+    of_commit, lines = commit(program), []
     for name in ("SLIDE-PLANE", "REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"):
         say(f"instructions: {name}")
         cells = []
@@ -410,7 +479,7 @@ def instructions(arguments):
     cells = [[f"{per_tile(program, 'lanes', order, beyond):.0f}", "–", "–"] for order in ("rows", "second")]
     lines.append([beyond, *cells[0], *cells[1]])
     head = ["instructions of a tile", "rows", "by hand", "", "second derivatives", "by hand", ""]
-    return {"instructions": f"{stamp()}, {run('valgrind', '--version').strip()}.\n\n{table(head, lines)}"}
+    return {"instructions": f"{stamp(of_commit)}, {run('valgrind', '--version').strip()}.\n\n{table(head, lines)}"}
 
 
 def per_tile(program, who, order, name):
@@ -435,6 +504,7 @@ def audited(program, *arguments):
 def proof(arguments):
     """The audit at many states: how many numbers, the largest error, what of the mutants was noticed."""
     program, many = command(), 100 if arguments.quick else 10_000
+    of_commit = commit(program)
     states = ("--states", str(many), "--near-singular-states", str(many))
     say(f"proof: pintle audit {' '.join(states)}")
     report, processor_time, elapsed = audited(program, *states)
@@ -444,7 +514,7 @@ def proof(arguments):
     largest, whose = max((check["largest"] or 0, name) for check, name in checks)
     _, short, short_elapsed = audited(program)
     return {
-        "proof": f"{stamp(report['commit'])}, {os.cpu_count()} cores: with all oracles, {many:,} random and {many:,} near-singular states a type and the gallery with its\n"
+        "proof": f"{stamp(of_commit)}, {os.cpu_count()} cores: with all oracles, {many:,} random and {many:,} near-singular states a type and the gallery with its\n"
         f"frictions {report['compared']:,} numbers, the largest error {largest:.2f} of the tolerance ({whose}), {counted(report['mismatches'], 'mismatch')};\n"
         f"{noticed:,} of {noticed + survived:,} mutants that change enough were noticed. {processor_time:.0f} s of processor, {elapsed:.0f} s of time; at the default number of\n"
         f"states {short:.0f} s of processor, {short_elapsed:.1f} s of time."
@@ -458,7 +528,10 @@ def counted(count, what):
 def of_peer_rules(arguments):
     """What the default rules of other derivative checkers notice: scripts/peer_rules.py measures it."""
     say("peer-rules: mutants under the rules of others")
-    return {peer_rules.BLOCK: f"{stamp()}.\n\n{peer_rules.measured(BUILT and built('peer_rules', 'examples/peer_rules'))}"}
+    program = BUILT and built(BUILT, "peer_rules", "examples/peer_rules")
+    # Without --built it is built with the profile of tests, which knows no commit, from what is checked out.
+    of_commit = commit(program) if program else checked_out()
+    return {peer_rules.BLOCK: f"{stamp(of_commit)}.\n\n{peer_rules.measured(program)}"}
 
 
 # The blocks that each measurement writes.
@@ -473,7 +546,7 @@ MEASUREMENTS = {
     printed("scale"): ("scale",),
     printed("history", is_pinned=False): ("history",),
     printed("threads", is_pinned=False): ("threads",),
-    printed("stress"): ("stress",),
+    printed("stress", "--picture", str(ROOT / "docs" / "stress.svg")): ("stress",),
     proof: ("proof",),
     printed("assembly"): ("assembly",),
     of_peer_rules: (peer_rules.BLOCK,),
@@ -491,19 +564,42 @@ def documents():
     return [*sorted((ROOT / "docs").glob("*.md")), *sorted(ROOT.glob("*.md"))]
 
 
-def unmeasured(text):
-    """The blocks that no measurement of a commit wrote: without a date or, but for sentences drawn from another block, without a commit as this
-    script names it; and those of sources that no commit holds."""
-    blocks = {name: text.split(OPEN.format(name), 1)[1].split(CLOSE.format(name), 1)[0] for name in marks(text)[0]}
-    date, of_commit = re.compile(r"\b20\d\d-\d\d-\d\d\b"), re.compile(r"\b(pintle|commit) [0-9a-f]{10,40}\b")
-    is_complete = lambda name, block: date.search(block) and "with changes" not in block and (
-        name.endswith("-summary") or of_commit.search(block)
-    )
-    return [name for name, block in blocks.items() if not is_complete(name, block)]
+def lack(block):
+    """What keeps a block from being a measurement of one commit; nothing of one that is complete."""
+    # The environment of a report has the version before the commit.
+    commits = re.findall(r"\b(?:pintle|commit) (?:[\d.]+ \()?([0-9a-f]{10,40})\b", block)
+    if not re.search(r"\b20\d\d-\d\d-\d\d\b", block):
+        return "tells no date"
+    if not re.search(r"\b20\d\d-\d\d-\d\d, [^,;\n]+ \([A-Z0-9/-]*\)", block):
+        return "tells no machine"
+    if not commits:
+        return "tells no commit"
+    if "with changes" in block:
+        return "is of sources that no commit holds"
+    if len({name[:10] for name in commits}) > 1:
+        return f"tells more than one commit: {', '.join(sorted(set(commits)))}"
+    return None
+
+
+# What is complete, and what is not after such a change: looked at with every --check.
+COMPLETE = "2026-01-31, A(R) Processor(TM) @ 2.20GHz (AVX2/FMA), one of 4 cores; pintle 0.1.0 (0123456789ab), rustc 1.2.3. Measured of commit 0123456789."
+INCOMPLETE = {
+    "no date": ("2026-01-31, ", ""),
+    "no machine": ("A(R) Processor(TM) @ 2.20GHz (AVX2/FMA), ", ""),
+    "no commit": ("0123456789", "HEAD"),
+    "no commit holds": ("9.", "9 with changes."),
+    "more than one": ("commit 0123456789", "commit 9876543210"),
+}
+
+
+def blocks(text):
+    return {name: text.split(OPEN.format(name), 1)[1].split(CLOSE.format(name), 1)[0] for name in marks(text)[0]}
 
 
 def check(complete):
     """Whether marks and measurements agree; if `complete`, also whether every block was measured."""
+    assert lack(COMPLETE) is None
+    assert all(what in (lack(COMPLETE.replace(*change)) or "") for what, change in INCOMPLETE.items())
     known = {name for names in MEASUREMENTS.values() for name in names}
     found, wrong = [], []
     for path in documents():
@@ -515,7 +611,8 @@ def check(complete):
             wrong.append(f"{where}: holds marks, and is not in DOCUMENTS")
         wrong += [f"{where}: nothing measures {name}" for name in opened if name not in known]
         if complete and opened == closed:
-            wrong += [f"{where}: {name} is not measured yet: measure.py {name} does it" for name in unmeasured(path.read_text())]
+            lacking = {name: lack(block) for name, block in blocks(path.read_text()).items()}
+            wrong += [f"{where}: {name} {what}: measure.py {name} measures it" for name, what in lacking.items() if what]
         found += opened
     wrong += [f"{name} is in no document" for name in sorted(known - set(found))]
     wrong += [f"{name} is in more than one place" for name in sorted(set(found)) if found.count(name) > 1]
@@ -545,10 +642,12 @@ def main():
     parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
     parser.add_argument("--python", help="an interpreter that has what scripts/peers/requirements.txt names")
     parser.add_argument("--check", action="store_true", help="verify the marks and that each block has a date and a commit; measure nothing")
-    parser.add_argument("--built", type=pathlib.Path, metavar="FOLDER", help="take programs from here, as target/release has them; build none")
+    parser.add_argument("--built", type=pathlib.Path, metavar="FOLDER", help="take programs from here, as target/release has them")
+    of_best = f"take {', '.join(BEST)} from here, which has a better build and never comes from --built"
+    parser.add_argument("--built-best", type=pathlib.Path, metavar="FOLDER", help=of_best)
     arguments = parser.parse_args()
-    global BUILT
-    BUILT = arguments.built and arguments.built.resolve()
+    global BUILT, BUILT_BEST
+    BUILT, BUILT_BEST = (folder and folder.resolve() for folder in (arguments.built, arguments.built_best))
     arguments.rounds = arguments.rounds or (1 if arguments.quick else 8)
     if unknown := set(arguments.blocks) - set(known):
         parser.error(f"no such block: {', '.join(sorted(unknown))}")

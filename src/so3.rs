@@ -14,7 +14,7 @@
 //! ```
 
 use crate::scalar::elementary::{
-    atan2, atan2_opposite, direction, inverse_sqrt, norm, norm_and_direction, recip,
+    atan2, atan2_opposite, direction, elevation, inverse_sqrt, norm, norm_and_direction, recip,
 };
 use crate::scalar::{MAX_ORDER, Real, Scalar, Series, unrolled};
 use crate::vector::{self, Matrix, Vector, dot, dot_real, scale, times};
@@ -452,11 +452,11 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
         let is_principal = k.magnitude().less(S::Real::ratio(1, 2));
         let sine = S::Real::either(zero.less(lateral), lateral, one);
         let series = shifted_series(q0[0], sine, whole, S::ORDER);
-        let phi = S::Real::choose(
-            zero.less(lateral + S::Real::either(is_principal, one, zero)),
-            || times([q[1], q[2], q[3]], q[0].lift(&series)),
-            || beside_whole_turns(reference_direction, whole, on_principal_sheet),
-        );
+        // Both without a closure, which the compiler would leave a function of its own, for the baseline processor.
+        let beyond = times([q[1], q[2], q[3]], q[0].lift(&series));
+        let beside = beside_whole_turns(reference_direction, whole, on_principal_sheet);
+        let is_beyond = zero.less(lateral + S::Real::either(is_principal, one, zero));
+        let phi = S::Real::either(is_beyond, beyond, beside);
         return ContinuousLog { phi, lateral };
     }
     if S::Real::shortcut(|| k.magnitude().less(S::Real::ratio(1, 2))) {
@@ -484,8 +484,7 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
     ContinuousLog { phi, lateral }
 }
 
-/// The log at whole turns but for rounding: along the reference, with what is left of the principal one. A function of its own, which is compiled for
-/// the vector unit that calls it: a closure that two branches share is not.
+/// The log at whole turns but for rounding: along the reference, with what is left of the principal one.
 #[inline(always)]
 fn beside_whole_turns<S: Scalar>(
     reference_direction: Vector<S::Real>,
@@ -564,7 +563,7 @@ pub fn cardan_first<S: Scalar>(r: &Matrix<S>) -> S {
 /// β of [`cardan`].
 #[inline(always)]
 pub fn cardan_second<S: Scalar>(r: &Matrix<S>) -> S {
-    atan2(r[0][2], norm([r[1][2], r[2][2]]))
+    elevation(r[0][2], [r[1][2], r[2][2]])
 }
 
 /// γ of [`cardan`].

@@ -506,7 +506,7 @@ fn severities_are_set_by_code_file_and_line() {
     // A file that is not there is told; one is found by the end of its path.
     let (_, said) = audit(&["--warn", RULE, "--deny", "warnings@elsewhere.inp"], 0);
     assert!(said.contains("elsewhere.inp"), "{said}");
-    let (_, said) = audit(&["--warn", RULE, "--deny", "notes@./two.inp:1"], 0);
+    let (_, said) = audit(&["--warn", RULE, "--note", "notes@./two.inp"], 0);
     assert!(!said.contains("two.inp"), "{said}");
     let (allowed, _) = audit(&["--allow", "rule"], 0);
     assert!(found(&allowed, RULE).is_empty());

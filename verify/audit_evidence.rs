@@ -3,6 +3,7 @@
 use crate::audit::{at_rest, judged, spoiled};
 use crate::cli::{pintle, stdout};
 use pintle::audit::conditioned::Conditioned;
+use pintle::audit::diagnosis::Cause;
 use pintle::audit::mutant::{Mistake, Scene, mutants};
 use pintle::audit::oracle::Answer;
 use pintle::audit::sample::{Draw, Extent, Region, cases, draw_case};
@@ -163,6 +164,10 @@ fn every_check_is_tried_on_mutants() {
             subject.name
         );
     }
+    // The secant for the tangent, which is one of laws that are not proportional, among them.
+    let scores = report.subjects.iter().flat_map(|subject| &subject.checks).map(|check| &check.score);
+    let secants = scores.filter_map(|score| score.by_mistake.get(&Cause::SecantForTangent));
+    assert!(secants.map(|fared| fared.killed).sum::<u64>() > 0);
     let mine = spoiled("REVOLUTE", |_, _| {});
     assert!(check(&mine, Against::Own).score.decisive() > 0);
     // What is smallest is told of sums along directions too.

@@ -128,6 +128,198 @@ fn levels_do_not_apply_to_diagnoses() {
     }
 }
 
+/// A level can be set of every code of which it says something, as `explain` has it; of any other it is refused with the reason.
+#[test]
+fn levels_are_taken_or_refused_of_every_code() {
+    let page = |code: &str| crate::cli::stdout(&crate::cli::pintle(&["explain", code]).assert().success());
+    let mut refused = 0;
+    for code in Code::ALL {
+        let said = page(code.as_str()).split_whitespace().collect::<Vec<_>>().join(" ");
+        for level in [Level::Allow, Level::Note, Level::Warn, Level::Deny] {
+            let set = Levels::default().set(code.as_str(), level);
+            assert_eq!(set.is_ok(), code.takes_level(), "{code}");
+            let Err(why) = set else { continue };
+            let is_said = said.contains("do not apply to it") || said.contains("no level that --allow");
+            assert!(why.contains("leave it out") && is_said, "{why}: {said}");
+            refused += 1;
+        }
+        if code.takes_level() {
+            let levels = ["for what --allow", "goes on where --allow", "whatever --allow"];
+            assert!(levels.iter().any(|words| said.contains(words)), "{code}: {said}");
+        }
+    }
+    assert!(refused > 4 * 100, "{refused}");
+    // So of groups: those in which there is nothing else.
+    for (group, is_taken) in [("diagnosis", false), ("states", false), ("deck", true), ("rule::*", true)] {
+        assert_eq!(Levels::default().set(group, Level::Deny).is_ok(), is_taken, "{group}");
+    }
+}
+
+/// What is said of a level for a line: nothing where a finding answers to it, shown or not; else that none does, unless that is not known.
+#[test]
+fn levels_of_lines_without_findings_are_told() {
+    let nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,5,0,0\n4,6,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,1,2\n3,3,4\n4,3,4\n";
+    let sound = format!("{nodes}*CONNECTOR SECTION,ELSET=E\nAXIAL\n");
+    let refused = format!("{nodes}*CONNECTOR SECTION,ELSET=E\nHINGE\n");
+    let told = |name: &str, deck: &str, levels: &[&str]| -> Vec<String> {
+        let name = format!("audit-model-silent-{name}.inp");
+        let path = crate::cli::file(&name, deck);
+        let levels: Vec<String> = levels.iter().map(|level| level.replace("DECK", &name)).collect();
+        let mut arguments = vec!["audit", path.as_str(), "--model-only"];
+        arguments.extend(levels.iter().map(String::as_str));
+        let said = crate::cli::stderr(&crate::cli::pintle(&arguments).assert());
+        let notes = said.lines().filter(|line| line.contains("nothing of that code is found at that line"));
+        let words = |line: &str| line.split("states given: ").nth(1).unwrap().to_string();
+        notes.map(|line| words(line).replace(&name, "DECK")).collect()
+    };
+    const CODE: &str = "model::duplicate-connector@DECK";
+    let at = |line: u32| format!("{CODE}:{line}");
+    let remedy = "; correct the line, or leave the level out";
+    // Elements 2 and 4 are there twice, at lines 8 and 10: told together, of the first.
+    for level in ["--allow", "--note", "--warn", "--deny"] {
+        for line in [8, 10] {
+            assert!(told("one", &sound, &[level, &at(line)]).is_empty(), "{level} {line}");
+        }
+        assert_eq!(told("one", &sound, &[level, &at(9)]), [at(9) + remedy], "{level}");
+    }
+    assert!(told("one", &sound, &["--deny", "model@DECK:8", "--allow", &at(10)]).is_empty());
+    assert_eq!(told("one", &sound, &["--deny", "assembly@DECK:8"]), ["assembly@DECK:8".to_string() + remedy]);
+    assert!(told("one", &sound, &["--deny", "warnings@DECK:8", "--deny", CODE]).is_empty());
+    assert_eq!(told("one", &sound, &["--deny", "notes@DECK:8"]), ["notes@DECK:8".to_string() + remedy]);
+    // Of a scene that a rule refuses not all was looked at.
+    assert!(told("refused", &refused, &["--deny", &at(9)]).is_empty());
+    // Of many redundancies the last are shown where their line is named, and are known where they are not shown.
+    let last = 51 + 5 + 1 + 102;
+    for level in ["--allow", "--warn"] {
+        let place = format!("assembly::redundant@DECK:{last}");
+        assert!(told("many", &doubled(51), &[level, &place]).is_empty(), "{level}");
+    }
+    // An include is audited, whether anything is found in it or not.
+    crate::cli::file("audit-model-silent-part.inp", "*NODE\n1,0,0,0\n2,1,0,0\n3,5,0,0\n4,6,0,0\n");
+    let deck =
+        format!("*INCLUDE, INPUT=audit-model-silent-part.inp\n{}", sound.split_once("6,0,0\n").unwrap().1);
+    let part = "model@audit-model-silent-part.inp:2";
+    assert_eq!(told("whole", &deck, &["--deny", part]), [part.to_string() + remedy]);
+}
+
+/// What is said of a redundancy is what was judged: that nothing moves, or that second order excludes what moves to first order, through which
+/// nobody can drive; and `explain` tells these apart.
+#[test]
+fn what_a_redundancy_rests_on_is_told() {
+    let report = audited("rests", &doubled(1), "", &[]);
+    let one = |code: Code| match of(&report, code).as_slice() {
+        [one] => (one.message().to_string(), one.remedy().to_string()),
+        others => panic!("{code}: {} findings", others.len()),
+    };
+    let (message, remedy) = one(Code::AssemblyRedundant);
+    assert!(message.contains("it holds throughout (what belongs to it cannot move)"), "{message}");
+    assert!(remedy.contains("remove one of the two"), "{remedy}");
+    for code in [Code::AssemblyRedundantHere, Code::AssemblyMechanism] {
+        let (message, remedy) = one(code);
+        assert!(message.contains("at this singular position") || message.contains("second order excludes"));
+        assert!(remedy.starts_with("move a node") && !remedy.contains("drive through"), "{remedy}");
+    }
+    let page = |code: Code| {
+        let said = crate::cli::stdout(&crate::cli::pintle(&["explain", code.as_str()]).assert().success());
+        said.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    for (code, words) in [
+        (Code::AssemblyRedundant, "at every state that the assembly can come to"),
+        (Code::AssemblyRedundantHere, "second order excludes these motions"),
+        (Code::AssemblyRedundantHere, "to leave it out makes another assembly"),
+        (Code::AssemblyRedundantUnjudged, "its rank is not certain"),
+        (Code::AssemblyUndecided, "moves what boundary conditions hold"),
+        (Code::AssemblyMechanism, "Springs, friction, stops and other elements are not looked at"),
+    ] {
+        assert!(page(code).contains(words), "{}", page(code));
+    }
+}
+
+/// What cannot turn, or move, because boundary conditions hold it, directly or through connectors and constraints that fix all of it, is not asked for.
+#[test]
+fn coverage_asks_for_nothing_that_is_held() {
+    let deck = |between: &str, held: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n4,3,0,0\n*ORIENTATION,NAME=O\n0,0,1,1,0,0\n{between}\
+             *ELEMENT,TYPE=CONN3D2,ELSET=E\n9,3,4\n*CONNECTOR SECTION,ELSET=E\nREVOLUTE\nO,\n*BOUNDARY\n{held}\n"
+        )
+    };
+    let connector = |number: u8, nodes: &str, what: &str| {
+        format!(
+            "*ELEMENT,TYPE=CONN3D2,ELSET=E{number}\n{number},{nodes}\n*CONNECTOR SECTION,ELSET=E{number}\n{what}\n"
+        )
+    };
+    let turned = "state,node,u1,ur3\n1,4,0,1.0\n";
+    let still = "state,node,u1,ur3\n1,4,0,1e-3\n";
+    let told = |name: &str, deck: &str, states: &str| -> Vec<&'static str> {
+        let report = audited(&format!("held-{name}"), deck, states, &[]);
+        let coverage = report.findings.iter().filter(|finding| finding.code().group() == "coverage");
+        coverage.map(|finding| finding.code().as_str()).collect()
+    };
+    let one = Code::CoverageOneNode.as_str();
+    let beam = connector(1, "1,2", "BEAM");
+    let welds = beam.clone() + &connector(2, "2,3", "WELD\nO,");
+    let ties = "*MPC\nBEAM,2,1\nTIE,3,2\n";
+    let slides = beam.clone() + &connector(2, "3,2", "TRANSLATOR\nO,");
+    let hinge = beam + &connector(2, "2,3", "HINGE\nO,");
+    // A failure may release what held the node.
+    let fails = connector(2, "2,3", "HINGE\nO,")
+        .replace("*CONNECTOR SECTION,ELSET=E2", "*CONNECTOR SECTION,ELSET=E2,BEHAVIOR=B");
+    let failure = "*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR FAILURE,COMPONENT=1,RELEASE=ALL\n,,,5.\n";
+    let fails = connector(1, "1,2", "BEAM") + &fails + failure;
+    for (name, between, held, wanted) in [
+        ("may-fail", format!("{fails}*CONNECTOR MOTION\n2,4\n").as_str(), "1,1,6", &[one][..]),
+        ("free", welds.as_str(), "1,1,3", &[one]),
+        ("beams", &welds, "1,1,6", &[]),
+        ("rotations", &welds, "1,4,6", &[]),
+        ("two-of-three", &welds, "1,5,6", &[one]),
+        ("ties", ties, "1,1,6", &[]),
+        ("slides", &slides, "1,1,6", &[]),
+        ("pin", "*MPC\nPIN,3,1\n", "1,1,6", &[one]),
+        ("turns", &hinge, "1,1,6", &[one]),
+        ("held-hinge", &format!("{hinge}*CONNECTOR MOTION\n2,4\n"), "1,1,6", &[]),
+        ("driven-hinge", &format!("{hinge}*CONNECTOR MOTION\n2,4,0.5\n"), "1,1,6", &[one]),
+        ("other", "", "3,1,6", &[]),
+        (
+            "later",
+            "",
+            "3,1,6\n*STEP\n*STATIC\n*END STEP\n*STEP\n*STATIC\n*BOUNDARY, OP=NEW\n3,1,3\n*END STEP",
+            &[one],
+        ),
+    ] {
+        let found = told(name, &deck(between, held), turned);
+        let of_revolute: Vec<&str> = found.into_iter().filter(|code| *code == one).collect();
+        assert_eq!(of_revolute, wanted, "{name}");
+    }
+    // Between nodes that stand still nothing moves, and nothing is asked for; one of them free, it is.
+    let held = deck("", "3,1,6\n4,1,6");
+    let rest = "state,node,u1,ur3\n1,4,0,0\n";
+    assert!(told("both", &held, rest).is_empty());
+    assert_eq!(told("one", &deck("", "3,1,6\n4,1,5"), still), [Code::CoverageIdentity.as_str()]);
+    // In the plane a node has fewer degrees of freedom, and a connector fewer components.
+    let planar = |what: &str, held: &str| {
+        format!(
+            "*NODE\n1,0,0\n2,1,0\n3,2,0\n*ELEMENT,TYPE=CONN2D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E\n{what}\n\
+             *ELEMENT,TYPE=CONN2D2,ELSET=F\n2,2,3\n*CONNECTOR SECTION,ELSET=F\nJOIN,ROTATION\n*BOUNDARY\n{held}\n"
+        )
+    };
+    for (what, held, is_told) in
+        [("WELD", "1,1,2\n1,6", false), ("WELD", "1,1,2", true), ("JOIN,ROTATION", "1,1,2\n1,6", true)]
+    {
+        let found = told("planar", &planar(what, held), "state,node,ur3\n1,3,1.0\n");
+        assert_eq!(found.contains(&one), is_told, "{what} {held}: {found:?}");
+    }
+    // States that move what is held all the same are there to exercise the connector.
+    assert_eq!(told("moved", &held, still), [Code::CoverageIdentity.as_str()]);
+    assert!(told("turned", &held, turned).is_empty());
+    // A planar linkage is asked for nothing that it cannot do.
+    let gallery =
+        pintle::scene::GALLERY.iter().find(|example| example.name.starts_with("slider_crank")).unwrap();
+    let scene = gallery.scene().unwrap();
+    let report = audit_model(&scene, &gallery.states(&scene).unwrap().states, &Levels::default());
+    assert!(of(&report, Code::CoverageOneNode).is_empty());
+}
+
 /// A warning that is allowed is shown nowhere: neither among the findings nor on standard error.
 #[test]
 fn allowed_warnings_are_not_shown() {
@@ -325,4 +517,273 @@ fn drawn_states_are_covered() {
         serde_json::from_str(&told(&["--model-only", "--format", "json"])).unwrap();
     let model = &alone["models"][0];
     assert_eq!((&model["coverage"]["samples"], &model["drawn"]), (&0.into(), &false.into()));
+}
+
+/// Where each error is, and the element that it names.
+fn errors(report: &ModelReport) -> Vec<(&'static str, u32, String)> {
+    let errors = report.findings.iter().filter(|finding| finding.severity() == Severity::Error);
+    let one = |finding: &Finding| {
+        let message = finding.message().to_string();
+        (finding.code().as_str(), finding.line().unwrap_or_default(), message)
+    };
+    errors.map(one).collect()
+}
+
+/// A connector has as many errors as there are places where it breaks a rule: one does not hide the others, nor does one type those of another.
+#[test]
+fn every_error_of_a_connector_is_told() {
+    let head = "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n\
+                *ELEMENT,TYPE=CONN3D2,ELSET=E1\n1,1,2\n*ELEMENT,TYPE=CONN3D2,ELSET=E2\n2,2,3\n3,2,3\n\
+                *CONNECTOR SECTION,ELSET=E1,BEHAVIOR=B\nTRANSLATOR\nO,\n*CONNECTOR SECTION,ELSET=E2,BEHAVIOR=B\nSLOT\nO,\n";
+    let lines = head.lines().count() as u32;
+    let places = |name: &str, rest: &str| -> Vec<(&'static str, u32, String)> {
+        let found = errors(&audited(&format!("errors-{name}"), &format!("{head}{rest}"), "", &[]));
+        let of = |(code, line, message): (&'static str, u32, String)| {
+            let element = message.split([' ', ':']).nth(1).unwrap_or_default().to_string();
+            (code, line.saturating_sub(lines), element)
+        };
+        let mut found: Vec<_> = found.into_iter().map(of).collect();
+        found.sort();
+        found
+    };
+    let told = |all: &[(&'static str, u32, &str)]| -> Vec<(&'static str, u32, String)> {
+        let mut all: Vec<_> =
+            all.iter().map(|(code, line, element)| (*code, *line, (*element).to_string())).collect();
+        all.sort();
+        all
+    };
+    let [action, stop, parameters] =
+        ["rule::action-not-available", "rule::stop-not-available", "rule::friction-parameters"];
+    // Two stops, a damping, an elasticity of the same component, and a friction that lacks a number.
+    let behavior = "*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR STOP,COMPONENT=2\n-1,1\n*CONNECTOR STOP,COMPONENT=3\n-1,1\n\
+                    *CONNECTOR DAMPING,COMPONENT=5\n1.\n*CONNECTOR ELASTICITY,COMPONENT=5\n1.\n*CONNECTOR FRICTION,PREDEFINED\n1,2,3,4\n\
+                    *FRICTION\n0.1\n";
+    let of = |element: &'static str| {
+        vec![
+            (stop, 3, element),
+            (stop, 5, element),
+            (action, 6, element),
+            (action, 8, element),
+            (parameters, 10, element),
+        ]
+    };
+    // SLOT takes two numbers, and is told once for both of its elements.
+    assert_eq!(places("behavior", behavior), told(&[of("1"), of("2")].concat()));
+    // Motions and loads, of one component and of others.
+    let driven = "*CONNECTOR BEHAVIOR,NAME=B\n*STEP\n*STATIC\n*CONNECTOR MOTION\n1,2,0.5\n2,4,0.5\n*CONNECTOR LOAD\n1,3,0.5\n2,4,0.5\n*END STEP\n";
+    assert_eq!(
+        places("driven", driven),
+        told(&[(action, 5, "1"), (action, 6, "2"), (action, 8, "1"), (action, 9, "2")])
+    );
+    // Of failures and locks each by itself, and both components of one.
+    let failing = "*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR LOCK,COMPONENT=1,LOCK=1\n-9,9\n*CONNECTOR FAILURE,COMPONENT=2,RELEASE=3\n-1,1\n\
+                   *CONNECTOR FAILURE,COMPONENT=1,RELEASE=1\n-1,1\n*CONNECTOR FAILURE,COMPONENT=2,RELEASE=1\n-1,1\n*STEP\n*STATIC\n*END STEP\n";
+    let failure = "rule::failure-not-available";
+    let of =
+        |element: &'static str| vec![(failure, 4, element), (failure, 4, element), (failure, 8, element)];
+    assert_eq!(places("failing", failing), told(&[of("1"), of("2")].concat()));
+}
+
+/// So has a behaviour whose laws are wrong by themselves: two frictions through whose data no decay goes.
+#[test]
+fn every_law_that_is_wrong_is_told() {
+    let friction = |component: u8| {
+        format!(
+            "*CONNECTOR FRICTION,COMPONENT={component}\n,5.\n*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.1,0.\n0.3,1.\n0.2,10.\n"
+        )
+    };
+    let deck = format!(
+        "*NODE\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+         *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCYLINDRICAL\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n{}{}",
+        friction(1),
+        friction(4)
+    );
+    let found = errors(&audited("errors-laws", &deck, "", &[]));
+    let places: Vec<(&str, u32)> = found.iter().map(|(code, line, _)| (*code, *line)).collect();
+    assert_eq!(places, [("deck::number-out-of-range", 12), ("deck::number-out-of-range", 18)]);
+}
+
+/// Nodes out of the plane are told each by itself, constraints that a solver does not have too.
+#[test]
+fn every_error_beside_the_behaviour_is_told() {
+    let deck =
+        "*NODE\n1,0,0,1\n2,1,0,2\n*ELEMENT,TYPE=CONN2D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E\nHINGE\n";
+    let found = errors(&audited("errors-plane", deck, "", &[]));
+    let of = |code: &str| {
+        found.iter().filter(|(of, ..)| *of == code).map(|(_, line, _)| *line).collect::<Vec<_>>()
+    };
+    assert_eq!(of("rule::out-of-plane"), [2, 3], "{found:?}");
+    assert_eq!(
+        of("rule::not-in-two-dimensions").len() + of("rule::orientation-required").len(),
+        found.len() - 2
+    );
+    let deck = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,0,0\n4,5,0,0\n5,6,0,0\n6,6,0,0\n*MPC\nREVOLUTE,1,2,3\nREVOLUTE,4,5,6\n\
+                *STEP\n*DYNAMIC,EXPLICIT\n,1.\n*END STEP\n";
+    let found = errors(&audited("errors-explicit", deck, "", &[]));
+    let lines: Vec<u32> = found.iter().map(|(_, line, _)| *line).collect();
+    assert_eq!(lines, [9, 10], "{found:?}");
+}
+
+/// A friction may vanish at rest, and test data may end in no friction.
+#[test]
+fn frictions_that_begin_or_end_with_none_are_told() {
+    let deck = |law: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nTRANSLATOR\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n\
+             *CONNECTOR FRICTION,PREDEFINED\n0.05,0.1,1.\n{law}"
+        )
+    };
+    let told = |name: &str, law: &str| -> Vec<String> {
+        let report = audited(&format!("vanishing-{name}"), &deck(law), "", &[]);
+        of(&report, Code::ModelFrictionVanishes).iter().map(|finding| finding.message().to_string()).collect()
+    };
+    let [rest, fast, never] =
+        ["no friction at rest", "vanishes the faster it slips", "is zero: there is no friction"];
+    for (name, law, words) in [
+        ("rest", "*FRICTION,EXPONENTIAL DECAY\n0.,0.2,3.\n", vec![rest]),
+        ("rest-undecayed", "*FRICTION,EXPONENTIAL DECAY\n0.,0.2,0.\n", vec![never]),
+        ("fast", "*FRICTION,EXPONENTIAL DECAY\n0.2,0.,3.\n", vec![fast]),
+        ("fast-undecayed", "*FRICTION,EXPONENTIAL DECAY\n0.2,0.,0.\n", vec![]),
+        ("both", "*FRICTION,EXPONENTIAL DECAY\n0.,0.,3.\n", vec![never]),
+        ("data-fast", "*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.3,0.\n0.1,1.\n0.,100.\n", vec![fast]),
+        ("data-rest", "*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.,0.\n0.1,1.\n0.3,100.\n", vec![rest]),
+        ("data", "*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.3,0.\n0.2,1.\n0.1,100.\n", vec![]),
+        // 95 % of the fall at the second point: to nothing.
+        ("data-open", "*FRICTION,EXPONENTIAL DECAY,TEST DATA\n0.3,0.\n0.015,1.\n", vec![fast]),
+        ("table", "*FRICTION\n0.,0.\n0.2,1.\n0.,2.\n", vec![fast, rest]),
+        ("table-rest", "*FRICTION\n0.,0.\n0.2,1.\n", vec![rest]),
+        ("table-plain", "*FRICTION\n0.1,0.\n0.,1.\n0.2,2.\n", vec![]),
+        ("table-zero", "*FRICTION\n0.,0.\n0.,1.\n", vec![never]),
+    ] {
+        let found = told(name, law);
+        assert!(
+            found.len() == words.len()
+                && found.iter().zip(&words).all(|(found, words)| found.contains(words)),
+            "{name}: {found:?}, not {words:?}"
+        );
+    }
+}
+
+/// Of two frictions of a behaviour each is told.
+#[test]
+fn each_friction_without_effect_is_told() {
+    let friction = |component: u8| format!("*CONNECTOR FRICTION,COMPONENT={component}\n,5.\n*FRICTION\n0.\n");
+    let deck = format!(
+        "*NODE\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+         *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCYLINDRICAL\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n{}{}",
+        friction(1),
+        friction(4)
+    );
+    let report = audited("each-friction", &deck, "", &[]);
+    let lines: Vec<_> =
+        of(&report, Code::ModelFrictionVanishes).iter().map(|finding| finding.line()).collect();
+    assert_eq!(lines, [Some(12), Some(16)]);
+}
+
+/// What is placed on its stop does not lie beyond it for rounding, in any frame and at any distance from the origin; what lies beyond by less than the digits
+/// of the numbers is a note.
+#[test]
+fn what_lies_on_its_stop_is_not_beyond() {
+    let deck = |a: &str, b: &str, orientation: &str, limits: &str| {
+        format!(
+            "*NODE\n1,{a}\n2,{b}\n*ORIENTATION,NAME=O\n{orientation}\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nSLOT\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR STOP,COMPONENT=1\n{limits}\n\
+             *CONNECTOR LOCK,COMPONENT=1,LOCK=1\n{limits}\n"
+        )
+    };
+    let along = "1,0,0,0,1,0";
+    let oblique = "1,1,0,-1,1,0";
+    for (name, deck, severity) in [
+        ("rounded", deck("0.5,0,0", "0.6,0,0", along, "0.1,0.1"), None),
+        ("far", deck("1000000.1,0,0", "1000000.4,0,0", along, "0.3,0.3"), None),
+        ("minus", deck("0.7,0,0", "0.4,0,0", along, "-0.3,-0.3"), None),
+        // 8.9e-16 beyond is 8 roundings: of no coordinate.
+        ("beyond", deck("0,0,0", "0.5,0,0", along, "0.1,0.499999999999999"), Some(Severity::Warning)),
+        (
+            "beyond-far",
+            deck("1000000.1,0,0", "1000000.4,0,0", along, "0.1,0.2999999"),
+            Some(Severity::Warning),
+        ),
+        // √½ to six decimals, along the diagonal; and to 16.
+        (
+            "digits",
+            deck("0.353553,0.353553,0", "0.707107,0.707107,0", oblique, "0.2,0.5"),
+            Some(Severity::Note),
+        ),
+        (
+            "exact",
+            deck(
+                "0.35355339059327379,0.35355339059327379,0",
+                "0.70710678118654757,0.70710678118654757,0",
+                oblique,
+                "0.5,0.5",
+            ),
+            None,
+        ),
+        // The limit is written with as many digits as it has.
+        ("limit", deck("0,0,0", "0.66666666666666663,0,0", along, "0.66667,0.9"), Some(Severity::Note)),
+        ("nominal", deck("0,0,0", "0.51,0,0", along, "0.1,0.5"), Some(Severity::Warning)),
+    ] {
+        let report = audited(&format!("stop-{name}"), &deck, "", &[]);
+        for code in [Code::ModelStopViolated, Code::ModelLockMet] {
+            let found: Vec<Severity> = of(&report, code).iter().map(|finding| finding.severity()).collect();
+            assert_eq!(found, Vec::from_iter(severity), "{name} {code}");
+        }
+        let said = |finding: &&Finding| finding.message().contains("digits of the coordinates");
+        let is_open = of(&report, Code::ModelStopViolated).iter().any(said);
+        assert_eq!(is_open, severity == Some(Severity::Note), "{name}");
+    }
+    // A state that carries it to the stop.
+    let states = "state,node,u1\n0,1,0.1\n0,2,0.3\n";
+    let at = |limits: &str| {
+        let report = audited("stop-state", &deck("0,0,0", "0.1,0,0", along, limits), states, &[]);
+        of(&report, Code::ModelStopViolated).len()
+    };
+    assert_eq!([at("0,0.3"), at("0,0.299999999")], [0, 1]);
+}
+
+/// A stop is told at its own data line, whatever else the behaviour has, and each of several.
+#[test]
+fn stops_are_told_at_their_own_lines() {
+    let deck = "*NODE\n1,0,0,0\n2,1,2,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nCARTESIAN\n\
+                *CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR ELASTICITY,COMPONENT=1\n5.\n*CONNECTOR STOP,COMPONENT=1\n-0.5,0.5\n\
+                *CONNECTOR DAMPING,COMPONENT=1\n1.\n** a comment\n*CONNECTOR STOP,COMPONENT=2\n** another\n-1,1\n*BOUNDARY\n1,1,6\n";
+    let report = audited("stop-lines", deck, "", &[]);
+    let lines: Vec<Option<u32>> =
+        of(&report, Code::ModelStopViolated).iter().map(|finding| finding.line()).collect();
+    assert_eq!(lines, [Some(12), Some(18)]);
+}
+
+/// What states move of what boundary conditions of their step hold is told once for the step, of the worst.
+#[test]
+fn held_nodes_that_move_are_told() {
+    let deck = "*NODE,NSET=ALL\n1,0,0,0\n2,0,0,0\n3,1,0,0\n4,1,0,0\n*ORIENTATION,NAME=O\n0,0,1,1,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n2,3,4\n\
+                *CONNECTOR SECTION,ELSET=E\nHINGE\nO,\n*NSET,NSET=H\n1,3\n*BOUNDARY\nH,1,6\n*STEP\n*STATIC\n1.,1.\n*END STEP\n\
+                *STEP\n*STATIC\n1.,1.\n*BOUNDARY,OP=NEW\n1,1,6\n*END STEP\n";
+    let told = |name: &str, states: &str| -> Vec<(Option<u32>, String)> {
+        let report = audited(&format!("moves-{name}"), deck, states, &[]);
+        let one = |finding: &&Finding| (finding.line(), finding.message().to_string());
+        of(&report, Code::ModelHeldNodeMoves).iter().map(one).collect()
+    };
+    let found =
+        told("both", "state,time,node,u1,ur3\n0,0,1,0.5,0\n0,0,3,0,0.25\n1,0.5,1,0.75,0\n1,0.5,2,9,0\n");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].0, Some(17));
+    assert!(
+        found[0].1.starts_with(
+            "state 1 moves node 1 by 7.500e-1 in degree of freedom 1, which a boundary condition holds"
+        ) && found[0].1.ends_with("(and so on for 1 other node and 1 other state)"),
+        "{found:?}"
+    );
+    let found = told("turned", "state,time,node,u1,ur3\n0,0,3,0,0.25\n");
+    assert!(
+        found.len() == 1 && found[0].1.contains("turns node 3 by 2.500e-1 rad in degree of freedom 6"),
+        "{found:?}"
+    );
+    // In the second step node 3 is free, and node 1 is held by another line.
+    assert_eq!(told("free", "state,time,node,u1,ur3\n0,1.5,3,0.25,0\n"), []);
+    assert_eq!(told("again", "state,time,node,u1,ur3\n0,1.5,1,0.25,0\n")[0].0, Some(26));
+    // What solvers leave is none.
+    assert_eq!(told("left", "state,time,node,u1,ur3\n0,0,1,1e-5,0\n0,0,3,0,1e-5\n"), []);
 }

@@ -634,7 +634,17 @@ fn usage_errors() {
             "there is no code \"model::near-singlar\"; did you mean model::near-singular?",
         ),
         (&["explain", "model::x"], 2, "there is no code"),
-        (&["audit", "--deny", "foo"], 2, "groups are scene, deck"),
+        (&["audit", "--deny", "foo"], 2, "groups are deck, rule, model"),
+        (
+            &["audit", "--deny", "diagnosis::secant"],
+            2,
+            "names the cause of a wrong number, and a wrong number fails the audit whatever its cause; leave it out",
+        ),
+        (
+            &["audit", "--allow", "states::order"],
+            2,
+            "correct the file in which it is (pintle explain states::order)",
+        ),
         (&["eval", "--frobnicate"], 2, "--frobnicate"),
         (&["frobnicate"], 2, "frobnicate"),
         (&[], 2, "Usage"),

@@ -524,7 +524,8 @@ fn a_page_shows_what_was_not_audited_as_that() {
     let text = fs::read_to_string(&page).unwrap();
     assert!(text.contains(&format!("pintle audit <span class=\"soft\">of {refused}</span>")), "{text}");
     assert!(
-        text.contains("<title>element 7: not audited</title>") && text.contains("unseen\">not audited"),
+        text.contains("<title>element 7: error found, not audited</title>")
+            && text.contains("error\">error found, not audited"),
         "{text}"
     );
     let arguments = [
@@ -546,8 +547,12 @@ fn a_page_shows_what_was_not_audited_as_that() {
         "<title>MPC REVOLUTE 10-20-30: axis of node 30</title><line class=\"hinge\"",
         "<title>node 30</title>",
     ];
-    let all =
-        [drawn[0], drawn[1], "<title>MPC REVOLUTE 10-20-30: not audited</title>", "unseen\">not audited"];
+    let all = [
+        drawn[0],
+        drawn[1],
+        "10-20-30: nothing found, not audited</title>",
+        "unseen\">nothing found, not audited",
+    ];
     all.iter().for_each(|part| assert!(text.contains(part), "{part}"));
 }
 

@@ -1,8 +1,11 @@
 //! How errors grow under stress, beside nalgebra and num-dual used as they come: `cargo bench --bench stress`.
 //!
-//! Writes docs/stress.svg. Every error is against 237 bits. Ours are asserted to stay where they are promised to be, so that this is a
+//! The picture is drawn into the folder of what is built, and where to is told; `-- --picture docs/stress.svg` draws that of the documents, as
+//! `scripts/measure.py stress` does. Every error is against 237 bits. Ours are asserted to stay where they are promised to be, so that this is a
 //! test that draws; the others are what anyone would write first.
 
+#[path = "../hand/commit.rs"]
+mod commit;
 mod peer;
 mod picture;
 mod walk;
@@ -10,7 +13,7 @@ mod walk;
 use picture::{Curve, Panel, draw};
 use pintle::audit::case::exact_branch;
 use pintle::audit::sample::Draw;
-use pintle::bench::Environment;
+use pintle::bench::{Environment, worse};
 use pintle::connector::Flag;
 use pintle::evaluate::Sequence;
 use pintle::node::DOFS;
@@ -20,6 +23,7 @@ use pintle::vector::{self, Vector};
 use rayon::prelude::*;
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::{Path, PathBuf};
 use walk::{Motion, Rotations, Sample, Stressed, Winding, half_spacing, turned};
 
 /// u, the unit of rounding.
@@ -73,7 +77,7 @@ fn increments() -> Result<Panel> {
         for found in samples.iter().filter(|_| !told || motion.winding == Winding::Hinge) {
             judge(motion, found);
         }
-        let worst = |of: fn(&Sample) -> f64| samples.iter().map(of).fold(0.0, f64::max);
+        let worst = |of: fn(&Sample) -> f64| samples.iter().map(of).fold(0.0, worse);
         ours[at].add(fraction, worst(|found| found.ours));
         others[at].add(fraction, worst(|found| found.summed));
     }
@@ -179,7 +183,7 @@ fn origin() -> Result<Panel> {
             // CARTESIAN gives node b no rotation.
             let rotations = [so3::exp(draw.rotation(0.1, 3.0)), [1.0, 0.0, 0.0, 0.0]];
             for (worst, error) in worst.iter_mut().zip(far_away(initial, displacements, rotations)?) {
-                *worst = worst.max(error);
+                *worst = worse(*worst, error);
             }
         }
         // Roundings of the separation, of the triad and of the products; lengths are of some units.
@@ -224,11 +228,11 @@ fn far_away(
     for k in 0..3 {
         let value = found.displacement[k].ok_or("a CARTESIAN has u1 to u3")?;
         let row = found.jacobian[k].ok_or("they have rows")?;
-        worst[0] = worst[0].max(error(value, values[k]));
-        worst[2] = worst[2].max(error(their_values[k], values[k]));
+        worst[0] = worse(worst[0], error(value, values[k]));
+        worst[2] = worse(worst[2], error(their_values[k], values[k]));
         for j in 0..DOFS {
-            worst[1] = worst[1].max(error(row[j], rows[k][j]));
-            worst[3] = worst[3].max(error(their_rows[k][j], rows[k][j]));
+            worst[1] = worse(worst[1], error(row[j], rows[k][j]));
+            worst[3] = worse(worst[3], error(their_rows[k][j], rows[k][j]));
         }
     }
     Ok(worst)
@@ -285,12 +289,11 @@ fn lock(of: &Lock) -> Result<Panel> {
             let error = |row: &[f64; DOFS]| {
                 let pairs = row.iter().zip(&want);
                 let errors = pairs.map(|(got, want)| (Wide::from_f64(*got) - *want).abs().to_f64() / size);
-                errors.fold(0.0, |worst: f64, error| if error.is_nan() { f64::NAN } else { worst.max(error) })
+                errors.fold(0.0, worse)
             };
             let at = usize::from(k == 1);
-            worst[at] = worst[at].max(error(&got));
-            let other = error(&theirs[k]);
-            worst[2 + at] = if other.is_nan() { f64::NAN } else { worst[2 + at].max(other) };
+            worst[at] = worse(worst[at], error(&got));
+            worst[2 + at] = worse(worst[2 + at], error(&theirs[k]));
         }
         // Of quaternions with roundings, the direction of the locking line is known to u/distance.
         let bound = 8.0 * U * (1.0 + 1.0 / near);
@@ -360,7 +363,22 @@ const EULER_BACK: Lock = Lock {
     ..EULER
 };
 
+/// The file that the picture is drawn into.
+fn picture() -> Result<PathBuf> {
+    // The first is what cargo gives to every bench.
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    match words.as_slice() {
+        [] => Ok(Path::new(env!("CARGO_TARGET_TMPDIR")).join("stress.svg")),
+        [option, file] if option == "--picture" => Ok(file.into()),
+        _ => Err(format!("unknown: {}; there is: --picture FILE.svg", words.join(" ")).into()),
+    }
+}
+
 fn main() -> Result<()> {
+    if commit::is_told() {
+        return Ok(());
+    }
+    let picture = picture()?;
     // What is done soonest first.
     let [cardan, cardan_back, euler, euler_back] = [&CARDAN, &CARDAN_BACK, &EULER, &EULER_BACK].map(lock);
     let locks = [cardan?, cardan_back?, euler?, euler_back?];
@@ -373,5 +391,7 @@ fn main() -> Result<()> {
         }
     }
     let told = format!("errors against 237 bits; {}", Environment::here().short());
-    draw(&panels, &told, concat!(env!("CARGO_MANIFEST_DIR"), "/docs/stress.svg"))
+    draw(&panels, &told, &picture)?;
+    eprintln!("drawn into {}", picture.display());
+    Ok(())
 }

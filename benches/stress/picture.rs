@@ -1,7 +1,9 @@
 //! Curves of errors, and their picture.
 
+use pintle::bench::worse;
 use plotters::prelude::*;
 use std::error::Error;
+use std::path::Path;
 
 /// What was swept, and the errors found.
 pub(crate) struct Curve {
@@ -19,7 +21,6 @@ impl Curve {
     }
 
     pub(crate) fn worst(&self) -> f64 {
-        let worse = |worst: f64, error: f64| if error.is_nan() { f64::INFINITY } else { worst.max(error) };
         self.points.iter().fold(0.0, |worst, (_, error)| worse(worst, *error))
     }
 }
@@ -69,7 +70,7 @@ const PANEL: u32 = 380;
 const LINE: u32 = 30;
 
 /// Panels, and below them on what machine, when and of which commit they were drawn.
-pub(crate) fn draw(panels: &[Panel], told: &str, path: &str) -> Result<(), Box<dyn Error + Send + Sync>> {
+pub(crate) fn draw(panels: &[Panel], told: &str, path: &Path) -> Result<(), Box<dyn Error + Send + Sync>> {
     let lines = panels.len().div_ceil(2);
     let height = PANEL * lines as u32;
     let whole = SVGBackend::new(path, (1240, height + LINE)).into_drawing_area();

@@ -3,6 +3,7 @@
 use crate::peer::Sum;
 use crate::{Result, U};
 use pintle::audit::sample::Draw;
+use pintle::bench::worse;
 use pintle::connector::{Branch, Connector, Evaluation, Flag, Increment, Output, Request, State, Tally};
 use pintle::evaluate::{Branches, ConnectorResult, Item, Model, Plan, Sequence};
 use pintle::node::{DOFS, Node, Pair};
@@ -190,8 +191,8 @@ impl Motion {
             let (mut ours, mut summed) = (0.0_f64, 0.0_f64);
             for (i, want) in truth.iter().enumerate() {
                 let error = |got: f64| (Wide::from_f64(got) - *want).abs().to_f64();
-                ours = ours.max(error(got[3 + i].ok_or("the component is reported")?));
-                summed = summed.max(error(sum.vector[i]));
+                ours = worse(ours, error(got[3 + i].ok_or("the component is reported")?));
+                summed = worse(summed, error(sum.vector[i]));
             }
             samples.push(Sample { step, angle: angle.to_f64(), ours, summed, bound, told });
         }

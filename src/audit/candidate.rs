@@ -217,6 +217,7 @@ impl<'a> Candidate<'a> {
             drawn: true,
             nearest: None,
             findings: gaps.into_iter().map(finding).collect(),
+            answered: BTreeSet::new(),
         })
     }
 

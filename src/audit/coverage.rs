@@ -95,11 +95,13 @@ pub struct Coverage {
 /// By how much the states of one connector, or of many, leave the initial one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Exercise {
-    /// The number of states of connectors, each connector at each state.
+    /// The number of states of connectors, each connector at each state, but for those whose nodes stand still.
     pub samples: u64,
+    /// The number of states of connectors whose nodes stand still, which are counted in nothing else.
+    pub standing: u64,
     /// Samples in which both nodes were turned, each by more than 0.1 rad.
     pub both_turned: u64,
-    /// Samples of connectors both of whose nodes have rotations.
+    /// Samples of connectors both of whose nodes have rotations, of which nothing is known to hold one.
     pub could_turn_both: u64,
     /// Samples in which a component that is free to move was displaced by more than 1e-6 rad or lengths.
     pub deformed: u64,
@@ -109,7 +111,7 @@ pub struct Exercise {
     pub away: u64,
     /// The largest rotation of a node (rad), where one has rotations.
     pub largest_rotation: Option<f64>,
-    /// The largest relative rotation (rad), of connectors that leave one free.
+    /// The largest relative rotation (rad), of connectors that leave one free, unless both nodes are held.
     pub largest_relative_rotation: Option<f64>,
     /// The largest relative displacement of the nodes, in lengths of the connector.
     pub largest_displacement: f64,
@@ -132,6 +134,12 @@ pub struct Sample {
     deformed: Option<bool>,
     /// The relative displacement of the nodes, in lengths of the connector.
     displacement: f64,
+    /// Whether either node was moved or turned.
+    moves: bool,
+    /// Whether something holds each node from turning.
+    held: [bool; 2],
+    /// Whether something holds both nodes from moving.
+    stands: bool,
 }
 
 impl Default for Coverage {
@@ -207,20 +215,42 @@ impl Sample {
             margin,
             deformed: (!free.is_empty()).then(|| free.iter().any(moved)),
             displacement: norm(vector::sub(pair.b.displacement, pair.a.displacement)) / size,
+            moves: [pair.a, pair.b].iter().any(|node| norm(node.displacement) > DISPLACED * size)
+                || angles.iter().any(|angle| *angle > DISPLACED),
+            held: [false; 2],
+            stands: false,
         }
+    }
+
+    /// The same where something holds an end from turning, or both from moving: what cannot be is not asked for. A state that turns or moves them
+    /// all the same, to exercise the connector, asks for the rest.
+    #[must_use]
+    pub fn held(self, ends: [bool; 2], stands: bool) -> Self {
+        let is_turned = |end: usize| self.rotations[end].is_some_and(|angle| angle > DISPLACED);
+        Self { held: [0, 1].map(|end| ends[end] && !is_turned(end)), stands: stands && !self.moves, ..self }
     }
 }
 
 impl Exercise {
+    /// Whether there was no state of a connector.
+    pub fn is_empty(&self) -> bool {
+        self.samples + self.standing == 0
+    }
+
     /// Counts a sample.
     pub fn add(&mut self, sample: &Sample) {
         let turned = |angle: Option<f64>| angle.is_some_and(|angle| angle > TURNED);
         let [a, b] = sample.rotations;
         let rotation = a.into_iter().chain(b).reduce(f64::max);
         let relative = rotation.map(|_| sample.relative);
-        let free = relative.filter(|_| sample.turns_freely);
+        let is_away = turned(a) || turned(b) || turned(relative) || sample.displacement > NEIGHBOURHOOD;
+        if sample.stands {
+            self.standing += 1;
+            return;
+        }
+        let free = relative.filter(|_| sample.turns_freely && sample.held != [true; 2]);
         self.samples += 1;
-        if a.is_some() && b.is_some() {
+        if sample.rotations.iter().zip(sample.held).all(|(angle, is_held)| angle.is_some() && !is_held) {
             self.could_turn_both += 1;
             self.both_turned += u64::from(turned(a) && turned(b));
         }
@@ -228,7 +258,6 @@ impl Exercise {
             self.could_deform += 1;
             self.deformed += u64::from(deformed);
         }
-        let is_away = turned(a) || turned(b) || turned(relative) || sample.displacement > NEIGHBOURHOOD;
         self.away += u64::from(is_away);
         // A maximum of what is not there is what is there.
         self.largest_rotation = self.largest_rotation.into_iter().chain(rotation).reduce(f64::max);
@@ -243,6 +272,7 @@ impl Exercise {
         let most = |x: Option<f64>, y: Option<f64>| x.into_iter().chain(y).reduce(f64::max);
         Self {
             samples: self.samples + other.samples,
+            standing: self.standing + other.standing,
             both_turned: self.both_turned + other.both_turned,
             could_turn_both: self.could_turn_both + other.could_turn_both,
             deformed: self.deformed + other.deformed,
@@ -264,7 +294,7 @@ impl Exercise {
             let (most, remedy) = match self.largest_rotation {
                 Some(most) => (
                     format!("the largest rotation is {most:.2e} rad"),
-                    "add states with both nodes turned by a radian and more, and components displaced",
+                    "add states with both nodes turned by a radian and more, and components displaced, as far as the mechanism allows it",
                 ),
                 None => (
                     format!(
@@ -289,8 +319,7 @@ impl Exercise {
                 "in none of {} were both nodes of a connector turned by more than {TURNED} rad",
                 count(self.could_turn_both, "state")
             );
-            let remedy =
-                "turn both nodes: in the same state, differently, about directions that no axis is along";
+            let remedy = "turn both nodes, as far as the mechanism allows it: in the same state, differently, about directions that no axis is along";
             lacks.push(lack(Code::CoverageOneNode, message, remedy));
         }
         if self.could_deform > 0 && self.deformed == 0 {
@@ -298,13 +327,13 @@ impl Exercise {
                 "in none of {} was a component displaced that is free to move",
                 count(self.could_deform, "state")
             );
-            let remedy = "add states in which the nodes move relative to each other";
+            let remedy =
+                "add states in which the nodes move relative to each other, if the mechanism allows it";
             lacks.push(lack(Code::CoverageUndeformed, message, remedy));
         }
         if let Some(most) = small {
             let message = format!("the largest relative rotation is {most:.2e} rad");
-            let remedy =
-                "add states with relative rotations of a radian and more, where the type permits them";
+            let remedy = "add states with relative rotations of a radian and more, where the type and the mechanism permit them";
             lacks.push(lack(Code::CoverageSmallAngles, message, remedy));
         }
         lacks
@@ -319,8 +348,11 @@ impl Coverage {
 
     /// Counts a sample.
     pub fn take(&mut self, sample: &Sample) {
-        let Sample { rotations: [a, b], relative, stretch, margin, .. } = *sample;
+        let Sample { rotations: [a, b], relative, stretch, margin, stands, .. } = *sample;
         self.exercise.add(sample);
+        if stands {
+            return;
+        }
         a.into_iter().for_each(|angle| self.rotation_a.add(angle));
         b.into_iter().for_each(|angle| self.rotation_b.add(angle));
         if a.is_some() || b.is_some() {

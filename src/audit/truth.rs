@@ -241,7 +241,7 @@ impl Truth {
     }
 
     /// The same of each component by itself.
-    pub(super) const fn nearness_of_components(&self) -> [f64; 6] {
+    pub(crate) const fn nearness_of_components(&self) -> [f64; 6] {
         self.of_components
     }
 

@@ -11,11 +11,14 @@ use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
 use std::marker::PhantomData;
 
-/// One pass over all tiles, the rows of each `rows` after those of the one before.
+/// One pass over all tiles, from row `first` of each on, the rows of each `rows` after those of the one before.
+///
+/// It is handed on by reference: of few tiles, copies of it would be a tenth of the time.
 #[derive(Debug)]
 struct Loop<'a, L> {
     arch: Arch,
     rows: usize,
+    first: usize,
     tiles: &'a [Tile],
     sections: &'a [Section],
     histories: &'a [History],
@@ -24,16 +27,16 @@ struct Loop<'a, L> {
 
 /// A pass whose rows go where it says.
 #[derive(Debug)]
-pub struct Placed<'a, L> {
-    pass: &'a Pass,
-    all: Loop<'a, L>,
+pub struct Placed<'l, 'a, L> {
+    pass: &'l Pass,
+    all: &'l mut Loop<'a, L>,
 }
 
 /// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`]. Nothing outside of this crate can implement it.
 pub trait Layout: Put<true> + Put<false> {
     /// Runs the loop of a pass.
     #[doc(hidden)]
-    fn run(placed: Placed<'_, Self>);
+    fn run(placed: Placed<'_, '_, Self>);
 }
 
 /// Functions that are not generic, so that they and the loops belong to this crate.
@@ -41,7 +44,7 @@ macro_rules! compiled_here {
     ($($layout:ty),+) => {
         $(impl Layout for $layout {
             #[inline(never)]
-            fn run(placed: Placed<'_, Self>) {
+            fn run(placed: Placed<'_, '_, Self>) {
                 placed.pass.dispatch(placed);
             }
         })+
@@ -50,7 +53,7 @@ macro_rules! compiled_here {
 
 compiled_here!(Row, CompactRow, HessianRow);
 
-impl<L: Layout> Task for Placed<'_, L> {
+impl<L: Layout> Task for Placed<'_, '_, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<F: Formula<M>, const M: usize>(self) {
         let Self { pass, all } = self;
@@ -60,21 +63,20 @@ impl<L: Layout> Task for Placed<'_, L> {
         if !in_place {
             return scattered::<F, L, M>(pass, all);
         }
-        if let Some(out) = all.out.get_mut(first..) {
-            F::apart(Loop { out, ..all });
-        }
+        all.first = first;
+        F::apart(all);
     }
 }
 
 /// Rows that stand apart, or of which some are not wanted: computed for one tile after another, and copied.
-fn scattered<F: Formula<M>, L: Layout, const M: usize>(pass: &Pass, all: Loop<'_, L>) {
-    let Loop { arch, rows, tiles, sections, histories, out } = all;
+fn scattered<F: Formula<M>, L: Layout, const M: usize>(pass: &Pass, all: &mut Loop<'_, L>) {
+    let Loop { arch, rows, tiles, sections, histories, ref mut out, .. } = *all;
     let mut computed = [L::default(); M];
     let constants = sections.chunks(1).zip(histories.chunks(1));
     for ((tiles, (sections, histories)), out) in
         tiles.chunks(1).zip(constants).zip(out.chunks_exact_mut(rows))
     {
-        F::apart(Loop { arch, rows: M, tiles, sections, histories, out: &mut computed });
+        F::apart(&mut Loop { arch, rows: M, first: 0, tiles, sections, histories, out: &mut computed });
         for (row, place) in computed.iter().zip(pass.rows) {
             if let Some(out) = out.get_mut(place) {
                 *out = *row;
@@ -87,7 +89,7 @@ fn scattered<F: Formula<M>, L: Layout, const M: usize>(pass: &Pass, all: Loop<'_
 trait Apart<const M: usize>: Formula<M> + Sized {
     /// Runs the loop, on the vector unit there is. As a default method it belongs to the module of the formula.
     #[inline(never)]
-    fn apart<L: Layout>(all: Loop<'_, L>) {
+    fn apart<L: Layout>(all: &mut Loop<'_, L>) {
         all.arch.dispatch(LoopOf::<Self, L, M> { all, formula: PhantomData });
     }
 }
@@ -95,12 +97,12 @@ trait Apart<const M: usize>: Formula<M> + Sized {
 impl<F: Formula<M>, const M: usize> Apart<M> for F {}
 
 /// The loop of one formula.
-struct LoopOf<'a, F, L, const M: usize> {
-    all: Loop<'a, L>,
+struct LoopOf<'l, 'a, F, L, const M: usize> {
+    all: &'l mut Loop<'a, L>,
     formula: PhantomData<F>,
 }
 
-impl<F: Formula<M>, L: Layout, const M: usize> WithSimd for LoopOf<'_, F, L, M> {
+impl<F: Formula<M>, L: Layout, const M: usize> WithSimd for LoopOf<'_, '_, F, L, M> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -110,15 +112,16 @@ impl<F: Formula<M>, L: Layout, const M: usize> WithSimd for LoopOf<'_, F, L, M> 
     }
 }
 
-impl<F: Formula<M>, L, const M: usize> LoopOf<'_, F, L, M> {
+impl<F: Formula<M>, L, const M: usize> LoopOf<'_, '_, F, L, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const FUSED: bool>(self)
     where
         L: Put<FUSED>,
     {
-        let Loop { rows, tiles, sections, histories, out: mut rest, .. } = self.all;
+        let Loop { rows, first, tiles, sections, histories, ref mut out, .. } = *self.all;
         let count = tiles.len();
-        let (Some(sections), Some(histories)) = (sections.get(..count), histories.get(..count)) else {
+        let constants = (sections.get(..count), histories.get(..count));
+        let (Some(mut rest), (Some(sections), Some(histories))) = (out.get_mut(first..), constants) else {
             return;
         };
         for i in 0..count {
@@ -309,12 +312,20 @@ impl Batch {
         if self.rows() == 0 {
             return Ok(());
         }
-        let at_once = if self.passes.len() > 1 { TILES_AT_ONCE } else { tiles.len().max(1) };
-        let constants = sections.chunks(at_once).zip(histories.chunks(at_once));
-        let blocks = tiles.chunks(at_once).zip(constants).zip(out.chunks_mut(at_once * self.rows()));
-        for ((tiles, (sections, histories)), out) in blocks {
+        let at_once = if self.passes.len() > 1 { TILES_AT_ONCE } else { tiles.len() };
+        let (arch, rows) = (self.arch, self.rows());
+        let mut done = 0;
+        while done < tiles.len() {
+            let these = done..tiles.len().min(done + at_once);
+            done = these.end;
+            let constants = sections.get(these.clone()).zip(histories.get(these.clone()));
+            let out = out.get_mut(these.start * rows..these.end * rows);
+            let (Some(tiles), Some((sections, histories)), Some(out)) = (tiles.get(these), constants, out)
+            else {
+                break;
+            };
+            let all = &mut Loop { arch, rows, first: 0, tiles, sections, histories, out };
             for pass in &self.passes {
-                let all = Loop { arch: self.arch, rows: self.rows(), tiles, sections, histories, out };
                 L::run(Placed { pass, all });
             }
         }

@@ -124,6 +124,7 @@ impl Batch {
     }
 
     /// The number of rows of each tile.
+    #[inline]
     pub fn rows(&self) -> usize {
         self.measures.len()
     }
@@ -157,6 +158,7 @@ pub fn vector_unit() -> Option<&'static str> {
     }
 }
 
+#[inline]
 fn same_length(what: &'static str, found: usize, expected: usize) -> Result<(), BatchError> {
     if found == expected { Ok(()) } else { Err(BatchError::Length { what, found, expected }) }
 }

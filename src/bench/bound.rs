@@ -1,12 +1,13 @@
-//! How far a way may be off and still be timed: one table, by what the errors come from.
+//! How far a way may be off and still be timed: by what the errors come from.
 
 use super::place::{CLEAR, Place};
 use super::subject::Order;
+use crate::audit::U;
 
 /// What the errors of a way come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// The rounding of pintle's own numbers: more than that is a mistake, and nothing is timed.
+    /// The rounding of pintle's own numbers: more than that is a mistake, and is told as one.
     Ours,
     /// The rounding of exact derivatives by formulas with a branch for each singular point.
     Rounding,
@@ -21,29 +22,24 @@ pub enum Cause {
     SecondDifference,
 }
 
-/// The unit of rounding.
-const U: f64 = f64::EPSILON / 2.0;
-
 /// The room that errors beyond those of rounding alone are given: what the coefficients of their orders may be.
 const ROOM: f64 = 100.0;
 
 impl Cause {
     /// The largest error ([`super::Subject::errors`]) of a way that is timed, at states whose distance from a singular point (rad, or lengths of
-    /// the connector) is `distance`.
+    /// the connector) is `distance`; `None` where rounding is all that there is, which has a bound for every entry
+    /// ([`super::Subject::beyond_rounding`]).
     ///
-    /// Near a singular point values are known to u/distance, and derivatives grow by 1/distance with each order; a value has its condition
-    /// in what it is compared with. At rest all functions are regular, and only formulas that divide by the sine are not.
-    pub fn bound(self, order: Order, place: Place, distance: f64) -> f64 {
+    /// Near a singular point values are known to u/distance, and derivatives grow by 1/distance with each order. At rest all functions
+    /// are regular, and only formulas that divide by the sine are not.
+    pub fn bound(self, order: Order, place: Place, distance: f64) -> Option<f64> {
         let steepness = match place {
             Place::Near => distance.recip().max(1.0),
             Place::Far => CLEAR.recip(),
             Place::Rest => 1.0,
         };
-        match self {
-            Self::Ours | Self::Rounding => {
-                let condition = if order == Order::Value || place == Place::Far { 1.0 } else { steepness };
-                [1e-14, 1e-14, 1e-13][order as usize] * condition
-            }
+        Some(match self {
+            Self::Ours | Self::Rounding => return None,
             // At rest the vector that the sine divides is as small as it, which gives two orders back.
             Self::NoBranches if place == Place::Rest => {
                 ROOM * U * if order == Order::Hessian { distance.recip() } else { 1.0 }
@@ -51,6 +47,6 @@ impl Cause {
             Self::NoBranches => ROOM * U * steepness.powi(1 + order as i32),
             Self::ForwardDifference | Self::SecondDifference => ROOM * U.sqrt() * steepness,
             Self::CentralDifference => ROOM * (U * steepness * steepness).cbrt().powi(2),
-        }
+        })
     }
 }

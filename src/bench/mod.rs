@@ -3,7 +3,7 @@
 //! A type ([`Subject`]) is measured at states far from its singular points, near them and at rest ([`Place`]), with every way to get the
 //! numbers ([`Method`]) that the library has ([`Way`]) or the caller brings. The truth is the 237-bit scalar: values by it, derivatives by
 //! differences on it that have no step to tune. Errors come first: those of every way must be within what they come from allows ([`Cause`]). One
-//! of pintle's own that is not ends the measurement; any other way is listed ([`Untimed`]), and neither timed nor drawn. Then rounds
+//! of pintle's own that is not is told as wrong ([`Wrong`]), any other way is listed ([`Untimed`]), and neither is timed or drawn. Then rounds
 //! take turns, and of each way the least time counts, so that a machine with other work on it disturbs all alike.
 //!
 //! ```
@@ -11,7 +11,8 @@
 //! use pintle::catalog::ConnectionType;
 //!
 //! let settings = Settings { rounds: 1, states: 1, ..Settings::default() };
-//! let report = measure(&settings, &[ConnectionType::named("SLIDE-PLANE", None)?], &|_| {})?;
+//! let report = measure(&settings, &[ConnectionType::named("SLIDE-PLANE", None)?], &|_| {});
+//! assert!(report.wrong.is_empty());
 //! let ours = report.points.iter().find(|point| point.method == "pintle" && point.order == Order::Jacobian);
 //! assert!(ours.is_some_and(|point| point.largest_error < 1e-14 && point.nanoseconds > 0.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -30,9 +31,9 @@ pub use bound::Cause;
 pub use environment::Environment;
 pub use method::{Method, Prepared, Way};
 pub use place::{CLEAR, Place, REST, Unmeasured};
-pub use subject::{Element, Order, Subject};
+pub use subject::{Element, Order, Subject, worse};
 
-use crate::catalog::ConnectionType;
+use crate::catalog::{COMPONENT, ConnectionType};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::hint::black_box;
@@ -89,6 +90,12 @@ pub struct Point {
     pub nanoseconds: f64,
     /// The least time of the slowest round: how noisy the machine was.
     pub slowest_round: f64,
+    /// The components whose rows are computed: `u1`.
+    #[serde(default)]
+    pub rows: Vec<Cow<'static, str>>,
+    /// The components that have rows which are not: one-forms, which are no functions of the nodes.
+    #[serde(default)]
+    pub left_out: Vec<Cow<'static, str>>,
 }
 
 /// JSON has no infinity: it is null there.
@@ -148,46 +155,49 @@ pub struct Report {
     pub points: Vec<Point>,
     /// What could not be measured.
     pub omitted: Vec<Omitted>,
-    /// Ways that are wrong somewhere, or do not exist.
+    /// Ways of others that are wrong somewhere, and ways that do not exist.
     pub untimed: Vec<Untimed>,
+    /// Where pintle's own numbers are not those of the 237-bit scalar.
+    #[serde(default)]
+    pub wrong: Vec<Wrong>,
 }
 
 /// pintle's own numbers are not right, so that their time means nothing.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{method}, {} of {connection}: the error is {error:.1e} where {bound:.1e} is allowed; its time would mean nothing", order.name())]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[error(
+    "{connection}, {}: {} of {method} is wrong: the error is {error:.1e} where {bound:.1e} is allowed; its time would mean nothing",
+    place.name(), order.name()
+)]
 pub struct Wrong {
     /// The type.
     pub connection: String,
+    /// Which states.
+    pub place: Place,
     /// What is wrong.
     pub order: Order,
     /// The way.
-    pub method: &'static str,
-    /// The largest error.
+    pub method: Cow<'static, str>,
+    /// The error that is the farthest beyond what is allowed, as [`Subject::errors`] tells it.
+    #[serde(deserialize_with = "or_infinite")]
     pub error: f64,
-    /// The largest error allowed.
+    /// The error allowed there.
+    #[serde(deserialize_with = "or_infinite")]
     pub bound: f64,
 }
 
 /// Measures types with every way that the library has; `progress` is told the name of each type that is prepared.
-///
-/// # Errors
-/// [`Wrong`] where pintle's own numbers are not those of the 237-bit scalar.
-pub fn measure(
-    settings: &Settings,
-    types: &[ConnectionType],
-    progress: &dyn Fn(&str),
-) -> Result<Report, Wrong> {
+pub fn measure(settings: &Settings, types: &[ConnectionType], progress: &dyn Fn(&str)) -> Report {
     let mut report = Report::new(settings);
     let ways = Way::all();
     let methods: Vec<&dyn Method> = ways.iter().map(|way| way as &dyn Method).collect();
     for connection in types {
         progress(&connection.name);
         let subjects: Vec<Subject> = report.subjects(settings, connection);
-        let mut session = Session::new(settings, &subjects, &methods)?;
+        let mut session = Session::new(settings, &subjects, &methods);
         (0..settings.rounds).for_each(|_| drop(session.round()));
         report.take(&session);
     }
-    Ok(report)
+    report
 }
 
 impl Report {
@@ -204,6 +214,7 @@ impl Report {
             points: Vec::new(),
             omitted: Vec::new(),
             untimed: Vec::new(),
+            wrong: Vec::new(),
         }
     }
 
@@ -211,6 +222,7 @@ impl Report {
     pub fn take(&mut self, session: &Session<'_>) {
         self.points.extend(session.points());
         self.untimed.extend_from_slice(session.untimed());
+        self.wrong.extend_from_slice(session.wrong());
     }
 
     /// A type at all places; says where it cannot be measured.
@@ -235,33 +247,28 @@ impl Report {
 pub struct Session<'s> {
     trials: Vec<Trial<'s>>,
     untimed: Vec<Untimed>,
+    wrong: Vec<Wrong>,
     budget: Duration,
 }
 
 impl<'s> Session<'s> {
     /// Every method for every subject, as far as its errors are within their bounds, of a sweep of steps those of the best.
-    ///
-    /// # Errors
-    /// [`Wrong`] where pintle's own numbers are not those of the 237-bit scalar.
-    pub fn new(
-        settings: &Settings,
-        subjects: &'s [Subject],
-        methods: &[&'s dyn Method],
-    ) -> Result<Self, Wrong> {
-        let (mut trials, mut untimed) = (Vec::new(), Vec::new());
+    pub fn new(settings: &Settings, subjects: &'s [Subject], methods: &[&'s dyn Method]) -> Self {
+        let (mut trials, mut untimed, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
         for subject in subjects {
             let from = trials.len();
             for method in methods {
                 match method.prepare(subject) {
-                    Ok(prepared) => trials.push(Trial::new(subject, *method, prepared)),
+                    Ok(prepared) => trials.push(Trial::new(settings, subject, *method, prepared)),
                     Err(why) => untimed.push(Untimed::new(subject, *method, why.into())),
                 }
             }
             let of_subject = trials.split_off(from);
             for trial in &of_subject {
                 let sweep = of_subject.iter().filter(|other| other.is_of_sweep(trial));
-                let error = sweep.map(|other| other.point.largest_error).fold(f64::INFINITY, f64::min);
-                let bound = trial.bound(settings);
+                let best =
+                    sweep.map(|other| other.judged).min_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));
+                let [error, bound] = best.unwrap_or(trial.judged);
                 if error <= bound {
                     trials.push(trial.clone());
                     continue;
@@ -269,7 +276,16 @@ impl<'s> Session<'s> {
                 let (method, order) = (trial.method, trial.point.order);
                 if method.cause() == Cause::Ours {
                     let connection = subject.connection.name.to_string();
-                    return Err(Wrong { connection, order, method: method.name(), error, bound });
+                    let place = subject.place;
+                    wrong.push(Wrong {
+                        connection,
+                        place,
+                        order,
+                        method: method.name().into(),
+                        error,
+                        bound,
+                    });
+                    continue;
                 }
                 let why = format!("its error is {error:.1e} where {bound:.1e} is allowed");
                 let of = Untimed::new(subject, method, why.into());
@@ -278,10 +294,15 @@ impl<'s> Session<'s> {
                 }
             }
         }
-        Ok(Self { trials, untimed, budget: settings.budget })
+        Self { trials, untimed, wrong, budget: settings.budget }
     }
 
-    /// The ways that are not timed.
+    /// Where pintle's own numbers are not right.
+    pub fn wrong(&self) -> &[Wrong] {
+        &self.wrong
+    }
+
+    /// The ways of others that are not timed.
     pub fn untimed(&self) -> &[Untimed] {
         &self.untimed
     }
@@ -325,19 +346,36 @@ impl Untimed {
     }
 }
 
+/// The names of components (0-based).
+fn named(components: &[usize]) -> Vec<Cow<'static, str>> {
+    components.iter().filter_map(|k| COMPONENT.get(*k)).map(|name| Cow::Borrowed(*name)).collect()
+}
+
 /// One way for one subject.
 #[derive(Clone)]
 struct Trial<'s> {
     point: Point,
+    /// The error by which it is judged, and the largest that is allowed there.
+    judged: [f64; 2],
     subject: &'s Subject,
     method: &'s dyn Method,
 }
 
 impl<'s> Trial<'s> {
-    fn new(subject: &'s Subject, method: &'s dyn Method, mut prepared: Box<dyn Prepared + 's>) -> Self {
+    fn new(
+        settings: &Settings,
+        subject: &'s Subject,
+        method: &'s dyn Method,
+        mut prepared: Box<dyn Prepared + 's>,
+    ) -> Self {
         prepared.run();
-        let order = method.order();
-        let [median_error, largest_error] = subject.errors(order, &prepared.numbers());
+        let (order, numbers) = (method.order(), prepared.numbers());
+        let [median_error, largest_error] = subject.errors(order, &numbers);
+        let (place, distance) = (subject.place, subject.place.distance(settings.distance));
+        let judged = match method.cause().bound(order, place, distance) {
+            Some(bound) => [largest_error, bound],
+            None => subject.beyond_rounding(order, &numbers),
+        };
         let point = Point {
             connection: subject.connection.name.to_string(),
             place: subject.place,
@@ -349,17 +387,10 @@ impl<'s> Trial<'s> {
             largest_error,
             nanoseconds: f64::INFINITY,
             slowest_round: 0.0,
+            rows: named(&subject.components),
+            left_out: named(&subject.left_out),
         };
-        Self { point, subject, method }
-    }
-
-    /// The largest error with which this way is timed.
-    fn bound(&self, settings: &Settings) -> f64 {
-        self.method.cause().bound(
-            self.point.order,
-            self.subject.place,
-            self.subject.place.distance(settings.distance),
-        )
+        Self { point, judged, subject, method }
     }
 
     /// Whether another way differs in its step alone, if at all.

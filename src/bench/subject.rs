@@ -1,9 +1,10 @@
 //! Where a type is measured: states far from its singular points and near them, with the truth.
 
 use super::place::{Place, Unmeasured, draw, rows_of};
-use crate::audit::Case;
+use crate::audit::bound::scales;
 use crate::audit::case::{dof_size, exact_branch, exact_pair};
 use crate::audit::truth::Truth;
+use crate::audit::{C, Case, U};
 use crate::catalog::ConnectionType;
 use crate::connector::{Branch, Connector, State};
 use crate::measure::Measure;
@@ -68,12 +69,16 @@ pub struct Subject {
     pub components: Vec<usize>,
     /// What each of them is.
     pub measures: Vec<Measure>,
+    /// The components whose rows are not measured: one-forms, which are no functions of the nodes.
+    pub left_out: Vec<usize>,
     /// The connectors and states.
     pub elements: Vec<Element>,
     /// How many elements a batch has: those of the subject, over and over.
     pub batch: usize,
     /// By order, then state by state and row by row, on 237 bits.
     truth: [Vec<Wide>; 3],
+    /// How far rounding may take each of these numbers ([`Subject::beyond_rounding`]).
+    tolerance: [Vec<f64>; 3],
     /// What a value is compared with, state by state and row by row ([`Subject::errors`]).
     size_of_values: Vec<f64>,
 }
@@ -97,31 +102,38 @@ impl Subject {
         let elements: Vec<Element> =
             cases.iter().map(Element::of).collect::<Option<_>>().ok_or(Unmeasured::NoState)?;
         let connector = &elements.first().ok_or(Unmeasured::NoState)?.connector;
-        let (components, measures): (Vec<usize>, Vec<Measure>) = (0..6)
-            .zip(rows_of(connector))
-            .filter_map(|(k, measure)| Some((k, measure?)))
-            .filter(|(_, measure)| !measure.is_one_form())
-            .unzip();
-        let truths: Vec<[Vec<Wide>; 3]> = cases
+        let with_rows = (0..6).zip(rows_of(connector)).filter_map(|(k, measure)| Some((k, measure?)));
+        let (one_forms, functions): (Vec<_>, Vec<_>) =
+            with_rows.partition(|(_, measure)| measure.is_one_form());
+        let (components, measures): (Vec<usize>, Vec<Measure>) = functions.into_iter().unzip();
+        let left_out = one_forms.into_iter().map(|(k, _)| k).collect();
+        let truths: Vec<Known> = cases
             .par_iter()
             .zip(&elements)
             .map(|(case, element)| truth(case, element, &components))
             .collect::<Option<_>>()
             .ok_or(Unmeasured::NoTruth)?;
         let mut size_of_values = Vec::new();
-        let mut truth = [const { Vec::new() }; 3];
-        for (case, of) in cases.iter().zip(truths) {
-            let [values, rows, _] = &of;
-            let of_row = |(value, row): (&Wide, &[Wide])| {
-                let each = row.iter().enumerate().map(|(j, x)| x.to_f64().abs() * dof_size(j, case.length));
-                value.to_f64().abs() + each.sum::<f64>()
-            };
-            size_of_values.extend(values.iter().zip(rows.chunks_exact(DOFS)).map(of_row));
-            truth.iter_mut().zip(of).for_each(|(all, numbers)| all.extend(numbers));
+        let (mut truth, mut tolerance) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
+        for Known { numbers, scales } in truths {
+            size_of_values.extend(&scales[0]);
+            truth.iter_mut().zip(numbers).for_each(|(all, numbers)| all.extend(numbers));
+            tolerance.iter_mut().zip(scales).for_each(|(all, of)| all.extend(of.iter().map(|x| C * U * x)));
         }
         let connection = connection.clone();
         let batch = elements.len();
-        Ok(Self { connection, place, components, measures, elements, batch, truth, size_of_values })
+        Ok(Self {
+            connection,
+            place,
+            components,
+            measures,
+            left_out,
+            elements,
+            batch,
+            truth,
+            tolerance,
+            size_of_values,
+        })
     }
 
     /// The same, with batches of so many elements; no fewer than there are states.
@@ -160,7 +172,43 @@ impl Subject {
     /// The median and the largest error of numbers element by element, row by row, of the states over and over: of a value over [`Subject::size_of_values`], of a derivative over the largest
     /// number of its row, the first ones counting among those of a second. What is not a number is an infinite error.
     pub fn errors(&self, order: Order, found: &[f64]) -> [f64; 2] {
-        let (width, rows, states) = (order.width(), self.rows(), self.states());
+        let per_state = self.rows() * order.width();
+        let scales = self.scales(order);
+        let all = self.offsets(order, found);
+        let mut each: Vec<f64> = all
+            .chunks(per_state.max(1))
+            .map(|of_state| {
+                let of_state =
+                    of_state.iter().map(|offset| offset.error / scales[offset.known / order.width()]);
+                of_state.fold(0.0, worse)
+            })
+            .collect();
+        each.sort_by(f64::total_cmp);
+        [each.get(each.len() / 2), each.last()].map(|error| error.copied().unwrap_or(f64::INFINITY))
+    }
+
+    /// The entry that is farthest beyond what rounding explains: its error, and the one that is allowed there, both as
+    /// [`Subject::errors`] tells them.
+    ///
+    /// What is allowed is what `pintle audit` allows there ([`crate::audit::bound`]): C u times what the rounding of the state does to the entry, by the derivatives one
+    /// order higher. Beside a singular set rows are directions that a rounding of the state turns by u/δ. Of a row with a small first and a large
+    /// second derivative, that is much of the row: its largest number would say nothing of that.
+    pub fn beyond_rounding(&self, order: Order, found: &[f64]) -> [f64; 2] {
+        let scales = self.scales(order);
+        let relative = |Offset { error, known }: Offset| {
+            let (scale, tolerance) = (scales[known / order.width()], self.tolerance[order as usize][known]);
+            // A tolerance that is no number allows nothing.
+            [error / scale, if tolerance.is_finite() { tolerance / scale } else { 0.0 }]
+        };
+        // An error of zero is within any tolerance, that of zero too.
+        let excess = |of: &[f64; 2]| if of[0] == 0.0 { 0.0 } else { worse(0.0, of[0] / of[1]) };
+        let all = self.offsets(order, found).into_iter().map(relative);
+        all.max_by(|a, b| excess(a).total_cmp(&excess(b))).unwrap_or([f64::INFINITY, 0.0])
+    }
+
+    /// What errors are told over, row by row of all states: 1 of a row of zeros.
+    fn scales(&self, order: Order) -> Vec<f64> {
+        let width = order.width();
         let size = |numbers: &[Wide]| numbers.iter().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()));
         let scale = |row: usize| match order {
             Order::Value => self.size_of_values[row],
@@ -169,27 +217,32 @@ impl Subject {
                 own.max(size(&self.truth[1][row * DOFS..(row + 1) * DOFS]))
             }
         };
-        let scales: Vec<f64> = (0..states * rows).map(scale).collect();
-        let count = (found.len() / (rows * width).max(1)).max(states);
-        let mut each: Vec<f64> = (0..count)
-            .map(|i| {
-                (0..rows).fold(0.0, |worst: f64, r| {
-                    let (row, known) = (i * rows + r, i % states * rows + r);
-                    let want = &self.truth[order as usize][known * width..(known + 1) * width];
-                    let got = found.get(row * width..(row + 1) * width).unwrap_or_default();
-                    if got.len() < width {
-                        return f64::INFINITY;
-                    }
-                    got.iter().zip(want).fold(worst, |worst, (got, want)| {
-                        let error = (Wide::from_f64(*got) - *want).abs().to_f64() / scales[known];
-                        if error.is_nan() || !got.is_finite() { f64::INFINITY } else { worst.max(error) }
-                    })
-                })
-            })
-            .collect();
-        each.sort_by(f64::total_cmp);
-        [each.get(each.len() / 2), each.last()].map(|error| error.copied().unwrap_or(f64::INFINITY))
+        let or_one = |scale: f64| if scale == 0.0 { 1.0 } else { scale };
+        (0..self.states() * self.rows()).map(scale).map(or_one).collect()
     }
+
+    /// The errors of numbers element by element, row by row, of the states over and over; of all states at least.
+    fn offsets(&self, order: Order, found: &[f64]) -> Vec<Offset> {
+        let truth = &self.truth[order as usize];
+        let of = |i: usize| {
+            let known = i % truth.len();
+            let got = found.get(i).copied().unwrap_or(f64::NAN);
+            let error = (Wide::from_f64(got) - truth[known]).abs().to_f64();
+            Offset { error: if got.is_finite() { worse(0.0, error) } else { f64::INFINITY }, known }
+        };
+        (0..if truth.is_empty() { 0 } else { found.len().max(truth.len()) }).map(of).collect()
+    }
+}
+
+/// How far a number is from the truth, and which of those known it is.
+struct Offset {
+    error: f64,
+    known: usize,
+}
+
+/// The larger of two errors; one that is no number is infinite, where [`f64::max`] would pass over it.
+pub fn worse(worst: f64, error: f64) -> f64 {
+    if worst.is_nan() || error.is_nan() { f64::INFINITY } else { worst.max(error) }
 }
 
 impl Element {
@@ -201,16 +254,35 @@ impl Element {
     }
 }
 
+/// The truth of a case, order by order and row by row, and what the rounding of its state does to each number
+/// ([`scales`]).
+struct Known {
+    numbers: [Vec<Wide>; 3],
+    scales: [Vec<f64>; 3],
+}
+
 /// Values by the 237-bit scalar, derivatives by differences on it.
-fn truth(case: &Case, element: &Element, components: &[usize]) -> Option<[Vec<Wide>; 3]> {
+fn truth(case: &Case, element: &Element, components: &[usize]) -> Option<Known> {
     let truth = Truth::of(case)?;
     let wide = Connector::<Wide>::new(&case.definition);
     let values = wide.values(&exact_pair(&element.state.pair), &exact_branch(&element.branch), [true; 6]);
-    let values: Vec<Wide> = components.iter().map(|k| values[*k]).collect::<Option<_>>()?;
     let (first, [second, _]) = (truth.first(), truth.second(false));
-    let all = |of: &[Option<Vec<Wide>>; 6]| -> Option<Vec<Wide>> {
-        let rows: Vec<&Vec<Wide>> = components.iter().map(|k| of[*k].as_ref()).collect::<Option<_>>()?;
-        Some(rows.into_iter().flatten().copied().collect())
-    };
-    Some([values, all(&first.0)?, all(&second.0)?])
+    let (nearness, size) = (truth.nearness_of_components(), dof_sizes(case));
+    let mut known = Known { numbers: Default::default(), scales: Default::default() };
+    for k in components.iter().copied() {
+        let numbers = [vec![values[k]?], first.0[k].clone()?, second.0[k].clone()?];
+        let [value, row, matrix] =
+            numbers.each_ref().map(|of| of.iter().map(|x| x.to_f64()).collect::<Vec<_>>());
+        let still = ([0.0; DOFS], [0.0; DOFS]);
+        let [of_value, of_row, of_matrix, ..] =
+            scales(value[0], &row, &matrix, (&size, &size), (&still.0, &still.1), nearness[k]);
+        known.numbers.iter_mut().zip(numbers).for_each(|(all, of)| all.extend(of));
+        known.scales.iter_mut().zip([of_value, of_row, of_matrix]).for_each(|(all, of)| all.extend(of));
+    }
+    Some(known)
+}
+
+/// s_j, 1 rad or the connector's length.
+fn dof_sizes(case: &Case) -> [f64; DOFS] {
+    std::array::from_fn(|j| dof_size(j, case.length))
 }

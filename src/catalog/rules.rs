@@ -261,7 +261,8 @@ pub struct Breach {
     pub evidence: Evidence,
     /// Whether the scene can be evaluated all the same: what is given is not used.
     pub harmless: bool,
-    /// What it is about, if it is about one: a component (0-based); of an orientation, the node, 0 for a and 1 for b.
+    /// What it is about, if it is about one: a component (0-based); of an orientation, the node, 0 for a and 1 for b; of a failure or
+    /// lock, its place in [`Facts::failures`] or [`Facts::locks`].
     pub item: Option<usize>,
 }
 
@@ -471,31 +472,41 @@ impl ConnectionType {
             (Rule::FailureNotAvailable, "failure", "release", &facts.failures),
             (Rule::LockNotAvailable, "lock", "lock", &facts.locks),
         ] {
-            for (trigger, affected) in laws {
-                let named = [Some(*trigger), *affected];
-                let absent = named.into_iter().flatten().find(|k| !is_there(*k));
-                let held = match rule {
-                    // Standard fails by what is available; a lock that holds what is held has no effect in either.
-                    Rule::FailureNotAvailable if facts.procedure == Some(Procedure::Standard) => {
-                        named.into_iter().flatten().find(|k| !is_available(*k))
+            for (place, (trigger, affected)) in laws.iter().enumerate() {
+                let trigger = Some(*trigger).filter(|k| *affected != Some(*k));
+                for (k, is_trigger) in
+                    trigger.map(|k| (k, true)).into_iter().chain(affected.map(|k| (k, false)))
+                {
+                    let is_absent = !is_there(k);
+                    let is_held = match rule {
+                        // Standard fails by what is available; a lock that holds what is held has no effect in either.
+                        Rule::FailureNotAvailable => {
+                            facts.procedure == Some(Procedure::Standard) && !is_available(k)
+                        }
+                        _ => !is_trigger && !is_available(k),
+                    };
+                    if !is_absent && !is_held {
+                        continue;
                     }
-                    Rule::LockNotAvailable => affected.filter(|k| !is_available(*k)),
-                    _ => None,
-                };
-                let Some(k) = absent.or(held) else { continue };
-                let only = if rule == Rule::FailureNotAvailable && absent.is_none() {
-                    " in Abaqus/Standard"
-                } else {
-                    ""
-                };
-                about(
-                    Some(*trigger),
-                    rule,
-                    format!("component {} ({}) of {} takes no {word}{only}", k + 1, COMPONENT[k], self.name),
-                    format!("trigger by and {verb} available components; here: {available}"),
-                    Evidence::D,
-                    rule == Rule::LockNotAvailable && absent.is_none(),
-                );
+                    let only = if rule == Rule::FailureNotAvailable && !is_absent {
+                        " in Abaqus/Standard"
+                    } else {
+                        ""
+                    };
+                    about(
+                        Some(place),
+                        rule,
+                        format!(
+                            "component {} ({}) of {} takes no {word}{only}",
+                            k + 1,
+                            COMPONENT[k],
+                            self.name
+                        ),
+                        format!("trigger by and {verb} available components; here: {available}"),
+                        Evidence::D,
+                        rule == Rule::LockNotAvailable && !is_absent,
+                    );
+                }
             }
         }
         for rule in PROCEDURE_RULES {

@@ -41,9 +41,11 @@ pintle explain CODE explains, and is a note, a warning or an error; --deny,
 --warn, --note and --allow say which: of a code, a group of codes, all notes or
 warnings, everywhere or at a place (CODE@FILE, CODE@FILE:LINE). The line
 outweighs the file, and that what is said everywhere; the code outweighs its
-group, and that all. A rule that leaves nothing to evaluate (pintle explain CODE
-says which) stays an error: no number of such a scene is audited, the report has
-all it breaks, and the exit code is 6.
+group, and that all. A level for a line without such a finding is told, and one
+of what no level applies to, such as the cause of a wrong number, is refused. A
+rule that leaves nothing to evaluate (pintle explain CODE says which) stays an
+error: no number of such a scene is audited, the report has all it breaks, and
+the exit code is 6.
 
 Examples:
   pintle audit
@@ -311,15 +313,20 @@ fn say_what_stays(levels: &Levels, report: &Report) {
     }
 }
 
-/// Where a level was set for a file that is none of those audited.
+/// Where a level was set for a file that is none of those audited; or for a line at which nothing of that code is found, where all was looked at that
+/// it could come of.
 fn say_what_is_nowhere(levels: &Levels, loaded: &[Loaded], report: &Report) {
-    let findings = report.models.iter().flat_map(|model| &model.findings).map(|finding| finding.file());
-    let files: Vec<&str> = loaded.iter().map(|loaded| loaded.name.as_str()).chain(findings).collect();
+    let files: Vec<&str> = loaded.iter().flat_map(Loaded::files).collect();
     for name in levels.of_other_files(&files) {
-        complain(
-            "note",
-            &format!("no scene of that name is audited, nor a file in which there is a finding: {name}"),
-        );
+        complain("note", &format!("no scene of that name is audited, nor one that includes it: {name}"));
+    }
+    let is_open =
+        |file: &str| loaded.iter().zip(&report.models).any(|(of, model)| !model.is_whole() && of.has(file));
+    let known: Vec<&str> = files.into_iter().filter(|file| !is_open(file)).collect();
+    let answered = report.models.iter().flat_map(|model| &model.answered).cloned().collect();
+    for name in levels.unanswered(&known, &answered) {
+        let words = "nothing of that code is found at that line, initially or at the states given";
+        complain("note", &format!("{words}: {name}; correct the line, or leave the level out"));
     }
 }
 
@@ -332,6 +339,17 @@ struct Loaded {
     model: Model,
     /// Whether a rule refuses the model: then no number of it is audited.
     is_refused: bool,
+}
+
+impl Loaded {
+    /// The files that it was read from, by the name given and by those of its includes.
+    fn files(&self) -> impl Iterator<Item = &str> {
+        [&self.name, &self.scene.name].into_iter().chain(&self.scene.files).map(String::as_str)
+    }
+
+    fn has(&self, file: &str) -> bool {
+        self.files().any(|own| own == file)
+    }
 }
 
 /// Errors of one scene that are shown with the lines they are about; the report has all.

@@ -21,20 +21,21 @@ differences over a sweep of steps, of the complex step, and of num-dual's
 dual numbers with a direction for every degree of freedom of the nodes. The
 error of a value is over |f| + Σ |∂f/∂q| s, s = 1 rad or the length of the
 connector, that of a derivative over the largest number of its row. Before
-anything is timed each is asserted, of a sweep of steps the best: a wrong number of
-pintle ends the run, any other way is listed as wrong and not timed. The ways
-take turns in rounds, on one thread,
+anything is timed each is asserted, of a sweep of steps the best: what is wrong is
+not timed, and said in its place. The ways take turns in rounds, on one thread,
 and of each the least time counts, so that other work on the machine disturbs
 all alike; the column × pintle is the ratio to trust. Tables show of a sweep the
 step with the smallest error; JSON and CSV have all.
 
-One-forms (FLOW-CONVERTER) have no function to difference and are left out.
+One-forms (FLOW-CONVERTER, and its row of RETRACTOR) have no function to
+difference and are left out by every way, which the report says.
 Batches read and write tiles of four states, which are made before the clock
 starts; types whose rows depend on material flow have none. Rows by hand, JAX and
 CasADi are measured by the crate's benches: cargo bench --bench work_precision, and scripts/measure.py.
 
-Exit codes: 1 where a number of pintle is wrong (nothing is timed then), 4 where
-nothing can be measured.
+Exit codes: 1 where a number of pintle is wrong (after all else has been measured
+and told), 4 where nothing can be measured, 6 where figures cannot be written,
+which is seen before anything is measured.
 
 Examples:
   pintle bench HINGE
@@ -106,6 +107,7 @@ pub(crate) fn run(arguments: &Bench) -> Result<(), Failure> {
         distance: arguments.near,
         ..Settings::default()
     };
+    arguments.plots.as_deref().map_or(Ok(()), writable)?;
     let bar = ProgressBar::new(types.len() as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}") {
         bar.set_style(style);
@@ -116,15 +118,13 @@ pub(crate) fn run(arguments: &Bench) -> Result<(), Failure> {
     };
     let found = measure(&settings, &types, &progress);
     bar.finish_and_clear();
-    let found = found.map_err(|wrong| {
-        super::eval::complain("error", &wrong.to_string());
-        Failure::Mismatch
-    })?;
-    if found.points.is_empty() {
+    if found.points.is_empty() && found.wrong.is_empty() {
         return Err(Failure::Nothing("of these types there is nothing to measure but one-forms".into()));
     }
     write(arguments.format, &found)?;
-    arguments.plots.as_ref().map_or(Ok(()), |folder| draw(folder, &found))
+    arguments.plots.as_ref().map_or(Ok(()), |folder| draw(folder, &found))?;
+    found.wrong.iter().for_each(|wrong| super::eval::complain("error", &wrong.to_string()));
+    if found.wrong.is_empty() { Ok(()) } else { Err(Failure::Mismatch) }
 }
 
 /// A type, or the two of a free pair.
@@ -137,14 +137,23 @@ fn named(name: &str) -> Result<ConnectionType, Failure> {
     }
 }
 
+fn cannot_draw(path: &Path, error: &io::Error) -> Failure {
+    Failure::Input(format!("cannot write figures to {}: {error}", path.display()))
+}
+
+/// Makes a folder; refuses one in which no file can be made.
+fn writable(folder: &Path) -> Result<(), Failure> {
+    let probe = folder.join(format!(".pintle-{}", std::process::id()));
+    fs::create_dir_all(folder)
+        .and_then(|()| fs::write(&probe, "?"))
+        .and_then(|()| fs::remove_file(&probe))
+        .map_err(|error| cannot_draw(folder, &error))
+}
+
 fn draw(folder: &Path, found: &Report) -> Result<(), Failure> {
-    let cannot = |path: &Path, error: &io::Error| {
-        Failure::Input(format!("cannot write figures to {}: {error}", path.display()))
-    };
-    fs::create_dir_all(folder).map_err(|error| cannot(folder, &error))?;
     for (name, svg) in report::figures(found) {
         let path = folder.join(name);
-        fs::write(&path, svg).map_err(|error| cannot(&path, &error))?;
+        fs::write(&path, svg).map_err(|error| cannot_draw(&path, &error))?;
     }
     Ok(())
 }

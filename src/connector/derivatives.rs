@@ -148,7 +148,7 @@ impl<R: Differentiable> Connector<R> {
         if !measure.turns_with_a() {
             row[node::THETA_A..node::PSI_A].fill(R::integer(0));
         }
-        if self.kind.is_free && self.kind.fixed == [false; 2] && !measure.dependence().flow {
+        if self.kind.is_free && !measure.dependence().flow {
             return;
         }
         for (entry, active) in row.iter_mut().zip(&self.kind.active) {

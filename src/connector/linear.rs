@@ -63,17 +63,16 @@ impl<R: Differentiable> Connector<R> {
         wanted: Mask,
         out: &mut [Linear<R>; 6],
     ) -> usize {
-        let Kind { program, .. } = &*self.kind;
-        let Program { passes, components, count, left, .. } = program;
+        let kind = &*self.kind;
+        let Program { passes, components, count, left, .. } = &kind.program;
         if wanted == [true; 6] {
             for pass in passes {
-                pass.dispatch(Rows { kind: &self.kind, pair, branch, slots: &pass.rows, out });
+                pass.dispatch(Rows { kind, pair, branch, slots: &pass.rows, components, out });
             }
             for (row, measure) in left {
-                self.linearize_with_flow(pair, branch, *measure, &mut out[*row]);
-            }
-            for (out, component) in out.iter_mut().zip(components).take(*count) {
-                out.component = *component;
+                let out = &mut out[*row];
+                out.component = components[*row];
+                self.linearize_with_flow(pair, branch, *measure, out);
             }
             return *count;
         }
@@ -89,13 +88,14 @@ impl<R: Differentiable> Connector<R> {
         wanted: Mask,
         out: &mut [Linear<R>; 6],
     ) -> usize {
-        let Program { passes, alone, components, count, left } = &self.kind.program;
-        let mut slots = [usize::MAX; 6];
+        let kind = &*self.kind;
+        let Program { passes, alone, components: all, count, left } = &kind.program;
+        let (mut slots, components) = ([usize::MAX; 6], &mut [usize::MAX; 6]);
         let mut found = 0;
-        for (row, component) in components.iter().enumerate().take(*count) {
+        for (row, component) in all.iter().enumerate().take(*count) {
             if wanted[*component] {
                 slots[row] = found;
-                out[found].component = *component;
+                components[found] = *component;
                 found += 1;
             }
         }
@@ -111,16 +111,18 @@ impl<R: Differentiable> Connector<R> {
                     together[m] = usize::MAX;
                     if slots[m] != usize::MAX {
                         let slots = &[slots[m], usize::MAX, usize::MAX];
-                        pass.dispatch(Rows { kind: &self.kind, pair, branch, slots, out });
+                        pass.dispatch(Rows { kind, pair, branch, slots, components, out });
                     }
                 }
             }
             if together != [usize::MAX; 3] {
-                pass.dispatch(Rows { kind: &self.kind, pair, branch, slots: &together, out });
+                pass.dispatch(Rows { kind, pair, branch, slots: &together, components, out });
             }
         }
         for (row, measure) in left {
-            if let Some(out) = out.get_mut(slot(*row)) {
+            let slot = slot(*row);
+            if let Some(out) = out.get_mut(slot) {
+                out.component = components[slot];
                 self.linearize_with_flow(pair, branch, *measure, out);
             }
         }
@@ -266,18 +268,20 @@ struct Rows<'a, R: Differentiable> {
     pair: &'a Pair<R>,
     branch: &'a Branch<R>,
     slots: &'a [usize; 3],
+    /// The component of each slot.
+    components: &'a [usize; 6],
     out: &'a mut [Linear<R>; 6],
 }
 
 impl<R: Differentiable> Task for Rows<'_, R> {
     #[inline(always)]
     fn run<F: Formula<M>, const M: usize>(self) {
-        let Self { kind, pair, branch, slots, out } = self;
+        let Self { kind, pair, branch, slots, components, out } = self;
         // Constants, so that only one of these is compiled for each formula.
         if const { F::NEEDED.of_position() || F::NEEDED.of_rotation() } {
-            differentiate::<F, R, M, 3>(kind, pair, branch, slots, out);
+            differentiate::<F, R, M, 3>(kind, pair, branch, slots, components, out);
         } else {
-            differentiate::<F, R, M, 6>(kind, pair, branch, slots, out);
+            differentiate::<F, R, M, 6>(kind, pair, branch, slots, components, out);
         }
     }
 }
@@ -289,6 +293,7 @@ fn differentiate<F: Formula<M>, R: Differentiable, const M: usize, const N: usiz
     pair: &Pair<R>,
     branch: &Branch<R>,
     slots: &[usize; 3],
+    components: &[usize; 6],
     out: &mut [Linear<R>; 6],
 ) {
     let first = if F::NEEDED.of_rotation() { 3 } else { 0 };
@@ -300,7 +305,10 @@ fn differentiate<F: Formula<M>, R: Differentiable, const M: usize, const N: usiz
     let zero = R::integer(0);
     let none = [zero; 3];
     for m in 0..M {
-        let Some(out) = out.get_mut(slots[m]) else { continue };
+        let (Some(out), Some(component)) = (out.get_mut(slots[m]), components.get(slots[m])) else {
+            continue;
+        };
+        out.component = *component;
         let gradient = values[m].gradient();
         let (mut g, mut h) = (none, none);
         for i in 0..3 {
@@ -312,9 +320,7 @@ fn differentiate<F: Formula<M>, R: Differentiable, const M: usize, const N: usiz
             }
         }
         // −g, g × D − h, ∂Ψ_a, g, h, ∂Ψ_b ([`Pair::nodal_row`]).
-        let (minus_g, arm) = if kind.fixed[0] {
-            (none, none)
-        } else if F::NEEDED.of_rotation() {
+        let (minus_g, arm) = if F::NEEDED.of_rotation() {
             (none, h.map(|h| -h))
         } else if F::NEEDED.of_position() {
             (g.map(|g| -g), vector::cross(g, separation))
@@ -323,7 +329,6 @@ fn differentiate<F: Formula<M>, R: Differentiable, const M: usize, const N: usiz
         };
         // A measure that no direction of a enters does not feel a turn.
         let arm = if F::MEASURES[m].turns_with_a() { arm } else { none };
-        let (g, h) = if kind.fixed[1] { (none, none) } else { (g, h) };
         let ([a1, a2, a3], [r1, r2, r3], [g1, g2, g3], [h1, h2, h3]) = (minus_g, arm, g, h);
         out.value = values[m].real();
         out.row = [a1, a2, a3, r1, r2, r3, zero, g1, g2, g3, h1, h2, h3, zero];

@@ -132,9 +132,7 @@ struct Kind<R> {
     references: Components<R>,
     stops: Components<Stop>,
     active: [bool; DOFS],
-    /// Whether a and b have no columns.
-    fixed: [bool; 2],
-    /// Whether all other degrees of freedom are active, but for those of material flow.
+    /// Whether all degrees of freedom are active, but for those of material flow.
     is_free: bool,
     reach: [bool; DOFS],
     is_planar: bool,
@@ -316,9 +314,7 @@ impl<R: Differentiable> Connector<R> {
             references,
             stops: definition.stops,
             active,
-            fixed: definition.moves.map(|moves| !moves),
-            is_free: (0..DOFS)
-                .all(|j| active[j] || DOF_NUMBER[j] == 10 || !definition.moves[usize::from(j >= DOFS / 2)]),
+            is_free: (0..DOFS).all(|j| active[j] || DOF_NUMBER[j] == 10),
             singular: Singular::new(&rows),
             reach,
             is_planar: definition.planar,

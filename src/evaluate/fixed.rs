@@ -1,6 +1,9 @@
 //! Degrees of freedom of nodes, and which of them boundary conditions prescribe.
 
-use crate::scene::{Boundary, ConditionKind, Diagnostic, Label, LabelMap, MotionType, Scene, Target};
+use crate::scene::{
+    Boundary, ConditionKind, Diagnostic, Label, LabelMap, MotionType, NodeMotion, Rotation, Scene, Target,
+};
+use crate::so3;
 use crate::vector::Matrix;
 use std::collections::{BTreeSet, HashSet};
 
@@ -127,6 +130,23 @@ impl Fixed {
     /// Whether a degree of freedom is fixed.
     pub fn contains(&self, freedom: Freedom) -> bool {
         self.freedoms.contains(&freedom)
+    }
+
+    /// By how much a motion of a node moves what is fixed of it: the number of the degree of freedom, and an angle (rad) or a length.
+    ///
+    /// Of a rotation of which one component alone is fixed, that component is not zero by what turns about the others: it is left out.
+    pub fn moved_by(&self, node: Label, motion: &NodeMotion) -> impl Iterator<Item = (u8, f64)> {
+        let along =
+            |vector: [f64; 3]| self.axes(node).map_or(vector, |axes| crate::vector::apply(axes, vector));
+        let is_fixed = move |number: u8| self.contains(Freedom { node, number });
+        let rotation = match motion.rotation {
+            Rotation::Vector(vector) => vector,
+            Rotation::Quaternion(q) => so3::log_quaternion(q),
+        };
+        let turns =
+            if (4..=6).filter(|number| is_fixed(*number)).count() > 1 { along(rotation) } else { [0.0; 3] };
+        let amounts = along(motion.displacement).into_iter().chain(turns).chain([motion.flow]);
+        NUMBERS.into_iter().zip(amounts).filter(move |(number, _)| is_fixed(*number))
     }
 
     /// The axes along which the columns of a node are, as rows, where they are not the global ones.

@@ -86,6 +86,8 @@ struct Block {
     is_swapped: bool,
     /// Which of the axes those of a and b are.
     axes: [Option<u32>; 2],
+    /// The first of its entries.
+    first: usize,
 }
 
 /// Where the entries of one MPC go.
@@ -234,7 +236,7 @@ impl Jacobian {
             numbering.column(places[usize::from(j >= DOFS / 2)]?, number)
         };
         let is_swapped = element.nodes[0] > element.nodes[1];
-        let mut block = Block { columns: [0; 6], is_swapped, axes };
+        let mut block = Block { columns: [0; 6], is_swapped, axes, first: self.columns.len() };
         for k in 0..6 {
             let Some(pattern) = element.connector.row_pattern(k).filter(|_| wanted(element, k)) else {
                 continue;
@@ -358,6 +360,27 @@ impl Jacobian {
         if is_same { Ok(()) } else { Err(ForeignPattern::Plan) }
     }
 
+    /// Whether this is a pattern that was made when that one was, or a copy of it.
+    pub(super) fn is_copy_of(&self, origin: &Arc<()>) -> bool {
+        Arc::ptr_eq(&self.origin, origin)
+    }
+
+    /// What it shares with its copies only.
+    pub(super) const fn origin(&self) -> &Arc<()> {
+        &self.origin
+    }
+
+    /// The first entry of a connector, by its place in the plan; beyond the last connector, that of the MPCs.
+    pub(super) fn first_entry(&self, at: usize) -> usize {
+        self.blocks.get(at).map_or(self.entries() - self.mpc_entries.len(), |block| block.first)
+    }
+
+    /// The first entry of an MPC, by its place in the plan; beyond the last, the number of entries.
+    pub(super) fn first_mpc_entry(&self, at: usize) -> usize {
+        let all = self.mpc_entries.len();
+        self.entries() - all + self.mpcs.get(at).map_or(all, |block| block.entries.start)
+    }
+
     /// The rows of a connector that have columns, by its place in the plan: none between nodes that are fixed.
     pub(super) fn wanted(&self, at: usize) -> Mask {
         self.blocks[at].columns.map(|columns| columns != 0)
@@ -452,7 +475,7 @@ impl CompressedColumns {
 
     /// Whether they were made of this pattern, or of a copy of it.
     pub(super) fn check(&self, jacobian: &Jacobian) -> Result<(), ForeignPattern> {
-        if Arc::ptr_eq(&self.origin, &jacobian.origin) { Ok(()) } else { Err(ForeignPattern::Columns) }
+        if jacobian.is_copy_of(&self.origin) { Ok(()) } else { Err(ForeignPattern::Columns) }
     }
 
     /// Where an entry by rows stands.

@@ -11,7 +11,7 @@ use crate::measure::Measure;
 use crate::node::{End, Node, PSI_A, PSI_B, Pair};
 use crate::scalar::elementary::norm;
 use crate::scene::{
-    Code, Diagnostic, End as SceneEnd, Label, LabelMap, LabelSet, NodeFreedom, Scene, Solver, Span,
+    self, Code, Diagnostic, End as SceneEnd, Label, LabelMap, LabelSet, NodeFreedom, Scene, Solver, Span,
 };
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::hash_map::Entry;
@@ -62,9 +62,25 @@ struct Shared {
     /// The last of all, with the same: mostly the next one agrees with it.
     last: Option<(Agreeing, Arc<Definition>, Connector<f64>)>,
     warned: HashSet<(usize, Rule, String)>,
-    /// What refuses the scene, and leaves every number of it.
-    refused: Vec<Diagnostic>,
+    /// What refuses the last connector.
+    refused: Vec<Refusal>,
     freedom: NodeFreedom,
+}
+
+/// What refuses a scene.
+struct Refusal {
+    diagnostic: Diagnostic,
+    /// What is broken, whichever element breaks it, where that tells it from others of its code at the same place: of one behaviour, each
+    /// connection type that it does not suit.
+    breach: String,
+    /// Whether that is a rule of connection types, of which others may be warned of at the same place.
+    is_rule: bool,
+}
+
+impl From<Diagnostic> for Refusal {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self { diagnostic, breach: String::new(), is_rule: false }
+    }
 }
 
 /// A scene, resolved.
@@ -102,37 +118,43 @@ impl Model {
     pub fn compile(scene: &Scene) -> Result<Self, Diagnostic> {
         let mut first = None;
         let model = Self::resolve(scene, &mut |error| {
-            first = Some(error);
+            first = Some(error.diagnostic);
             false
         });
         first.map_or(Ok(model), Err)
     }
 
-    /// Resolves a scene as far as it goes, with every error: a connector that breaks a rule is left out. What all connectors of a
-    /// section break is told once.
+    /// Resolves a scene as far as it goes, with every error: a connector that breaks a rule is left out. What several connectors of
+    /// one type break alike at one place is told once, of the first.
     pub fn examine(scene: &Scene) -> (Self, Vec<Diagnostic>) {
         let mut errors: Vec<Diagnostic> = Vec::new();
-        let mut seen = HashSet::new();
-        let mut model = Self::resolve(scene, &mut |error| {
-            if seen.insert((error.code(), error.span())) {
-                errors.push(error);
+        let mut seen: HashMap<(Code, Span), Vec<(String, bool)>> = HashMap::new();
+        let mut model = Self::resolve(scene, &mut |Refusal { diagnostic, breach, is_rule }| {
+            let at_place = seen.entry((diagnostic.code(), diagnostic.span())).or_default();
+            if at_place.iter().all(|(known, _)| *known != breach) {
+                at_place.push((breach, is_rule));
+                errors.push(diagnostic);
             }
             true
         });
         // What refuses a scene is not a warning besides.
-        model.warnings.retain(|warning| !seen.contains(&(warning.code(), warning.span())));
+        model.warnings.retain(|warning| {
+            let refused = seen.get(&(warning.code(), warning.span()));
+            let is_it = |(breach, is_rule): &(String, bool)| !is_rule || warning.message().ends_with(breach);
+            !refused.is_some_and(|all| all.iter().any(is_it))
+        });
         (model, errors)
     }
 
     /// Resolves a scene. Each error is told, which says whether to go on.
-    fn resolve(scene: &Scene, tell: &mut dyn FnMut(Diagnostic) -> bool) -> Self {
+    fn resolve(scene: &Scene, tell: &mut dyn FnMut(Refusal) -> bool) -> Self {
         let mut model = Self { schedule: Schedule::new(scene), length: size(scene), ..Self::default() };
         let drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
             .map_err(|error| error.in_file(&scene.name));
         let drives = match drives {
             Ok(drives) => drives,
             Err(error) => {
-                if !tell(error) {
+                if !tell(error.into()) {
                     return model;
                 }
                 BTreeMap::new()
@@ -150,43 +172,51 @@ impl Model {
             freedom: NodeFreedom::of(scene),
         };
         for error in scene.orientation_errors() {
-            if !tell(error) {
+            if !tell(error.into()) {
                 return model;
             }
         }
+        model.connectors.reserve_exact(scene.connectors.len());
+        let position = scene.positions();
         for (label, element) in &scene.connectors {
-            let broken = model.connector(scene, *label, element, &mut shared).err();
+            let ends = [SceneEnd::A, SceneEnd::B].map(|end| position(element, end).unwrap_or_default());
+            let broken =
+                model.connector(scene, (*label, element), ends, &mut shared).err().map(Refusal::from);
             for error in shared.refused.drain(..).chain(broken) {
                 if !tell(error) {
                     return model;
                 }
             }
         }
-        if let Err(error) = shared::check(scene, &mut model)
-            && !tell(error)
-        {
-            return model;
+        for error in shared::check(scene, &mut model) {
+            if !tell(error.into()) {
+                return model;
+            }
         }
         model.rings = belt::rings(scene, &mut model);
         rules::boundaries(scene, &shared.freedom, &mut model.warnings);
-        if let Err(error) = rules::constraints(scene)
-            && !tell(error)
-        {
-            return model;
+        for error in rules::constraints(scene) {
+            if !tell(error.into()) {
+                return model;
+            }
         }
         if let Err(error) = model.join(scene, tell) {
-            tell(error);
+            tell(error.into());
         }
         model.collect_sets(scene);
         model
     }
 
-    /// Resolves one connector.
+    /// Resolves one connector, whose ends are initially there; it is left out where a rule that it breaks leaves nothing to evaluate: all are told,
+    /// in [`Shared::refused`].
+    ///
+    /// # Errors
+    /// A connection type that does not exist.
     fn connector(
         &mut self,
         scene: &Scene,
-        label: Label,
-        element: &crate::scene::ConnectorElement,
+        (label, element): (Label, &scene::ConnectorElement),
+        ends: [[f64; 3]; 2],
         shared: &mut Shared,
     ) -> Result<(), Diagnostic> {
         let Shared { types, actions, drives, behaviors, common, last, warned, refused, freedom } = shared;
@@ -209,8 +239,6 @@ impl Model {
             }
         };
         let moving = [element.a, element.b];
-        let position = |end| scene.position(element, end).unwrap_or_default();
-        let ends = [position(SceneEnd::A), position(SceneEnd::B)];
         let reference = sub(ends[1], ends[0]);
         let behavior = scene.behavior(section);
 
@@ -225,22 +253,27 @@ impl Model {
                 stops[k] = Some(Stop { lower: stop.lower, upper: stop.upper });
             }
         }
+        let mut is_left_out = false;
         for breach in connection.breaches(&facts) {
-            let place = rules::place(&breach, behavior, acting, (section, element));
-            let diagnostic = rules::diagnose(&breach, label, place, scene);
-            if breach.refuses() && !diagnostic.code().leaves_numbers() {
-                return Err(diagnostic);
-            }
+            let places = rules::places(&breach, behavior, acting, (section, element));
+            let told = places.into_iter().map(|place| rules::diagnose(&breach, label, place, scene));
             if breach.refuses() {
-                refused.push(diagnostic);
+                for diagnostic in told {
+                    is_left_out |= !diagnostic.code().leaves_numbers();
+                    refused.push(Refusal { diagnostic, breach: breach.message.clone(), is_rule: true });
+                }
                 continue;
             }
             // Once for all elements of a section.
-            if warned.insert((element.section, breach.rule, breach.message)) {
-                self.warnings.push(diagnostic);
+            if warned.insert((element.section, breach.rule, breach.message.clone())) {
+                self.warnings.extend(told);
             }
         }
-        plane::nodes(scene, label, element)?;
+        let mut refuse = |errors: Vec<Diagnostic>| {
+            is_left_out |= !errors.is_empty();
+            refused.extend(errors.into_iter().map(Refusal::from));
+        };
+        refuse(plane::nodes(scene, label, element));
 
         let nodes: Vec<[f64; 3]> = ends.to_vec();
         let triad = |end: usize| -> Result<Option<Matrix<f64>>, Diagnostic> {
@@ -255,9 +288,14 @@ impl Model {
                 .map_err(|error| error.in_scene(scene))?;
             Ok(Some(vector::transpose(&directions)))
         };
-        let given = [triad(0)?, triad(1)?];
+        let given = [0, 1].map(|end| {
+            triad(end).unwrap_or_else(|error| {
+                refuse(vec![error]);
+                None
+            })
+        });
         if facts.planar {
-            plane::orientations(scene, label, section, &given)?;
+            refuse(plane::orientations(scene, label, section, &given));
         }
         let [given_a, given_b] = given;
         let triad_a = given_a.unwrap_or_else(identity);
@@ -292,9 +330,25 @@ impl Model {
             Entry::Occupied(known) => Arc::clone(known.get()),
             Entry::Vacant(place) => {
                 let is_explicit = scene.solver == Some(Solver::Explicit);
-                let law = match behavior {
-                    Some(given) => Behavior::new(given, connection, facts.planar, is_explicit, length)
-                        .map_err(|error| error.in_file(&scene.name))?,
+                let build = |given: &scene::Behavior| {
+                    Behavior::new(given, connection, facts.planar, is_explicit, length)
+                };
+                let law = match behavior.map(|given| (given, build(given))) {
+                    Some((_, Ok(law))) => law,
+                    Some((given, Err(error))) => {
+                        let errors = each_wrong_law(given, error, build).into_iter();
+                        let errors = errors.map(|error| error.in_file(&scene.name));
+                        // What is refused already may be what makes a law wrong.
+                        let is_new = |error: &Diagnostic| {
+                            refused.iter().all(|known| known.diagnostic.span() != error.span())
+                        };
+                        let errors: Vec<Diagnostic> = errors.filter(is_new).collect();
+                        refused.extend(errors.into_iter().map(|diagnostic| {
+                            let breach = diagnostic.message().to_string();
+                            Refusal { diagnostic, breach, is_rule: false }
+                        }));
+                        return Ok(());
+                    }
                     None => Behavior::none(connection, facts.planar),
                 };
                 let behavior = Arc::new(law);
@@ -306,6 +360,9 @@ impl Model {
                 })))
             }
         };
+        if is_left_out {
+            return Ok(());
+        }
         let behavior = match drives.remove(&label) {
             Some(drives) => Arc::new(ElementBehavior { drives, ..(*shared).clone() }),
             None => shared,
@@ -349,7 +406,7 @@ impl Model {
     }
 
     /// Makes the multi-point constraints. What leaves them all the same is told, and the rest is done where that says to go on.
-    fn join(&mut self, scene: &Scene, tell: &mut dyn FnMut(Diagnostic) -> bool) -> Result<(), Diagnostic> {
+    fn join(&mut self, scene: &Scene, tell: &mut dyn FnMut(Refusal) -> bool) -> Result<(), Diagnostic> {
         let flows: LabelSet = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
         let mut joined = Vec::new();
         for mpc in &scene.mpcs {
@@ -361,11 +418,12 @@ impl Model {
                 None => *self.other_mpcs.entry(mpc.kind.name().to_string()).or_default() += 1,
             }
         }
-        match mpc::check(scene, &joined) {
-            Ok(warnings) => self.warnings.extend(warnings),
-            Err(error) if error.code().leaves_numbers() && tell(error.clone()) => {}
-            Err(error) if error.code().leaves_numbers() => return Ok(()),
-            Err(error) => return Err(error),
+        let [errors, warnings] = mpc::check(scene, &joined);
+        self.warnings.extend(warnings);
+        for error in errors {
+            if !tell(error.into()) {
+                return Ok(());
+            }
         }
         self.grounded = mpc::ground(scene, &mut joined)?;
         mpc::drive(scene, &self.schedule, &mut joined)?;
@@ -386,8 +444,38 @@ impl Model {
     }
 }
 
+/// What is wrong with a behaviour that is: of each law that is wrong by itself, or where none is, of all together.
+fn each_wrong_law<T>(
+    given: &scene::Behavior,
+    of_all: Diagnostic,
+    build: impl Fn(&scene::Behavior) -> Result<T, Diagnostic>,
+) -> Vec<Diagnostic> {
+    let empty = scene::Behavior {
+        elasticity: Vec::new(),
+        damping: Vec::new(),
+        friction: Vec::new(),
+        locks: Vec::new(),
+        failures: Vec::new(),
+        ..given.clone()
+    };
+    let one = |put: &dyn Fn(&mut scene::Behavior)| {
+        let mut alone = empty.clone();
+        put(&mut alone);
+        build(&alone).err()
+    };
+    let frictions = given.friction.iter().filter_map(|law| one(&|alone| alone.friction.push(law.clone())));
+    let elasticities =
+        given.elasticity.iter().filter_map(|law| one(&|alone| alone.elasticity.push(law.clone())));
+    let dampings = given.damping.iter().filter_map(|law| one(&|alone| alone.damping.push(law.clone())));
+    let locks = given.locks.iter().filter_map(|law| one(&|alone| alone.locks.push(law.clone())));
+    let failures = given.failures.iter().filter_map(|law| one(&|alone| alone.failures.push(law.clone())));
+    let found: Vec<Diagnostic> =
+        frictions.chain(elasticities).chain(dampings).chain(locks).chain(failures).collect();
+    if found.is_empty() { vec![of_all] } else { found }
+}
+
 /// The connection type that a section names.
-fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, Diagnostic> {
+fn resolve(section: &scene::ConnectorSection) -> Result<ConnectionType, Diagnostic> {
     let [first, rest @ ..] = section.type_names.as_slice() else {
         let message = "a connector section without a connection type";
         return Err(Diagnostic::error(Code::UnknownConnectionType, section.span, message, "no type follows")
@@ -415,8 +503,9 @@ fn resolve(section: &crate::scene::ConnectorSection) -> Result<ConnectionType, D
 
 /// The mean length of the connectors of a scene whose nodes are apart; `None` where there is none.
 fn mean_length(scene: &Scene) -> Option<f64> {
-    let length = |element: &crate::scene::ConnectorElement| {
-        let at = |end| scene.position(element, end).unwrap_or_default();
+    let position = scene.positions();
+    let length = |element: &scene::ConnectorElement| {
+        let at = |end| position(element, end).unwrap_or_default();
         norm(sub(at(SceneEnd::B), at(SceneEnd::A)))
     };
     let lengths: Vec<f64> = scene.connectors.values().map(length).filter(|length| *length > 0.0).collect();
@@ -439,7 +528,7 @@ fn size(scene: &Scene) -> f64 {
 }
 
 /// A number that tells a behaviour from others: FNV-1a over what the deck says.
-fn fingerprint(behavior: &crate::scene::Behavior) -> u64 {
+fn fingerprint(behavior: &scene::Behavior) -> u64 {
     let text = serde_json::to_string(behavior).unwrap_or_default();
     let step = |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     text.bytes().fold(0xcbf2_9ce4_8422_2325, step)

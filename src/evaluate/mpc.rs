@@ -189,20 +189,17 @@ impl<'a> Eliminated<'a> {
     }
 }
 
-/// What is wrong with the constraints of a scene: a degree of freedom that is dependent twice, or is dependent and prescribed;
-/// axes and links that have no use.
-///
-/// # Errors
-/// The first degree of freedom that is dependent twice, or, but in Explicit, dependent and prescribed.
-pub(super) fn check(scene: &Scene, elements: &[(MpcElement, Span)]) -> Result<Vec<Diagnostic>, Diagnostic> {
-    let mut warnings = Vec::new();
+/// What is wrong with the constraints of a scene: errors, a degree of freedom that is dependent twice, or, but in Explicit, dependent and
+/// prescribed; and warnings, axes and links that have no use.
+pub(super) fn check(scene: &Scene, elements: &[(MpcElement, Span)]) -> [Vec<Diagnostic>; 2] {
+    let (mut errors, mut warnings) = (Vec::new(), Vec::new());
     let mut eliminated = Eliminated::default();
     for (element, span) in elements {
-        eliminated.take(element).map_err(|message| {
+        errors.extend(eliminated.take(element).err().map(|message| {
             Diagnostic::error(Code::DofEliminated, *span, message, ELIMINATION)
                 .help("remove one of the constraints, or make another of its nodes the first, dependent one")
                 .in_file(&scene.name)
-        })?;
+        }));
         warnings.extend(doubts(element).map(|(code, message, label, remedy)| {
             Diagnostic::warning(code, *span, message, label).help(remedy).in_file(&scene.name)
         }));
@@ -235,14 +232,11 @@ pub(super) fn check(scene: &Scene, elements: &[(MpcElement, Span)]) -> Result<Ve
                 let diagnostic = build(Code::DofEliminated, boundary.target.span, message, ELIMINATION)
                     .help(remedy)
                     .in_file(&scene.name);
-                if !is_explicit {
-                    return Err(diagnostic);
-                }
-                warnings.push(diagnostic);
+                if is_explicit { &mut warnings } else { &mut errors }.push(diagnostic);
             }
         }
     }
-    Ok(warnings)
+    [errors, warnings]
 }
 
 /// The cosine of the angle between the axes of a universal joint beyond which they are not taken for orthogonal.

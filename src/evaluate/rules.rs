@@ -76,9 +76,9 @@ pub(super) fn facts(
             limits().any(|limit| limit.temperature.is_some() || limit.fields.iter().any(Option::is_some));
         facts.actions.extend(behavior.acts_on().map(index));
         facts.integration = behavior.integration.is_some();
-        facts.frequency = behavior.place_of_law(Law::depends_on_frequency).is_some();
-        facts.unsymmetric = behavior.place_of_law(Law::is_unsymmetric).is_some();
-        facts.structural_damping = structural(behavior).is_some();
+        facts.frequency = behavior.places_of_law(Law::depends_on_frequency).next().is_some();
+        facts.unsymmetric = behavior.places_of_law(Law::is_unsymmetric).next().is_some();
+        facts.structural_damping = structural(behavior).next().is_some();
         let failures = behavior.failures.iter();
         facts.failures = failures.map(|law| (index(law.component), affected(law.released))).collect();
         let locks = behavior.locks.iter();
@@ -100,60 +100,71 @@ fn constants(friction: &crate::scene::Friction) -> Option<Vec<bool>> {
 }
 
 /// Where structural damping was read.
-fn structural(behavior: &Behavior) -> Option<Span> {
-    behavior
-        .damping
-        .iter()
-        .find(|damping| damping.kind == DampingKind::Structural)
-        .map(|damping| damping.span)
+fn structural(behavior: &Behavior) -> impl Iterator<Item = Span> {
+    let structural = behavior.damping.iter().filter(|damping| damping.kind == DampingKind::Structural);
+    structural.map(|damping| damping.span)
 }
 
-/// Where what breaks a rule was read: a suboption, a motion or load, an orientation; else the section.
-pub(super) fn place(
+/// Where what breaks a rule was read, each place once: suboptions, motions and loads, an orientation; else the section.
+pub(super) fn places(
     breach: &Breach,
     behavior: Option<&Behavior>,
     acting: &[(usize, Span)],
     (section, element): (&ConnectorSection, &ConnectorElement),
-) -> Span {
-    let component = breach.item.unwrap_or_default();
-    let is_it = |of: u8| usize::from(of) == component + 1;
-    let orientation =
-        || section.orientation_a.as_ref().or(section.orientation_b.as_ref()).map(|name| name.span);
-    let exact = match (breach.rule, behavior) {
+) -> Vec<Span> {
+    let item = breach.item.unwrap_or_default();
+    let orientation = || {
+        let name = section.orientation_a.as_ref().or(section.orientation_b.as_ref());
+        name.map(|name| name.span).into_iter().collect()
+    };
+    let exact: Vec<Span> = match (breach.rule, behavior) {
         (Rule::ActionNotAvailable, _) => {
-            let law = behavior.and_then(|behavior| behavior.place_of_action(component as u8 + 1));
-            law.or_else(|| acting.iter().find(|(k, _)| *k == component).map(|(_, span)| *span))
+            let laws = behavior.into_iter().flat_map(|behavior| behavior.places_of_action(item as u8 + 1));
+            laws.chain(acting.iter().filter(|(k, _)| *k == item).map(|(_, span)| *span)).collect()
         }
         (Rule::OrientationIgnored, _) if breach.item == Some(1) => {
-            section.orientation_b.as_ref().map(|name| name.span)
+            section.orientation_b.iter().map(|name| name.span).collect()
         }
         (Rule::OrientationIgnored | Rule::ZRectangularNotInExplicit | Rule::DirectionNotInExplicit, _) => {
             orientation()
         }
-        (Rule::ControlsNotInExplicit, _) => section.controls.as_ref().map(|name| name.span),
+        (Rule::ControlsNotInExplicit, _) => section.controls.iter().map(|name| name.span).collect(),
         (Rule::StopNotAvailable, Some(behavior)) => {
-            behavior.stops.iter().find(|stop| is_it(stop.component)).map(|stop| stop.span)
+            let stops = behavior.stops.iter().filter(|stop| usize::from(stop.component) == item + 1);
+            stops.map(|stop| stop.span).collect()
         }
-        (Rule::ReferenceNotAvailable, Some(behavior)) => Some(behavior.constitutive_reference_span),
+        (Rule::ReferenceNotAvailable, Some(behavior)) => vec![behavior.constitutive_reference_span],
         (
             Rule::FrictionNotPredefined | Rule::FrictionParameters | Rule::FrictionParameterUnused,
             Some(behavior),
-        ) => behavior.place_of_predefined_friction(),
-        (Rule::LockVelocity, Some(behavior)) => behavior.locks.first().map(|lock| lock.span),
-        (Rule::IntegrationNotInStandard, Some(behavior)) => Some(behavior.span),
-        (Rule::FrequencyNotInExplicit, Some(behavior)) => behavior.place_of_law(Law::depends_on_frequency),
-        (Rule::UnsymmetricNotInExplicit, Some(behavior)) => behavior.place_of_law(Law::is_unsymmetric),
-        (Rule::StructuralDampingNotInExplicit, Some(behavior)) => structural(behavior),
+        ) => behavior.place_of_predefined_friction().into_iter().collect(),
+        (Rule::LockVelocity, Some(behavior)) => behavior.locks.iter().take(1).map(|lock| lock.span).collect(),
+        (Rule::IntegrationNotInStandard, Some(behavior)) => vec![behavior.span],
+        (Rule::FrequencyNotInExplicit, Some(behavior)) => {
+            behavior.places_of_law(Law::depends_on_frequency).collect()
+        }
+        (Rule::UnsymmetricNotInExplicit, Some(behavior)) => {
+            behavior.places_of_law(Law::is_unsymmetric).collect()
+        }
+        (Rule::StructuralDampingNotInExplicit, Some(behavior)) => structural(behavior).collect(),
         (Rule::FailureNotAvailable, Some(behavior)) => {
-            behavior.failures.iter().find(|law| is_it(law.component)).map(|law| law.span)
+            behavior.failures.get(item).map(|law| law.span).into_iter().collect()
         }
         (Rule::LockNotAvailable, Some(behavior)) => {
-            behavior.locks.iter().find(|law| is_it(law.component)).map(|law| law.span)
+            behavior.locks.get(item).map(|law| law.span).into_iter().collect()
         }
-        _ => None,
+        _ => Vec::new(),
     };
-    let known = [exact, Some(section.span)].into_iter().flatten().find(|span| span.is_known());
-    known.unwrap_or(element.span)
+    let mut found = Vec::new();
+    for span in exact.into_iter().filter(|span| span.is_known()) {
+        if !found.contains(&span) {
+            found.push(span);
+        }
+    }
+    if found.is_empty() {
+        found.push(if section.span.is_known() { section.span } else { element.span });
+    }
+    found
 }
 
 /// Rotations that are prescribed at nodes without rotational degrees of freedom.
@@ -185,19 +196,17 @@ pub(super) fn boundaries(scene: &Scene, freedom: &NodeFreedom, warnings: &mut Ve
 }
 
 /// Multi-point constraints that Explicit does not have.
-pub(super) fn constraints(scene: &Scene) -> Result<(), Diagnostic> {
+pub(super) fn constraints(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
     let turning = |kind: &MpcKind| kind.evaluated().is_some_and(|kind| kind.entry().standard_only);
-    match scene.mpcs.iter().find(|mpc| turning(&mpc.kind)) {
-        Some(mpc) if scene.solver == Some(Solver::Explicit) => {
-            let name = mpc.kind.name();
-            let message = format!("the multi-point constraint {name} is available only in Abaqus/Standard");
-            let label = "by keyword *MPC (decision D-20) [D]";
-            Err(Diagnostic::error(Code::MpcNotInExplicit, mpc.span, message, label)
-                .help("use the connection type HINGE or UJOINT, or an implicit step")
-                .in_scene(scene))
-        }
-        _ => Ok(()),
-    }
+    let is_refused = scene.solver == Some(Solver::Explicit);
+    scene.mpcs.iter().filter(move |mpc| is_refused && turning(&mpc.kind)).map(|mpc| {
+        let name = mpc.kind.name();
+        let message = format!("the multi-point constraint {name} is available only in Abaqus/Standard");
+        let label = "by keyword *MPC (decision D-20) [D]";
+        Diagnostic::error(Code::MpcNotInExplicit, mpc.span, message, label)
+            .help("use the connection type HINGE or UJOINT, or an implicit step")
+            .in_scene(scene)
+    })
 }
 
 /// The stable code of a rule.

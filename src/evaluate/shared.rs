@@ -6,24 +6,21 @@
 use super::model::{ConnectorElement, Model};
 use crate::catalog::{COMPONENT, Slot};
 use crate::measure::Measure;
-use crate::scene::{Code, Diagnostic, Label, LabelMap, Result, Scene};
+use crate::scene::{Code, Diagnostic, Label, LabelMap, Scene};
 use std::collections::HashMap;
 
 /// A constraint between two nodes: component, measure, nodes, and the number of their triads.
 type Constraint = (usize, Measure, [Option<Label>; 2], usize);
 
-/// What connectors that share nodes may not do, or had better not.
-///
-/// # Errors
-/// More than two belt segments at a node. Components constrained twice alike are warned about.
-pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
+/// What connectors that share nodes may not do: more than two belt segments at a node. Components constrained twice alike are warned about.
+pub(super) fn check(scene: &Scene, model: &mut Model) -> Vec<Diagnostic> {
     let mut first: HashMap<Constraint, Label> = HashMap::new();
     let mut triads: HashMap<[u64; 18], usize> = HashMap::new();
     let mut segments: LabelMap<[Option<Label>; 2]> = LabelMap::default();
-    let mut warnings = Vec::new();
+    let (mut errors, mut warnings) = (Vec::new(), Vec::new());
     let has_neighbour = beside_another(&model.connectors);
     for (element, has_neighbour) in model.connectors.iter().zip(has_neighbour) {
-        let place = scene.connectors.get(&element.label).map(|element| element.span).unwrap_or_default();
+        let place = || scene.connectors.get(&element.label).map(|element| element.span).unwrap_or_default();
         let connection = element.connector.connection();
         if connection.is_belt() {
             for node in element.nodes.into_iter().flatten() {
@@ -34,9 +31,12 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
                         element.label
                     );
                     let label = "by connection type SLIPRING, Description [D]";
-                    return Err(Diagnostic::error(Code::CrowdedSliprings, place, message, label)
-                        .help("give each belt a node of its own, and tie the nodes by JOIN")
-                        .in_scene(scene));
+                    errors.push(
+                        Diagnostic::error(Code::CrowdedSliprings, place(), message, label)
+                            .help("give each belt a node of its own, and tie the nodes by JOIN")
+                            .in_scene(scene),
+                    );
+                    continue;
                 }
                 let at = usize::from(known[0].is_some());
                 known[at] = Some(element.label);
@@ -67,14 +67,14 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Result<()> {
             let label = "by the rules for several connectors on the same nodes [R]";
             model.repeated.insert(element.label);
             warnings.push(
-                Diagnostic::warning(Code::RepeatedConstraint, place, message, label)
+                Diagnostic::warning(Code::RepeatedConstraint, place(), message, label)
                     .help("remove one of the two: how they share the constraint force is not determined")
                     .in_scene(scene),
             );
         }
     }
     model.warnings.append(&mut warnings);
-    Ok(())
+    errors
 }
 
 /// Which connectors have another one from the same node to the same node: few, mostly, and only those can repeat a constraint.

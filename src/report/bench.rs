@@ -2,7 +2,7 @@
 
 use super::audit::figure::{Curve, LogPlot, Place as On};
 use super::layout;
-use crate::bench::{Order, Place, Point, REST, Report};
+use crate::bench::{Order, Place, Point, REST, Report, Wrong};
 use std::io::{self, Write};
 
 /// The points of one diagram: a type, a place, an order.
@@ -118,19 +118,42 @@ fn lines(report: &Report, connection: &str, place: Place) -> Vec<Vec<String>> {
             ]);
         }
     }
+    for wrong in report.wrong.iter().filter(|wrong| wrong.connection == connection && wrong.place == place) {
+        let cells = [wrong.order.name(), &wrong.method, "wrong", "", "", &error(wrong.error)];
+        let allowed = format!("{} is allowed", error(wrong.bound));
+        lines.push(cells.map(str::to_string).into_iter().chain([allowed]).collect());
+    }
     lines
 }
 
 /// The types and places of a report, in its order.
 fn sections(report: &Report) -> Vec<(&str, Place)> {
     let mut found: Vec<(&str, Place)> = Vec::new();
-    for point in &report.points {
-        let section = (point.connection.as_str(), point.place);
+    let of_points = report.points.iter().map(|point| (point.connection.as_str(), point.place));
+    let of_wrong = report.wrong.iter().map(|wrong| (wrong.connection.as_str(), wrong.place));
+    for section in of_points.chain(of_wrong) {
         if !found.contains(&section) {
             found.push(section);
         }
     }
     found
+}
+
+/// The rows that no way computes, type by type.
+fn left_out(report: &Report) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for point in report.points.iter().filter(|point| !point.left_out.is_empty()) {
+        let line = format!(
+            "{}: every way leaves out the row of {}, a one-form: there is no function of the nodes to difference; what is measured are those of {}",
+            point.connection,
+            point.left_out.join(", "),
+            point.rows.join(", ")
+        );
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    lines
 }
 
 /// The ways that are not timed somewhere, and why.
@@ -159,7 +182,7 @@ fn legend(report: &Report) -> String {
         String::new()
     };
     format!(
-        "times: the least of {rounds} rounds that took turns, of one state with all its rows, one thread, {states} states{repeated}; \
+        "times: the least of {rounds} rounds that took turns, of one state with all the rows that are measured, one thread, {states} states{repeated}; \
          errors against 237 bits: of values over |f| + Σ |∂f/∂q| s, s = 1 rad or the length of the connector, of derivatives over the \
          largest number of the row"
     )
@@ -198,7 +221,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<(
     for omitted in &report.omitted {
         writeln!(out, "{}, {}: not measured: {}", omitted.connection, omitted.place.name(), omitted.why)?;
     }
-    for line in untimed(report).iter().flat_map(|line| layout::wrap(line, width)) {
+    for line in left_out(report).iter().chain(&untimed(report)).flat_map(|line| layout::wrap(line, width)) {
         writeln!(out, "{line}")?;
     }
     for line in layout::wrap(&legend(report), width) {
@@ -226,7 +249,7 @@ pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     for omitted in &report.omitted {
         writeln!(out, "\n{}, {}: not measured: {}.", omitted.connection, omitted.place.name(), omitted.why)?;
     }
-    for line in untimed(report) {
+    for line in left_out(report).iter().chain(&untimed(report)) {
         writeln!(out, "\n{line}.")?;
     }
     writeln!(out, "\nIn the table {}.", legend(report))
@@ -241,7 +264,7 @@ pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     writeln!(out)
 }
 
-/// Writes every point, of all steps, as a table with a heading line.
+/// Writes every point, of all steps, as a table with a heading line; then, without times, what is wrong.
 ///
 /// # Errors
 /// Where the stream cannot be written to.
@@ -258,6 +281,9 @@ pub fn csv(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         "slowest_round",
         "median_error",
         "largest_error",
+        "rows",
+        "left_out",
+        "wrong_beyond",
     ];
     writer.write_record(heading)?;
     for point in &report.points {
@@ -273,7 +299,18 @@ pub fn csv(out: &mut dyn Write, report: &Report) -> io::Result<()> {
             &number(point.slowest_round),
             &number(point.median_error),
             &number(point.largest_error),
+            &point.rows.join(" "),
+            &point.left_out.join(" "),
+            "",
         ])?;
+    }
+    for Wrong { connection, place, order, method, error, bound } in &report.wrong {
+        let mut cells = [""; 13].map(String::from);
+        let told = [connection.clone(), place.name().into(), order.name().into(), method.to_string()];
+        cells.iter_mut().zip(told).for_each(|(cell, told)| *cell = told);
+        cells[9] = format!("{error:e}");
+        cells[12] = format!("{bound:e}");
+        writer.write_record(&cells)?;
     }
     writer.flush()
 }

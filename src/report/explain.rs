@@ -269,10 +269,7 @@ impl Explanation {
 pub fn code(out: &mut dyn Write, code: Code, width: usize) -> io::Result<()> {
     writeln!(out, "{}", styled(BOLD, code))?;
     write!(out, "{}", layout::labelled("", 2, 2, code.explanation(), width))?;
-    match severity_help(code) {
-        Some(said) => write!(out, "{}", layout::labelled("", 2, 2, said, width)),
-        None => Ok(()),
-    }
+    write!(out, "{}", layout::labelled("", 2, 2, severity_help(code), width))
 }
 
 /// Writes what the code of a diagnostic means, as JSON.
@@ -282,33 +279,33 @@ pub fn code(out: &mut dyn Write, code: Code, width: usize) -> io::Result<()> {
 pub fn code_json(out: &mut dyn Write, code: Code) -> io::Result<()> {
     let document = serde_json::json!({
         "schema": SCHEMA, "version": crate::VERSION, "code": code.as_str(), "explanation": code.explanation(),
-        "severity": (code.group() != DIAGNOSIS).then(|| code.severity()), "severity_help": severity_help(code),
+        "severity": (!code.names_a_cause()).then(|| code.severity()), "severity_help": severity_help(code),
     });
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
 }
 
-/// The group of codes that name the cause of a wrong number, and have no severity of their own.
-const DIAGNOSIS: &str = "diagnosis";
-
-/// What can be done about the severity of a code, in a sentence; nothing of what is no finding of an audit.
-fn severity_help(code: Code) -> Option<&'static str> {
+/// What can be done about the severity of a code, in a sentence.
+fn severity_help(code: Code) -> &'static str {
     const SET: &str = "pintle audit takes it for what --allow, --note, --warn and --deny say, of this code, its group, or at a place (CODE@FILE:LINE).";
     match (code.severity(), code.group()) {
-        (_, DIAGNOSIS) => Some(
+        _ if code.names_a_cause() => {
             "It names the cause of a number that is wrong, and a wrong number fails the audit whatever its cause: --allow, --note, --warn and --deny \
-             do not apply to it.",
-        ),
-        (Severity::Note | Severity::Warning, _) => Some(SET),
-        (Severity::Error, "rule") if code.leaves_numbers() => Some(
+             do not apply to it."
+        }
+        (Severity::Note | Severity::Warning, _) => SET,
+        (Severity::Error, "rule") if code.leaves_numbers() => {
             "The scene is refused, but every number of it is defined: pintle audit goes on where --allow, --note or --warn say so, of this code, \
-             its group, or at a place (CODE@FILE:LINE).",
-        ),
-        (Severity::Error, "rule") => Some(
+             its group, or at a place (CODE@FILE:LINE)."
+        }
+        (Severity::Error, "rule") => {
             "It leaves no connector, or no constraint, that numbers could be said of: what breaks it cannot be evaluated, and its severity stays \
-             that of an error, whatever --allow, --note and --warn say.",
-        ),
-        _ => None,
+             that of an error, whatever --allow, --note and --warn say."
+        }
+        (Severity::Error, _) => {
+            "What has it is not read, or not evaluated, so that there is nothing to audit: no level that --allow, --note, --warn and --deny set \
+             applies to it."
+        }
     }
 }
 

@@ -125,7 +125,9 @@ pub fn atan2<S: Scalar>(y: S, x: S) -> S {
     angle + t - (t * t * t).scale(S::Real::ratio(1, 3))
 }
 
-/// The angle of the point (x, 0 − y), as [`atan2`] gives it: half a turn is +π for y = 0 too.
+/// The angle of the point (x, 0 − y), as [`atan2`] gives it, of direction cosines: half a turn is +π for y = 0 too.
+///
+/// On lanes, first derivatives at a point nearer to the origin than 1e−150, which is far within the rounding of a lock, are too small.
 #[inline(always)]
 pub fn atan2_opposite<S: Scalar>(y: S, x: S) -> S {
     if !S::Real::HAS_LANES || S::ORDER != 1 {
@@ -133,8 +135,22 @@ pub fn atan2_opposite<S: Scalar>(y: S, x: S) -> S {
     }
     // Without the opposite of y, whose square is that of y, lanes take its reciprocal once for this and for |(y, x)|.
     let value = (S::Real::integer(0) - y.real()).arctangent(x.real());
-    let [s, c] = S::Real::inverted([y.real(), x.real()]);
+    let ([s, c], _) = S::Real::inverted_cosines([y.real(), x.real()]);
     y.scale_add(-c, x.scale(s)).with_real(value)
+}
+
+/// The angle of the point (|x|, y) in [−π/2, π/2], of direction cosines y and x: atan2(y, |x|), with what [`atan2_opposite`] says of lanes.
+#[inline(always)]
+pub fn elevation<S: Scalar>(y: S, x: [S; 2]) -> S {
+    if !S::Real::HAS_LANES || S::ORDER != 1 {
+        return atan2(y, norm(x));
+    }
+    let ([u, v], across) = S::Real::inverted_cosines([x[0].real(), x[1].real()]);
+    let ([c, s], _) = S::Real::inverted_cosines([across, y.real()]);
+    let value = y.real().arctangent(across);
+    // c δy − s (x·δx)/|x|.
+    let along = -(s * across);
+    y.scale_add(c, x[0].scale_add(u * along, x[1].scale(v * along))).with_real(value)
 }
 
 /// |v|, 1 / 2 / 4 u for components between 1e−300 and 1e300.

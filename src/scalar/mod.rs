@@ -310,6 +310,13 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
         u
     }
 
+    /// (v / |v|², |v|) of direction cosines: what other lengths need to neither overflow nor underflow may be left out, so that v / |v|² is too small, never
+    /// infinite, where all are nearer to 0 than 1e−150. (0, 0) at v = 0.
+    #[inline(always)]
+    fn inverted_cosines<const N: usize>(v: [Self; N]) -> ([Self; N], Self) {
+        (Self::inverted(v), Self::direction_and_norm(v).1)
+    }
+
     /// The Taylor coefficients, to the order asked for, of w(s) = cos(√s / 2) and k(s) = sin(√s / 2) / √s at s = |φ|² ≥ 0:
     /// exp maps the rotation vector φ to the unit quaternion (w, k φ).
     fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>);

@@ -112,20 +112,20 @@ impl Behavior {
         laws.flat_map(Law::components).copied().chain(slips).chain(plastic).chain(damaged)
     }
 
-    /// Where the first of [`Behavior::acts_on`] that acts on a component (1 to 6) was read.
-    #[must_use]
-    pub fn place_of_action(&self, component: u8) -> Option<Span> {
+    /// Where those of [`Behavior::acts_on`] that act on a component (1 to 6) were read.
+    pub fn places_of_action(&self, component: u8) -> impl Iterator<Item = Span> + '_ {
         let laws = self.elasticity.iter().map(|e| (&e.law, e.span));
         let laws = laws.chain(self.damping.iter().map(|d| (&d.law, d.span)));
-        let laws = laws.filter(|(law, _)| law.components().contains(&component)).map(|(_, span)| span);
+        let laws = laws.filter(move |(law, _)| law.components().contains(&component)).map(|(_, span)| span);
         let slips = self.friction.iter().filter(
-            |friction| matches!(friction.kind, FrictionKind::User { component: Some(of), .. } if of == component),
+            move |friction| matches!(friction.kind, FrictionKind::User { component: Some(of), .. } if of == component),
         );
-        let plastic = self.plasticity.iter().filter(|plasticity| plasticity.component == Some(component));
-        let damaged = self.damage.iter().filter(|damage| damage.component == Some(component));
+        let plastic =
+            self.plasticity.iter().filter(move |plasticity| plasticity.component == Some(component));
+        let damaged = self.damage.iter().filter(move |damage| damage.component == Some(component));
         let rest =
             slips.map(|friction| friction.span).chain(plastic.map(|p| p.span)).chain(damaged.map(|d| d.span));
-        laws.chain(rest).next()
+        laws.chain(rest)
     }
 
     /// Where the predefined friction was read.
@@ -136,11 +136,11 @@ impl Behavior {
             .map(|friction| friction.span)
     }
 
-    /// Where an elasticity or damping was read whose law satisfies a condition.
-    pub fn place_of_law(&self, condition: impl Fn(&Law) -> bool) -> Option<Span> {
+    /// Where each elasticity and damping was read whose law satisfies a condition.
+    pub fn places_of_law(&self, condition: impl Fn(&Law) -> bool) -> impl Iterator<Item = Span> {
         let laws = self.elasticity.iter().map(|e| (&e.law, e.span));
-        let mut laws = laws.chain(self.damping.iter().map(|d| (&d.law, d.span)));
-        laws.find(|(law, _)| condition(law)).map(|(_, span)| span)
+        let laws = laws.chain(self.damping.iter().map(|d| (&d.law, d.span)));
+        laws.filter(move |(law, _)| condition(law)).map(|(_, span)| span)
     }
 }
 

@@ -87,7 +87,7 @@ codes! {
     UnknownInstance = "deck::unknown-instance": "An instance is named that is not defined above.";
     DegenerateRotation = "deck::degenerate-rotation": "The two points of the axis about which an instance is turned coincide.";
     TwoTransforms = "deck::two-transforms": "A node is in the sets of two *TRANSFORMs.";
-    NodesOfSkipped = "deck::nodes-of-skipped": "A node set takes the nodes of elements of types that are not read, so that it lacks them. A warning, but an error where the set must be complete.";
+    NodesOfSkipped = "deck::nodes-of-skipped": "A node set takes the nodes of elements of types that are not read, so that it lacks them. Where the set must be complete, the deck is not read. A warning.";
     UnfinishedStep = "deck::unfinished-step": "A *STEP has no *END STEP.";
     TwoProcedures = "deck::two-procedures": "A step has two procedures.";
     MixedSolvers = "deck::mixed-solvers": "Some steps are explicit dynamics and others are not.";
@@ -223,7 +223,7 @@ codes! {
     DiagnosisStickForSlip = "diagnosis::stick-for-slip": "The tangent of a friction is that of stick where it slips, or of slip where it sticks.";
     DiagnosisContactForceHeld = "diagnosis::contact-force-held": "The tangent of a friction lacks the derivatives by the forces that press: the contact force was held.";
     DiagnosisElasticForViscous = "diagnosis::elastic-for-viscous": "The slopes of a behaviour by displacements and by velocities have each other's numbers.";
-    DiagnosisSecant = "diagnosis::secant": "A slope is force / displacement, or force / velocity, of a law that is not proportional: the secant instead of the tangent.";
+    DiagnosisSecant = "diagnosis::secant": "A slope is force / displacement, or force / velocity, of a law that is not proportional; or, of a friction, what a whole increment of displacement changes, divided by it: the secant instead of the tangent.";
     DiagnosisDropped = "diagnosis::dropped": "Entries that are not zero are missing.";
     DiagnosisSignOfEntry = "diagnosis::sign-of-entry": "Single entries have the wrong sign.";
     DiagnosisSpurious = "diagnosis::spurious": "An entry that must be zero is not.";
@@ -242,21 +242,22 @@ codes! {
     ModelPathDependent = "model::path-dependent": "The value of a component depends on the path between two states, which they do not tell. A warning.";
     ModelStateNotFinite = "model::not-finite": "A number at a given state is infinite or not a number, or coordinates are so large that the squares of distances overflow. A warning.";
     ModelConstraintViolated = "model::constraint-violated": "A given state does not satisfy a constraint of the model. A warning.";
-    ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially, or at the first state given. A warning.";
-    ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially. A warning.";
+    ModelHeldNodeMoves = "model::held-node-moves": "A given state moves a node in a degree of freedom that a boundary condition of its step holds, by more than 1e-4 rad, or 1e-4 of the mean length of the connectors: it is none that the model can come to. A warning.";
+    ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially, or at the first state given, by more than the rounding of coordinates explains. A warning; a note where the digits of coordinates and of the limit leave open whether it does.";
+    ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially, by more than the rounding of coordinates explains. A warning; a note where the digits of coordinates and of the limit leave open whether it is.";
     ModelEntriesIgnored = "model::entries-ignored": "A coupled elasticity or damping has entries that are not zero for components that are not available, constrained ones say: they do nothing. A warning.";
     ModelLimitUnreachable = "model::limit-unreachable": "A lock or failure is triggered by nothing but the position of a constrained component, which stays within the limits: it never acts. A warning.";
     ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes, at rest or in fast slip; a belt wraps no angle; or what presses has no force, or one that its table makes zero. A warning.";
     ModelDuplicateConnector = "model::duplicate-connector": "Two connectors of one type and behaviour join the same nodes with the same orientations, so that what each does counts twice. A warning.";
     ModelDuplicateMpc = "model::duplicate-mpc": "A multi-point constraint of one kind is given twice for the same nodes: all of its equations are redundant. A warning.";
 
-    AssemblyRedundant = "assembly::redundant": "A constraint follows from the others, and does so wherever the assembly can move: how they share the force is not determined. A warning.";
-    AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state and not at every other: the assembly is at a singular position, where it can move in more ways than elsewhere. A warning.";
-    AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state; whether it does elsewhere could not be judged. A warning.";
-    AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts on what the constraints or other prescribed motions determine already. A warning.";
-    AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents to first order and no prescribed motion drives. A note.";
-    AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant. A warning.";
-    AssemblyNearSingular = "assembly::near-singular": "The digits of a state do not tell whether it is a singular position (a change point, say), or close to one: the constraints nearly depend on each other there, and at other states they do not. A warning.";
+    AssemblyRedundant = "assembly::redundant": "A constraint follows from the others initially, and at every state that the assembly can come to: without it the assembly moves as it does with it, and how they share the force is not determined. The finding says what that rests on: that what belongs to it cannot move, which is certain to rounding; or that it was the same at other states that the assembly was moved to, which is judged. These may all be singular positions, at which motions that it leaves free to first order are excluded to second order. A warning.";
+    AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state, the initial one or one given, because of its position and not of how the assembly is built: the position is singular. To first order the assembly can move in more ways there than its constraints allow elsewhere. Either it can go on to states at which the constraint follows no more, as at a change point: one was found, of a large assembly perhaps by moving the connectors about it alone; or second order excludes these motions, and it stands still there, movable to first order only (two bars in line, held at both ends). Elsewhere the constraint is needed: to leave it out makes another assembly. A warning.";
+    AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state, and whether it does elsewhere was not judged: the assembly could not be moved, or its part is too large to be; its rank is not certain, so that the constraint is redundant only if what was taken for zero is zero; or there are more that are counted and not named. A warning.";
+    AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts, initially, on what the constraints or other prescribed motions determine already: throughout, or at this position alone, a dead centre say. A warning.";
+    AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents to first order and no prescribed motion drives. Springs, friction, stops and other elements are not looked at, and at a singular position second order may exclude some of them. A note.";
+    AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not known, or not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant; a constraint has no derivative at a state, or one without digits; a part is too large to be looked at; or a state given does not satisfy the constraints, or moves what boundary conditions hold, and was not looked at. A warning.";
+    AssemblyNearSingular = "assembly::near-singular": "The digits of a state do not tell whether it is a singular position (a change point, say), or close to one: constraints nearly depend on each other there, and at another state, of no smaller rank, that is certain. A warning.";
     AssemblyConstraintsUnread = "assembly::constraints-unread": "A keyword that constrains nodes (*EQUATION, *RIGID BODY, *COUPLING, *KINEMATIC COUPLING, *TIE, *EMBEDDED ELEMENT …), or a multi-point constraint of a kind that is not evaluated, is not read. The rank of the assembly is that of what was read: with all constraints, nodes of connectors may move in fewer ways, and more constraints may be redundant. A warning.";
     AssemblyNotAssembled = "assembly::not-assembled": "The Jacobian of the constraints could not be assembled at a state, so that the assembly is not judged from there on: a mistake of this program. A warning.";
 
@@ -284,6 +285,20 @@ impl Code {
     #[must_use]
     pub fn is_finding(self) -> bool {
         ["model", "assembly", "coverage", "diagnosis"].contains(&self.group())
+    }
+
+    /// Whether it names the cause of a number that is wrong.
+    #[must_use]
+    pub fn names_a_cause(self) -> bool {
+        self.group() == "diagnosis"
+    }
+
+    /// Whether an audit may take what it says for something else than it is, or may be told to: not of what names the cause of a wrong number, which
+    /// fails whatever its cause, nor of an error that is no rule, which leaves nothing to audit. Of some rules too it stays an error
+    /// ([`Code::leaves_numbers`]), which is told where one is broken.
+    #[must_use]
+    pub fn takes_level(self) -> bool {
+        !self.names_a_cause() && (self.severity() < Severity::Error || self.group() == "rule")
     }
 
     /// Whether every number of a scene that breaks it is defined all the same: a rule of a solver, of what is written in vain, or of who eliminates

@@ -1,7 +1,7 @@
 //! Which degrees of freedom the nodes of connectors have.
 
 use super::label::Label;
-use super::labelled::LabelSet;
+use super::labelled::LabelMap;
 use super::model::{Dimension, PointKind, Scene, Solver};
 use crate::catalog::ConnectionType;
 use crate::mpc::Kind;
@@ -20,34 +20,41 @@ use crate::mpc::Kind;
 /// A boundary condition or load gives none: it acts on those that there are.
 #[derive(Debug, Clone, Default)]
 pub struct NodeFreedom {
-    connected: LabelSet,
-    rotating: LabelSet,
-    planar: LabelSet,
+    nodes: LabelMap<Freedom>,
+}
+
+/// What is known of a node.
+#[derive(Debug, Clone, Copy, Default)]
+struct Freedom {
+    /// It belongs to a connector.
+    is_connected: bool,
+    rotates: bool,
+    is_planar: bool,
 }
 
 impl NodeFreedom {
     /// The degrees of freedom of a scene, in one pass over what it has.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        let mut freedom =
-            Self { rotating: scene.rotating_nodes.iter().copied().collect(), ..Self::default() };
+        let ends = 2 * scene.connectors.len();
+        let capacity = scene.nodes.len().min(ends);
+        let mut nodes: LabelMap<Freedom> = LabelMap::with_capacity_and_hasher(capacity, Default::default());
         let of_section: Vec<[bool; 2]> =
             scene.connector_sections.iter().map(|s| rotations(s, scene.solver)).collect();
         for element in scene.connectors.values() {
             let rotations = of_section.get(element.section).copied().unwrap_or_default();
             for (node, rotates) in [element.a, element.b].into_iter().zip(rotations) {
                 let Some(node) = node else { continue };
-                freedom.connected.insert(node);
-                if rotates {
-                    freedom.rotating.insert(node);
-                }
-                if element.dimension == Dimension::Two {
-                    freedom.planar.insert(node);
-                }
+                let freedom = nodes.entry(node).or_default();
+                freedom.is_connected = true;
+                freedom.rotates |= rotates;
+                freedom.is_planar |= element.dimension == Dimension::Two;
             }
         }
+        let mut turn = |node: Label| nodes.entry(node).or_default().rotates = true;
+        scene.rotating_nodes.iter().copied().for_each(&mut turn);
         for element in scene.point_elements.values().filter(|element| element.kind == PointKind::Rotaryi) {
-            freedom.rotating.insert(element.node);
+            turn(element.node);
         }
         for discrete in scene.springs.iter().chain(&scene.dashpots) {
             let turns =
@@ -56,34 +63,34 @@ impl NodeFreedom {
             for label in set.iter().flat_map(|set| &set.labels) {
                 let Some(element) = scene.point_elements.get(label) else { continue };
                 for (end, node) in [Some(element.node), element.second].into_iter().enumerate() {
-                    freedom.rotating.extend(node.filter(|_| turns(end)));
+                    node.filter(|_| turns(end)).into_iter().for_each(&mut turn);
                 }
             }
         }
         for mpc in &scene.mpcs {
             if matches!(mpc.kind.evaluated(), Some(Kind::Beam | Kind::Revolute | Kind::Universal)) {
-                freedom.rotating.extend(&mpc.nodes);
+                mpc.nodes.iter().copied().for_each(&mut turn);
             }
         }
-        freedom
+        Self { nodes }
     }
 
     /// Whether a node has rotational degrees of freedom.
     #[must_use]
     pub fn rotates(&self, node: Label) -> bool {
-        self.rotating.contains(&node)
+        self.nodes.get(&node).is_some_and(|freedom| freedom.rotates)
     }
 
     /// Whether a node belongs to a connector and does not rotate.
     #[must_use]
     pub fn is_fixed_in_rotation(&self, node: Label) -> bool {
-        self.connected.contains(&node) && !self.rotates(node)
+        self.nodes.get(&node).is_some_and(|freedom| freedom.is_connected && !freedom.rotates)
     }
 
     /// Whether a node belongs to an element CONN2D2.
     #[must_use]
     pub fn is_planar(&self, node: Label) -> bool {
-        self.planar.contains(&node)
+        self.nodes.get(&node).is_some_and(|freedom| freedom.is_planar)
     }
 }
 

@@ -7,7 +7,7 @@ use super::behavior::Behavior;
 use super::choice::choices;
 use super::diagnostic::{Diagnostic, Result};
 use super::label::Label;
-use super::labelled::ByLabel;
+use super::labelled::{Beside, ByLabel};
 use super::orientation::{Definition, GLOBAL, Orientation, System, Triad};
 use super::span::{Span, Spanned};
 use super::states::State;
@@ -107,11 +107,13 @@ impl Scene {
     /// The initial position of an end of a connector. The ground sits where the other node is.
     #[must_use]
     pub fn position(&self, connector: &ConnectorElement, end: End) -> Option<[f64; 3]> {
-        let (own, other) = match end {
-            End::A => (connector.a, connector.b),
-            End::B => (connector.b, connector.a),
-        };
-        self.nodes.get(&own.or(other)?).map(|node| node.coordinates)
+        self.nodes.get(&connector.node_at(end)?).map(|node| node.coordinates)
+    }
+
+    /// The same for one end after another, each looked up beside the one before.
+    pub(crate) fn positions(&self) -> impl Fn(&ConnectorElement, End) -> Option<[f64; 3]> + '_ {
+        let nodes = Beside::new(&self.nodes);
+        move |connector, end| nodes.get(connector.node_at(end)?).map(|node| node.coordinates)
     }
 
     /// The initial positions of the nodes of a connector, without the ground.
@@ -218,6 +220,16 @@ pub struct ConnectorElement {
     /// Where it was read.
     #[serde(skip)]
     pub span: Span,
+}
+
+impl ConnectorElement {
+    /// The node where an end is initially: its own, or of the ground the other one.
+    fn node_at(&self, end: End) -> Option<Label> {
+        match end {
+            End::A => self.a.or(self.b),
+            End::B => self.b.or(self.a),
+        }
+    }
 }
 
 /// Kinds of point elements.

@@ -198,3 +198,38 @@ fn every_mistake_in_a_friction_is_diagnosed_as_itself() {
 fn every_mistake_in_slopes_is_diagnosed_as_itself() {
     demand(&of_behaviors(), &[Quantity::BehaviorTangent], &[]);
 }
+
+/// The numbers with all mistakes of one cause at once, as a routine makes them; nothing where they change nothing.
+fn throughout(sheet: &Sheet, cause: Cause) -> Option<Sheet> {
+    let mut wrong = sheet.clone();
+    let mut most = 0.0_f64;
+    for change in sheet.mistakes.iter().filter(|change| Cause::of(change.mistake) == cause) {
+        for (i, x) in &change.changes {
+            let entry = &mut wrong.entries[*i];
+            most = most.max((x - entry.got).abs() / entry.tolerance());
+            entry.got = *x;
+        }
+    }
+    (most > 1e6).then_some(wrong)
+}
+
+/// A routine that gives secants throughout, F/u of springs and dampers, or what a whole increment changes of a friction, is told so in one sentence.
+#[test]
+fn a_secant_stiffness_is_told_in_words() {
+    for sheets in [of_behaviors(), of_frictions()] {
+        let mut told = 0;
+        for (name, sheet) in sheets {
+            let Some(wrong) = throughout(&sheet, Cause::SecantForTangent) else { continue };
+            let check = wrong.check(false, &name, None);
+            let diagnosis = check.diagnosis.unwrap_or_else(|| panic!("{name}: nothing wrong"));
+            let words = said(&diagnosis);
+            assert_eq!((diagnosis.causes.len(), diagnosis.unexplained), (1, 0), "{name}: {words}");
+            let cause = &diagnosis.causes[0];
+            let is_first =
+                cause.code == Code::DiagnosisSecant && words.contains("the secant instead of the tangent");
+            assert!(is_first || cause.also.contains(&Code::DiagnosisSecant), "{name}: {words}");
+            told += usize::from(is_first);
+        }
+        assert!(told >= 3, "{told}");
+    }
+}

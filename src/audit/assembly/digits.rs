@@ -62,7 +62,7 @@ impl Usual {
 
 /// How exact the numbers of a scene are.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Digits {
+pub(in crate::audit) struct Digits {
     /// The units of the last decimals of the coordinates of nodes.
     nodes: HashMap<Label, [f64; 3]>,
     /// By how much the directions of a connector are uncertain (rad).
@@ -75,7 +75,7 @@ fn uncertain(units: [f64; 3], length: f64) -> f64 {
 }
 
 impl Digits {
-    pub(super) fn of(scene: &Scene) -> Self {
+    pub(in crate::audit) fn of(scene: &Scene) -> Self {
         let coordinates = || scene.nodes.values().flat_map(|node| node.coordinates);
         let usual = Usual::of(coordinates());
         let units = |point: [f64; 3], usual: Usual| {
@@ -128,13 +128,18 @@ impl Digits {
     }
 
     /// By how much a node's position is uncertain, where such a length counts.
-    pub(super) fn of_node(&self, node: &Label, length: f64) -> f64 {
+    pub(in crate::audit) fn of_node(&self, node: &Label, length: f64) -> f64 {
         self.nodes.get(node).map_or(0.0, |units| uncertain(*units, length))
     }
 
     /// By how much the directions of a connector are (rad).
-    pub(super) fn of_directions(&self, element: &Label) -> f64 {
+    pub(in crate::audit) fn of_directions(&self, element: &Label) -> f64 {
         self.directions.get(element).copied().unwrap_or_default()
+    }
+
+    /// By how much a number that stands by itself is uncertain.
+    pub(in crate::audit) fn of_number(number: f64) -> f64 {
+        uncertain([Usual::of(std::iter::once(number)).unit(number); 3], number.abs())
     }
 }
 
@@ -164,5 +169,6 @@ mod tests {
         let grid = [0.25, 0.5, 12.25];
         assert_eq!(uncertain(grid.map(|x| unit(&grid, x)), 0.25), 0.0);
         assert_eq!(uncertain([1e-5; 3], 1.0), 0.5e-5);
+        assert_eq!([0.25, 2.0, 1.2345].map(Digits::of_number), [0.0, 0.0, 0.5e-4]);
     }
 }

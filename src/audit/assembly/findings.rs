@@ -100,7 +100,8 @@ fn about(constraints: &[&Constraint]) -> About {
     about
 }
 
-/// Of what is found, in its order, so much of each code and severity as is shown; and, with the last of each, how many more there are.
+/// Of what is found, in its order, so much of each code and severity as is shown; and, with the last of each, how many more there are. What a
+/// level was set for at its own line is always among it.
 fn shortened<T>(
     scene: &Scene,
     levels: &Levels,
@@ -110,9 +111,12 @@ fn shortened<T>(
     let mut shown: Vec<(Code, Span, T, usize)> = Vec::new();
     let mut kinds: HashMap<(Code, Severity), (usize, usize)> = HashMap::new();
     for (code, place, what) in found {
-        let Some(severity) = levels.of_finding(&Finding::new(scene, code, place, "", "", "")) else {
+        let finding = Finding::new(scene, code, place, "", "", "");
+        if levels.singles_out(&finding) {
+            shown.push((code, place, what, 0));
             continue;
-        };
+        }
+        let Some(severity) = levels.of_finding(&finding) else { continue };
         let (count, last) = kinds.entry((code, severity)).or_default();
         *count += 1;
         if *count <= most {
@@ -207,8 +211,12 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
             reason += &format!("; of {most:.1e} operations {operations:.1e} were spent");
         }
         let remedy = match holds {
-            Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => {
+            Holds::Here | Holds::Loop | Holds::Differs => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"
+            }
+            Holds::Isolated => {
+                "move a node, or change a length, so that the position is not singular: the constraints resist loads along the motions that are free to \
+                 first order only as it deforms, and forces grow without bound as it comes nearer"
             }
             _ => remedy(scene, &first.constraint, &makers, &redundant),
         };
@@ -336,7 +344,7 @@ fn redundant_at(
         listed(&names),
         agree(names.len(), ["depends", "depend"]),
     );
-    let reason = "the rank of the constraint Jacobian is smaller than at other given states";
+    let reason = "the rank of the constraint Jacobian is smaller than initially, or at another state given";
     let remedy =
         "keep clear of this position, or drive through it with care: forces grow without bound near it";
     let finding = Finding::new(scene, code, place, message, reason, remedy);
@@ -583,16 +591,17 @@ fn mechanism(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     if undriven == 0 {
         return None;
     }
-    let is_excluded = |one: &Redundant| matches!(one.holds, Holds::Isolated | Holds::Singular);
+    let is_isolated = |one: &Redundant| one.holds == Holds::Isolated;
+    let excludes = assembly.redundant.iter().any(is_isolated);
     // What is left of the degrees of freedom are motions to first order.
-    let order = if assembly.redundant.iter().any(is_excluded) {
+    let order = if excludes || assembly.redundant.iter().any(|one| one.holds == Holds::Singular) {
         "; to first order: at its singular position second order excludes some of them, or all"
     } else {
         ""
     };
     let message =
         format!("the assembly can move in {} initially{}{order}", ways(undriven), named(&modes, undriven));
-    Some(moves(scene, message, &modes, undriven, None))
+    Some(moves(scene, (message, &modes), undriven, None, excludes))
 }
 
 /// A number of motions.
@@ -642,7 +651,7 @@ fn mechanism_at(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
             ways(*undriven),
             named(&modes, *undriven)
         );
-        moves(scene, message, &modes, *undriven, states.first().copied())
+        moves(scene, (message, &modes), *undriven, states.first().copied(), false)
     };
     let mut found: Vec<Finding> = sets.iter().take(SETS).map(of).collect();
     if more > 0
@@ -653,14 +662,26 @@ fn mechanism_at(scene: &Scene, assembly: &Assembly) -> Vec<Finding> {
     found
 }
 
-fn moves(scene: &Scene, message: String, modes: &[&Mode], undriven: usize, state: Option<u64>) -> Finding {
+/// The finding of motions at a state; `excludes` says whether second order excludes some of them.
+fn moves(
+    scene: &Scene,
+    (message, modes): (String, &[&Mode]),
+    undriven: usize,
+    state: Option<u64>,
+    excludes: bool,
+) -> Finding {
     let reason = if super::unread::is_any(scene) {
         "degrees of freedom less the rank of the constraints and drives that are read; other constraints, springs, friction, stops and other \
          elements are not looked at"
     } else {
         "degrees of freedom less the rank of constraints and drives; springs, friction, stops and other elements are not looked at"
     };
-    let remedy = "as it should be for a mechanism under forces; in statics, hold or drive the motion";
+    let remedy = if excludes {
+        "move a node, or change a length, so that the position is not singular: what second order excludes is then no motion; what is left is as it should be for a \
+         mechanism under forces, and in statics hold or drive it"
+    } else {
+        "as it should be for a mechanism under forces; in statics, hold or drive the motion"
+    };
     let mut nodes: Vec<Label> = modes.iter().flat_map(|mode| mode.nodes.iter().copied()).collect();
     nodes.sort();
     nodes.dedup();

@@ -25,6 +25,7 @@
 //! |---|---|
 //! | `system` | what are the equations, and which belong together? |
 //! | `steps` | in which steps are they others, and which states belong to those? |
+//! | `still` | which nodes stand still, or cannot turn, whatever the assembly does? |
 //! | `contract` | what moves as one body? |
 //! | `order` | in which order are bodies eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
@@ -49,7 +50,7 @@
 mod budget;
 mod contract;
 mod dense;
-mod digits;
+pub(super) mod digits;
 mod echelon;
 mod eliminate;
 pub(super) mod findings;
@@ -66,7 +67,8 @@ mod order;
 mod redundant;
 mod second;
 mod sparse;
-mod steps;
+pub(super) mod steps;
+pub(super) mod still;
 mod system;
 #[cfg(test)]
 mod tests;

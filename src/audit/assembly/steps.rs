@@ -16,7 +16,7 @@ pub(super) fn differing(scene: &Scene) -> Result<Vec<(usize, Prescribed)>, Diagn
 }
 
 /// The times at which the steps end, where all are known: without a period a static step lasts 1, and a perturbation takes no time.
-pub(super) fn ends(scene: &Scene) -> Option<Vec<f64>> {
+pub(in crate::audit) fn ends(scene: &Scene) -> Option<Vec<f64>> {
     let mut now = 0.0;
     let end = |step: &Step| {
         if !step.perturbation {
@@ -32,7 +32,7 @@ pub(super) fn ends(scene: &Scene) -> Option<Vec<f64>> {
 }
 
 /// The step, counted from 1, that a state belongs to: the first that ends no earlier, or the last. Where times are not known, the first.
-pub(super) fn of_state(ends: Option<&[f64]>, state: &State) -> usize {
+pub(in crate::audit) fn of_state(ends: Option<&[f64]>, state: &State) -> usize {
     /// Times are rounded.
     const SAME: f64 = 1e-9;
     let (Some(ends), Some(time)) = (ends, state.time) else { return 1 };

@@ -567,23 +567,9 @@ impl<'a> System<'a> {
         let length = if self.parts.is_empty() { 1.0 } else { lengths / self.parts.len() as f64 };
         let mut largest = 0.0_f64;
         for (node, motion) in &state.nodes {
-            let is_held = |number: u8| held.contains(Freedom { node: *node, number });
-            let along =
-                |vector: [f64; 3]| held.axes(*node).map_or(vector, |axes| crate::vector::apply(axes, vector));
-            let rotation = match motion.rotation {
-                Rotation::Vector(vector) => vector,
-                Rotation::Quaternion(q) => so3::log_quaternion(q),
-            };
-            let displacement = along(motion.displacement).map(|x| x / length);
-            // Of a rotation of which one component alone is held, that component is not zero by what turns about the others.
-            let turns = if (4..=6).filter(|number| is_held(*number)).count() > 1 {
-                along(rotation)
-            } else {
-                [0.0; 3]
-            };
-            let amounts = displacement.into_iter().chain(turns).chain([motion.flow / length]);
-            for (_, amount) in NUMBERS.into_iter().zip(amounts).filter(|(number, _)| is_held(*number)) {
-                largest = super::largest(&[largest, amount]);
+            for (number, amount) in held.moved_by(*node, motion) {
+                let size = if (4..=6).contains(&number) { 1.0 } else { length };
+                largest = super::largest(&[largest, amount / size]);
             }
         }
         largest

@@ -74,7 +74,7 @@ causes! {
     StickForSlip = DiagnosisStickForSlip, "the tangent of the other state", "stick for slip, or slip for stick";
     CouplingMissing = DiagnosisContactForceHeld, "what is expected with the contact force held", "coupling to what presses missing";
     ElasticForViscous = DiagnosisElasticForViscous, "what is expected of each other", "elastic and viscous slopes exchanged";
-    SecantForTangent = DiagnosisSecant, "force / displacement", "the secant instead of the tangent";
+    SecantForTangent = DiagnosisSecant, "force / displacement over the whole motion or increment", "the secant instead of the tangent";
     Dropped = DiagnosisDropped, "zero", "entry dropped";
     Sign = DiagnosisSignOfEntry, "minus what is expected", "sign of an entry";
     Spurious = DiagnosisSpurious, "what must be zero", "entry that must be zero";

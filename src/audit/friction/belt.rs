@@ -227,6 +227,12 @@ impl BeltCase {
         let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
         let wrong = flat(&belt.tangent(&self.before, &self.input(0, 0.0), other).1);
         let force = |outcome: &Outcome<f64>| vec![outcome.force[FLOW]];
+        let still = belt.update(&self.before, &self.input(0, -self.flow), Branch::Decided);
+        let secant = (outcome.force[FLOW] - still.force[FLOW]) / self.flow;
+        let mut secants = flat(tangent);
+        for slope in secants.iter_mut().filter_map(|row| row.first_mut()).filter(|_| secant.is_finite()) {
+            *slope = secant;
+        }
         let slopes = Slopes {
             quantity: Quantity::FrictionTangent,
             outputs: Output::list([(RESULTS[0], outcome.force[FLOW].abs(), 0)]),
@@ -240,7 +246,7 @@ impl BeltCase {
             narrow: Box::new(|j, h| force(&belt.update(&self.before, &self.input(j, h), steady))),
             slopes: Box::new(|j, h| flat(&belt.tangent(&self.before, &self.input(j, h), steady).1)),
             dual: Box::new(|| flat(&belt.tangent(&before, &self.input(0, Wide::zero()), on).1)),
-            mistaken: vec![(Mistake::StickForSlip, wrong)],
+            mistaken: vec![(Mistake::StickForSlip, wrong), (Mistake::SecantForTangent, secants)],
             // The tensions press; the angle of wrap changes the limit however they are held.
             held: Some(Held { known: Box::new(|_, j| (1..3).contains(&j).then_some(0.0)), wide: None }),
         };

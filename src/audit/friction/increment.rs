@@ -232,10 +232,29 @@ impl FrictionCase {
     fn mistaken(&self, outcome: &Outcome<f64>) -> Vec<(Mistake, Vec<Vec<f64>>)> {
         let (friction, input) = (&self.friction, &self.input(0, 0.0));
         let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
-        let mut found = vec![(Mistake::StickForSlip, partials_of(friction, &self.before, input, other))];
+        let mut found = vec![
+            (Mistake::StickForSlip, partials_of(friction, &self.before, input, other)),
+            (Mistake::SecantForTangent, self.secants(outcome)),
+        ];
         for (mistake, criterion) in friction.criterion.factor_mistakes() {
             let wrong = Friction { criterion, ..friction.clone() };
             found.push((Mistake::from(mistake), partials_of(&wrong, &self.before, input, Branch::Decided)));
+        }
+        found
+    }
+
+    /// The slopes where each displacement is taken back as a whole, and what that changes divided by it; those by what presses as they are.
+    fn secants(&self, outcome: &Outcome<f64>) -> Vec<Vec<f64>> {
+        let after = results(outcome);
+        let mut found = partials_of(&self.friction, &self.before, &self.input(0, 0.0), Branch::Decided);
+        for (j, by) in self.displacement.iter().enumerate() {
+            let before = self.friction.update(&self.before, &self.input(j, -by), Branch::Decided);
+            for ((row, after), before) in found.iter_mut().zip(after).zip(results(&before)) {
+                let secant = (after - before) / by;
+                if let Some(slope) = row.get_mut(j).filter(|_| secant.is_finite()) {
+                    *slope = secant;
+                }
+            }
         }
         found
     }

@@ -1,7 +1,8 @@
 //! What happens along the given states: singular points on the way or near it, angles that move too far to count their turns,
 //! constraints that do not hold.
 
-use super::behavior::violated_at_first;
+use super::behavior::{Placed, violated_at_first};
+use super::certainty::Certainty;
 use super::finding::{About, Finding};
 use super::gather::Gathered;
 use super::levels::Levels;
@@ -57,6 +58,7 @@ pub(super) fn findings(
         lengths: lengths(model),
         spans,
         gathered,
+        certainty: Certainty::of(scene),
         nearest: None,
         state: None,
         is_first: false,
@@ -98,6 +100,7 @@ struct Walk<'a> {
     /// Where each constraint of the model was read.
     spans: Vec<Span>,
     gathered: Gathered<'a>,
+    certainty: Certainty<'a>,
     /// The least distance to a singular set so far, in units of the connector's length where it is one, and where.
     nearest: Option<(f64, Nearest)>,
     /// The number of the state; none for the initial one.
@@ -190,8 +193,10 @@ impl Walk<'_> {
         for found in found {
             self.add((given.section, element.label, given.span), format!("element {}", element.label), found);
         }
-        if let Some(state) = self.state.filter(|_| self.is_first) {
-            for finding in violated_at_first(self.scene, element, &position, state) {
+        if let Some(number) = self.state.filter(|_| self.is_first) {
+            let (scene, state) = (self.scene, &result.state);
+            let at = Placed { scene, element, positions: &position, state, number: Some(number) };
+            for finding in violated_at_first(&at, &self.certainty) {
                 self.gathered.add(given.section, element.label, finding, |new, old| new.value > old.value);
             }
         }

@@ -1,23 +1,29 @@
 //! Does what is attached to components act as it looks? Stops and locks that are passed initially or never met, entries that are ignored,
 //! frictions that vanish.
 
+use super::certainty::{Certainty, Open};
 use super::finding::{About, Finding};
 use super::gather::Gathered;
-use super::geometry::initial_positions;
+use super::geometry::{at_start, initial_positions};
 use super::levels::Levels;
 use super::pressing::nothing_presses;
+use crate::audit::bound::U;
 use crate::behavior::entry;
+use crate::behavior::friction::Coefficient;
 use crate::catalog::{
     COMPONENT, Contact, FrictionCriterion, Load, PLANE, Quantity, SPATIAL, Traction, component_index,
 };
-use crate::connector::Components;
+use crate::connector::{Components, State};
 use crate::evaluate::{ConnectorElement, Model};
 use crate::grammar::agree;
-use crate::scene::{self, Behavior, Code, FrictionKind, FrictionLaw, Law, Limits, Scene, Span};
+use crate::scene::{
+    self, Behavior, Code, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
+};
 
 /// What is found of the behaviours of connectors.
 pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Finding> {
     let mut gathered = Gathered::new(levels);
+    let certainty = Certainty::of(scene);
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
         let Some(behavior) = scene.section(given).and_then(|section| scene.behavior(section)) else {
@@ -26,16 +32,16 @@ pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Fin
         let needs_positions =
             !behavior.stops.is_empty() || !behavior.locks.is_empty() || !behavior.failures.is_empty();
         let positions = if needs_positions { initial_positions(element) } else { [None; 6] };
+        let at = Placed { scene, element, positions: &positions, state: &at_start(element), number: None };
         let mut found = Vec::new();
-        let beyond = |stop| violated(scene, element, stop, &positions, None);
+        let beyond = |stop| violated(&at, stop, &certainty);
         found.extend(behavior.stops.iter().filter_map(beyond));
         let locks = behavior.locks.iter().map(|lock| ("lock", lock.component, &lock.limits, lock.span));
         let failures =
             behavior.failures.iter().map(|fail| ("failure", fail.component, &fail.limits, fail.span));
         for law in locks.chain(failures) {
-            found.extend(
-                passed(scene, element, law, &positions).or_else(|| idle(scene, element, law, &positions)),
-            );
+            let passed = passed(&at, law, &certainty);
+            found.extend(passed.or_else(|| idle(scene, element, law, &positions)));
         }
         found.extend(ignored(scene, element, behavior));
         for friction in &behavior.friction {
@@ -53,77 +59,120 @@ fn about(element: &ConnectorElement, component: usize, value: f64) -> About {
     About { elements: vec![element.label], components, value: Some(value), ..About::default() }
 }
 
+/// A connector at the initial state, or at the first one given, of this number.
+pub(super) struct Placed<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) element: &'a ConnectorElement,
+    pub(super) positions: &'a Components<f64>,
+    pub(super) state: &'a State<f64>,
+    pub(super) number: Option<u64>,
+}
+
 /// Stops that are passed at the first state given, and not initially already.
-pub(super) fn violated_at_first(
-    scene: &Scene,
-    element: &ConnectorElement,
-    positions: &Components<f64>,
-    state: u64,
-) -> Vec<Finding> {
+pub(super) fn violated_at_first(at: &Placed<'_>, certainty: &Certainty<'_>) -> Vec<Finding> {
+    let Placed { scene, element, .. } = *at;
     let section = scene.connectors.get(&element.label).and_then(|given| scene.section(given));
     let Some(behavior) = section.and_then(|section| scene.behavior(section)) else { return Vec::new() };
     if behavior.stops.is_empty() {
         return Vec::new();
     }
     let initial = initial_positions(element);
-    let is_new = |stop: &&scene::Stop| violated(scene, element, stop, &initial, None).is_none();
-    let stops = behavior.stops.iter().filter(is_new);
-    stops.filter_map(|stop| violated(scene, element, stop, positions, Some(state))).collect()
+    let initially = Placed { scene, element, positions: &initial, state: &at_start(element), number: None };
+    let is_new = |stop: &&scene::Stop| violated(&initially, stop, certainty).is_none();
+    behavior.stops.iter().filter(is_new).filter_map(|stop| violated(at, stop, certainty)).collect()
 }
 
-/// A stop that the position lies beyond, initially or at the first state given, of this number.
-fn violated(
-    scene: &Scene,
-    element: &ConnectorElement,
-    stop: &scene::Stop,
-    positions: &Components<f64>,
-    state: Option<u64>,
-) -> Option<Finding> {
+/// A limit that a position lies beyond, by more than rounding can make it.
+struct Beyond {
+    by: f64,
+    side: &'static str,
+    limit: f64,
+    /// Whether the digits of the numbers that are given leave open that it does not.
+    is_open: bool,
+}
+
+impl Beyond {
+    /// Of component k, at a position between limits.
+    fn of(
+        at: &Placed<'_>,
+        (k, position): (usize, f64),
+        [lower, upper]: [Option<f64>; 2],
+        certainty: &Certainty<'_>,
+    ) -> Option<Self> {
+        let below = lower.filter(|lower| position < *lower).map(|lower| (lower - position, "below", lower));
+        let above = upper.filter(|upper| position > *upper).map(|upper| (position - upper, "above", upper));
+        let (by, side, limit) = below.or(above)?;
+        let Open { rounding, digits } = certainty.open(at.element, at.state, (k, position, limit));
+        let is_open = by <= rounding + digits;
+        (by > rounding).then_some(Self { by, side, limit, is_open })
+    }
+
+    /// What a message ends with, where it is open.
+    const fn in_words(&self) -> &'static str {
+        if self.is_open {
+            ": no more than the digits of the coordinates and of the limit leave open"
+        } else {
+            ""
+        }
+    }
+
+    /// A finding, which is a note where it is open.
+    fn judged(&self, finding: Finding) -> Finding {
+        if self.is_open { finding.of_severity(Severity::Note) } else { finding }
+    }
+}
+
+/// A stop that the position lies beyond.
+fn violated(at: &Placed<'_>, stop: &scene::Stop, certainty: &Certainty<'_>) -> Option<Finding> {
+    let Placed { scene, element, positions, number, .. } = *at;
     let k = component_index(stop.component)?;
     let position = positions[k]?;
-    let below = stop.lower.filter(|lower| position < *lower).map(|lower| (lower - position, "below", lower));
-    let above = stop.upper.filter(|upper| position > *upper).map(|upper| (position - upper, "above", upper));
-    let (by, side, limit) = below.or(above)?;
-    let when = match state {
+    let beyond = Beyond::of(at, (k, position), [stop.lower, stop.upper], certainty)?;
+    let Beyond { by, side, limit, .. } = beyond;
+    let when = match number {
         None => "initially".to_string(),
         Some(state) => format!("at state {state}, the first one given"),
     };
     let message = format!(
-        "element {}: {} is {position:.6} {when}, {by:.3e} {side} its stop at {limit}",
-        element.label, COMPONENT[k]
+        "element {}: {} is {position:.6} {when}, {by:.3e} {side} its stop at {limit}{}",
+        element.label,
+        COMPONENT[k],
+        beyond.in_words()
     );
     let reason = "stops limit the position (CP), not the displacement from the initial one; angles in rad";
-    let remedy = match state {
+    let remedy = match number {
         None => "move the stop or the nodes, so that the initial position lies within",
         Some(_) => "move the stop, or begin with a state at which the position lies within",
     };
     let finding = Finding::new(scene, Code::ModelStopViolated, stop.span, message, reason, remedy);
-    Some(finding.about(About { state, ..about(element, k, by) }))
+    Some(beyond.judged(finding).about(About { state: number, ..about(element, k, by) }))
 }
 
 /// A lock or failure of which a limit of position is passed initially.
 fn passed(
-    scene: &Scene,
-    element: &ConnectorElement,
+    at: &Placed<'_>,
     (what, component, limits, span): (&str, u8, &Vec<Limits>, Span),
-    positions: &Components<f64>,
+    certainty: &Certainty<'_>,
 ) -> Option<Finding> {
+    let Placed { scene, element, positions, .. } = *at;
     let k = component_index(component)?;
     let position = positions[k]?;
     // Limits that depend on temperature or fields are those of the first row.
     let first = limits.first()?;
-    let below = first.lower_position.filter(|lower| position < *lower);
-    let above = first.upper_position.filter(|upper| position > *upper);
-    let limit = below.or(above)?;
+    let limits = [first.lower_position, first.upper_position];
+    let beyond = Beyond::of(at, (k, position), limits, certainty)?;
+    let Beyond { by, limit, .. } = beyond;
     let message = format!(
-        "element {}: {} is {position:.6} initially, beyond the limit {limit} of a {what}, which acts from the start",
-        element.label, COMPONENT[k]
+        "element {}: {} is {position:.6} initially, {by:.3e} beyond the limit {limit} of a {what}, which acts from the start{}",
+        element.label,
+        COMPONENT[k],
+        beyond.in_words()
     );
     let reason =
         "limits are those of the position (CP), not of the displacement from the initial one; angles in rad";
     let remedy = "move the limit or the nodes, so that the initial position lies within";
     let finding = Finding::new(scene, Code::ModelLockMet, span, message, reason, remedy);
-    Some(finding.about(about(element, k, (position - limit).abs())))
+    Some(beyond.judged(finding).about(about(element, k, by)))
 }
 
 /// A lock or failure of which all limits are of the position of a component that is constrained and stays within them.
@@ -206,6 +255,76 @@ fn ignored(scene: &Scene, element: &ConnectorElement, behavior: &Behavior) -> Op
     Some(finding.about(about))
 }
 
+/// Where a friction coefficient is zero: by the symbol of the number that makes it so.
+#[derive(Default)]
+struct Gone {
+    always: bool,
+    at_rest: Option<&'static str>,
+    in_fast_slip: Option<&'static str>,
+    /// What is left of the coefficient where it is zero at rest, and where in fast slip.
+    formulas: [&'static str; 2],
+}
+
+impl Gone {
+    fn of(law: &FrictionLaw) -> Self {
+        let decays = |[first, last]: [f64; 2], decay: f64, symbols: [&'static str; 2], formulas| {
+            // What test data give at their end is computed.
+            let is_zero = |x: f64| x.abs() <= 4.0 * U * first.abs().max(last.abs());
+            let at_rest = is_zero(first).then_some(symbols[0]);
+            let in_fast_slip = if decay == 0.0 { at_rest } else { is_zero(last).then_some(symbols[1]) };
+            Self { always: at_rest.is_some() && in_fast_slip.is_some(), at_rest, in_fast_slip, formulas }
+        };
+        match law {
+            FrictionLaw::Table(rows) => Self::of_table(rows),
+            FrictionLaw::Exponential { static_coefficient, kinetic_coefficient, decay } => {
+                let formulas = [
+                    "μ = μ_k (1 − exp(−d_c·slip rate)), without the term of μ_s",
+                    "μ = μ_s exp(−d_c·slip rate), without the term of μ_k",
+                ];
+                decays([*static_coefficient, *kinetic_coefficient], *decay, ["μ_s", "μ_k"], formulas)
+            }
+            FrictionLaw::TestData(rows) => {
+                let item = |row: usize, column: usize| rows.get(row)?.get(column).copied().flatten();
+                let (Some(first), Some(second), Some(rate)) = (item(0, 0), item(1, 0), item(1, 1)) else {
+                    return Self::default();
+                };
+                match Coefficient::test_data(first, (second, rate), item(2, 0)) {
+                    Ok(Coefficient::Exponential { at_rest, kinetic, decay }) => {
+                        let formulas = [
+                            "μ = μ_∞ (1 − exp(−d_c·slip rate)), without the term of μ_1",
+                            "μ = μ_1 exp(−d_c·slip rate), without the term of μ_∞",
+                        ];
+                        decays([at_rest, kinetic], decay, ["μ_1", "μ_∞"], formulas)
+                    }
+                    // What is no law is refused where it is read.
+                    _ => Self::default(),
+                }
+            }
+        }
+    }
+
+    /// Of a table, whose columns are μ and the slip rate: beyond its rows the coefficient is that of the nearest.
+    fn of_table(rows: &[Row]) -> Self {
+        let of = |row: &Row, column: usize| row.values.get(column).copied().flatten().unwrap_or(0.0);
+        let rates = || rows.iter().map(|row| of(row, 1));
+        let is_gone = |rate: f64| {
+            let mut at = rows.iter().filter(|row| of(row, 1) == rate);
+            !rows.is_empty() && at.all(|row| of(row, 0) == 0.0)
+        };
+        let [least, most] =
+            [rates().fold(f64::INFINITY, f64::min), rates().fold(f64::NEG_INFINITY, f64::max)];
+        Self {
+            always: !rows.is_empty() && rows.iter().all(|row| of(row, 0) == 0.0),
+            at_rest: is_gone(least).then_some("μ(0)"),
+            in_fast_slip: is_gone(most).then_some("μ(∞)"),
+            formulas: [
+                "μ of the rows of the least slip rate holds below it",
+                "μ of the rows of the largest slip rate holds beyond it",
+            ],
+        }
+    }
+}
+
 /// What of a friction vanishes.
 fn vanishing(
     scene: &Scene,
@@ -214,42 +333,47 @@ fn vanishing(
     friction: &scene::Friction,
 ) -> Vec<Finding> {
     let mut found = Vec::new();
+    // Frictions of several components are told each by itself.
+    let slides = match &friction.kind {
+        FrictionKind::User { component: Some(component), .. } => component_index(*component),
+        _ => None,
+    };
     let mut tell = |what: String, reason: &str, remedy: &str, component: String| {
         let message = format!("element {}: {what}", element.label);
         let finding =
             Finding::new(scene, Code::ModelFrictionVanishes, friction.span, message, reason, remedy);
-        let about = About { elements: vec![element.label], components: vec![component], ..About::default() };
-        found.push(finding.about(about));
+        let mut components = vec![component];
+        components.extend(slides.map(|k| COMPONENT[k].to_string()));
+        found.push(finding.about(About { elements: vec![element.label], components, ..About::default() }));
     };
     if let Some(coefficient) = &friction.coefficient {
-        let is_zero = match &coefficient.law {
-            FrictionLaw::Table(rows) => {
-                !rows.is_empty()
-                    && rows.iter().all(|row| row.values.first().copied().flatten().unwrap_or(0.0) == 0.0)
-            }
-            FrictionLaw::Exponential { static_coefficient, kinetic_coefficient, .. } => {
-                *static_coefficient == 0.0 && *kinetic_coefficient == 0.0
-            }
-            FrictionLaw::TestData(_) => false,
-        };
-        if is_zero {
+        let gone = Gone::of(&coefficient.law);
+        if gone.always {
             tell(
                 "the friction coefficient is zero: there is no friction".into(),
                 "μ = 0",
                 "give μ, or remove the friction",
                 "μ".into(),
             );
-        } else if let FrictionLaw::Exponential { kinetic_coefficient: 0.0, decay, .. } = &coefficient.law
-            && *decay != 0.0
-        {
+        }
+        if let Some(symbol) = gone.in_fast_slip.filter(|_| !gone.always) {
             tell(
                 "the kinetic friction coefficient is zero: friction vanishes the faster it slips".into(),
-                "μ = μ_s exp(−d_c·slip rate), without the term of μ_k",
-                "give μ_k, unless friction is meant to vanish in fast slip",
-                "μ_k".into(),
+                gone.formulas[1],
+                &format!("give {symbol}, unless friction is meant to vanish in fast slip"),
+                symbol.into(),
             );
         }
-        if !is_zero && coefficient.maximum == Some(0.0) {
+        if let Some(symbol) = gone.at_rest.filter(|_| !gone.always) {
+            tell(
+                "the static friction coefficient is zero: there is no friction at rest, nothing sticks"
+                    .into(),
+                gone.formulas[0],
+                &format!("give {symbol}, unless friction is meant to begin with slip"),
+                symbol.into(),
+            );
+        }
+        if !gone.always && coefficient.maximum == Some(0.0) {
             tell(
                 "TAUMAX is zero: there is no friction".into(),
                 "τ ≤ τ_max",

@@ -6,8 +6,9 @@ use crate::scene::{Code, Label, Severity};
 use indexmap::IndexMap;
 use std::collections::HashMap;
 
-/// What findings have in common that are told as one: code, section, components, and how bad each is taken to be at its own place.
-type Common = (Code, usize, Vec<String>, Option<Severity>);
+/// What findings have in common that are told as one: code, section, components, how bad each is taken to be at its own place, and the line of
+/// which a level of its own was set.
+type Common = (Code, usize, Vec<String>, Option<Severity>, Option<u32>);
 
 /// Findings by what they are: of those that have all in common, the first or worst is told, and the others are counted.
 pub(super) struct Gathered<'a> {
@@ -37,8 +38,9 @@ impl<'a> Gathered<'a> {
         finding: Finding,
         worse: impl Fn(&About, &About) -> bool,
     ) {
-        let key =
-            (finding.code(), section, finding.about.components.clone(), self.levels.of_finding(&finding));
+        let severity = self.levels.of_finding(&finding);
+        let line = finding.line().filter(|_| self.levels.singles_out(&finding));
+        let key = (finding.code(), section, finding.about.components.clone(), severity, line);
         match self.known.get(&key).and_then(|place| self.order.get_mut(*place)) {
             None => {
                 self.known.insert(key, self.order.len());

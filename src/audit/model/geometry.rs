@@ -113,6 +113,45 @@ fn orientations(scene: &Scene, model: &Model) -> Vec<Finding> {
     order.into_iter().filter_map(|name| worst.remove(name)).map(|(_, finding)| finding).collect()
 }
 
+/// The angle between the two directions by which an orientation is given at a point, and by how much the rounding of their points turns them
+/// (rad).
+fn sides(
+    scene: &Scene,
+    name: &str,
+    orientation: &Orientation,
+    point: Vector<f64>,
+    element: &ConnectorElement,
+) -> Option<(f64, f64)> {
+    let nodes =
+        scene.connectors.get(&element.label).map(|given| scene.element_nodes(given)).unwrap_or_default();
+    let [a, b, c] = orientation.points(name, scene, &nodes).ok()?;
+    let is_rectangular = matches!(orientation.system, System::Rectangular | System::ZRectangular);
+    let (origin, first, second) = if is_rectangular { (c, a, b) } else { (a, b, point) };
+    let [u, v] = [sub(first, origin), sub(second, origin)];
+    let angle = norm(cross(u, v)).atan2(dot(u, v));
+    // Each coordinate is a rounded number: the ends of a direction are uncertain by u·√3 times the largest.
+    let largest = |p: Vector<f64>| p.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let uncertain = |p| U * 3.0_f64.sqrt() * (largest(p) + largest(origin));
+    let turned = [uncertain(first) / norm(u), uncertain(second) / (norm(v) * angle.sin())];
+    Some((angle, turned[0].max(turned[1])))
+}
+
+/// By how much (rad) the rounding of the points of its orientations turns the initial directions of a connector at a and b; those of b are
+/// those of a where it has none of its own.
+pub(super) fn uncertain_directions(scene: &Scene, element: &ConnectorElement) -> [f64; 2] {
+    let Some(given) = scene.connectors.get(&element.label) else { return [0.0; 2] };
+    let Some(section) = scene.section(given) else { return [0.0; 2] };
+    let rules = element.connector.connection().orientation;
+    let at = |end: usize, name: &Option<crate::scene::Spanned<String>>, node| {
+        let name = name.as_ref().filter(|_| rules[end].orientation != Given::Ignored)?;
+        let orientation = scene.orientations.get(name.value.as_str())?;
+        let point = scene.position(given, node).unwrap_or_default();
+        sides(scene, &name.value, orientation, point, element).map(|(_, turned)| turned)
+    };
+    let of_a = at(0, &section.orientation_a, crate::scene::End::A).unwrap_or(0.0);
+    [of_a, at(1, &section.orientation_b, crate::scene::End::B).unwrap_or(of_a)]
+}
+
 /// What is found of an orientation at a point, and how bad it is (rad).
 fn orientation_at(
     scene: &Scene,
@@ -121,19 +160,9 @@ fn orientation_at(
     point: Vector<f64>,
     element: &ConnectorElement,
 ) -> Option<(f64, Finding)> {
-    let nodes =
-        scene.connectors.get(&element.label).map(|given| scene.element_nodes(given)).unwrap_or_default();
-    let [a, b, c] = orientation.points(name, scene, &nodes).ok()?;
     let is_rectangular = matches!(orientation.system, System::Rectangular | System::ZRectangular);
-    let (origin, first, second) = if is_rectangular { (c, a, b) } else { (a, b, point) };
-    let [u, v] = [sub(first, origin), sub(second, origin)];
-    let angle = norm(cross(u, v)).atan2(dot(u, v));
+    let (angle, worst) = sides(scene, name, orientation, point, element)?;
     let about = |value| About { elements: vec![element.label], value: Some(value), ..About::default() };
-    // Each coordinate is a rounded number: the ends of a direction are uncertain by u·√3 times the largest.
-    let largest = |p: Vector<f64>| p.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let uncertain = |p| U * 3.0_f64.sqrt() * (largest(p) + largest(origin));
-    let turned = [uncertain(first) / norm(u), uncertain(second) / (norm(v) * angle.sin())];
-    let worst = turned[0].max(turned[1]);
     if worst > CERTAIN {
         let message = format!(
             "orientation {name} is uncertain by {worst:.1e} rad: its points lie close together, or nearly in a line, for coordinates of this size"

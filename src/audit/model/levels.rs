@@ -2,7 +2,8 @@
 
 use super::finding::Finding;
 use crate::scene::{Code, Diagnostic, Severity};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::{self, Display};
 
 /// What becomes of the findings of a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +43,7 @@ impl Level {
 /// assert_eq!(levels.of(Code::ModelStopViolated, Severity::Warning), Some(Severity::Error));
 /// assert_eq!(levels.of(Code::AssemblyMechanism, Severity::Note), None);
 /// assert!(levels.set("model::no-such", Level::Deny).is_err());
+/// assert!(levels.set("diagnosis::secant", Level::Deny).is_err());
 /// levels.set("model::stop-violated@deck.inp:12", Level::Note)?;
 /// let at = |line| levels.at(Code::ModelStopViolated, Severity::Warning, "models/deck.inp", Some(line));
 /// assert_eq!((at(11), at(12)), (Some(Severity::Error), Some(Severity::Note)));
@@ -82,16 +84,60 @@ impl Place {
     fn has(&self, file: &str, line: Option<u32>) -> bool {
         self.is_of(file) && (self.line.is_none() || self.line == line)
     }
+
+    /// Whether it is this line of that file.
+    fn is_line(&self, file: &str, line: Option<u32>) -> bool {
+        self.line.is_some() && self.has(file, line)
+    }
+}
+
+impl Display for Place {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.file)?;
+        self.line.map_or(Ok(()), |line| write!(formatter, ":{line}"))
+    }
 }
 
 /// What names the findings that are notes, or warnings, by themselves.
 const ALL: [(&str, Severity); 2] = [("notes", Severity::Note), ("warnings", Severity::Warning)];
 
+/// By what a finding is named: its code, its group, and all of its severity.
+fn names(code: Code, severity: Severity) -> [&'static str; 3] {
+    let all = ALL.iter().find(|(_, of)| *of == severity).map_or("", |(name, _)| *name);
+    [code.as_str(), code.group(), all]
+}
+
+/// The groups that have a code to which a level applies.
+fn groups() -> Vec<&'static str> {
+    let takes = |group: &&str| Code::ALL.iter().any(|code| code.group() == *group && code.takes_level());
+    Code::groups().into_iter().filter(takes).collect()
+}
+
+/// In words why no level applies to a code, or to any of a group.
+fn refuse(name: &str) -> Result<(), String> {
+    let mut of_name =
+        Code::ALL.iter().filter(|code| [code.as_str(), code.group()].contains(&name)).peekable();
+    let Some(first) = of_name.peek().copied() else { return Ok(()) };
+    if of_name.any(|code| code.takes_level()) {
+        return Ok(());
+    }
+    let (why, remedy) = if first.names_a_cause() {
+        let why =
+            "it names the cause of a wrong number, and a wrong number fails the audit whatever its cause";
+        (why, "correct the number")
+    } else {
+        ("it is an error that leaves nothing to audit", "correct the file in which it is")
+    };
+    let page = if name == first.as_str() { format!(" (pintle explain {name})") } else { String::new() };
+    Err(format!("no level applies to {name}: {why}; leave it out here, and {remedy}{page}"))
+}
+
 impl Levels {
     /// Sets the level of a code, of a group of codes, of `notes` or of `warnings`, everywhere or at a place after `@`.
     ///
     /// # Errors
-    /// In words, where there is no such code or group, the place is none, or its level is set otherwise already.
+    /// In words, where there is no such code or group, none that a level applies to ([`Code::takes_level`]), the place is none, or its level is set
+    /// otherwise already.
     pub fn set(&mut self, name: &str, level: Level) -> Result<(), String> {
         let whole = name.trim();
         let (name, place) = match whole.split_once('@') {
@@ -113,18 +159,20 @@ impl Levels {
                 Some(near) => format!("; did you mean {}?", near.as_str()),
                 None => format!(
                     "; findings have their codes in brackets, groups are {}, and there are notes and warnings",
-                    Code::groups().join(", ")
+                    groups().join(", ")
                 ),
             };
             return Err(format!("there is no code or group of codes {name:?}{meant}"));
         }
+        refuse(&name)?;
         match self.set.insert((place, name), level) {
             Some(other) if other != level => Err(format!("the level of {whole} is set twice, differently")),
             _ => Ok(()),
         }
     }
 
-    /// The files for which a level was set that are none of these, but for what is not shown: where all findings of a file are not, it has none.
+    /// The files for which a level was set that are none of these, but for what is not shown: a list of what is accepted in many files may be longer
+    /// than that of those audited.
     pub fn of_other_files(&self, files: &[&str]) -> Vec<&str> {
         let set = self.set.iter().filter(|(_, level)| **level != Level::Allow);
         let places = set.filter_map(|((place, _), _)| place.as_ref());
@@ -134,6 +182,36 @@ impl Levels {
             .collect();
         others.dedup();
         others
+    }
+
+    /// The levels of lines, `CODE@FILE:LINE`, in files of these, to which no finding answers: `answered` has those to which one does
+    /// ([`super::ModelReport::answered`]).
+    pub fn unanswered(&self, files: &[&str], answered: &BTreeSet<String>) -> Vec<String> {
+        let is_audited = |place: &Place| files.iter().any(|file| place.is_of(file));
+        let of_lines = self.set.keys().filter_map(|(place, name)| {
+            let place = place.as_ref().filter(|place| place.line.is_some() && is_audited(place))?;
+            Some(format!("{name}@{place}"))
+        });
+        of_lines.filter(|said| !answered.contains(said)).collect()
+    }
+
+    /// Those of them to which findings answer, as bad as they come.
+    pub(super) fn answered(&self, findings: &[Finding]) -> BTreeSet<String> {
+        findings.iter().flat_map(|finding| self.of_line(finding)).collect()
+    }
+
+    /// Whether a level was set for the very line at which a finding is: it is told by itself then.
+    pub(in crate::audit) fn singles_out(&self, finding: &Finding) -> bool {
+        self.of_line(finding).next().is_some()
+    }
+
+    /// The levels of lines to which a finding answers.
+    fn of_line(&self, finding: &Finding) -> impl Iterator<Item = String> {
+        let names = names(finding.code(), finding.severity());
+        self.set.keys().filter_map(move |(place, name)| {
+            let place = place.as_ref().filter(|place| place.is_line(finding.file(), finding.line()))?;
+            names.contains(&name.as_str()).then(|| format!("{name}@{place}"))
+        })
     }
 
     /// How bad a finding of this code is, which would be of `severity` by itself, where nothing is said of its place; `None` where it is not shown.
@@ -162,8 +240,7 @@ impl Levels {
 
     /// What is said of a code, its group, or all of its severity, at the narrowest place.
     fn said(&self, code: Code, severity: Severity, file: &str, line: Option<u32>) -> Option<Level> {
-        let all = ALL.iter().find(|(_, of)| *of == severity).map_or("", |(name, _)| *name);
-        let names = [code.as_str(), code.group(), all];
+        let names = names(code, severity);
         let weight = |(place, name): &(Option<Place>, String)| {
             let of_place = match place {
                 None => 0,

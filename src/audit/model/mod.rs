@@ -11,17 +11,21 @@
 //! | `geometry` | are the directions and lengths what they look like? |
 //! | `along` | what happens along the given states? |
 //! | `behavior` | does what is attached to components act? |
+//! | `certainty` | how certain is a position? |
+//! | `held` | do the states move what boundary conditions hold? |
 //! | `pressing` | which contact forces are always zero? |
 //! | `coverage` | which connectors and types did the states exercise? |
 //! | `duplicates` | is something there twice? |
 
 mod along;
 mod behavior;
+mod certainty;
 mod coverage;
 mod duplicates;
 mod finding;
 mod gather;
 mod geometry;
+mod held;
 mod levels;
 mod pressing;
 mod rules;
@@ -30,11 +34,13 @@ pub use along::Nearest;
 pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
+use crate::audit::assembly::still::Still;
 use crate::audit::assembly::{self, Assembly};
 use crate::audit::coverage::{Coverage, Exercise, Sample};
 use crate::evaluate::Model;
 use crate::scene::{Scene, Severity, State};
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// What is found in one scene.
 #[derive(Clone, Debug, Serialize)]
@@ -56,12 +62,23 @@ pub struct ModelReport {
     pub nearest: Option<Nearest>,
     /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
     pub findings: Vec<Finding>,
+    /// The levels of lines, `CODE@FILE:LINE`, to which a finding answers, whether it is shown or not.
+    #[serde(skip)]
+    pub answered: BTreeSet<String>,
 }
 
 impl ModelReport {
     /// The number of findings as bad as that.
     pub fn count(&self, severity: Severity) -> usize {
         self.findings.iter().filter(|finding| finding.severity() == severity).count()
+    }
+
+    /// Whether all was looked at that findings come of: no rule refuses the model, and no part of its assembly was left out.
+    pub fn is_whole(&self) -> bool {
+        let is_whole = |assembly: &Assembly| {
+            assembly.skipped.is_empty() && assembly.not_assembled.is_none() && assembly.unnamed.is_none()
+        };
+        self.assembly.is_some() && self.assembly.iter().chain(&self.later_steps).all(is_whole)
     }
 
     /// Whether the model fails: a finding is an error.
@@ -80,16 +97,21 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(duplicates::findings(scene, &model, levels));
     let mut coverage = Coverage::default();
     let mut exercises = vec![Exercise::default(); model.connectors.len()];
+    // What defines no directions is told with the assembly; without states nothing is asked for.
+    let still =
+        if states.is_empty() { Still::default() } else { Still::of(scene, &model).unwrap_or_default() };
     let (along, nearest) = along::findings(scene, &model, states, levels, &mut |result| {
         if let (Some(element), Some(exercise)) =
             (model.connectors.get(result.index), exercises.get_mut(result.index))
         {
-            let sample = Sample::of(&element.connector, &element.definition(), &result.state, model.length);
+            let sample = Sample::of(&element.connector, &element.definition(), &result.state, model.length)
+                .held(still.cannot_turn(element), still.cannot_move(element));
             coverage.take(&sample);
             exercise.add(&sample);
         }
     });
     findings.extend(along);
+    findings.extend(held::findings(scene, states, model.length));
     let mut steps = Vec::new();
     if !is_refused {
         match assembly::analyse_steps(scene, &model, states) {
@@ -101,6 +123,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         }
     }
     findings.extend(coverage::findings(scene, &model, &exercises));
+    let answered = levels.answered(&findings);
     let findings = levels.apply(findings);
     let mut steps = steps.into_iter();
     let assembly = steps.next();
@@ -114,5 +137,6 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         drawn: false,
         nearest,
         findings,
+        answered,
     }
 }

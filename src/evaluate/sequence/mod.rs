@@ -80,13 +80,35 @@ pub struct Sequence<'a> {
     tally: Tally,
     velocities: Velocities,
     conditions: Conditions,
-    /// Room for the results of connectors.
+    /// What the pattern of the Jacobian whose histories are followed shares with its copies.
+    pattern: Option<Arc<()>>,
+    /// Room for results.
     rooms: Rooms,
 }
 
 /// Room for results: a walk that is copied makes its own.
 #[derive(Debug, Default)]
-struct Rooms(Vec<ConnectorResult>);
+struct Rooms(Vec<Room>);
+
+/// Room for the result of a connector, and for that of an MPC where there are some.
+#[derive(Debug)]
+struct Room {
+    connector: ConnectorResult,
+    mpc: Option<Box<MpcResult>>,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self { connector: ConnectorResult::room(), mpc: None }
+    }
+}
+
+impl Room {
+    /// The result that was put here for that phase of a walk.
+    fn item(&self, is_mpc: bool) -> Option<Item<'_>> {
+        if is_mpc { self.mpc.as_deref().map(Item::Mpc) } else { Some(Item::Connector(&self.connector)) }
+    }
+}
 
 impl Clone for Rooms {
     fn clone(&self) -> Self {
@@ -168,6 +190,7 @@ impl<'a> Sequence<'a> {
             tally: Tally::default(),
             velocities: Velocities::default(),
             conditions: Conditions::default(),
+            pattern: None,
             rooms: Rooms::default(),
             model,
             plan,
@@ -216,20 +239,16 @@ impl<'a> Sequence<'a> {
         let (index, time) = (self.states, state.time);
         let mut mpcs = Vec::with_capacity(self.plan.mpcs.len());
         let kept = std::mem::take(&mut self.rooms);
-        self.rooms.0 = vec![ConnectorResult::room(); self.plan.connectors.len()];
-        let Ok(()) = self.walk(
-            state,
-            true,
-            &mut Vec::new(),
-            |_, ()| (),
-            |(), item| -> Result<(), Infallible> {
-                if let Item::Mpc(result) = item {
-                    mpcs.push(result.clone());
-                }
-                Ok(())
-            },
-        );
-        let Rooms(connectors) = std::mem::replace(&mut self.rooms, kept);
+        self.rooms.0.resize_with(self.plan.connectors.len(), Room::default);
+        let Ok(()) = self.walk_through(state, true, |item| -> Result<(), Infallible> {
+            if let Item::Mpc(result) = item {
+                mpcs.push(result.clone());
+            }
+            Ok(())
+        });
+        let Rooms(rooms) = std::mem::replace(&mut self.rooms, kept);
+        let count = self.plan.connectors.len();
+        let connectors = rooms.into_iter().take(count).map(|room| room.connector).collect();
         StepResult { index, time, connectors, mpcs }
     }
 
@@ -241,10 +260,9 @@ impl<'a> Sequence<'a> {
     pub fn visit<E>(
         &mut self,
         state: &SceneState,
-        mut take: impl FnMut(Item<'_>) -> Result<(), E>,
+        take: impl FnMut(Item<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.make_room();
-        self.walk(state, true, &mut Vec::new(), |_, ()| (), |(), item| take(item))
+        self.walk_through(state, true, take)
     }
 
     /// The same, where each result is worked into something else by `digest`, on the thread that computed it, before it is taken.
@@ -261,8 +279,7 @@ impl<'a> Sequence<'a> {
         digest: impl Fn(Item<'_>, &mut T) + Sync,
         mut take: impl FnMut(&mut T) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.make_room();
-        self.walk(state, true, rooms, digest, |digested, _| take(digested))
+        self.walk(state, true, rooms, &Digest(digest), |digested, _| take(digested))
     }
 
     /// Commits the next state without any output: branches follow it, and results carry their flags only.
@@ -272,59 +289,65 @@ impl<'a> Sequence<'a> {
     pub fn pass<E>(
         &mut self,
         state: &SceneState,
-        mut take: impl FnMut(Item<'_>) -> Result<(), E>,
+        take: impl FnMut(Item<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.make_room();
-        self.walk(state, false, &mut Vec::new(), |_, ()| (), |(), item| take(item))
+        self.walk_through(state, false, take)
     }
 
-    /// Room for as many results as are worked on before the first of them is taken.
-    fn make_room(&mut self) {
-        self.rooms.0.resize_with(parallel::held(self.connectors.len()), ConnectorResult::room);
+    /// Hands on the results themselves.
+    fn walk_through<E>(
+        &mut self,
+        state: &SceneState,
+        is_wanted: bool,
+        mut take: impl FnMut(Item<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut rooms = std::mem::take(&mut self.rooms);
+        let done = self.walk(state, is_wanted, &mut rooms.0, &Whole, |room, is_mpc| {
+            room.item(is_mpc).map_or(Ok(()), &mut take)
+        });
+        self.rooms = rooms;
+        done
     }
 
     /// Where the nodes of the plan are at the next state.
     fn follow_nodes(&mut self, state: &SceneState) {
-        let rotations = &mut self.tally.rotations;
         // Both are in order: the motions are found by going along, unless few nodes of many are planned.
         const FEW: usize = 16;
         let is_sparse = self.labels.len() < state.nodes.len() / FEW;
-        let mut given = state.nodes.iter().peekable();
-        let mut motion = |label: &Label| {
-            if is_sparse {
-                return state.nodes.get(label);
-            }
-            while given.next_if(|(known, _)| *known < label).is_some() {}
-            given.next_if(|(known, _)| *known == label).map(|(_, motion)| motion)
-        };
-        let places = self.nodes.iter_mut().zip(&mut self.moved).zip(&self.turning);
-        let mut nodes: Vec<_> =
-            self.labels.iter().zip(places).map(|(label, place)| (motion(label), place)).collect();
-        let mut rooms = vec![(); parallel::held(nodes.len())];
-        let Ok(()) = in_order(
-            &mut nodes,
-            &mut rooms,
-            |_, (given, ((orientation, moved), is_followed)), ()| {
+        let size = parallel::part(self.labels.len());
+        let places = self.nodes.chunks_mut(size).zip(self.moved.chunks_mut(size));
+        let parts = self.labels.chunks(size).zip(self.turning.chunks(size)).zip(places).collect();
+        let rotations = parallel::parts(parts, |((labels, turning), (orientations, all_moved))| {
+            let later = labels.first().map(|first| state.nodes.range(first..));
+            let mut given = later.into_iter().flatten().peekable();
+            let mut motion = |label: &Label| {
+                if is_sparse {
+                    return state.nodes.get(label);
+                }
+                while given.next_if(|(known, _)| *known < label).is_some() {}
+                given.next_if(|(known, _)| *known == label).map(|(_, motion)| motion)
+            };
+            let mut rotations = 0;
+            let places = orientations.iter_mut().zip(all_moved);
+            for ((label, is_followed), (orientation, moved)) in labels.iter().zip(turning).zip(places) {
+                let given = motion(label);
                 let motion = given.copied().unwrap_or_default();
                 let is_turned = motion.rotation != Rotation::default() || !is_unturned(orientation);
-                let (node, after) = follow(&motion, orientation, given.is_some(), **is_followed);
-                (**moved, **orientation) = (node, after);
-                u64::from(is_turned)
-            },
-            |_, turned, ()| -> Result<(), Infallible> {
-                *rotations += turned;
-                Ok(())
-            },
-        );
+                (*moved, *orientation) = follow(&motion, orientation, given.is_some(), *is_followed);
+                rotations += u64::from(is_turned);
+            }
+            rotations
+        });
+        self.tally.rotations += rotations.iter().sum::<u64>();
     }
 
     fn walk<T: Default + Send, E>(
         &mut self,
         state: &SceneState,
         is_wanted: bool,
-        digests: &mut Vec<T>,
-        digest: impl Fn(Item<'_>, &mut T) + Sync,
-        mut take: impl FnMut(&mut T, Item<'_>) -> Result<(), E>,
+        rooms: &mut Vec<T>,
+        keep: &impl Keep<T>,
+        mut take: impl FnMut(&mut T, bool) -> Result<(), E>,
     ) -> Result<(), E> {
         self.follow_nodes(state);
         let beyond = self.beyond(state);
@@ -341,7 +364,8 @@ impl<'a> Sequence<'a> {
             tally,
             velocities,
             conditions,
-            rooms,
+            mpc_nodes,
+            mpcs,
             ..
         } = self;
         let context = Context {
@@ -352,49 +376,101 @@ impl<'a> Sequence<'a> {
             scene_state: state,
             beyond: &beyond,
         };
-        let of_mpcs = parallel::held(plan.mpcs.len());
-        let count = digests.len().max(rooms.0.len()).max(of_mpcs);
-        digests.resize_with(count, T::default);
-        let mut rooms: Vec<_> = rooms.0.iter_mut().zip(&mut *digests).collect();
-        in_order(
+        let held = parallel::held(connectors.len()).max(parallel::held(mpcs.len()));
+        rooms.resize_with(rooms.len().max(held), T::default);
+        *tally += in_order(
             connectors,
-            &mut rooms,
-            |at, memory, (room, digested)| {
-                let mut tally = Tally::default();
+            rooms,
+            || keep.own(),
+            |own, at, memory, room| {
                 let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
                 let Needed { by_plan, always } = needed[at];
                 let history = (followed[at], if is_wanted { by_plan } else { always });
-                context.connector((plan.connectors[at], nodes), memory, request, history, room, &mut tally);
-                digest(Item::Connector(room), digested);
+                let (of, mut tally) = ((plan.connectors[at], nodes), Tally::default());
+                keep.connector(own, room, &mut |result| {
+                    context.connector(of, memory, request, history, result, &mut tally);
+                });
                 tally
             },
-            |_, work, (room, digested)| {
-                *tally += work;
-                take(digested, Item::Connector(room))
-            },
+            |room| take(room, false),
         )?;
-        let Self { mpc_nodes, mpcs, .. } = self;
-        let mut rooms: Vec<_> = digests.iter_mut().take(of_mpcs).map(|digested| (None, digested)).collect();
-        in_order(
+        *tally += in_order(
             mpcs,
-            &mut rooms,
-            |at, angles, (room, digested)| {
+            rooms,
+            || (),
+            |(), at, angles, room| {
                 let mut tally = Tally::default();
                 let index = plan.mpcs[at];
                 let (nodes, count) = at_mpc(&mpc_nodes[at], moved);
                 let of_state = (request, &model.schedule, state);
                 let result = model.mpcs[index].evaluate(index, &nodes[..count], angles, of_state, &mut tally);
                 *angles = result.evaluation.angles;
-                digest(Item::Mpc(room.insert(result)), digested);
+                keep.mpc(result, room);
                 tally
             },
-            |_, work, (room, digested): &mut (Option<MpcResult>, &mut T)| {
-                *tally += work;
-                room.as_ref().map_or(Ok(()), |result| take(digested, Item::Mpc(result)))
-            },
+            |room| take(room, true),
         )?;
         self.states += 1;
         Ok(())
+    }
+}
+
+/// What is kept of results until they are taken, in rooms of which each is used again and again.
+trait Keep<T>: Sync {
+    /// What one thread uses for one result after the other.
+    type Own;
+
+    fn own(&self) -> Self::Own;
+
+    /// Has a connector evaluated and keeps what came of it.
+    fn connector(&self, own: &mut Self::Own, room: &mut T, evaluate: &mut dyn FnMut(&mut ConnectorResult));
+
+    /// Keeps what came of an MPC.
+    fn mpc(&self, result: MpcResult, room: &mut T);
+}
+
+/// The results themselves.
+struct Whole;
+
+impl Keep<Room> for Whole {
+    type Own = ();
+
+    fn own(&self) {}
+
+    fn connector(&self, (): &mut (), room: &mut Room, evaluate: &mut dyn FnMut(&mut ConnectorResult)) {
+        evaluate(&mut room.connector);
+    }
+
+    fn mpc(&self, result: MpcResult, room: &mut Room) {
+        match &mut room.mpc {
+            Some(place) => **place = result,
+            none => *none = Some(Box::new(result)),
+        }
+    }
+}
+
+/// What is made of them: a result stays with the thread that computes it.
+struct Digest<D>(D);
+
+impl<T, D: Fn(Item<'_>, &mut T) + Sync> Keep<T> for Digest<D> {
+    type Own = ConnectorResult;
+
+    fn own(&self) -> ConnectorResult {
+        ConnectorResult::room()
+    }
+
+    fn connector(
+        &self,
+        own: &mut ConnectorResult,
+        room: &mut T,
+        evaluate: &mut dyn FnMut(&mut ConnectorResult),
+    ) {
+        evaluate(own);
+        self.0(Item::Connector(own), room);
+    }
+
+    fn mpc(&self, result: MpcResult, room: &mut T) {
+        self.0(Item::Mpc(&result), room);
     }
 }
 

@@ -203,17 +203,21 @@ pub(super) fn gap(assembly: &Assembly, position: &Position) -> String {
 
 fn coverage(out: &mut dyn Write, model: &ModelReport, width: usize) -> io::Result<()> {
     let coverage = &model.coverage;
-    if coverage.exercise.samples == 0 {
+    if coverage.exercise.is_empty() {
         return Ok(());
     }
     let largest = |histogram: &Histogram| {
         if histogram.samples() == 0 { "none".to_string() } else { format!("{:.3} rad", histogram.largest) }
     };
     let text = format!(
-        "coverage: {}{}; largest rotations: a {}, b {}, b relative to a {}; both nodes turned in {} of {}, free components displaced in \
+        "coverage: {}{}{}; largest rotations: a {}, b {}, b relative to a {}; both nodes turned in {} of {}, free components displaced in \
          {} of {}",
         count(coverage.exercise.samples, "connector state"),
         if model.drawn { ", drawn about the initial one" } else { "" },
+        match coverage.exercise.standing {
+            0 => String::new(),
+            standing => format!(", and {standing} whose nodes stand still"),
+        },
         largest(&coverage.rotation_a),
         largest(&coverage.rotation_b),
         largest(&coverage.relative_rotation),

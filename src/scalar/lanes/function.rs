@@ -187,6 +187,23 @@ pub(super) fn inverted<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) 
     inverted
 }
 
+/// The smallest square of a direction cosine that counts: nearer to 0 than that, the reciprocal would overflow.
+const SMALLEST_SQUARE: f64 = 1e-300;
+
+/// v/|v|² and |v| of direction cosines, as they are.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn inverted_cosines<const FUSED: bool, const N: usize>(
+    v: [Lanes<FUSED>; N],
+) -> ([Lanes<FUSED>; N], Lanes<FUSED>) {
+    let square = square(v);
+    let inverse = Lanes::splat(1.0) / square.greater(Lanes::splat(SMALLEST_SQUARE));
+    let mut inverted = v;
+    for i in 0..N {
+        inverted[i] = v[i] * inverse;
+    }
+    (inverted, square.square_root())
+}
+
 /// The unit quaternion, w ≥ 0, of a rotation R: the column of 4 q qᵀ with the largest diagonal entry.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn quaternion<const FUSED: bool>(r: &[[Lanes<FUSED>; 3]; 3]) -> [Lanes<FUSED>; 4] {

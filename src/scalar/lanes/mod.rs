@@ -300,6 +300,11 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
         function::inverted(v)
     }
 
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn inverted_cosines<const N: usize>(v: [Self; N]) -> ([Self; N], Self) {
+        function::inverted_cosines(v)
+    }
+
     fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>) {
         let part = |which: usize| {
             s.lane_by_lane(|lane| {

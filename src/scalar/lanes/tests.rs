@@ -1,10 +1,11 @@
 //! Lanes against doubles, at points where formulas change: with fused products and without.
 
 use super::{FirstOrder, LANES, LaneMask, Lanes, Real, SecondOrder};
-use crate::scalar::elementary::{atan2, atan2_opposite, norm};
+use crate::scalar::elementary::{atan2, atan2_opposite, elevation, norm};
 use crate::scalar::{Differentiable, MAX_ORDER, Scalar, Seeded, Wide};
 use crate::so3;
 use crate::vector::{self, Matrix};
+use std::iter::zip;
 
 macro_rules! fused_and_not {
     ($($test:ident),*) => {
@@ -33,7 +34,7 @@ fused_and_not!(
     functions_of_each_lane,
     products_and_sums,
     derivatives_of_products,
-    opposite_angles,
+    angles_of_cosines,
     rates_in_time,
     errors_of_angles_and_sines,
     derivatives_of_angles_and_norms,
@@ -279,16 +280,31 @@ fn derivatives_of_products<const FUSED: bool>() {
     }
 }
 
-/// The angle of (x, −y) on first derivatives, for which lanes have a formula of their own.
-fn opposite_angles<const FUSED: bool>() {
-    let seed = |value: [f64; 4], i: usize| FirstOrder::<Lanes<FUSED>, 2>::seed(Lanes(value), i);
-    let (y, x) = ([1.0, 0.0, -1e-3, 3.0], [0.5, -2.0, 1.0, -4.0]);
-    let found = atan2_opposite(seed(y, 0), seed(x, 1));
-    for lane in 0..LANES {
-        let square = x[lane] * x[lane] + y[lane] * y[lane];
-        assert!(close(found.real().0[lane], (0.0 - y[lane]).atan2(x[lane]), 3.0));
-        assert!(close(found.gradient()[0].0[lane], -x[lane] / square, 4.0), "{lane}");
-        assert!(close(found.gradient()[1].0[lane], y[lane] / square, 4.0), "{lane}");
+/// The angles of (x, −y) and (|(x, z)|, y) on first derivatives, for which lanes have formulas of their own: those of doubles, at right angles and beside
+/// the lock too, and zero at it.
+fn angles_of_cosines<const FUSED: bool>() {
+    let points = [
+        [[1.0, 0.0, -1e-3, 0.6], [0.5, -2.0, 1.0, -0.8], [0.0, 0.3, -0.0, 0.1]],
+        [[0.0, 1.0, -1.0, 1e-149], [0.0, 1e-12, 0.0, -1e-149], [1.0, 1e-12, 1e-100, 0.0]],
+        [[0.0, -0.0, -0.0, 0.0], [1.0, -1.0, 1.0, -0.0], [0.0, -0.0, 1e-16, 1.0]],
+    ];
+    for [y, x, z] in points {
+        let seed = |value: [f64; 4], i: usize| FirstOrder::<Lanes<FUSED>, 3>::seed(Lanes(value), i);
+        let (y_of, x_of, z_of) = (seed(y, 0), seed(x, 1), seed(z, 2));
+        let found = [atan2_opposite(y_of, x_of), elevation(y_of, [x_of, z_of])];
+        for lane in 0..LANES {
+            let seed = |value: [f64; 4], i: usize| One::<3>::seed(value[lane], i);
+            let (y, x, z) = (seed(y, 0), seed(x, 1), seed(z, 2));
+            let expected = [atan2_opposite(y, x), elevation(y, [x, z])];
+            for (found, expected) in zip(&found, expected) {
+                let (value, known) = (found.real().0[lane], expected.real());
+                assert!(close(value, known, 4.0) && value.is_sign_positive() == known.is_sign_positive());
+                for i in 0..3 {
+                    let (slope, known) = (found.gradient()[i].0[lane], expected.gradient()[i]);
+                    assert!(close(slope, known, 6.0), "lane {lane}, {i}: {slope:e} for {known:e}");
+                }
+            }
+        }
     }
 }
 

@@ -3,11 +3,11 @@
 use super::Deck;
 use super::connector::RawMpc;
 use super::mesh::duplicate_element;
-use super::sets::{self, InOrder, Kind, Known, Member, OtherElements, unknown_set};
+use super::sets::{self, Kind, Known, Member, OtherElements, unknown_set};
 use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
 use crate::scene::label::Label;
-use crate::scene::labelled::{LabelMap, LabelSet};
+use crate::scene::labelled::{Beside, LabelMap, LabelSet};
 use crate::scene::model::{Discrete, Mpc, PointKind, Scene, Set, Target, TransformKind};
 use crate::scene::span::{Span, Spanned};
 use std::cell::OnceCell;
@@ -45,12 +45,13 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
         scene.connectors.iter().map(|(&label, element)| (label, element.span, [element.a, element.b]));
     let points = scene.point_elements.iter();
     let points = points.map(|(&label, element)| (label, element.span, [Some(element.node), element.second]));
+    let known = Beside::new(&scene.nodes);
     for (label, span, nodes) in connectors.chain(points) {
         if deck.other_elements.contains(label) {
             return Err(duplicate_element(label, None, span));
         }
         for node in nodes.into_iter().flatten() {
-            if !scene.nodes.contains_key(&node) {
+            if !known.contains(node) {
                 let message = format!("element {label} uses node {node}, which is not defined");
                 return Err(Diagnostic::error(Code::UnknownNode, span, message, format!("no node {node}"))
                     .help(undefined(Kind::Node)()));
@@ -63,9 +64,9 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
 fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
     let scene = &deck.scene;
     let mut warnings = Vec::new();
-    let nodes = InOrder::new(&scene.nodes);
+    let nodes = Beside::new(&scene.nodes);
     let node = |label| if nodes.contains(label) { Member::Modelled } else { Member::Unknown };
-    let (connectors, points) = (InOrder::new(&scene.connectors), InOrder::new(&scene.point_elements));
+    let (connectors, points) = (Beside::new(&scene.connectors), Beside::new(&scene.point_elements));
     let element = |label| {
         if connectors.contains(label) || points.contains(label) {
             Member::Modelled

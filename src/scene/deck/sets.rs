@@ -2,11 +2,11 @@
 
 use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
 use crate::scene::label::{Instance, Label};
-use crate::scene::labelled::{ByLabel, LabelSet, LabelState};
+use crate::scene::labelled::{LabelSet, LabelState};
 use crate::scene::model::Set;
 use crate::scene::span::{Span, Spanned};
 use indexmap::IndexMap;
-use std::cell::{Cell, OnceCell};
+use std::cell::OnceCell;
 use std::collections::HashMap;
 
 /// The largest number of members of a GENERATE range, and of all sets of a deck together.
@@ -254,28 +254,6 @@ impl Known<'_> {
         let inside = sorted.iter().skip(after).take_while(move |label| **label <= end).copied();
         let met = inside.filter(move |label| (label.number() - first.number()).is_multiple_of(step));
         (met, self.other.count(first, last, step))
-    }
-}
-
-/// Finds labels in a map; those that come in its order, as sets mostly list them, without hashing.
-pub(super) struct InOrder<'a, T> {
-    map: &'a ByLabel<T>,
-    next: Cell<usize>,
-}
-
-impl<'a, T> InOrder<'a, T> {
-    pub(super) fn new(map: &'a ByLabel<T>) -> Self {
-        Self { map, next: Cell::new(0) }
-    }
-
-    pub(super) fn contains(&self, label: Label) -> bool {
-        let next = self.next.get();
-        let is_next = self.map.get_index(next).is_some_and(|(known, _)| *known == label);
-        let place = if is_next { Some(next) } else { self.map.get_index_of(&label) };
-        if let Some(place) = place {
-            self.next.set(place + 1);
-        }
-        place.is_some()
     }
 }
 

@@ -52,9 +52,48 @@ pub(super) fn step_cards(supplement: &Supplement<'_>) -> Vec<StepCard> {
     supplement.illustrations.iter().filter(has_curves).map(card).collect()
 }
 
+/// A curve of a singular set.
+pub(super) struct ApproachCurve {
+    /// Its name in a figure.
+    name: &'static str,
+    /// 1, 2, 3 …: colour and dashes.
+    pub(super) colour: u8,
+    /// What it is, below the figures of a page.
+    pub(super) said: &'static str,
+    of: fn(&crate::audit::atlas::Rung) -> f64,
+}
+
 /// The curves of a singular set.
+pub(super) const APPROACH: [ApproachCurve; 4] = [
+    ApproachCurve {
+        name: "error, of the conditioned scale",
+        colour: 1,
+        said: "error of a derivative, in roundings of its conditioned scale",
+        of: |rung| rung.first_error,
+    },
+    ApproachCurve {
+        name: "error, of the largest derivative",
+        colour: 2,
+        said: "the same relative to the largest of its row, in roundings",
+        of: |rung| rung.first_relative / U,
+    },
+    ApproachCurve {
+        name: "largest derivative",
+        colour: 3,
+        said: "largest derivative",
+        of: |rung| rung.steepness,
+    },
+    ApproachCurve {
+        name: "error of the largest derivative that is noticed",
+        colour: 4,
+        said: "error of the largest derivative that is noticed",
+        of: |rung| rung.detectable / U,
+    },
+];
+
+/// The figure of a singular set.
 pub(super) fn approach(found: &Approach, place: Place) -> String {
-    let curve = |name, colour, of: fn(&crate::audit::atlas::Rung) -> f64| Curve {
+    let curve = |ApproachCurve { name, colour, of, .. }| Curve {
         name,
         is_main: false,
         colour,
@@ -65,12 +104,7 @@ pub(super) fn approach(found: &Approach, place: Place) -> String {
         heading: Vec::new(),
         x_name: "distance to the singular set",
         y_name: "roundings; size",
-        curves: vec![
-            curve("error, of the conditioned scale", 1, |rung| rung.first_error),
-            curve("error, of the largest derivative", 2, |rung| rung.first_relative / U),
-            curve("largest derivative", 3, |rung| rung.steepness),
-            curve("error of the largest derivative that is noticed", 4, |rung| rung.detectable / U),
-        ],
+        curves: APPROACH.map(curve).into(),
         levels: vec![(crate::audit::C, "tolerance")],
         has_legend: false,
     };

@@ -3,8 +3,9 @@
 use super::figure::{Place, lines, rendered};
 use super::labels::Labels;
 use crate::audit::Verdict;
+use crate::audit::model::Finding;
 use crate::evaluate::{Model, MpcElement};
-use crate::scene::{End, Label, Scene};
+use crate::scene::{End, Label, Scene, Severity};
 use crate::vector::{Matrix, Vector, add, column, scale};
 use askama::Template;
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,13 +34,90 @@ type Spots = BTreeMap<[i64; 2], (Vec<String>, bool, [f64; 2])>;
 /// A connector or constraint to be drawn.
 struct Piece {
     title: String,
-    verdict: Option<Verdict>,
+    colour: Colour,
     is_constraint: bool,
     ends: [Vector<f64>; 2],
     triads: Option<[Matrix<f64>; 2]>,
     nodes: [Option<Label>; 2],
     /// The hinges of a constraint: the node of its angle, where that stands, and the direction of the axis.
     hinges: Vec<(Label, Vector<f64>, Vector<f64>)>,
+}
+
+/// How a connector or constraint is coloured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Colour {
+    /// By the verdict on its numbers.
+    Verdict(Verdict),
+    /// Where its numbers were not audited: by the worst that was found of it in the model.
+    Found(Severity),
+    /// Where nothing was found either.
+    Unseen,
+}
+
+impl Colour {
+    /// Every one, in the order of a legend.
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        let verdicts = Verdict::ALL.into_iter().filter(|verdict| verdict.headline() == *verdict);
+        let found = [Severity::Error, Severity::Warning, Severity::Note].map(Self::Found);
+        verdicts.map(Self::Verdict).chain(found).chain([Self::Unseen])
+    }
+
+    /// Its class in style sheets.
+    pub(super) fn class(self) -> String {
+        match self {
+            Self::Verdict(verdict) => name_of(verdict),
+            Self::Found(severity) => severity_name(severity),
+            Self::Unseen => "unseen".into(),
+        }
+    }
+
+    /// What it means.
+    pub(super) fn name(self) -> String {
+        match self {
+            Self::Verdict(verdict) => verdict.name().into(),
+            Self::Found(severity) => format!("{} found, not audited", severity_name(severity)),
+            Self::Unseen => "nothing found, not audited".into(),
+        }
+    }
+
+    /// Whether it is drawn last, on top.
+    fn needs_a_look(self) -> bool {
+        match self {
+            Self::Verdict(verdict) => verdict != Verdict::Pass,
+            Self::Found(severity) => severity > Severity::Note,
+            Self::Unseen => false,
+        }
+    }
+}
+
+/// A severity in style sheets and words.
+fn severity_name(severity: Severity) -> String {
+    format!("{severity:?}").to_lowercase()
+}
+
+/// The worst that was found of each connector and constraint, by number and by title.
+#[derive(Default)]
+pub(super) struct Worst<'a> {
+    connectors: BTreeMap<Label, Severity>,
+    constraints: BTreeMap<&'a str, Severity>,
+}
+
+impl<'a> Worst<'a> {
+    pub(super) fn of(findings: impl Iterator<Item = &'a Finding>) -> Self {
+        let mut worst = Self::default();
+        for finding in findings {
+            let severity = finding.severity();
+            for label in &finding.about.elements {
+                let known = worst.connectors.entry(*label).or_insert(severity);
+                *known = severity.max(*known);
+            }
+            for title in &finding.about.mpcs {
+                let known = worst.constraints.entry(title).or_insert(severity);
+                *known = severity.max(*known);
+            }
+        }
+        worst
+    }
 }
 
 struct Link {
@@ -71,7 +149,7 @@ struct Axis {
 struct Key {
     x: f64,
     class: String,
-    name: &'static str,
+    name: String,
 }
 
 struct Dot {
@@ -120,14 +198,24 @@ pub(super) struct Drawing {
 
 impl Drawing {
     /// Of a scene; `verdict` is asked by the name of the subject. Of a large one, those connectors that did not pass first.
-    pub(super) fn of(scene: &Scene, model: &Model, verdict: &dyn Fn(&str) -> Option<Verdict>) -> Self {
+    pub(super) fn of(
+        scene: &Scene,
+        model: &Model,
+        verdict: &dyn Fn(&str) -> Option<Verdict>,
+        worst: &Worst<'_>,
+    ) -> Self {
         let mut pieces = Vec::new();
+        let found =
+            |severity: Option<&Severity>| severity.map_or(Colour::Unseen, |found| Colour::Found(*found));
+        let colour = |title: &str, severity: Option<&Severity>| {
+            verdict(title).map_or_else(|| found(severity), |verdict| Colour::Verdict(verdict.headline()))
+        };
         for element in &model.connectors {
             let Some(of_scene) = scene.connectors.get(&element.label) else { continue };
             let end = |end| scene.position(of_scene, end).unwrap_or_default();
             let title = element.title();
             pieces.push(Piece {
-                verdict: verdict(&title),
+                colour: colour(&title, worst.connectors.get(&element.label)),
                 title,
                 is_constraint: false,
                 ends: [end(End::A), end(End::B)],
@@ -143,7 +231,7 @@ impl Drawing {
             if let [Some(a), Some(b)] = ends {
                 pieces.push(Piece {
                     title: format!("element {label}"),
-                    verdict: None,
+                    colour: Colour::Found(Severity::Error),
                     is_constraint: false,
                     ends: [a, b],
                     triads: None,
@@ -158,7 +246,7 @@ impl Drawing {
             let (Some(at), Some(to)) = (place(a), place(b)) else { continue };
             let title = element.title();
             pieces.push(Piece {
-                verdict: verdict(&title),
+                colour: colour(&title, worst.constraints.get(title.as_str())),
                 title,
                 is_constraint: true,
                 ends: [at, to],
@@ -168,8 +256,7 @@ impl Drawing {
             });
         }
         let count = pieces.len();
-        let passed = |piece: &Piece| piece.verdict.is_none_or(|verdict| verdict.headline() == Verdict::Pass);
-        pieces.sort_by_key(passed);
+        pieces.sort_by_key(|piece| !piece.colour.needs_a_look());
         pieces.truncate(MOST);
         // What did not pass is drawn last, on top.
         pieces.reverse();
@@ -181,9 +268,9 @@ impl Drawing {
         self.pieces.is_empty()
     }
 
-    /// Whether something in it was not audited.
-    pub(super) fn has_unseen(&self) -> bool {
-        self.pieces.iter().any(|piece| piece.verdict.is_none())
+    /// Whether something in it has a colour.
+    pub(super) fn has(&self, colour: Colour) -> bool {
+        self.pieces.iter().any(|piece| piece.colour == colour)
     }
 
     /// What the picture shows.
@@ -227,11 +314,10 @@ impl Drawing {
         let mut axles = Vec::new();
         for piece in &self.pieces {
             let [from, to] = piece.ends.map(on_page);
-            let name = piece.verdict.map_or("not audited", |verdict| verdict.headline().name());
             let is_point = (from[0] - to[0]).hypot(from[1] - to[1]) < 2.0;
             links.push(Link {
-                class: piece.verdict.map_or_else(|| "unseen".into(), |verdict| name_of(verdict.headline())),
-                title: format!("{}: {name}", piece.title),
+                class: piece.colour.class(),
+                title: format!("{}: {}", piece.title, piece.colour.name()),
                 is_constraint: piece.is_constraint,
                 is_point,
                 from,
@@ -298,15 +384,13 @@ impl Drawing {
         let (mut heading, mut keys) = (Vec::new(), Vec::new());
         if place == Place::File {
             heading = lines(title, WIDTH);
-            let all = Verdict::ALL.into_iter().map(Some).chain([None]);
-            let has = |wanted: &Option<Verdict>| {
-                self.pieces.iter().any(|piece| piece.verdict.map(Verdict::headline) == *wanted)
-            };
-            keys.extend(all.filter(has).enumerate().map(|(i, verdict)| Key {
-                x: 16.0 + 130.0 * i as f64,
-                class: verdict.map_or_else(|| "unseen".into(), name_of),
-                name: verdict.map_or("not audited", Verdict::name),
-            }));
+            let mut x = 16.0;
+            for colour in Colour::all().filter(|colour| self.has(*colour)) {
+                let name = colour.name();
+                let width = 50.0 + LETTER[1] * name.chars().count() as f64;
+                keys.push(Key { x, class: colour.class(), name });
+                x += width;
+            }
         }
         let page = DrawingTemplate {
             head: if heading.is_empty() { 0.0 } else { 26.0 + 14.0 * heading.len() as f64 },

@@ -1,5 +1,6 @@
 //! Figures as SVG: plots on log axes, heat maps. In a page they take its colours, light or dark; as files they bring their own.
 
+use super::labels::Area;
 use crate::audit::{Comparison, Illustration};
 use askama::Template;
 
@@ -202,8 +203,8 @@ impl LogPlot<'_> {
             Drawn { colour: curve.colour, radius, line: line.trim_end().to_string(), dots }
         });
         let curves: Vec<Drawn> = curves.collect();
-        let dots: Vec<[f64; 2]> =
-            curves.iter().flat_map(|curve| &curve.dots).map(|dot| [dot.x, dot.y]).collect();
+        let ways: Vec<Vec<[f64; 2]>> =
+            curves.iter().map(|curve| curve.dots.iter().map(|dot| [dot.x, dot.y]).collect()).collect();
         let titles = if self.heading.is_empty() && place == Place::Page {
             Vec::new()
         } else {
@@ -240,7 +241,7 @@ impl LogPlot<'_> {
             levels: self
                 .levels
                 .iter()
-                .map(|(value, name)| level((y.at(*value), name), [left, right, top], &dots))
+                .map(|(value, name)| level((y.at(*value), name), [left, right, top, bottom], &ways))
                 .collect(),
             curves,
             names,
@@ -249,36 +250,56 @@ impl LogPlot<'_> {
     }
 }
 
-/// A level with its name where it covers the fewest dots: at the right or left, above or below its line, and not in the name of the axis.
-fn level<'a>((at, name): (f64, &'a str), [left, right, top]: [f64; 3], dots: &[[f64; 2]]) -> Level<'a> {
+/// A level with its name where it covers least of the curves: at the right or left, else between, above or below its line, and not in the name of the
+/// axis.
+fn level<'a>(
+    (at, name): (f64, &'a str),
+    [left, right, top, bottom]: [f64; 4],
+    curves: &[Vec<[f64; 2]>],
+) -> Level<'a> {
     const LETTER: f64 = 6.4;
     const HEIGHT: f64 = 12.0;
+    const STEP: f64 = 12.0;
+    /// What a dot is worth, as a length of a curve.
+    const DOT: f64 = 8.0;
+    const NEVER: f64 = 1e6;
     let width = name.chars().count() as f64 * LETTER;
-    let places = [
-        (right - 2.0, "end", -4.0),
-        (left + 4.0, "start", -4.0),
-        (right - 2.0, "end", 13.0),
-        (left + 4.0, "start", 13.0),
+    let [above, below] = [-4.0, 13.0];
+    let ends = [
+        (right - 2.0, "end", above),
+        (left + 4.0, "start", above),
+        (right - 2.0, "end", below),
+        (left + 4.0, "start", below),
     ];
-    let covered = |(x, anchor, below): &(f64, &str, f64)| {
+    let between = (1..)
+        .map(|i| right - 2.0 - width - f64::from(i) * STEP)
+        .take_while(|x| *x > left + 4.0)
+        .flat_map(|x| [(x, "start", above), (x, "start", below)]);
+    let cost = |(x, anchor, shift): &(f64, &str, f64)| {
         let from = if *anchor == "end" { x - width } else { *x };
-        let base = at + below;
+        let base = at + shift;
+        let area = Area([from - 4.0, base - HEIGHT, from + width + 4.0, base + 4.0]);
         let is_in = |dot: &&[f64; 2]| {
-            (from - 4.0..=from + width + 4.0).contains(&dot[0])
-                && (base - HEIGHT..=base + 4.0).contains(&dot[1])
+            let [left, top, right, bottom] = area.0;
+            (left..=right).contains(&dot[0]) && (top..=bottom).contains(&dot[1])
         };
-        let in_name = *anchor == "start" && base - HEIGHT < top;
-        dots.iter().filter(is_in).count() + if in_name { dots.len() + 1 } else { 0 }
+        let of_curve = |way: &Vec<[f64; 2]>| {
+            let dots = way.iter().filter(is_in).count() as f64;
+            way.windows(2).map(|ends| area.covered(&[ends[0], ends[1]])).sum::<f64>() + DOT * dots
+        };
+        let is_outside = base + 4.0 > bottom || (*anchor == "start" && base - HEIGHT < top);
+        curves.iter().map(of_curve).sum::<f64>() + if is_outside { NEVER } else { 0.0 }
     };
     // The first of equals.
-    let mut best = places[0];
-    for place in places {
-        if covered(&place) < covered(&best) {
-            best = place;
+    let mut best = (f64::INFINITY, ends[0]);
+    for place in ends.into_iter().chain(between) {
+        let cost = cost(&place);
+        if cost < best.0 {
+            best = (cost, place);
         }
     }
-    let (x, anchor, below) = best;
-    Level { at, name, x, y: rounded(at + below), anchor }
+    let (x, anchor, shift) = best.1;
+    Level { at, name, x: rounded(x), y: rounded(at + shift), anchor }
 }
 
 /// A title in lines that fit into a width: broken at spaces, or where a word is longer than a line.
@@ -642,6 +663,22 @@ mod tests {
             Axis::new([1e-24, 1.0].into_iter(), 0.0, 1.0).ticks(8).iter().map(|t| t.power).collect();
         assert_eq!(powers, [-24, -21, -18, -15, -12, -9, -6, -3, 0]);
         assert_eq!(Axis::new([1e-15].into_iter(), 0.0, 1.0).high, -14);
+    }
+
+    /// A curve with few dots crosses the name all the same: at both ends here, above and below, so that it stands between.
+    #[test]
+    fn names_of_levels_are_not_struck_through() {
+        let frame = [0.0, 400.0, 0.0, 200.0];
+        let across = vec![[0.0, 60.0], [0.0, 140.0], [60.0, 70.0], [60.0, 130.0]];
+        let down = vec![[300.0, 60.0], [400.0, 140.0], [300.0, 140.0], [400.0, 60.0]];
+        let placed =
+            level(("tolerance".len() as f64 + 91.0, "tolerance"), frame, &[across.clone(), down.clone()]);
+        let from = if placed.anchor == "end" { placed.x - 58.0 } else { placed.x };
+        let area = Area([from, placed.y - 12.0, from + 58.0, placed.y + 4.0]);
+        for way in [across, down] {
+            let covered: f64 = way.windows(2).map(|ends| area.covered(&[ends[0], ends[1]])).sum();
+            assert_eq!(covered, 0.0, "{from} {}", placed.y);
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::figure;
 use super::figure::{Bin, Map};
-use super::prose::{grouped, sentence};
+use super::prose::{grouped, grouped_signed, sentence};
 use crate::audit::Report;
 use crate::audit::assembly::Assembly;
 use crate::audit::coverage::Histogram;
@@ -91,7 +91,7 @@ pub(super) fn assembly(found: &Assembly, is_of_many: bool) -> AssemblySection {
         ("held by boundary conditions", grouped(found.held as u64)),
         ("constraints", grouped(found.constraints as u64)),
         ("drives", grouped(found.drives as u64)),
-        ("mobility by Grübler", found.gruebler.to_string()),
+        ("mobility by Grübler", grouped_signed(found.gruebler)),
     ];
     let known =
         |number: Option<usize>| number.map_or_else(|| "not known".into(), |number| grouped(number as u64));
@@ -123,7 +123,7 @@ pub(super) fn assembly(found: &Assembly, is_of_many: bool) -> AssemblySection {
 /// Which region of configuration space the states of a scene exercised; nothing where there were no samples.
 pub(super) fn coverage(found: &ModelReport) -> Option<CoverageSection> {
     let coverage = &found.coverage;
-    if coverage.exercise.samples == 0 {
+    if coverage.exercise.is_empty() {
         return None;
     }
     let all = [
@@ -138,12 +138,16 @@ pub(super) fn coverage(found: &ModelReport) -> Option<CoverageSection> {
         scene: found.scene.clone(),
         summary: format!(
             "{}, every connector at each state{}: both nodes turned by more than 0.1 rad in {}, free components moved in {}, \
-             away from the initial state in {}.{}",
+             away from the initial state in {}.{}{}",
             count(coverage.exercise.samples, "sample"),
             if found.drawn { ", drawn about the initial one, for the scene gives none" } else { "" },
             of(coverage.exercise.both_turned, coverage.exercise.could_turn_both),
             of(coverage.exercise.deformed, coverage.exercise.could_deform),
             of(coverage.exercise.away, coverage.exercise.samples),
+            match coverage.exercise.standing {
+                0 => String::new(),
+                standing => format!(" Besides, {} of connectors whose nodes stand still.", grouped(standing)),
+            },
             found
                 .nearest
                 .as_ref()

@@ -20,7 +20,7 @@ const OUTSIDE: f64 = 1e6;
 
 /// A place that is taken: left, top, right, bottom.
 #[derive(Clone, Copy)]
-struct Area([f64; 4]);
+pub(super) struct Area(pub(super) [f64; 4]);
 
 impl Area {
     /// Of a text that begins at a point of its line.
@@ -36,7 +36,7 @@ impl Area {
     }
 
     /// The length of the part of a segment inside.
-    fn covered(&self, [from, to]: &[[f64; 2]; 2]) -> f64 {
+    pub(super) fn covered(&self, [from, to]: &[[f64; 2]; 2]) -> f64 {
         let mut part = (0.0_f64, 1.0_f64);
         for axis in 0..2 {
             let (low, high, step) = (self.0[axis], self.0[axis + 2], to[axis] - from[axis]);

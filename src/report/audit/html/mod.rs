@@ -14,7 +14,7 @@ mod self_test;
 use crate::audit::{Approach, Illustration, Report, Verdict};
 use crate::evaluate::Model;
 use crate::scene::Scene;
-use drawing::Drawing;
+use drawing::{Drawing, Worst};
 use figure::Place;
 use std::io::{self, Write};
 
@@ -104,7 +104,9 @@ fn drawing(report: &Report, scene: &Audited<'_>) -> Drawing {
         .filter(|subject| super::summary::scene(subject).is_none_or(|name| name == scene.name))
         .map(|subject| (subject.name.as_str(), subject.verdict()))
         .collect();
-    Drawing::of(scene.scene, scene.model, &|name| of_scene.get(name).copied())
+    let models = report.models.iter().filter(|model| model.scene == scene.scene.name);
+    let worst = Worst::of(models.flat_map(|model| &model.findings));
+    Drawing::of(scene.scene, scene.model, &|name| of_scene.get(name).copied(), &worst)
 }
 
 /// A name of a file: letters and digits of the text, lower case, the rest as hyphens.

@@ -1,9 +1,10 @@
 //! The page: what stands in which section.
 
 use super::cards::{
-    ApproachCard, Card, StepCard, approach_card, approaches, cards, confirmed, omitted, step_cards, strip,
+    APPROACH, ApproachCard, ApproachCurve, Card, StepCard, approach_card, approaches, cards, confirmed,
+    omitted, step_cards, strip,
 };
-use super::drawing::name_of;
+use super::drawing::{Colour, Drawing, name_of};
 use super::figure::{Place, STYLE};
 use super::found::{CoverageSection, ModelSection, coverage, model};
 use super::problems::{ProblemGroup, problems};
@@ -73,7 +74,7 @@ struct PageTemplate {
     models: Vec<ModelSection>,
     coverage: Vec<CoverageSection>,
     drawings: Vec<Figure>,
-    verdict_key: Vec<Said>,
+    colour_key: Vec<(String, String)>,
     symbols: Vec<&'static str>,
     rows: Vec<VerdictRow>,
     undecided: Vec<String>,
@@ -82,6 +83,7 @@ struct PageTemplate {
     omitted: String,
     steps: Vec<StepCard>,
     approaches: Vec<ApproachCard>,
+    approach_key: [ApproachCurve; 4],
     confirmed: String,
     detectable: String,
     scores: Vec<ScoreRow>,
@@ -100,14 +102,13 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         Outcome::Warned => ("warned", "!"),
         Outcome::Clean => ("good", "✓"),
     };
-    let drawings: Vec<Figure> = supplement
-        .scenes
+    let drawn = supplement.scenes.iter().map(|scene| (scene.name, drawing(report, scene)));
+    let drawn: Vec<(&str, Drawing)> = drawn.filter(|(_, drawing)| !drawing.is_empty()).collect();
+    let colour_key = colour_key(report, &drawn);
+    let drawings = drawn
         .iter()
-        .map(|scene| (scene.name, drawing(report, scene)))
-        .filter(|(_, drawing)| !drawing.is_empty())
         .map(|(name, drawing)| Figure { svg: drawing.svg(name, Place::Page), caption: drawing.caption(name) })
         .collect();
-    let unseen = supplement.scenes.iter().any(|scene| drawing(report, scene).has_unseen());
     let mut page = PageTemplate {
         css: include_str!("page.css"),
         figure_css: STYLE,
@@ -123,7 +124,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         models: report.models.iter().map(model).collect(),
         coverage: report.models.iter().filter_map(coverage).collect(),
         drawings,
-        verdict_key: verdict_key(report, unseen),
+        colour_key,
         symbols: symbols().into(),
         rows: report.subjects.iter().map(verdict_row).collect(),
         undecided: undecided(report),
@@ -134,6 +135,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         approaches: approaches(report, supplement)
             .map(|found| approach_card(found, report, supplement))
             .collect(),
+        approach_key: APPROACH,
         confirmed: confirmed(report, supplement),
         detectable: strip(report, Place::Page),
         scores: scores(report),
@@ -153,33 +155,35 @@ fn audited(supplement: &Supplement<'_>) -> String {
     all.collect::<Vec<_>>().join(", ")
 }
 
-/// What the colours of a drawing mean: verdicts, where numbers were audited, and what was not.
-fn verdict_key(report: &Report, unseen: bool) -> Vec<Said> {
-    let verdicts = Verdict::ALL.into_iter().filter(|v| v.headline() == *v && !report.subjects.is_empty());
-    let not = unseen.then(|| Said("unseen".to_string(), "not audited"));
-    verdicts.map(Said::of).chain(not).collect()
+/// What the colours of drawings mean: every verdict, where numbers were audited, and what was found of that of which none were, as far as it is drawn.
+fn colour_key(report: &Report, drawn: &[(&str, Drawing)]) -> Vec<(String, String)> {
+    let is_shown = |colour: &Colour| match colour {
+        Colour::Verdict(_) => !report.subjects.is_empty(),
+        colour => drawn.iter().any(|(_, drawing)| drawing.has(*colour)),
+    };
+    Colour::all().filter(is_shown).map(|colour| (colour.class(), colour.name())).collect()
 }
 
 /// The figures at the head: of the audit, or of the findings where no number was audited.
 fn facts(report: &Report) -> Vec<(&'static str, String)> {
     if report.subjects.is_empty() && !report.models.is_empty() {
         let count =
-            |severity| report.models.iter().map(|model| model.count(severity)).sum::<usize>().to_string();
+            |severity| grouped(report.models.iter().map(|model| model.count(severity)).sum::<usize>() as u64);
         return vec![
-            ("models", report.models.len().to_string()),
+            ("models", grouped(report.models.len() as u64)),
             ("errors", count(Severity::Error)),
             ("warnings", count(Severity::Warning)),
             ("notes", count(Severity::Note)),
-            ("undecided", report.undecided_models().to_string()),
+            ("undecided", grouped(report.undecided_models() as u64)),
         ];
     }
     let test = summary::self_test(report);
     vec![
         ("connectors and types", grouped(report.subjects.len() as u64)),
         ("numbers compared", grouped(report.compared())),
-        ("mismatches", report.mismatches().to_string()),
-        ("undecided", report.undecided().to_string()),
-        ("warnings", report.warnings().to_string()),
+        ("mismatches", grouped(report.mismatches() as u64)),
+        ("undecided", grouped(report.undecided() as u64)),
+        ("warnings", grouped(report.warnings() as u64)),
         ("mutants noticed", format!("{} of {}", grouped(test.noticed), grouped(test.decisive))),
     ]
 }

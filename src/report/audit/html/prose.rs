@@ -42,6 +42,12 @@ pub(super) fn grouped(n: u64) -> String {
     text
 }
 
+/// The same of a number that may be negative.
+pub(super) fn grouped_signed(n: i64) -> String {
+    let sign = if n < 0 { "−" } else { "" };
+    format!("{sign}{}", grouped(n.unsigned_abs()))
+}
+
 /// The name of a subject, after that of its scene where it has one.
 pub(super) fn full_name(subject: &Subject) -> String {
     match summary::scene(subject) {
@@ -52,7 +58,13 @@ pub(super) fn full_name(subject: &Subject) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{capital, sentence};
+    use super::{capital, grouped_signed, sentence};
+
+    #[test]
+    fn thousands_are_set_apart() {
+        let said = [-1234, 0, 999, 100_000].map(grouped_signed);
+        assert_eq!(said, ["−1\u{202f}234", "0", "999", "100\u{202f}000"]);
+    }
 
     #[test]
     fn symbols_keep_their_case() {

@@ -1,0 +1,90 @@
+//! How certain is a position? Coordinates are rounded numbers: to the units of doubles, and to the digits with which they are written.
+//!
+//! With the row ∂p/∂q of a position p over the nodal degrees of freedom, a coordinate X of a node with displacement U is known to
+//! u (|X| + 2|U|), for X, U and their sum are rounded; the triad of a node to an angle ε, by the points of its orientation; and the formula to C u F,
+//! the bound of the audit of numbers ([`crate::audit::bound`]):
+//!
+//! > δp = Σ |∂p/∂x_i| u (|X_i| + 2|U_i|) + Σ |∂p/∂θ_i| ε + C u F,  F = |p| + Σ |∂p/∂q_j| s_j.
+//!
+//! The same sum over half a unit of the last decimal of each coordinate and orientation is what their digits leave open
+//! ([`Digits`]).
+
+use super::geometry::uncertain_directions;
+use crate::audit::assembly::digits::Digits;
+use crate::audit::bound::{C, U, scales};
+use crate::audit::case::dof_size;
+use crate::connector::{Increment, Request, State, Tally};
+use crate::evaluate::ConnectorElement;
+use crate::node::{Node, THETA_A, THETA_B, XA, XB};
+use crate::scalar::elementary::norm;
+use crate::scene::{End, Scene};
+use crate::vector::{add, sub};
+use std::cell::OnceCell;
+
+/// How far a position may be from what it is taken for: a length in the unit of the scene, or an angle (rad).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Open {
+    /// By the rounding of coordinates and of the formula.
+    pub(super) rounding: f64,
+    /// By the digits of coordinates and orientations, and of a number that it is compared with.
+    pub(super) digits: f64,
+}
+
+/// What is certain of the positions in a scene.
+pub(super) struct Certainty<'a> {
+    scene: &'a Scene,
+    digits: OnceCell<Digits>,
+}
+
+impl<'a> Certainty<'a> {
+    pub(super) fn of(scene: &'a Scene) -> Self {
+        Self { scene, digits: OnceCell::new() }
+    }
+
+    /// How far the position of component k (0-based) at a state may be from a limit that it is computed to be at.
+    pub(super) fn open(
+        &self,
+        element: &ConnectorElement,
+        state: &State<f64>,
+        (k, position, limit): (usize, f64, f64),
+    ) -> Open {
+        let digits = self.digits.get_or_init(|| Digits::of(self.scene));
+        let mut wanted = [false; 6];
+        wanted[k] = true;
+        let connector = &element.connector;
+        let (branch, mut tally) = (connector.initial_branch(), Tally::default());
+        let rows = Request::new(&[], wanted, 1);
+        let found = connector.evaluate(state, &Increment::none(), &branch, &rows, &mut tally);
+        let row = found.jacobian[k].unwrap_or_default();
+        let given = self.scene.connectors.get(&element.label);
+        let [a, b] = [End::A, End::B]
+            .map(|end| given.and_then(|element| self.scene.position(element, end)).unwrap_or_default());
+        let moved = sub(state.pair.b.displacement, state.pair.a.displacement);
+        let length = norm(add(state.pair.reference, moved));
+        let size = std::array::from_fn::<f64, { crate::node::DOFS }, _>(|j| dof_size(j, length));
+        let [value, ..] = scales(position, &row, &[], (&size, &size), (&[], &[]), 1.0);
+        let formula = C * U * value.first().copied().unwrap_or_default();
+        let turned = |from: usize| row[from..from + 3].iter().map(|x| x.abs()).sum::<f64>();
+        let coordinates = |from: usize, at: [f64; 3], node: &Node<f64>| -> f64 {
+            let each =
+                (0..3).map(|i| row[from + i].abs() * U * (at[i].abs() + 2.0 * node.displacement[i].abs()));
+            each.sum()
+        };
+        let angles = uncertain_directions(self.scene, element);
+        let rounding = coordinates(XA, a, &state.pair.a)
+            + coordinates(XB, b, &state.pair.b)
+            + turned(THETA_A) * angles[0]
+            + turned(THETA_B) * angles[1]
+            + formula
+            + U * limit.abs();
+        let reach = norm(element.reference);
+        let of_node = |end: usize| element.nodes[end].map_or(0.0, |node| digits.of_node(&node, reach));
+        let directions = digits.of_directions(&element.label);
+        let of_digits = turned(XA) * of_node(0)
+            + turned(XB) * of_node(1)
+            + (turned(THETA_A) + turned(THETA_B)) * directions
+            + Digits::of_number(limit);
+        let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
+        Open { rounding: finite(rounding), digits: finite(of_digits) }
+    }
+}
