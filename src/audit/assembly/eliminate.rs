@@ -174,7 +174,7 @@ struct Elimination<'a> {
     columns: Vec<u32>,
     place: Vec<u32>,
     outcome: Outcome,
-    /// The entries of rows that wait, and those that multiples of pivots were taken from.
+    /// The entries of rows that wait.
     waiting: usize,
     roundings: Roundings,
     spare: Vec<Entry>,

@@ -294,7 +294,7 @@ pub struct Assembly {
     pub parts: usize,
     /// The largest front, in columns: what the elimination cost.
     pub largest_front: usize,
-    /// Parts that were not looked at, for their elimination would have taken more than 1.3 GB, or some minutes.
+    /// Parts that were not looked at, for their elimination would have taken more than 1.3 GB, or longer than some 40 s.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub skipped: Vec<Skipped>,
     /// The initial state, then those given that were looked at.

@@ -121,7 +121,7 @@ pub(super) fn besides(assembly: &Assembly) -> Vec<String> {
     let mut lines = Vec::new();
     if !assembly.skipped.is_empty() {
         lines.push(format!(
-            "{} of {} not looked at, for elimination would take too much memory",
+            "{} of {} not looked at, for elimination would take too much memory or time",
             assembly.skipped.len(),
             count(assembly.parts, "part")
         ));
