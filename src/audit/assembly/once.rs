@@ -143,12 +143,15 @@ fn arrive(
     None
 }
 
+/// What is given of a free column.
+type Given<'a> = dyn Fn(&u32) -> (u32, f64) + 'a;
+
 /// A solution of the rows that were not redundant, with what is given of the free columns; `None` where they depend on each other, or these are others now.
 fn solution(
     matrix: &Sparse,
     part: &Part,
     here: &Outcome,
-    (given, right): (&dyn Fn(&u32) -> (u32, f64), &dyn Fn(u32) -> f64),
+    (given, right): (&Given<'_>, &dyn Fn(u32) -> f64),
     budget: &Budget,
 ) -> Option<Vec<f64>> {
     let is_redundant = |row: &u32| here.dependent.binary_search(row).is_ok();

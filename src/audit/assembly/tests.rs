@@ -942,7 +942,7 @@ fn what_follows_the_rank_ends() {
         assert_eq!((holds.len(), by(3)), (count, (spent, holds.clone())), "{n}");
         assert!(count > 0 && spent < 2 * MOST, "{n}: {spent}");
         assert_eq!(holds.iter().all(|holds| *holds != Holds::Spent), is_judged, "{n}: {spent} {holds:?}");
-        assert_eq!(holds.contains(&Holds::Unjudged), false, "{n}");
+        assert!(!holds.contains(&Holds::Unjudged), "{n}");
         assert_eq!(spent >= MOST, !is_judged, "{n}: {spent}");
     }
 }
