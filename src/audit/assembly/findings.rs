@@ -3,7 +3,7 @@
 use super::dense;
 use super::modes::MODES;
 use super::redundant::EXPLAINED;
-use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant, Unnamed};
+use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant, Spent, Unnamed};
 use crate::audit::model::{About, Finding, Levels};
 use crate::evaluate::Freedom;
 use crate::grammar::{agree, count, ranges};
@@ -135,7 +135,7 @@ const fn code(holds: Holds) -> Code {
     match holds {
         Holds::Throughout | Holds::Singular | Holds::Rigid => Code::AssemblyRedundant,
         Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => Code::AssemblyRedundantHere,
-        Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
+        Holds::Large | Holds::Spent | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
     }
 }
 
@@ -204,7 +204,10 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
             components.join(", "),
             holds.meaning()
         );
-        let reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice";
+        let mut reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice".to_string();
+        if let Some(Spent { operations, most }) = assembly.spent.filter(|_| holds == Holds::Spent) {
+            reason += &format!("; of {most:.1e} operations {operations:.1e} were spent");
+        }
         let remedy = match holds {
             Holds::Here | Holds::Loop | Holds::Differs => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"
@@ -227,7 +230,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
 
 /// Redundant constraints of which no name is known.
 fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    let Unnamed { count: more, why } = assembly.unnamed.as_ref()?;
+    let Unnamed { count: more, why, spent } = assembly.unnamed.as_ref()?;
     let besides = if assembly.redundant.is_empty() { "" } else { " besides" };
     let message = format!(
         "{} {} redundant{besides}, counted and not named: {}",
@@ -235,7 +238,10 @@ fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
         agree(*more, ["is", "are"]),
         why.meaning()
     );
-    let reason = "the rank of the constraint Jacobian";
+    let mut reason = "the rank of the constraint Jacobian".to_string();
+    if let Some(Spent { operations, most }) = spent {
+        reason += &format!("; of {most:.1e} operations {operations:.1e} were spent");
+    }
     let remedy = "audit smaller pieces of the part as scenes of their own to have them named";
     Some(Finding::new(scene, Code::AssemblyRedundantUnjudged, Span::default(), message, reason, remedy))
 }
