@@ -1,5 +1,6 @@
 //! What is wrong with an input, where, and what to do about it.
 
+use super::label::Label;
 use super::span::Span;
 use miette::{
     GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode,
@@ -381,6 +382,8 @@ struct Parts {
     /// Another place, of which the label gives the line at its end.
     other: Option<Span>,
     excerpt: Option<Excerpt>,
+    /// The connectors that it is about.
+    elements: Vec<Label>,
 }
 
 impl Diagnostic {
@@ -433,6 +436,7 @@ impl Diagnostic {
             span,
             other: None,
             excerpt: None,
+            elements: Vec::new(),
         }))
     }
 
@@ -466,6 +470,24 @@ impl Diagnostic {
     pub(crate) fn beside(mut self, other: Span) -> Self {
         self.0.other = Some(other);
         self
+    }
+
+    /// The same, about a connector.
+    #[must_use]
+    pub(crate) fn concerning(mut self, element: Label) -> Self {
+        self.concern(&[element]);
+        self
+    }
+
+    /// Connectors that it is about too.
+    pub(crate) fn concern(&mut self, elements: &[Label]) {
+        self.0.elements.extend_from_slice(elements);
+    }
+
+    /// The connectors that it is about, as far as it is told when the scene is resolved: the one that the message names first.
+    #[must_use]
+    pub fn elements(&self) -> &[Label] {
+        &self.0.elements
     }
 
     /// Names the file, and that of the other place where it is a different one.
