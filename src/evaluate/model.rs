@@ -127,10 +127,12 @@ impl Model {
     }
 
     /// Resolves a scene as far as it goes, with every error: a connector that breaks a rule is left out. What several connectors of
-    /// one type break alike at one place is told once, of the first.
+    /// one type break alike at one place is told once, of the first, with all of them ([`Diagnostic::elements`]).
     pub fn examine(scene: &Scene) -> (Self, Vec<Diagnostic>) {
+        /// A breach, whether it is one of a rule, and its place among the errors.
+        type Known = (String, bool, usize);
         let mut errors: Vec<Diagnostic> = Vec::new();
-        let mut seen: HashMap<(Code, Span), Vec<(String, bool, usize)>> = HashMap::new();
+        let mut seen: HashMap<(Code, Span), Vec<Known>> = HashMap::new();
         let mut model = Self::resolve(scene, &mut |Refusal { diagnostic, breach, is_rule }| {
             let at_place = seen.entry((diagnostic.code(), diagnostic.span())).or_default();
             let known = at_place.iter().find(|(known, ..)| *known == breach).map(|(.., index)| *index);
@@ -146,9 +148,7 @@ impl Model {
         // What refuses a scene is not a warning besides.
         model.warnings.retain(|warning| {
             let refused = seen.get(&(warning.code(), warning.span()));
-            let is_it = |(breach, is_rule, _): &(String, bool, usize)| {
-                !is_rule || warning.message().ends_with(breach)
-            };
+            let is_it = |(breach, is_rule, _): &Known| !is_rule || warning.message().ends_with(breach);
             !refused.is_some_and(|all| all.iter().any(is_it))
         });
         (model, errors)
