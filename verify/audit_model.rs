@@ -870,9 +870,7 @@ fn rules_point_at_what_breaks_them() {
         assert_eq!(said.len(), wanted.len(), "{names}: {said:?}");
         for ((finding, said), name) in found.iter().zip(said).zip(wanted) {
             assert!(said.ends_with(&format!("(orientation {name})")), "{names}: {said}");
-            let shown = finding.diagnostic().render(110, false);
-            let marked = names.find(name).unwrap() + 1;
-            assert!(shown.contains(&format!(":14:{marked}]")), "{names}: {shown}");
+            assert_eq!(finding.line(), Some(14), "{names}");
         }
     }
 }
