@@ -269,7 +269,7 @@ impl Model {
         }
         let mut is_left_out = false;
         for breach in connection.breaches(&facts) {
-            let places = rules::places(&breach, behavior, acting, (section, element));
+            let places = rules::places(scene, &breach, behavior, acting, (section, element));
             let told = places.into_iter().map(|place| rules::diagnose(&breach, label, place, scene));
             if breach.refuses() {
                 for diagnostic in told {
