@@ -12,7 +12,7 @@ use crate::mpc::Translation;
 use crate::node::{DOF_NUMBER, DOFS};
 use crate::scene::{Diagnostic, Label, Scene};
 use std::collections::{HashMap, HashSet};
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// Nodes that stand still.
 #[derive(Debug, Default)]
@@ -32,7 +32,6 @@ impl Still {
     /// The points of a `*TRANSFORM` that define no directions.
     pub(in crate::audit) fn of(scene: &Scene, model: &Model) -> Result<Self, Diagnostic> {
         let known = Known::of(scene, model)?;
-        // Components 4 to 6 fix rotations to each other.
         let turns = |element: &MpcElement| element.constraint.kind().entry().hinges == Some(0);
         let turning = known.held(4..=6, |element| known.holds_all(element, 3..6), turns);
         let is_still = |node: Option<&Label>| node.is_none_or(|node| turning.contains(node));
@@ -89,8 +88,8 @@ enum Directions {
 
 /// Those of a connector whose components 1 to 3, as many as there are, are coordinates of b.
 fn directions(element: &ConnectorElement) -> Option<Directions> {
-    let measures = (0..3).filter_map(|k| element.connector.position_measure(k));
-    measures.fold(Some(Directions::OfA), |found, measure| match (found?, measure) {
+    let mut measures = (0..3).filter_map(|k| element.connector.position_measure(k));
+    measures.try_fold(Directions::OfA, |found, measure| match (found, measure) {
         (found, Measure::Position(_)) => Some(found),
         (_, Measure::ProjectedPosition(_)) => Some(Directions::OfBoth),
         _ => None,
@@ -139,7 +138,7 @@ impl<'a> Known<'a> {
     /// The nodes whose degrees of freedom of these numbers are held: by boundary conditions, and by what `fixes` and `ties` them to such nodes.
     fn held(
         &self,
-        numbers: std::ops::RangeInclusive<u8>,
+        numbers: RangeInclusive<u8>,
         fixes: impl Fn(&ConnectorElement) -> bool,
         ties: impl Fn(&MpcElement) -> bool,
     ) -> HashSet<Label> {
