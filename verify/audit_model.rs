@@ -42,6 +42,34 @@ fn doubled(pairs: usize) -> String {
             *CONNECTOR SECTION,ELSET=L\nLINK\n*BOUNDARY\n1,1,6\n900,1,3\n902,1,3\n"
 }
 
+/// A finding is about every connector that it holds for, whatever its instance is called and however few are shown.
+#[test]
+fn a_finding_names_every_connector_in_what_it_is_about() {
+    let deck = "*PART,NAME=P\n*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,1,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=S\n101,1,2\n102,3,4\n\
+                *ORIENTATION,NAME=O\n1,0,0,0,1,0\n*CONNECTOR SECTION,ELSET=S,CONTROLS=C\nSLOT\nO,\n*END PART\n*ASSEMBLY,NAME=A\n\
+                *INSTANCE,NAME=\"My part\",PART=P\n*END INSTANCE\n*END ASSEMBLY\n*SECTION CONTROLS,NAME=C\n";
+    let labels = |finding: &Finding| -> Vec<String> {
+        finding.about.elements.iter().map(ToString::to_string).collect()
+    };
+    let both = ["\"My part\".101", "\"My part\".102"];
+    let explicit = format!("{deck}*STEP\n*DYNAMIC,EXPLICIT\n,1.\n*END STEP\n");
+    let warned = audited("named-warning", &explicit, "", &[]);
+    let [controls] = of(&warned, Code::ControlsNotInExplicit)[..] else { panic!("{:?}", warned.findings) };
+    assert_eq!(labels(controls), both);
+    assert!(controls.message().ends_with("(and so on for 1 other element)"), "{}", controls.message());
+    let refused = deck.replace("SLOT\nO,", "SLOT");
+    let refused = audited("named-error", &refused, "", &[]);
+    let [orientation] = of(&refused, Code::OrientationRequired)[..] else { panic!("{:?}", refused.findings) };
+    assert_eq!(labels(orientation), both);
+    // Half of the BEAMs are redundant, and 50 of them are told one by one.
+    let report = audited("named-redundant", &doubled(70), "", &[]);
+    let redundant = of(&report, Code::AssemblyRedundant);
+    let mut all: Vec<String> = redundant.iter().flat_map(|finding| labels(finding)).collect();
+    all.sort();
+    all.dedup();
+    assert_eq!((redundant.len(), all.len()), (50, 70));
+}
+
 /// However many redundancies hold throughout, one that holds at this state only is told, and may be denied: only what is shown of a code is shortened.
 #[test]
 fn many_of_one_code_hide_none_of_another() {
