@@ -263,7 +263,8 @@ fn what_a_redundancy_rests_on_is_told() {
     }
 }
 
-/// What cannot turn, or move, because boundary conditions hold it, directly or through connectors and constraints that fix all of it, is not asked for.
+/// What cannot turn, or move, because boundary conditions hold it, directly or through connectors and constraints that fix all
+/// that it can do, is not asked for.
 #[test]
 fn coverage_asks_for_nothing_that_is_held() {
     let deck = |between: &str, held: &str| {
@@ -336,6 +337,31 @@ fn coverage_asks_for_nothing_that_is_held() {
     {
         let found = told("planar", &planar(what, held), "state,node,ur3\n1,3,1.0\n");
         assert_eq!(found.contains(&one), is_told, "{what} {held}: {found:?}");
+    }
+    // A node without rotations stands still where its displacements are held: beside one that may turn, if the two coincide.
+    let joined = |x: u8, rest: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,{x},0,0\n3,0,0,0\n4,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=J\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=J\nJOIN\n*ELEMENT,TYPE=CONN3D2,ELSET=L\n2,2,4\n*CONNECTOR SECTION,ELSET=L\nLINK\n{rest}\
+             *BOUNDARY\n1,1,3\n4,1,3\n"
+        )
+    };
+    let hinge = "*ELEMENT,TYPE=CONN3D2,ELSET=H\n3,3,1\n*CONNECTOR SECTION,ELSET=H\nHINGE\nO,\n";
+    let rest_of_1 = "state,node,u1\n1,1,0\n";
+    for (name, deck, standing) in [
+        ("joined", joined(0, ""), 2),
+        ("apart", joined(3, ""), 2),
+        ("beside-a-hinge", joined(0, hinge), 1),
+        ("beside-a-hinge-apart", joined(3, hinge), 0),
+        ("slot", joined(0, "").replace("JOIN", "SLOT\nO,"), 0),
+        // Node 1 of the SLOT has rotations, and may turn.
+        ("held-slot", joined(0, "").replace("JOIN", "SLOT\nO,") + "*CONNECTOR MOTION\n1,1\n", 1),
+        ("pin", joined(0, "*MPC\nPIN,2,3\n").replace("JOIN", "SLOT\nO,") + "3,1,3\n", 1),
+        ("free-pin", joined(0, "*MPC\nPIN,2,3\n").replace("JOIN", "SLOT\nO,"), 0),
+    ] {
+        let report = audited(&format!("held-{name}"), &deck, rest_of_1, &[]);
+        let count = report.coverage.exercise.standing;
+        assert_eq!(count, standing, "{name}: {:?}", report.coverage);
     }
     // States that move what is held all the same are there to exercise the connector.
     assert_eq!(told("moved", &held, still), [Code::CoverageIdentity.as_str()]);
@@ -980,4 +1006,129 @@ fn held_nodes_that_move_are_told() {
     assert_eq!(told("again", "state,time,node,u1,ur3\n0,1.5,1,0.25,0\n")[0].0, Some(26));
     // What solvers leave is none.
     assert_eq!(told("left", "state,time,node,u1,ur3\n0,0,1,1e-5,0\n0,0,3,0,1e-5\n"), []);
+}
+
+/// The messages of what boundary conditions hold and states move, and how much is undecided of the assembly.
+fn moved_of(name: &str, deck: &str, states: &str) -> (Vec<String>, usize) {
+    let report = audited(&format!("moved-{name}"), deck, states, &[]);
+    let found = of(&report, Code::ModelHeldNodeMoves);
+    let messages = found.iter().map(|finding| finding.message().to_string()).collect();
+    (messages, of(&report, Code::AssemblyUndecided).len())
+}
+
+/// A degree of freedom is held at zero only where it never was elsewhere.
+#[test]
+fn what_was_moved_is_not_held_at_zero() {
+    let deck = |first: &str, second: &str, procedure: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*AMPLITUDE,NAME=F\n0,0,1,1\n\
+             *AMPLITUDE,NAME=V,VALUE=ABSOLUTE\n0,0,1,0.5\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E\nSLOT\nO,\n*BOUNDARY\n1,1,6\n*STEP\n{procedure}\n0.1,1.\n{first}*END STEP\n\
+             *STEP\n{procedure}\n0.1,1.\n{second}*END STEP\n"
+        )
+    };
+    let zero = "*BOUNDARY\n2,1,1\n";
+    let away = "*BOUNDARY\n2,1,1,0.5\n";
+    let fixed = "*BOUNDARY,FIXED\n2,1,1\n";
+    let [renewed, freed] = ["*BOUNDARY,OP=NEW\n1,1,6\n2,1,1\n", "*BOUNDARY,OP=NEW\n1,1,6\n"];
+    let factor = "*BOUNDARY,AMPLITUDE=F\n2,1,1\n";
+    let absolute = "*BOUNDARY,AMPLITUDE=V\n2,1,1\n";
+    let user = "*BOUNDARY,USER\n2,1,1\n";
+    let second = "state,time,node,u1\n0,1.5,2,0.25\n";
+    let unknown = "state,node,u1\n0,2,0.25\n";
+    for (name, first, then, states, is_held) in [
+        ("back", away, zero, second, false),
+        ("fixed-away", away, fixed, second, false),
+        ("renewed-away", away, renewed, second, false),
+        ("free", "", zero, second, false),
+        ("free-fixed", "", fixed, second, false),
+        ("absolute", absolute, "", second, false),
+        ("user", user, "", second, false),
+        ("freed", zero, freed, second, false),
+        ("later", zero, away, second, false),
+        ("later-unknown", zero, away, unknown, false),
+        ("zero", zero, "", second, true),
+        ("unknown", zero, "", unknown, true),
+        ("again", zero, zero, second, true),
+        ("fixed", zero, fixed, second, true),
+        ("fixed-first", fixed, "", second, true),
+        ("renewed", zero, renewed, second, true),
+        ("factor", factor, "", second, true),
+    ] {
+        let (messages, undecided) = moved_of(name, &deck(first, then, "*STATIC"), states);
+        let wanted = usize::from(is_held);
+        assert_eq!((messages.len(), undecided), (wanted, wanted), "{name}: {messages:?}");
+    }
+    // The same of connector motions: the component is not zero before the step ends.
+    let motion = |text: &str| format!("*CONNECTOR MOTION{text}\n");
+    for (name, first, then, is_held) in [
+        ("motion-back", motion("\n1,1,0.5"), motion("\n1,1,0"), false),
+        ("motion-fixed-away", motion("\n1,1,0.5"), motion(",FIXED\n1,1"), false),
+        ("motion-zero", motion("\n1,1,0"), motion("\n1,1,0"), true),
+    ] {
+        let (messages, undecided) = moved_of(name, &deck(&first, &then, "*STATIC"), second);
+        assert_eq!((messages.len(), undecided), (0, usize::from(is_held)), "{name}: {messages:?}");
+    }
+    // In Explicit velocities and accelerations of zero hold too, from rest.
+    let of = |kind: &str, magnitude: f64| format!("*BOUNDARY,TYPE={kind}\n2,1,1,{magnitude}\n");
+    let explicit = "*DYNAMIC,EXPLICIT";
+    let timeless = deck("", "", explicit).replace("0.1,1.", ",1.");
+    let of_explicit = |first: &str, then: &str| {
+        let (before, after) = timeless.split_once("*END STEP\n*STEP").unwrap();
+        let after = after.replace("*END STEP", &format!("{then}*END STEP"));
+        format!("{before}{first}*END STEP\n*STEP{after}")
+    };
+    let launched =
+        |deck: String| deck.replacen("*STEP", "*INITIAL CONDITIONS,TYPE=VELOCITY\n2,1,3.\n*STEP", 1);
+    let at_rest = of("VELOCITY", 0.0);
+    for (name, deck, is_held) in [
+        ("velocity", of_explicit(&at_rest, ""), true),
+        ("acceleration", of_explicit(&of("ACCELERATION", 0.0), ""), true),
+        ("stopped", of_explicit(&of("VELOCITY", 0.25), &at_rest), false),
+        ("launched", launched(of_explicit(&of("ACCELERATION", 0.0), "")), false),
+        ("launched-held", launched(of_explicit(&at_rest, "")), true),
+    ] {
+        let (messages, undecided) = moved_of(name, &deck, second);
+        let wanted = usize::from(is_held);
+        assert_eq!((messages.len(), undecided), (wanted, wanted), "{name}: {messages:?}");
+    }
+}
+
+/// A rotation of which one component is held is told where the node turns about that axis alone.
+#[test]
+fn a_turn_about_a_held_axis_is_told() {
+    let spatial = |transform: &str, held: &str| {
+        format!(
+            "*NODE,NSET=ALL\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n{transform}*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E\nCARTESIAN,CARDAN\nO,\n*BOUNDARY\n1,1,6\n{held}\n"
+        )
+    };
+    let planar = "*NODE\n1,0,0\n2,1,0\n*ELEMENT,TYPE=CONN2D2,ELSET=E\n1,1,2\n*CONNECTOR SECTION,ELSET=E\nCARTESIAN,ROTATION\n\
+                  *BOUNDARY\n1,1,2\n1,6\n2,6\n";
+    let states = |turn: &str| format!("state,node,ur1,ur2,ur3\n0,2,{turn}\n");
+    // The axis 1 of node 2 lies along the diagonal, to six digits.
+    let diagonal = "*TRANSFORM,NSET=ALL\n1,1,0,-1,1,0\n";
+    for (name, deck, turn, told) in [
+        ("plane", planar.to_string(), "0,0,0.3", Some("turns node 2 by 3.000e-1 rad in degree of freedom 6")),
+        ("axis", spatial("", "2,4"), "0.5,0,0", Some("turns node 2 by 5.000e-1 rad in degree of freedom 4")),
+        (
+            "transform",
+            spatial(diagonal, "2,4"),
+            "0.353553,0.353553,0",
+            Some("turns node 2 by 5.000e-1 rad in degree of freedom 4"),
+        ),
+        (
+            "two",
+            spatial("", "2,4,5"),
+            "0.5,0,0.1",
+            Some("turns node 2 by 5.000e-1 rad in degree of freedom 4"),
+        ),
+        ("others", spatial("", "2,4"), "0.5,0.1,0", None),
+        ("other", spatial("", "2,4"), "0,0.5,0", None),
+        ("transform-others", spatial(diagonal, "2,4"), "0.5,0,0", None),
+    ] {
+        let (messages, _) = moved_of(name, &deck, &states(turn));
+        assert_eq!(messages.len(), usize::from(told.is_some()), "{name}: {messages:?}");
+        assert!(told.is_none_or(|told| messages[0].contains(told)), "{name}: {messages:?}");
+    }
 }

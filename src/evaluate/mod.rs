@@ -23,8 +23,8 @@ mod sequence;
 mod shared;
 
 pub use belt::Ring;
-pub(crate) use fixed::NUMBERS;
 pub use fixed::{Fixed, Freedom};
+pub(crate) use fixed::{NUMBERS, is_factor};
 pub use forces::{ForceCheck, ForceResult};
 pub use jacobian::{CompressedColumns, Equation, ForeignPattern, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};

@@ -9,12 +9,14 @@ use super::order::{Orders, Union};
 use crate::audit::bound::U;
 use crate::catalog::COMPONENT;
 use crate::connector::{Flag, Mask, Output, Request};
-use crate::evaluate::{Equation, Fixed, Freedom, Item, Jacobian, Model, NUMBERS, Plan, Sequence, Source};
+use crate::evaluate::{
+    Equation, Fixed, Freedom, Item, Jacobian, Model, NUMBERS, Plan, Sequence, Source, is_factor,
+};
 use crate::measure::{Measure, SingularClass, Unit};
 use crate::mpc::Kind;
 use crate::scalar::elementary::norm;
 use crate::scene::{
-    ConditionKind, Diagnostic, Label, MotionType, NodeMotion, Rotation, Scene, State, Target,
+    ConditionKind, ConnectorMotion, Diagnostic, Label, MotionType, NodeMotion, Rotation, Scene, State, Target,
 };
 use crate::so3;
 use crate::vector::{add, sub};
@@ -119,11 +121,20 @@ pub(super) struct System<'a> {
     hinges: HashSet<Label>,
 }
 
+/// What is done to components of connectors, by element and component (0-based).
+type Motions = HashMap<(Label, usize), Role>;
+
 /// What prescribed motions do in a step: components of connectors that are held or driven, degrees of freedom that are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Prescribed {
     pub(super) held: Fixed,
-    pub(super) motions: HashMap<(Label, usize), Role>,
+    /// What of it was held in all steps before, and is zero.
+    resting: Fixed,
+    /// What is held in every step: of a state whose step is not known.
+    always: Fixed,
+    /// Whether it is known when the steps end.
+    has_times: bool,
+    pub(super) motions: Motions,
     pub(super) driven: HashSet<Freedom>,
     /// Where the nodes are.
     places: HashMap<Label, [f64; 3]>,
@@ -155,12 +166,17 @@ impl Prescribed {
     /// What is prescribed in a step, counted from 1; 0 is before the first.
     pub(super) fn of(scene: &Scene, step: usize) -> Result<Self, Diagnostic> {
         let held = Fixed::held_in_step(scene, step)?;
+        let resting = Fixed::resting_in_step(scene, step)?;
+        let always = Fixed::resting_in_step(scene, scene.steps.len())?;
+        let has_times = super::steps::ends(scene).is_some();
         let driven = Fixed::in_step(scene, step)?.iter().filter(|freedom| !held.contains(*freedom)).collect();
-        let mut motions = HashMap::new();
-        let put = |motion: &crate::scene::ConnectorMotion, motions: &mut HashMap<(Label, usize), Role>| {
+        let mut motions = Motions::new();
+        let put = |motion: &ConnectorMotion, motions: &mut Motions, before: Option<&Motions>| {
+            let applied = &motion.applied;
             let is_held = motion.kind == MotionType::Displacement
                 && motion.magnitude.is_none_or(|magnitude| magnitude == 0.0)
-                && !motion.applied.user;
+                && is_factor(scene, applied);
+            let is_held = (is_held || applied.fixed) && !applied.user;
             let labels: &[Label] = match &motion.target.value {
                 Target::Label(label) => std::slice::from_ref(label),
                 Target::Set(name) => {
@@ -168,23 +184,27 @@ impl Prescribed {
                 }
             };
             for label in labels {
-                let k = usize::from(motion.component).saturating_sub(1);
-                motions.insert((*label, k), if is_held { Role::Held } else { Role::Driven });
+                let key = (*label, usize::from(motion.component).saturating_sub(1));
+                // As of nodes: what an earlier step drove is not where it was initially, and is driven back.
+                let was_driven = before.is_some_and(|before| before.get(&key) == Some(&Role::Driven));
+                motions.insert(key, if is_held && !was_driven { Role::Held } else { Role::Driven });
             }
         };
         for motion in &scene.connector_motions {
-            put(motion, &mut motions);
+            put(motion, &mut motions, None);
         }
         for step in scene.steps.iter().take(step) {
+            let before = (!step.connector_motions.is_empty()).then(|| motions.clone());
             if step.removed.contains(&ConditionKind::ConnectorMotion) {
                 motions.clear();
             }
             for motion in &step.connector_motions {
-                put(motion, &mut motions);
+                put(motion, &mut motions, before.as_ref());
             }
         }
         let places = scene.nodes.iter().map(|(label, node)| (*label, node.coordinates)).collect();
-        Ok(Self { held, motions, driven, places, rounded: rounded(scene), digits: Digits::of(scene) })
+        let (rounded, digits) = (rounded(scene), Digits::of(scene));
+        Ok(Self { held, resting, always, has_times, motions, driven, places, rounded, digits })
     }
 
     /// The same for some nodes and elements alone, with degrees of freedom that are held besides.
@@ -192,6 +212,9 @@ impl Prescribed {
         let of_elements = elements.iter().flat_map(|label| (0..6).map(move |k| (*label, k)));
         Self {
             held: self.held.restricted(nodes, held),
+            resting: self.resting.restricted(nodes, &[]),
+            always: self.always.restricted(nodes, &[]),
+            has_times: self.has_times,
             motions: of_elements.filter_map(|key| Some((key, *self.motions.get(&key)?))).collect(),
             driven: freedoms_of(nodes).filter(|freedom| self.driven.contains(freedom)).collect(),
             places: nodes.iter().filter_map(|node| Some((*node, *self.places.get(node)?))).collect(),
@@ -562,7 +585,8 @@ impl<'a> System<'a> {
 
     /// By how much a state moves what boundary conditions hold: rotations (rad), and displacements over the mean length of the parts.
     pub(super) fn moves_held(&self, state: &State) -> f64 {
-        let held = &self.prescribed.held;
+        let Prescribed { resting, always, has_times, .. } = self.prescribed;
+        let held = if *has_times && state.time.is_some() { resting } else { always };
         let lengths: f64 = self.parts.iter().map(|part| part.length).sum();
         let length = if self.parts.is_empty() { 1.0 } else { lengths / self.parts.len() as f64 };
         let mut largest = 0.0_f64;

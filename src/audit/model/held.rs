@@ -29,10 +29,12 @@ pub(super) fn findings(scene: &Scene, states: &[State], length: f64) -> Vec<Find
     let mut held: BTreeMap<usize, (Fixed, BTreeSet<Label>)> = BTreeMap::new();
     let mut found: BTreeMap<usize, Moved> = BTreeMap::new();
     for (index, state) in states.iter().enumerate() {
-        let step = of_state(ends.as_deref(), state);
+        // What rests in the last step did so in all before it: of a state whose step is not known nothing else is.
+        let is_known = ends.is_some() && state.time.is_some();
+        let step = if is_known { of_state(ends.as_deref(), state) } else { scene.steps.len().max(1) };
         // What defines no directions is told with the assembly.
         let (fixed, nodes) = held.entry(step).or_insert_with(|| {
-            let fixed = Fixed::held_in_step(scene, step).unwrap_or_default();
+            let fixed = Fixed::resting_in_step(scene, step).unwrap_or_default();
             let nodes = fixed.iter().map(|freedom| freedom.node).collect();
             (fixed, nodes)
         });
