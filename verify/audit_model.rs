@@ -42,6 +42,34 @@ fn doubled(pairs: usize) -> String {
             *CONNECTOR SECTION,ELSET=L\nLINK\n*BOUNDARY\n1,1,6\n900,1,3\n902,1,3\n"
 }
 
+/// A finding is about every connector that it holds for, whatever its instance is called and however few are shown.
+#[test]
+fn a_finding_names_every_connector_in_what_it_is_about() {
+    let deck = "*PART,NAME=P\n*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,1,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=S\n101,1,2\n102,3,4\n\
+                *ORIENTATION,NAME=O\n1,0,0,0,1,0\n*CONNECTOR SECTION,ELSET=S,CONTROLS=C\nSLOT\nO,\n*END PART\n*ASSEMBLY,NAME=A\n\
+                *INSTANCE,NAME=\"My part\",PART=P\n*END INSTANCE\n*END ASSEMBLY\n*SECTION CONTROLS,NAME=C\n";
+    let labels = |finding: &Finding| -> Vec<String> {
+        finding.about.elements.iter().map(ToString::to_string).collect()
+    };
+    let both = ["\"My part\".101", "\"My part\".102"];
+    let explicit = format!("{deck}*STEP\n*DYNAMIC,EXPLICIT\n,1.\n*END STEP\n");
+    let warned = audited("named-warning", &explicit, "", &[]);
+    let [controls] = of(&warned, Code::ControlsNotInExplicit)[..] else { panic!("{:?}", warned.findings) };
+    assert_eq!(labels(controls), both);
+    assert!(controls.message().ends_with("(and so on for 1 other element)"), "{}", controls.message());
+    let refused = deck.replace("SLOT\nO,", "SLOT");
+    let refused = audited("named-error", &refused, "", &[]);
+    let [orientation] = of(&refused, Code::OrientationRequired)[..] else { panic!("{:?}", refused.findings) };
+    assert_eq!(labels(orientation), both);
+    // Half of the BEAMs are redundant, and 50 of them are told one by one.
+    let report = audited("named-redundant", &doubled(70), "", &[]);
+    let redundant = of(&report, Code::AssemblyRedundant);
+    let mut all: Vec<String> = redundant.iter().flat_map(|finding| labels(finding)).collect();
+    all.sort();
+    all.dedup();
+    assert_eq!((redundant.len(), all.len()), (50, 70));
+}
+
 /// However many redundancies hold throughout, one that holds at this state only is told, and may be denied: only what is shown of a code is shortened.
 #[test]
 fn many_of_one_code_hide_none_of_another() {
@@ -356,6 +384,22 @@ fn stops_passed_at_the_first_state_are_told() {
     assert_eq!(told("later", "-0.5", "7,0,2,0.05\n8,1,2,0.6\n"), Vec::<String>::new());
     let initially = "element 1: u1 is 0.000000 initially, 5.000e-2 below its stop at 0.05";
     assert_eq!(told("initially", "0.05", "7,0,2,0.\n8,1,2,0.6\n"), [initially]);
+    // What is told of the initial position hides no more than the same: not less of it, nor what is farther beyond or on another side.
+    assert_eq!(told("less", "0.05", "7,0,2,0.01\n"), [initially]);
+    let farther =
+        "element 1: u1 is -0.250000 at state 7, the first one given, 3.000e-1 below its stop at 0.05";
+    assert_eq!(told("farther", "0.05", "7,0,2,-0.25\n"), [initially, farther]);
+    let above = "element 1: u1 is 0.120000 at state 7, the first one given, 2.000e-2 above its stop at 0.1";
+    assert_eq!(told("above", "0.05", "7,0,2,0.12\n"), [initially, above]);
+    // Nor what is certain: the initial position is beyond by no more than four digits leave open.
+    let deck = "*NODE\n1,0.1234,0.5678,0.\n2,0.8306,1.2749,0.\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+                *CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nAXIAL\n*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR STOP,COMPONENT=1\n0.,1.\n";
+    let report = audited("first-open", deck, "state,time,node,u1,u2\n7,0,2,0.4,0.4\n", &[]);
+    let found: Vec<(Severity, Option<u64>)> = of(&report, Code::ModelStopViolated)
+        .iter()
+        .map(|finding| (finding.severity(), finding.about.state))
+        .collect();
+    assert_eq!(found, [(Severity::Note, None), (Severity::Warning, Some(7))]);
 }
 
 /// Frictions without effect: a belt that wraps no angle, a contact force of a spring of stiffness zero, a kinetic coefficient of zero.
@@ -655,6 +699,12 @@ fn frictions_that_begin_or_end_with_none_are_told() {
         ("table-rest", "*FRICTION\n0.,0.\n0.2,1.\n", vec![rest]),
         ("table-plain", "*FRICTION\n0.1,0.\n0.,1.\n0.2,2.\n", vec![]),
         ("table-zero", "*FRICTION\n0.,0.\n0.,1.\n", vec![never]),
+        // What vanishes at one temperature, or contact force, need not at another.
+        ("cold-rest", "*FRICTION\n0.,0.,,0.\n0.3,1.,,0.\n0.2,0.5,,100.\n0.4,1.,,100.\n", vec![]),
+        ("all-rest", "*FRICTION\n0.,0.,,0.\n0.3,1.,,0.\n0.,0.5,,100.\n0.4,1.,,100.\n", vec![rest]),
+        ("hot-fast", "*FRICTION\n0.3,0.,,0.\n0.1,1.,,0.\n0.2,0.,,100.\n0.,2.,,100.\n", vec![]),
+        ("all-fast", "*FRICTION\n0.3,0.,,0.\n0.,1.,,0.\n0.2,0.,,100.\n0.,2.,,100.\n", vec![fast]),
+        ("light-rest", "*FRICTION\n0.,0.,1.\n0.3,1.,1.\n0.2,0.5,5.\n0.4,1.,5.\n", vec![]),
     ] {
         let found = told(name, law);
         assert!(
@@ -679,6 +729,150 @@ fn each_friction_without_effect_is_told() {
     let lines: Vec<_> =
         of(&report, Code::ModelFrictionVanishes).iter().map(|finding| finding.line()).collect();
     assert_eq!(lines, [Some(12), Some(16)]);
+}
+
+/// A SLOT of length 1 along u1, on which a behaviour with these laws acts; its first law stands at line 12.
+fn slot(laws: &str) -> String {
+    slots(1, laws)
+}
+
+/// The same of several, each farther from the first: `elements` from 1 to 2 long.
+fn slots(elements: usize, laws: &str) -> String {
+    let mut deck = String::from("*NODE\n1,0,0,0\n");
+    for element in 1..=elements {
+        _ = writeln!(deck, "{},{},0,0", element + 1, 1.0 + (element as f64 - 1.0) / elements as f64);
+    }
+    deck.push_str("*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n");
+    for element in 1..=elements {
+        _ = writeln!(deck, "{element},1,{}", element + 1);
+    }
+    deck + "*CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\nSLOT\nO,\n*CONNECTOR BEHAVIOR,NAME=B\n" + laws
+}
+
+/// Two laws of one component are two findings, and one law of many elements is one that has them all.
+#[test]
+fn each_law_is_told_once_for_all_elements() {
+    let laws = "*CONNECTOR LOCK,COMPONENT=1,LOCK=ALL\n0.,0.6\n*CONNECTOR FAILURE,COMPONENT=1,RELEASE=ALL\n0.,0.7\n\
+                *CONNECTOR LOCK,COMPONENT=1,LOCK=1\n0.,0.8\n*CONNECTOR LOCK,COMPONENT=2,LOCK=ALL\n-1.,1.\n\
+                *CONNECTOR LOCK,COMPONENT=2,LOCK=1\n-1.,1.\n";
+    for elements in [1, 1000] {
+        let report = audited(&format!("laws-{elements}"), &slots(elements, laws), "", &[]);
+        let lines = |code: Code| -> Vec<usize> {
+            let found = of(&report, code);
+            let named = |finding: &&Finding| finding.about.elements.len() == elements;
+            assert!(found.iter().all(named), "{code} {elements}: {found:?}");
+            found.iter().map(|finding| finding.line().unwrap() as usize).collect()
+        };
+        let first = 12 + 2 * (elements - 1);
+        // Locks come before failures.
+        assert_eq!(lines(Code::ModelLockMet), [first, first + 4, first + 2], "{elements}");
+        assert_eq!(lines(Code::ModelLimitUnreachable), [first + 6, first + 8], "{elements}");
+    }
+    let friction = |component: u8| {
+        format!("*CONNECTOR FRICTION,CONTACT FORCE=1\n*CONNECTOR POTENTIAL\n{component}\n*FRICTION\n0.\n")
+    };
+    let deck = slot(&(friction(2) + &friction(3))).replace("SLOT", "SLIDE-PLANE");
+    let report = audited("laws-friction", &deck, "", &[]);
+    let lines: Vec<_> =
+        of(&report, Code::ModelFrictionVanishes).iter().map(|finding| finding.line()).collect();
+    assert_eq!(lines, [Some(12), Some(17)]);
+}
+
+/// Limits that depend on the temperature are passed, or never reached, at every temperature, or this is said of those at which they are.
+#[test]
+fn limits_are_looked_at_in_every_row() {
+    let told = |name: &str, law: &str| -> Vec<(Code, Severity, String)> {
+        let report = audited(&format!("rows-{name}"), &slot(law), "", &[]);
+        let found = report.findings.iter();
+        let found =
+            found.filter(|one| [Code::ModelLockMet, Code::ModelLimitUnreachable].contains(&one.code()));
+        found.map(|one| (one.code(), one.severity(), one.message().to_string())).collect()
+    };
+    let [met, unreachable] = [Code::ModelLockMet, Code::ModelLimitUnreachable];
+    let of_temperature =
+        "5.000e-1 beyond the limit 0.5 of a lock, which acts from the start at temperature 100";
+    let of_field = "2.000e0 beyond the limit 2 of a lock, which acts from the start at temperature 100 and field variable 1 of 3, but";
+    for (name, law, wanted) in [
+        (
+            "idle",
+            "COMPONENT=2\n-1.,1.,,,0.\n-0.5,1.,,,100.\n",
+            Some((unreachable, Severity::Warning, "within")),
+        ),
+        // Beyond the rows limits go on: 0 is beyond them at a temperature of 200.
+        ("far", "COMPONENT=2,EXTRAPOLATION=LINEAR\n-1.,1.,,,0.\n-0.5,1.,,,100.\n", None),
+        (
+            "equal",
+            "COMPONENT=2,EXTRAPOLATION=LINEAR\n-1.,1.,,,0.\n-1.,1.,,,100.\n",
+            Some((unreachable, Severity::Warning, "within")),
+        ),
+        ("hot", "COMPONENT=2\n-1.,1.,,,0.\n0.5,1.,,,100.\n", Some((met, Severity::Note, of_temperature))),
+        ("free", "COMPONENT=1\n0.,3.,,,0.\n0.,0.5,,,100.\n", Some((met, Severity::Note, of_temperature))),
+        ("none", "COMPONENT=1\n0.,3.,,,0.\n0.,1.5,,,100.\n", None),
+        (
+            "field",
+            "COMPONENT=2,DEPENDENCIES=1\n-1.,1.,,,0.,3.\n2.,3.,,,100.,3.\n",
+            Some((met, Severity::Note, of_field)),
+        ),
+        (
+            "always",
+            "COMPONENT=1\n0.,0.5,,,0.\n0.,0.75,,,100.\n",
+            Some((
+                met,
+                Severity::Warning,
+                "2.500e-1 beyond the limit 0.75 of a lock, which acts from the start",
+            )),
+        ),
+        // Between 0 and 100 the position lies within.
+        (
+            "sides",
+            "COMPONENT=1\n0.,0.5,,,0.\n2.,3.,,,100.\n",
+            Some((
+                met,
+                Severity::Note,
+                "1.000e0 beyond the limit 2 of a lock, which acts from the start at temperature 100",
+            )),
+        ),
+    ] {
+        let found = told(name, &format!("*CONNECTOR LOCK,{law}"));
+        let is_wanted = match (found.as_slice(), wanted) {
+            ([], None) => true,
+            ([(code, severity, said)], Some((of, bad, words))) => {
+                let is_conditional = said.contains("but not always");
+                (*code, *severity) == (of, bad)
+                    && said.contains(words)
+                    && is_conditional == (bad == Severity::Note)
+            }
+            _ => false,
+        };
+        assert!(is_wanted, "{name}: {found:?}, not {wanted:?}");
+    }
+}
+
+/// A rule points at the lock that has a temperature, and at the orientation of the system that it does not have.
+#[test]
+fn rules_point_at_what_breaks_them() {
+    let steps = "*STEP\n*DYNAMIC,EXPLICIT\n,1.\n*END STEP\n";
+    let locks = "*CONNECTOR LOCK,COMPONENT=1\n0.,3.\n*CONNECTOR LOCK,COMPONENT=1,LOCK=1\n0.,3.,,,20.\n";
+    let report = audited("rule-lock", &slot(&format!("{locks}{steps}")), "", &[]);
+    let lines: Vec<_> = of(&report, Code::LockVelocity).iter().map(|finding| finding.line()).collect();
+    assert_eq!(lines, [Some(14)]);
+    for (names, wanted) in
+        [("O,Z", vec!["Z"]), ("Z,O", vec!["Z"]), ("Z,Y", vec!["Z", "Y"]), ("O,O", Vec::new())]
+    {
+        let deck = format!(
+            "*NODE\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ORIENTATION,NAME=Z,SYSTEM=Z RECTANGULAR\n0,0,1,1,0,0\n\
+             *ORIENTATION,NAME=Y,SYSTEM=Z RECTANGULAR\n0,0,1,1,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=E\n1,1,2\n\
+             *CONNECTOR SECTION,ELSET=E\nCARTESIAN,CARDAN\n{names}\n{steps}"
+        );
+        let report = audited(&format!("rule-{}", names.replace(',', "-")), &deck, "", &[]);
+        let found = of(&report, Code::ZRectangularNotInExplicit);
+        let said: Vec<&str> = found.iter().map(|finding| finding.message()).collect();
+        assert_eq!(said.len(), wanted.len(), "{names}: {said:?}");
+        for ((finding, said), name) in found.iter().zip(said).zip(wanted) {
+            assert!(said.ends_with(&format!("(orientation {name})")), "{names}: {said}");
+            assert_eq!(finding.line(), Some(14), "{names}");
+        }
+    }
 }
 
 /// What is placed on its stop does not lie beyond it for rounding, in any frame and at any distance from the origin; what lies beyond by less than the digits

@@ -47,7 +47,8 @@ pub(super) fn rings(scene: &Scene, model: &mut Model) -> BTreeMap<usize, Ring> {
                     .help(
                         "exchange the nodes of one of them; until then friction at the node is not evaluated",
                     )
-                    .in_scene(scene),
+                    .in_scene(scene)
+                    .concerning(other.1.label),
             );
         }
         for (before, after) in [(one, other), (other, one)] {

@@ -15,7 +15,8 @@ use crate::scene::{
 };
 use crate::vector::{self, Matrix, column, identity, sub};
 use std::collections::hash_map::Entry;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A connector element, ready to be evaluated.
@@ -52,8 +53,8 @@ type Agreeing = (usize, bool, [bool; 4], [u64; 18]);
 
 /// What the connectors of a scene share while they are resolved.
 struct Shared {
-    /// The connection type of each section.
-    types: HashMap<usize, Arc<ConnectionType>>,
+    /// The connection type of each section, and the warning that it is another one in a Standard analysis.
+    types: HashMap<usize, (Arc<ConnectionType>, Option<usize>)>,
     actions: LabelMap<Vec<(usize, Span)>>,
     drives: BTreeMap<Label, Drives>,
     behaviors: HashMap<(usize, bool, u64), Arc<ElementBehavior>>,
@@ -61,7 +62,8 @@ struct Shared {
     common: HashMap<Agreeing, (Arc<Definition>, Connector<f64>)>,
     /// The last of all, with the same: mostly the next one agrees with it.
     last: Option<(Agreeing, Arc<Definition>, Connector<f64>)>,
-    warned: HashSet<(usize, Rule, String)>,
+    /// The warnings of each rule that a section breaks.
+    warned: HashMap<(usize, Rule, String), Range<usize>>,
     /// What refuses the last connector.
     refused: Vec<Refusal>,
     freedom: NodeFreedom,
@@ -125,22 +127,28 @@ impl Model {
     }
 
     /// Resolves a scene as far as it goes, with every error: a connector that breaks a rule is left out. What several connectors of
-    /// one type break alike at one place is told once, of the first.
+    /// one type break alike at one place is told once, of the first, with all of them ([`Diagnostic::elements`]).
     pub fn examine(scene: &Scene) -> (Self, Vec<Diagnostic>) {
+        /// A breach, whether it is one of a rule, and its place among the errors.
+        type Known = (String, bool, usize);
         let mut errors: Vec<Diagnostic> = Vec::new();
-        let mut seen: HashMap<(Code, Span), Vec<(String, bool)>> = HashMap::new();
+        let mut seen: HashMap<(Code, Span), Vec<Known>> = HashMap::new();
         let mut model = Self::resolve(scene, &mut |Refusal { diagnostic, breach, is_rule }| {
             let at_place = seen.entry((diagnostic.code(), diagnostic.span())).or_default();
-            if at_place.iter().all(|(known, _)| *known != breach) {
-                at_place.push((breach, is_rule));
-                errors.push(diagnostic);
+            let known = at_place.iter().find(|(known, ..)| *known == breach).map(|(.., index)| *index);
+            match known.and_then(|index| errors.get_mut(index)) {
+                Some(error) => error.concern(diagnostic.elements()),
+                None => {
+                    at_place.push((breach, is_rule, errors.len()));
+                    errors.push(diagnostic);
+                }
             }
             true
         });
         // What refuses a scene is not a warning besides.
         model.warnings.retain(|warning| {
             let refused = seen.get(&(warning.code(), warning.span()));
-            let is_it = |(breach, is_rule): &(String, bool)| !is_rule || warning.message().ends_with(breach);
+            let is_it = |(breach, is_rule, _): &Known| !is_rule || warning.message().ends_with(breach);
             !refused.is_some_and(|all| all.iter().any(is_it))
         });
         (model, errors)
@@ -167,7 +175,7 @@ impl Model {
             behaviors: HashMap::new(),
             common: HashMap::new(),
             last: None,
-            warned: HashSet::new(),
+            warned: HashMap::new(),
             refused: Vec::new(),
             freedom: NodeFreedom::of(scene),
         };
@@ -182,7 +190,8 @@ impl Model {
             let ends = [SceneEnd::A, SceneEnd::B].map(|end| position(element, end).unwrap_or_default());
             let broken =
                 model.connector(scene, (*label, element), ends, &mut shared).err().map(Refusal::from);
-            for error in shared.refused.drain(..).chain(broken) {
+            for mut error in shared.refused.drain(..).chain(broken) {
+                error.diagnostic.concern(&[*label]);
                 if !tell(error) {
                     return model;
                 }
@@ -221,9 +230,10 @@ impl Model {
     ) -> Result<(), Diagnostic> {
         let Shared { types, actions, drives, behaviors, common, last, warned, refused, freedom } = shared;
         let Some(section) = scene.section(element) else { return Ok(()) };
-        let connection = match types.get(&element.section) {
+        let (connection, converted) = match types.get(&element.section) {
             Some(known) => known,
             None => {
+                let mut converted = None;
                 let mut resolved = resolve(section).map_err(|error| error.in_scene(scene))?;
                 if let (Some(Solver::Standard), Some(other)) = (scene.solver, resolved.in_standard()) {
                     let (name, becomes) = (&resolved.name, &other.name);
@@ -232,12 +242,16 @@ impl Model {
                     let place = section.type_names.first().map_or(section.span, |name| name.span);
                     let warning = Diagnostic::warning(Code::ConvertedInStandard, place, message, here)
                         .help(format!("write {becomes}, or use a *DYNAMIC, EXPLICIT step"));
+                    converted = Some(self.warnings.len());
                     self.warnings.push(warning.in_scene(scene));
                     resolved = other;
                 }
-                types.entry(element.section).or_insert(Arc::new(resolved))
+                types.entry(element.section).or_insert((Arc::new(resolved), converted))
             }
         };
+        if let Some(warning) = converted.and_then(|index| self.warnings.get_mut(index)) {
+            warning.concern(&[label]);
+        }
         let moving = [element.a, element.b];
         let reference = sub(ends[1], ends[0]);
         let behavior = scene.behavior(section);
@@ -255,7 +269,7 @@ impl Model {
         }
         let mut is_left_out = false;
         for breach in connection.breaches(&facts) {
-            let places = rules::places(&breach, behavior, acting, (section, element));
+            let places = rules::places(scene, &breach, behavior, acting, (section, element));
             let told = places.into_iter().map(|place| rules::diagnose(&breach, label, place, scene));
             if breach.refuses() {
                 for diagnostic in told {
@@ -265,9 +279,14 @@ impl Model {
                 continue;
             }
             // Once for all elements of a section.
-            if warned.insert((element.section, breach.rule, breach.message.clone())) {
-                self.warnings.extend(told);
-            }
+            let first = self.warnings.len();
+            let known =
+                warned.entry((element.section, breach.rule, breach.message.clone())).or_insert_with(|| {
+                    self.warnings.extend(told);
+                    first..self.warnings.len()
+                });
+            let warnings = self.warnings.get_mut(known.clone()).into_iter().flatten();
+            warnings.for_each(|warning| warning.concern(&[label]));
         }
         let mut refuse = |errors: Vec<Diagnostic>| {
             is_left_out |= !errors.is_empty();

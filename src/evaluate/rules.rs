@@ -3,7 +3,7 @@
 use crate::catalog::{Breach, Evidence, Facts, Procedure, Rule};
 use crate::scene::{
     Affected, Behavior, Code, ConnectorElement, ConnectorSection, DampingKind, Diagnostic, Dimension, Label,
-    LabelMap, Law, MpcKind, NodeFreedom, Scene, Solver, Span, Spanned, System, Target,
+    LabelMap, Law, Lock, MpcKind, NodeFreedom, Scene, Solver, Span, Spanned, System, Target,
 };
 
 /// The components (0-based) of each connector that motions and loads act on, and where they were read.
@@ -41,10 +41,6 @@ pub(super) fn facts(
     coincident: bool,
 ) -> Facts {
     let orientations = [&section.orientation_a, &section.orientation_b];
-    let is_z = |name: &Spanned<String>| {
-        let named = scene.orientations.get(name.value.as_str());
-        named.is_some_and(|orientation| orientation.system == System::ZRectangular)
-    };
     let mut facts = Facts {
         orientation: orientations.map(Option::is_some),
         planar: element.dimension == Dimension::Two,
@@ -54,7 +50,7 @@ pub(super) fn facts(
         }),
         section_data: section.section_data.len(),
         contact_angle: matches!(section.section_data.get(1), Some(Some(_))),
-        z_rectangular: orientations.into_iter().flatten().any(is_z),
+        z_rectangular: z_rectangular(scene, section).next().is_some(),
         controls: section.controls.is_some(),
         elimination: section.elimination.is_some(),
         coincident,
@@ -71,9 +67,7 @@ pub(super) fn facts(
         facts.stops = behavior.stops.iter().map(|stop| index(stop.component)).collect();
         facts.predefined_friction = behavior.predefined_friction_parameters();
         facts.friction_numbers = behavior.friction.iter().find_map(constants).unwrap_or_default();
-        let limits = || behavior.locks.iter().flat_map(|lock| &lock.limits);
-        facts.lock_temperature =
-            limits().any(|limit| limit.temperature.is_some() || limit.fields.iter().any(Option::is_some));
+        facts.lock_temperature = behavior.locks.iter().any(has_fifth_item);
         facts.actions.extend(behavior.acts_on().map(index));
         facts.integration = behavior.integration.is_some();
         facts.frequency = behavior.places_of_law(Law::depends_on_frequency).next().is_some();
@@ -87,6 +81,23 @@ pub(super) fn facts(
     facts.actions.sort_unstable();
     facts.actions.dedup();
     facts
+}
+
+/// The orientations of a section that are given by SYSTEM=Z RECTANGULAR.
+fn z_rectangular<'a>(
+    scene: &'a Scene,
+    section: &'a ConnectorSection,
+) -> impl Iterator<Item = &'a Spanned<String>> {
+    let named = [&section.orientation_a, &section.orientation_b].into_iter().flatten();
+    named.filter(|name| {
+        let orientation = scene.orientations.get(name.value.as_str());
+        orientation.is_some_and(|orientation| orientation.system == System::ZRectangular)
+    })
+}
+
+/// Whether a lock has items after its limits: temperature, or field variables.
+fn has_fifth_item(lock: &Lock) -> bool {
+    lock.limits.iter().any(|limit| limit.temperature.is_some() || limit.fields.iter().any(Option::is_some))
 }
 
 /// Which numbers of a predefined friction are not zero.
@@ -107,6 +118,7 @@ fn structural(behavior: &Behavior) -> impl Iterator<Item = Span> {
 
 /// Where what breaks a rule was read, each place once: suboptions, motions and loads, an orientation; else the section.
 pub(super) fn places(
+    scene: &Scene,
     breach: &Breach,
     behavior: Option<&Behavior>,
     acting: &[(usize, Span)],
@@ -125,9 +137,8 @@ pub(super) fn places(
         (Rule::OrientationIgnored, _) if breach.item == Some(1) => {
             section.orientation_b.iter().map(|name| name.span).collect()
         }
-        (Rule::OrientationIgnored | Rule::ZRectangularNotInExplicit | Rule::DirectionNotInExplicit, _) => {
-            orientation()
-        }
+        (Rule::OrientationIgnored | Rule::DirectionNotInExplicit, _) => orientation(),
+        (Rule::ZRectangularNotInExplicit, _) => z_rectangular(scene, section).map(|name| name.span).collect(),
         (Rule::ControlsNotInExplicit, _) => section.controls.iter().map(|name| name.span).collect(),
         (Rule::StopNotAvailable, Some(behavior)) => {
             let stops = behavior.stops.iter().filter(|stop| usize::from(stop.component) == item + 1);
@@ -138,7 +149,9 @@ pub(super) fn places(
             Rule::FrictionNotPredefined | Rule::FrictionParameters | Rule::FrictionParameterUnused,
             Some(behavior),
         ) => behavior.place_of_predefined_friction().into_iter().collect(),
-        (Rule::LockVelocity, Some(behavior)) => behavior.locks.iter().take(1).map(|lock| lock.span).collect(),
+        (Rule::LockVelocity, Some(behavior)) => {
+            behavior.locks.iter().filter(|lock| has_fifth_item(lock)).map(|lock| lock.span).collect()
+        }
         (Rule::IntegrationNotInStandard, Some(behavior)) => vec![behavior.span],
         (Rule::FrequencyNotInExplicit, Some(behavior)) => {
             behavior.places_of_law(Law::depends_on_frequency).collect()
@@ -241,7 +254,13 @@ const fn code(rule: Rule) -> Code {
 
 /// A broken rule as a diagnostic, naming the element and the source of the rule.
 pub(super) fn diagnose(breach: &Breach, label: Label, place: Span, scene: &Scene) -> Diagnostic {
-    let message = format!("element {label}: {}", breach.message);
+    // Two orientations may stand on one line.
+    let section = scene.connectors.get(&label).and_then(|element| scene.section(element));
+    let orientation = section
+        .filter(|_| breach.rule == Rule::ZRectangularNotInExplicit)
+        .and_then(|section| z_rectangular(scene, section).find(|name| name.span == place))
+        .map_or_else(String::new, |name| format!(" (orientation {})", name.value));
+    let message = format!("element {label}: {}{orientation}", breach.message);
     let here = format!("by {} [{:?}]", breach.source, breach.evidence);
     let build = if breach.refuses() { Diagnostic::error } else { Diagnostic::warning };
     let certainty = match breach.evidence {

@@ -34,7 +34,8 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Vec<Diagnostic> {
                     errors.push(
                         Diagnostic::error(Code::CrowdedSliprings, place(), message, label)
                             .help("give each belt a node of its own, and tie the nodes by JOIN")
-                            .in_scene(scene),
+                            .in_scene(scene)
+                            .concerning(element.label),
                     );
                     continue;
                 }
@@ -69,7 +70,8 @@ pub(super) fn check(scene: &Scene, model: &mut Model) -> Vec<Diagnostic> {
             warnings.push(
                 Diagnostic::warning(Code::RepeatedConstraint, place(), message, label)
                     .help("remove one of the two: how they share the constraint force is not determined")
-                    .in_scene(scene),
+                    .in_scene(scene)
+                    .concerning(element.label),
             );
         }
     }

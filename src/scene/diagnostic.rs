@@ -1,5 +1,6 @@
 //! What is wrong with an input, where, and what to do about it.
 
+use super::label::Label;
 use super::span::Span;
 use miette::{
     GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode,
@@ -244,16 +245,16 @@ codes! {
     ModelConstraintViolated = "model::constraint-violated": "A given state does not satisfy a constraint of the model. A warning.";
     ModelHeldNodeMoves = "model::held-node-moves": "A given state moves a node in a degree of freedom that a boundary condition of its step holds, by more than 1e-4 rad, or 1e-4 of the mean length of the connectors: it is none that the model can come to. A warning.";
     ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially, or at the first state given, by more than the rounding of coordinates explains. A warning; a note where the digits of coordinates, of that state and of the limit leave open whether it does.";
-    ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially, by more than the rounding of coordinates explains. A warning; a note where the digits of coordinates and of the limit leave open whether it is.";
+    ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially, by more than the rounding of coordinates explains. A warning; a note where the digits of coordinates and of the limit leave open whether it is, or where it is at some temperatures or field variables only.";
     ModelEntriesIgnored = "model::entries-ignored": "A coupled elasticity or damping has entries that are not zero for components that are not available, constrained ones say: they do nothing. A warning.";
-    ModelLimitUnreachable = "model::limit-unreachable": "A lock or failure is triggered by nothing but the position of a constrained component, which stays within the limits: it never acts. A warning.";
+    ModelLimitUnreachable = "model::limit-unreachable": "A lock or failure is triggered by nothing but the position of a constrained component, which stays within the limits, at every temperature and field variable: it never acts. A warning.";
     ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes, at rest or in fast slip; a belt wraps no angle; or what presses has no force, or one that its table makes zero. A warning.";
     ModelDuplicateConnector = "model::duplicate-connector": "Two connectors of one type and behaviour join the same nodes with the same orientations, so that what each does counts twice. A warning.";
     ModelDuplicateMpc = "model::duplicate-mpc": "A multi-point constraint of one kind is given twice for the same nodes: all of its equations are redundant. A warning.";
 
     AssemblyRedundant = "assembly::redundant": "A constraint follows from the others initially, and at every state that the assembly can come to: without it the assembly moves as it does with it, and how they share the force is not determined. The finding says what that rests on: that what belongs to it cannot move, which is certain to rounding; or that it was the same at other states that the assembly was moved to, which is judged. These may all be singular positions, at which motions that it leaves free to first order are excluded to second order. A warning.";
     AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state, the initial one or one given, because of its position and not of how the assembly is built: the position is singular. To first order the assembly can move in more ways there than its constraints allow elsewhere. Either it can go on to states at which the constraint follows no more, as at a change point: one was found, of a large assembly perhaps by moving the connectors about it alone; or second order excludes these motions, and it stands still there, movable to first order only (two bars in line, held at both ends). Elsewhere the constraint is needed: to leave it out makes another assembly. A warning.";
-    AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state, and whether it does elsewhere was not judged: the assembly could not be moved, or its part is too large to be; its rank is not certain, so that the constraint is redundant only if what was taken for zero is zero; or there are more that are counted and not named. A warning.";
+    AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state, and whether it does elsewhere was not judged: the assembly could not be moved, its part is too large to be, or the operations that may be spent on it were spent; its rank is not certain, so that the constraint is redundant only if what was taken for zero is zero; or there are more that are counted and not named. A warning.";
     AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts, initially, on what the constraints or other prescribed motions determine already: throughout, or at this position alone, a dead centre say. A warning.";
     AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents to first order and no prescribed motion drives. Springs, friction, stops and other elements are not looked at, and at a singular position second order may exclude some of them. A note.";
     AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not known, or not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant; a constraint has no derivative at a state, or one without digits; a part is too large to be looked at; or a state given does not satisfy the constraints, or moves what boundary conditions hold, and was not looked at. A warning.";
@@ -381,6 +382,8 @@ struct Parts {
     /// Another place, of which the label gives the line at its end.
     other: Option<Span>,
     excerpt: Option<Excerpt>,
+    /// The connectors that it is about.
+    elements: Vec<Label>,
 }
 
 impl Diagnostic {
@@ -433,6 +436,7 @@ impl Diagnostic {
             span,
             other: None,
             excerpt: None,
+            elements: Vec::new(),
         }))
     }
 
@@ -466,6 +470,24 @@ impl Diagnostic {
     pub(crate) fn beside(mut self, other: Span) -> Self {
         self.0.other = Some(other);
         self
+    }
+
+    /// The same, about a connector.
+    #[must_use]
+    pub(crate) fn concerning(mut self, element: Label) -> Self {
+        self.concern(&[element]);
+        self
+    }
+
+    /// Connectors that it is about too.
+    pub(crate) fn concern(&mut self, elements: &[Label]) {
+        self.0.elements.extend_from_slice(elements);
+    }
+
+    /// The connectors that it is about, as far as it is told when the scene is resolved: the one that the message names first.
+    #[must_use]
+    pub fn elements(&self) -> &[Label] {
+        &self.0.elements
     }
 
     /// Names the file, and that of the other place where it is a different one.

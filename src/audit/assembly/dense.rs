@@ -216,20 +216,17 @@ pub(super) fn vanish(matrix: &Sparse, combinations: &DMatrix<f64>) -> bool {
         || (combinations.transpose() * &full).amax() <= ROUNDING * combinations.amax() * full.amax()
 }
 
-/// The independent rows that a dependent one is made of.
-pub(super) fn made_of(matrix: &Sparse, dependent: &[u32], row: u32) -> Vec<u32> {
-    let Ok(at) = dependent.binary_search(&row) else { return Vec::new() };
+/// The independent rows that each of the dependent ones is made of.
+pub(super) fn made_of(matrix: &Sparse, dependent: &[u32]) -> Vec<Vec<u32>> {
     let Some(combinations) = combinations(matrix, dependent) else { return Vec::new() };
-    let weights: Vec<(usize, f64)> = combinations
-        .column(at)
-        .iter()
-        .copied()
-        .enumerate()
-        .filter(|(other, _)| dependent.binary_search(&(*other as u32)).is_err())
-        .collect();
-    let largest = weights.iter().fold(0.0_f64, |most, (_, weight)| most.max(weight.abs()));
-    let contributes = |weight: f64| weight.abs() > CONTRIBUTES * largest;
-    weights.into_iter().filter(|(_, weight)| contributes(*weight)).map(|(row, _)| row as u32).collect()
+    let independent = |row: &usize| dependent.binary_search(&(*row as u32)).is_err();
+    let others: Vec<usize> = (0..matrix.rows()).filter(independent).collect();
+    let of_one = |at: usize| -> Vec<u32> {
+        let weight = |row: &usize| combinations[(*row, at)].abs();
+        let largest = others.iter().map(weight).fold(0.0, f64::max);
+        others.iter().filter(|row| weight(row) > CONTRIBUTES * largest).map(|row| *row as u32).collect()
+    };
+    (0..dependent.len()).map(of_one).collect()
 }
 
 /// The shortest solution of J δ = right, or of the nearest right-hand side that has one.

@@ -8,6 +8,7 @@
 //! Wilkinson, 1965). Rounding may grow so from pivot to pivot; rotations (George and Heath, 1980) do not let it, and take twice the work or more. An entry
 //! does not know how uncertain it is, as it does in [`super::eliminate`]: rows are named where as many are found as are known to depend.
 
+use super::budget::{Budget, PRODUCTS};
 use super::eliminate::Sparse;
 
 /// What is zero, of rows whose largest entries are about one; and what rounding leaves.
@@ -15,7 +16,9 @@ const ZERO: f64 = 1e-10;
 const LEFT: f64 = 1e-14;
 
 /// The entries that may be looked at, of both rows each time: some ten seconds.
-pub(super) const MOST: usize = 5_000_000_000;
+const MOST: usize = 5_000_000_000;
+/// So many entries are looked at in the time of an operation.
+const ENTRIES: usize = PRODUCTS / 2;
 
 /// How what a pivot has in common with a row is taken from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +93,7 @@ impl<'a> Echelon<'a> {
                 self.pivots[at as usize] = entries;
                 return Some(true);
             };
-            self.left = self.left.checked_sub(self.pivots[at as usize].len())?;
+            self.take(self.pivots[at as usize].len())?;
             match self.by {
                 By::Multiples => {
                     let factor = value / of_first;
@@ -100,7 +103,7 @@ impl<'a> Echelon<'a> {
                         // The row becomes the pivot, and what is left of that the row.
                         let factor = 1.0 / factor;
                         self.gather(at);
-                        self.left = self.left.checked_sub(self.spare[0].len())?;
+                        self.take(self.spare[0].len())?;
                         for (at, value) in &self.spare[0] {
                             self.row[*at as usize] = -factor * value;
                             self.marks.set(*at);
@@ -113,7 +116,7 @@ impl<'a> Echelon<'a> {
                     let size = value.hypot(of_first);
                     let [c, s] = [of_first / size, value / size];
                     self.gather(at);
-                    self.left = self.left.checked_sub(self.spare[0].len())?;
+                    self.take(self.spare[0].len())?;
                     for (at, value) in &self.spare[0] {
                         self.row[*at as usize] = c * value;
                         self.marks.set(*at);
@@ -131,6 +134,13 @@ impl<'a> Echelon<'a> {
             from = at + 1;
         }
         Some(false)
+    }
+
+    /// Counts entries that are looked at; `None` where there are too many.
+    fn take(&mut self, entries: usize) -> Option<()> {
+        let left = self.left.checked_sub(entries);
+        self.left = left.unwrap_or_default();
+        left.map(|_| ())
     }
 
     /// Adds a multiple of a pivot to the row.
@@ -229,16 +239,23 @@ fn combined(x: &[(u32, f64)], y: &[(u32, f64)], [of_x, of_y]: [f64; 2], sum: &mu
     }
 }
 
-/// The rows that depend on those before them; `None` where they are not as many as are known to, or where that takes more than so many entries.
+/// The rows that depend on those before them; `None` where they are not as many as are known to, or where that takes more than may be spent, or [`MOST`]
+/// entries.
 ///
 /// Columns that are known to be free are made of the others: they are left out.
 pub(super) fn dependent(
     matrix: &Sparse,
     (order, free): (&[u32], &[u32]),
     count: usize,
-    most: usize,
+    budget: &Budget,
 ) -> Option<Vec<u32>> {
-    let by = |by| dependent_by(by, matrix, (order, free), count, most);
+    let by = |by| {
+        let most = MOST.min((budget.left() as usize).saturating_mul(ENTRIES));
+        let mut left = most;
+        let found = dependent_by(by, matrix, (order, free), count, &mut left);
+        budget.spend((most - left).div_ceil(ENTRIES));
+        found
+    };
     [By::Multiples, By::Rotations].into_iter().find_map(by)
 }
 
@@ -247,12 +264,14 @@ fn dependent_by(
     matrix: &Sparse,
     (order, free): (&[u32], &[u32]),
     count: usize,
-    most: usize,
+    left: &mut usize,
 ) -> Option<Vec<u32>> {
-    let mut echelon = Echelon::new(matrix, order, by, most).without(free);
+    let mut echelon = Echelon::new(matrix, order, by, *left).without(free);
     let mut found = Vec::new();
     for row in 0..matrix.rows() as u32 {
-        if !echelon.put(row)? {
+        let is_new = echelon.put(row);
+        *left = echelon.left;
+        if !is_new? {
             found.push(row);
         }
         if found.len() > count {
@@ -312,12 +331,12 @@ mod tests {
             let backwards: Vec<u32> = forwards.iter().rev().copied().collect();
             for by in [By::Multiples, By::Rotations] {
                 for order in [&forwards, &backwards] {
-                    let found = dependent_by(by, &matrix, (order, &[]), count, usize::MAX);
+                    let found = dependent_by(by, &matrix, (order, &[]), count, &mut { usize::MAX });
                     assert_eq!(found.as_ref(), Some(&expected), "case {case} {by:?}");
                 }
-                assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count - 1, usize::MAX), None);
-                assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count + 1, usize::MAX), None);
-                assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count, 10), None);
+                assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count - 1, &mut { usize::MAX }), None);
+                assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count + 1, &mut { usize::MAX }), None);
+                assert_eq!(dependent_by(by, &matrix, (&forwards, &[]), count, &mut 10), None);
             }
         }
     }

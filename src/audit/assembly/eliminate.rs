@@ -15,6 +15,8 @@
 //! What rounding leaves is put to zero where it arises ([`REMAINS`]): it would come back multiplied by other remains, with an uncertainty of
 //! second order, of which the first says nothing. By how much an entry was changed is added to its uncertainty.
 
+use super::Spent;
+use super::budget::Budget;
 use super::krylov::Named;
 use super::noise::{self, NONE, Probes, Roundings, random};
 pub(super) use super::sparse::Sparse;
@@ -86,6 +88,10 @@ pub(super) struct Outcome {
     pub(super) overflows: bool,
     /// Whether the elimination was given up, for it would have cost too much: nothing is then known but `front`, at which that was.
     pub(super) exhausted: bool,
+    /// What was spent on names, where they were not sought to the end for that was all.
+    pub(super) names_spent: Option<Spent>,
+    /// Entries that multiples of pivot rows were taken from.
+    pub(super) work: usize,
     /// The number of rows and columns.
     pub(super) size: [usize; 2],
     /// Where nothing was eliminated: bounds of the smallest singular value that is not zero, and of the largest that is, over the largest.
@@ -103,13 +109,13 @@ pub(super) struct Outcome {
 pub(super) struct Most {
     /// Entries of rows that are on their way, at once: 32 bytes each, 1.3 GB.
     pub(super) entries: usize,
-    /// Entries that multiples of pivot rows are taken from, in all: some 4 ns each, two minutes of processor.
+    /// Entries that multiples of pivot rows are taken from, in all: some 8 ns each, 40 s.
     pub(super) work: usize,
 }
 
 impl Default for Most {
     fn default() -> Self {
-        Self { entries: 40_000_000, work: 30_000_000_000 }
+        Self { entries: 40_000_000, work: 5_000_000_000 }
     }
 }
 
@@ -124,6 +130,8 @@ pub(super) struct Task<'a> {
     pub(super) keep: bool,
     /// What it may cost.
     pub(super) most: Most,
+    /// What it, and what names rows after it, may spend besides; nothing is counted where there is none.
+    pub(super) budget: Option<&'a Budget>,
 }
 
 /// An entry of a row that is on its way.
@@ -166,9 +174,8 @@ struct Elimination<'a> {
     columns: Vec<u32>,
     place: Vec<u32>,
     outcome: Outcome,
-    /// The entries of rows that wait, and those that multiples of pivots were taken from.
+    /// The entries of rows that wait.
     waiting: usize,
-    work: usize,
     roundings: Roundings,
     spare: Vec<Entry>,
     /// Rows that were taken from others before they were pivots.
@@ -207,7 +214,6 @@ pub(super) fn eliminate(matrix: &Sparse, order: &[u32], task: Task<'_>) -> Outco
             ..Outcome::default()
         },
         waiting: 0,
-        work: 0,
         roundings: Roundings::new(),
         spare: Vec::new(),
         taken: HashSet::new(),
@@ -306,6 +312,7 @@ impl Elimination<'_> {
 
     /// The row among those from `first` on, and the place among these, of the next pivot.
     fn choose(&mut self, rows: &[Row], first: usize, among: &[u32]) -> Option<(usize, u32)> {
+        self.spend(rows.len().saturating_sub(first) * among.len());
         let mut candidates: Vec<(usize, u32, f64)> = Vec::new();
         let mut largest = 0.0_f64;
         for (row, of) in rows.iter().enumerate().skip(first) {
@@ -323,6 +330,11 @@ impl Elimination<'_> {
         let (row, at, ..) = best?;
         self.judge(&rows[row], at);
         Some((row, at))
+    }
+
+    /// Counts operations of what may be spent besides.
+    fn spend(&mut self, operations: usize) {
+        self.outcome.exhausted |= self.task.budget.is_some_and(|budget| !budget.spend(operations));
     }
 
     /// Notes a row of which nothing is left.
@@ -345,9 +357,12 @@ impl Elimination<'_> {
 
     /// Takes multiples of a pivot row from rows of which nothing is left then at a place.
     fn reduce_all(&mut self, rows: &mut [Row], pivot: &Row, at: u32) {
+        self.outcome.work += rows.len() * pivot.entries.len();
+        self.outcome.exhausted |= self.outcome.work > self.task.most.work;
+        if self.task.budget.is_some() {
+            self.spend(rows.len() * pivot.entries.len() + entries(rows));
+        }
         let roundings = &self.roundings;
-        self.work += rows.len() * pivot.entries.len();
-        self.outcome.exhausted |= self.work > self.task.most.work;
         let largest = if rows.len() * pivot.entries.len() < SHARED {
             let spare = &mut self.spare;
             rows.iter_mut().map(|row| reduce(row, pivot, at, roundings, spare)).fold(0.0, f64::max)
@@ -362,7 +377,7 @@ impl Elimination<'_> {
     fn group(&mut self, mut rows: Vec<Row>, places: Range<u32>, width: usize) -> Vec<Row> {
         let mut open: Vec<u32> = places.clone().collect();
         let mut done = 0;
-        while let Some((row, at)) = self.choose(&rows, done, &open) {
+        while let Some((row, at)) = self.choose(&rows, done, &open).filter(|_| !self.outcome.exhausted) {
             rows.swap(done, row);
             let (above, below) = rows.split_at_mut(done + 1);
             self.reduce_all(below, &above[done], at);

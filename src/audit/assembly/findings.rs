@@ -3,7 +3,7 @@
 use super::dense;
 use super::modes::MODES;
 use super::redundant::EXPLAINED;
-use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant, Unnamed};
+use super::{Assembly, Constraint, Holds, Mode, NotAssembled, Position, Redundant, Spent, Unnamed};
 use crate::audit::model::{About, Finding, Levels};
 use crate::evaluate::Freedom;
 use crate::grammar::{agree, count, ranges};
@@ -94,26 +94,24 @@ fn about(constraints: &[&Constraint]) -> About {
         }
     }
     about.elements.dedup();
-    about.elements.truncate(100);
     about.mpcs.dedup();
-    about.mpcs.truncate(100);
     about
 }
 
-/// Of what is found, in its order, so much of each code and severity as is shown; and, with the last of each, how many more there are. What a
+/// Of what is found, in its order, so much of each code and severity as is shown; and, with the last of each, what there is more. What a
 /// level was set for at its own line is always among it.
 fn shortened<T>(
     scene: &Scene,
     levels: &Levels,
     most: usize,
     found: impl IntoIterator<Item = (Code, Span, T)>,
-) -> Vec<(Code, Span, T, usize)> {
-    let mut shown: Vec<(Code, Span, T, usize)> = Vec::new();
+) -> Vec<(Code, Span, T, Vec<T>)> {
+    let mut shown: Vec<(Code, Span, T, Vec<T>)> = Vec::new();
     let mut kinds: HashMap<(Code, Severity), (usize, usize)> = HashMap::new();
     for (code, place, what) in found {
         let finding = Finding::new(scene, code, place, "", "", "");
         if levels.singles_out(&finding) {
-            shown.push((code, place, what, 0));
+            shown.push((code, place, what, Vec::new()));
             continue;
         }
         let Some(severity) = levels.of_finding(&finding) else { continue };
@@ -121,9 +119,9 @@ fn shortened<T>(
         *count += 1;
         if *count <= most {
             *last = shown.len();
-            shown.push((code, place, what, 0));
+            shown.push((code, place, what, Vec::new()));
         } else if let Some((.., more)) = shown.get_mut(*last) {
-            *more += 1;
+            more.push(what);
         }
     }
     shown
@@ -137,7 +135,7 @@ const fn code(holds: Holds) -> Code {
     match holds {
         Holds::Throughout | Holds::Singular | Holds::Rigid => Code::AssemblyRedundant,
         Holds::Here | Holds::Loop | Holds::Differs | Holds::Isolated => Code::AssemblyRedundantHere,
-        Holds::Large | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
+        Holds::Large | Holds::Spent | Holds::Unjudged => Code::AssemblyRedundantUnjudged,
     }
 }
 
@@ -194,7 +192,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
         } else {
             format!(", {}", if_rank(assembly.positions.first().and_then(|position| position.rank)))
         };
-        let others = match more {
+        let others = match more.len() {
             0 => String::new(),
             more => format!(
                 "; {more} more {} redundant components of this code, which the report lists",
@@ -206,7 +204,10 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
             components.join(", "),
             holds.meaning()
         );
-        let reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice";
+        let mut reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice".to_string();
+        if let Some(Spent { operations, most }) = assembly.spent.filter(|_| holds == Holds::Spent) {
+            reason += &format!("; of {most:.1e} operations {operations:.1e} were spent");
+        }
         let remedy = match holds {
             Holds::Here | Holds::Loop | Holds::Differs => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"
@@ -217,7 +218,9 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
             }
             _ => remedy(scene, &first.constraint, &makers, &redundant),
         };
-        let constraints: Vec<&Constraint> = redundant.iter().map(|one| &one.constraint).collect();
+        let of_more = more.iter().flat_map(|(_, redundant)| redundant);
+        let constraints: Vec<&Constraint> =
+            redundant.iter().chain(of_more).map(|one| &one.constraint).collect();
         let finding = Finding::new(scene, code, place, message, reason, remedy);
         found.push(finding.about(about(&constraints)));
     }
@@ -227,7 +230,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
 
 /// Redundant constraints of which no name is known.
 fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    let Unnamed { count: more, why } = assembly.unnamed.as_ref()?;
+    let Unnamed { count: more, why, spent } = assembly.unnamed.as_ref()?;
     let besides = if assembly.redundant.is_empty() { "" } else { " besides" };
     let message = format!(
         "{} {} redundant{besides}, counted and not named: {}",
@@ -235,7 +238,10 @@ fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
         agree(*more, ["is", "are"]),
         why.meaning()
     );
-    let reason = "the rank of the constraint Jacobian";
+    let mut reason = "the rank of the constraint Jacobian".to_string();
+    if let Some(Spent { operations, most }) = spent {
+        reason += &format!("; of {most:.1e} operations {operations:.1e} were spent");
+    }
     let remedy = "audit smaller pieces of the part as scenes of their own to have them named";
     Some(Finding::new(scene, Code::AssemblyRedundantUnjudged, Span::default(), message, reason, remedy))
 }
@@ -302,9 +308,12 @@ fn at_states(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Finding
         let place = set.0.first().map(|first| place(scene, first)).unwrap_or_default();
         (Code::AssemblyRedundantHere, place, set)
     });
-    let of = |(code, place, set, more): (Code, Span, AtStates<'_>, usize)| {
-        let found = redundant_at(scene, assembly, (code, place), &set);
-        match more {
+    let of = |(code, place, set, more): (Code, Span, AtStates<'_>, Vec<AtStates<'_>>)| {
+        let mut found = redundant_at(scene, assembly, (code, place), &set);
+        let all: Vec<&Constraint> =
+            [&set].into_iter().chain(&more).flat_map(|(at, ..)| at).copied().collect();
+        found.about = About { state: found.about.state, ..about(&all) };
+        match more.len() {
             0 => found,
             more => found.add(&format!("; {} besides, which the report lists", count(more, "such set"))),
         }

@@ -1,8 +1,9 @@
 //! What is found of the parts of an assembly at one state, and of the whole.
 
+use super::budget::Budget;
 use super::contract::Contracted;
 use super::dense;
-use super::eliminate::{Outcome, Sparse, Task};
+use super::eliminate::{Most, Outcome, Sparse, Task};
 use super::krylov;
 use super::naming::{last, named_of};
 use super::system::{Origin, Part, Role, System, is_dear, is_named};
@@ -12,6 +13,7 @@ use crate::catalog::COMPONENT;
 use crate::evaluate::Source;
 use crate::scene::State;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Constraints hold to rounding: a hundred units u, say. At a singular position they allow √(100 u) = 1e-7 to second order, so that a singular value below
 /// this part of the largest does not tell whether that is met.
@@ -109,27 +111,33 @@ pub(super) fn allowed(matrix: &Sparse, uncertainty: f64) -> f64 {
     U * (COMPUTED * computed + ROUNDED * rounded) + uncertainty * computed
 }
 
-/// The rank of the matrix of a part, and what its elimination is predicted to cost: by elimination, but where that is dear first by products with it.
-fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>) -> (Outcome, f64) {
+/// The rank of the matrix of a part, and what its elimination is predicted to cost: by elimination, but where that is dear first by products with it. With
+/// what may be spent on names.
+fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>, budget: &Budget) -> (Outcome, f64) {
     let contracted = Contracted::of(matrix, task.uncertainty);
     let orders = part.orders(&contracted);
     let cost = part.cost.unwrap_or(orders.cost);
-    let by_products = if is_dear(cost) { krylov::rank(matrix, task.uncertainty, cost / 4.0) } else { None };
+    let by_products =
+        if is_dear(cost) { krylov::rank(matrix, task.uncertainty, cost / 4.0, budget) } else { None };
     let Some(mut outcome) = by_products else {
-        return (named_of(matrix, &contracted, &orders, task), cost);
+        return (named_of(matrix, &contracted, &orders, task, budget), cost);
     };
-    if !outcome.names_all()
-        && is_named(cost)
-        && let Some(dependent) = last(matrix, &contracted, &orders, &outcome)
-    {
-        outcome.dependent = dependent;
-        outcome.made_of.clear();
+    if !outcome.names_all() && is_named(cost) {
+        match last(matrix, &contracted, &orders, &outcome, budget) {
+            Some(dependent) => {
+                outcome.dependent = dependent;
+                outcome.made_of.clear();
+            }
+            None => outcome.names_spent = budget.exceeded(),
+        }
     }
     (outcome, cost)
 }
 
 /// Parts of no more columns are looked at by as many threads as there are.
 const TOGETHER: usize = 3000;
+/// What may be spent on the names of a part, whatever its size: as much as a matrix of [`dense::LARGEST`] takes.
+const LEAST: u64 = 2_000_000;
 
 /// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system), and of which these rows have no
 /// derivative there. Of those whose elimination would
@@ -140,19 +148,26 @@ pub(super) fn look(
     (residuals, without_derivative): (&[f64], &[u32]),
     keep: bool,
 ) -> Vec<Result<Found, usize>> {
-    let of_part = |part: &Part| {
+    let worked = AtomicUsize::new(0);
+    let of_part = |part: &Part, names: Budget, most: Most| {
         let worst = part.rows.iter().filter_map(|row| residuals.get(*row as usize));
         let worst = super::largest(worst);
         let has_drives = part.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
         let (rows, matrix) = system.matrix(part, (state, values), |role| role != Role::Driven);
-        let task = Task { uncertainty: TIMES * worst, keep, most: part.most, ..Task::default() };
-        let (constraints, cost) = outcome(part, &matrix, task);
+        let task = Task { uncertainty: TIMES * worst, keep, most, ..Task::default() };
+        let budget = part.names.map_or(names, Budget::new);
+        let outcome = |matrix: &Sparse| {
+            let found = outcome(part, matrix, task, &budget);
+            worked.fetch_add(found.0.work, Ordering::Relaxed);
+            found
+        };
+        let (constraints, cost) = outcome(&matrix);
         if constraints.exhausted {
             return Err(constraints.front);
         }
         let driven = has_drives.then(|| {
             let (rows, matrix) = system.matrix(part, (state, values), |_| true);
-            (outcome(part, &matrix, task).0, rows)
+            (outcome(&matrix).0, rows)
         });
         if let Some((driven, _)) = driven.as_ref().filter(|(driven, _)| driven.exhausted) {
             return Err(driven.front);
@@ -202,10 +217,24 @@ pub(super) fn look(
             matrix,
         })
     };
-    // What is large is looked at one after the other, so that the limit of memory of one is that of all.
-    let of_small = |part: &Part| (part.columns.len() <= TOGETHER).then(|| of_part(part));
+    let weight = |part: &Part| part.columns.len();
+    let all = system.parts.iter().map(weight).sum();
+    let budget = Budget::of(all);
+    let of_small = |part: &Part| {
+        (weight(part) <= TOGETHER).then(|| of_part(part, budget.share([weight(part), all], LEAST), part.most))
+    };
     let small: Vec<_> = system.parts.par_iter().map(of_small).collect();
-    small.into_iter().zip(&system.parts).map(|(found, part)| found.unwrap_or_else(|| of_part(part))).collect()
+    // What is large is looked at one after the other, so that the limits of memory and of work of one are those of all.
+    let of_large = |part: &Part| {
+        let left = Most::default().work.saturating_sub(worked.load(Ordering::Relaxed));
+        let most = Most { work: part.most.work.min(left), ..part.most };
+        of_part(part, budget.share([weight(part), all], LEAST), most)
+    };
+    small
+        .into_iter()
+        .zip(&system.parts)
+        .map(|(found, part)| found.unwrap_or_else(|| of_large(part)))
+        .collect()
 }
 
 /// The whole at one state, from its parts and the number of constraints between nodes that are all fixed.

@@ -5,7 +5,7 @@ use super::found::{Found, TIMES, constraint, look, position};
 use super::modes::modes;
 use super::redundant::made_of;
 use super::system::System;
-use super::{Assembly, Holds, LISTED, NotAssembled, Position, Redundant, largest};
+use super::{Assembly, Constraint, Holds, LISTED, NotAssembled, Position, Redundant, largest};
 use crate::audit::bound::U;
 use crate::evaluate::Sequence;
 use crate::scene::State;
@@ -115,15 +115,15 @@ pub(super) fn along(
 fn dependent(system: &System<'_>, found: &[Result<Found, usize>]) -> Vec<Redundant> {
     let of_part = |found: &Found| -> Vec<Redundant> {
         let decided = found.is_decided();
-        let one = |row: &u32| Redundant {
+        let one = |(row, from): (&u32, Vec<Constraint>)| Redundant {
             constraint: constraint(system, found.rows[*row as usize]),
             holds: Holds::Unjudged,
             decided,
             held: false,
-            from: made_of(system, found, *row),
+            from,
         };
-        let rows = found.constraints.dependent.iter().filter(|row| found.may_depend(row));
-        rows.take(LISTED).map(one).collect()
+        let rows = found.constraints.dependent.iter().zip(made_of(system, found));
+        rows.filter(|(row, _)| found.may_depend(row)).take(LISTED).map(one).collect()
     };
     found.iter().flatten().flat_map(of_part).collect()
 }

@@ -15,6 +15,7 @@
 //! By Weyl the rank is then certain where σ exceeds the norm of what rounding can change, and the null vectors are
 //! mapped to less than that.
 
+use super::budget::{Budget, PRODUCTS};
 use super::dense::CONTRIBUTES;
 use super::eliminate::{Outcome, Sparse};
 use super::found::{SECOND_ORDER, allowed};
@@ -365,8 +366,8 @@ fn some_null_vectors(both: &mut Both<'_>, count: usize) -> Vec<Named> {
 }
 
 /// The rank of a matrix whose entries are uncertain by that besides rounding, where it is certain; `None` where it is not, or would take more than so many
-/// products, or [`WORK`].
-pub(super) fn rank(matrix: &Sparse, uncertainty: f64, most: f64) -> Option<Outcome> {
+/// products, or [`WORK`]. What is named where there is more than was found one by one costs what may be spent on names.
+pub(super) fn rank(matrix: &Sparse, uncertainty: f64, most: f64, budget: &Budget) -> Option<Outcome> {
     let mut left = WORK.min(most as u64);
     let by_rows = Compressed::of(matrix);
     let by_columns = by_rows.transposed(matrix.width());
@@ -394,9 +395,11 @@ pub(super) fn rank(matrix: &Sparse, uncertainty: f64, most: f64) -> Option<Outco
         let rank = one.rows() - basis.len();
         let beside = other.rows() - rank;
         let listed = reduced(basis, of_rows)?;
-        let mut for_names = WORK / 2;
+        let of_names = (WORK / 2).min(budget.left().saturating_mul(PRODUCTS as u64));
+        let mut for_names = of_names;
         let mut across = Both { by_rows: other, by_columns: one, top, left: &mut for_names };
         let others = if beside == 0 { Vec::new() } else { some_null_vectors(&mut across, beside) };
+        budget.spend((of_names - for_names) as usize / PRODUCTS);
         let (redundant, motions) = if of_rows { (listed, others) } else { (others, listed) };
         let mut dependent: Vec<u32> = redundant.iter().map(|(row, _)| *row).collect();
         dependent.sort_unstable();
@@ -425,17 +428,20 @@ fn contributing((row, weights): &Named) -> (u32, Vec<u32>) {
 }
 
 /// The shortest solution of M δ = right, or of the nearest right-hand side that has one, to some digits; `None` where that would take too long.
-pub(super) fn least(matrix: &Sparse, right: &[f64]) -> Option<Vec<f64>> {
+pub(super) fn least(matrix: &Sparse, right: &[f64], budget: &Budget) -> Option<Vec<f64>> {
     /// Steps for each column: more, and elimination is faster.
     const STEPS: u64 = 600;
     let by_rows = Compressed::of(matrix);
     let by_columns = by_rows.transposed(matrix.width());
     let top = by_rows.norm() * by_columns.norm();
-    let mut left = STEPS * (2 * matrix.values.len() + 4 * matrix.rows()) as u64;
+    let steps = STEPS * (2 * matrix.values.len() + 4 * matrix.rows()) as u64;
+    let most = steps.min(budget.left().saturating_mul(PRODUCTS as u64));
+    let mut left = most;
     let mut both = Both { by_rows: &by_rows, by_columns: &by_columns, top, left: &mut left };
     let mut solution = Vec::new();
-    both.left_of(right, 1e-7, Some(&mut solution))?;
-    Some(solution)
+    let found = both.left_of(right, 1e-7, Some(&mut solution));
+    budget.spend((most - left) as usize / PRODUCTS);
+    found.map(|_| solution)
 }
 
 #[cfg(test)]
@@ -490,7 +496,7 @@ mod tests {
     }
 
     fn rank_of(matrix: &Sparse) -> Option<Outcome> {
-        rank(matrix, 0.0, f64::INFINITY)
+        rank(matrix, 0.0, f64::INFINITY, &Budget::new(u64::MAX))
     }
 
     /// A singular value far below the digits of decks is not decided.

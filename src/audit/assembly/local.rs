@@ -11,6 +11,7 @@
 //! many of them; and of many neighbourhoods only some are looked at ([`WORK`]). What is then not told is [`Holds::Large`].
 
 use super::Holds;
+use super::budget::{Budget, EVALUATION, ROW};
 use super::eliminate::Task;
 use super::found::Found;
 use super::moving::elsewhere;
@@ -27,6 +28,8 @@ pub(super) const SIZES: [usize; 4] = [600, 2_400, 9_600, 20_000];
 const WORK: usize = 30_000;
 /// The states that a neighbourhood is moved to: at a random one the rank is the largest there is, but for those of no measure.
 const SAMPLES: usize = 1;
+/// What a neighbourhood may spend of what is left, however many are looked at.
+const LEAST: u64 = 10_000_000;
 /// Neighbourhoods that are looked at at once.
 const BATCH: usize = 16;
 
@@ -51,7 +54,13 @@ struct Looked {
 }
 
 /// Where the redundant rows of a part hold, in their order, from neighbourhoods of these sizes.
-pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found, sizes: &[usize]) -> Vec<Holds> {
+pub(super) fn judge(
+    system: &System<'_>,
+    part: &Part,
+    found: &Found,
+    sizes: &[usize],
+    budget: &Budget,
+) -> Vec<Holds> {
     let around = Surroundings::new(system, part, found);
     let mut open: BTreeMap<Source, Vec<u32>> = BTreeMap::new();
     for (equation, row) in &around.wanted {
@@ -60,13 +69,21 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found, sizes: &[us
     let mut holds: HashMap<u32, Holds> = HashMap::new();
     // What a neighbourhood leaves by itself a larger one may not: it is asked once.
     let mut leaves: HashMap<u32, usize> = HashMap::new();
+    let mut ran_out = false;
     for size in sizes {
         let (mut later, mut work) = (BTreeMap::new(), 0);
-        while !open.is_empty() && work < WORK {
+        while !open.is_empty() && work < WORK && !budget.is_spent() {
             let stride = open.len().div_ceil(BATCH);
             let seeds: Vec<Source> = open.keys().step_by(stride).copied().collect();
-            let looked: Vec<Looked> = seeds.par_iter().map(|seed| around.look(*seed, *size)).collect();
-            for one in looked {
+            let look = |seed: &Source| {
+                let own = budget.share([1, seeds.len()], LEAST);
+                let looked = around.look(*seed, *size, &own);
+                (looked, own)
+            };
+            let looked: Vec<(Looked, Budget)> = seeds.par_iter().map(look).collect();
+            for (one, own) in looked {
+                budget.count(&own);
+                ran_out |= own.is_spent();
                 work += one.size;
                 for (row, is) in one.rows {
                     let first = *leaves.get(&row).unwrap_or(size);
@@ -89,7 +106,11 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found, sizes: &[us
         open.extend(later);
     }
     let of = |row: &u32| {
-        let left = if leaves.contains_key(row) { Holds::Loop } else { Holds::Large };
+        let left = match row {
+            row if leaves.contains_key(row) => Holds::Loop,
+            _ if ran_out || budget.is_spent() => Holds::Spent,
+            _ => Holds::Large,
+        };
         holds.get(row).copied().unwrap_or(left)
     };
     found.constraints.dependent.iter().map(of).collect()
@@ -154,10 +175,14 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Moves the neighbourhood of a connector or MPC.
-    fn look(&self, seed: Source, size: usize) -> Looked {
+    fn look(&self, seed: Source, size: usize, budget: &Budget) -> Looked {
         let (inside, sources) = self.neighbourhood(seed, size);
         let model = self.system.model;
         let mut looked = Looked { size: inside.len() * 6, rows: Vec::new() };
+        // It is found, made a system of its own, and evaluated.
+        if !budget.spend(sources.len() * (2 * EVALUATION + 12 * ROW)) {
+            return looked;
+        }
         let (mut connectors, mut mpcs) = (Vec::new(), Vec::new());
         for source in &sources {
             match source {
@@ -193,7 +218,7 @@ impl<'a> Surroundings<'a> {
         }
         for part in &own.parts {
             let (rows, matrix) = own.matrix(part, (&start, &values), |role| role != Role::Driven);
-            let here = named(&matrix, part, Task { keep: true, ..Task::default() });
+            let here = named(&matrix, part, Task { keep: true, budget: Some(budget), ..Task::default() });
             let known: Vec<(u32, u32)> = here
                 .dependent
                 .iter()
@@ -205,11 +230,11 @@ impl<'a> Surroundings<'a> {
             if known.is_empty() || !here.is_decided() {
                 continue;
             }
-            let there = elsewhere(&own, part, &sequence, &start, &here, SAMPLES);
+            let there = elsewhere(&own, part, &sequence, &start, &here, SAMPLES, budget);
             let there: HashMap<u32, Holds> = here.dependent.iter().copied().zip(there).collect();
             looked.rows.extend(known.iter().filter_map(|(row, of_whole)| match *there.get(row)? {
                 Holds::Here => Some((*of_whole, Holds::Loop)),
-                Holds::Unjudged => None,
+                Holds::Unjudged | Holds::Spent => None,
                 holds => Some((*of_whole, holds)),
             }));
         }

@@ -30,6 +30,7 @@
 //! | `order` | in which order are bodies eliminated? |
 //! | `eliminate` | what are rank, dependent rows and free columns? |
 //! | `naming` | … and which rows may be named? |
+//! | `budget` | what may be spent on what follows the rank? |
 //! | `echelon` | which rows depend on those before them? |
 //! | `krylov` | what are they where elimination would fill the matrix? |
 //! | `noise` | what of that is rounding? |
@@ -46,6 +47,7 @@
 //! | `unread` | which constraints of the deck were not read? |
 //! | `findings` | what is said of it? |
 
+mod budget;
 mod contract;
 mod dense;
 pub(super) mod digits;
@@ -78,6 +80,7 @@ pub use unread::{Place, Unread};
 use crate::audit::bound::U;
 use crate::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Sequence};
 use crate::scene::{Diagnostic, Label, Scene, State};
+use budget::Budget;
 use found::{look, overdriven, position};
 use serde::{Serialize, Serializer};
 use std::fmt::{self, Display};
@@ -104,6 +107,8 @@ pub enum Holds {
     Loop,
     /// It was not judged: the part could not be moved as a whole, and of the neighbourhoods that were looked at none has all it follows from.
     Large,
+    /// It was not judged, or not to the end, for what may be spent on it was ([`Spent`]).
+    Spent,
     /// It could not be judged.
     Unjudged,
 }
@@ -142,6 +147,9 @@ impl Holds {
                 "whether it holds at other states was not judged: the part could not be moved as a whole, and what it follows from was not found among the \
                  connectors about it, of up to 20 000 degrees of freedom, or not looked for, for there are too many like it: audit its loop as a scene of \
                  its own"
+            }
+            Self::Spent => {
+                "whether it holds at other states was not judged: the operations that may be spent on that, by the size of the assembly, were spent"
             }
             Self::Unjudged => "whether it holds at other states was not judged",
         }
@@ -286,7 +294,7 @@ pub struct Assembly {
     pub parts: usize,
     /// The largest front, in columns: what the elimination cost.
     pub largest_front: usize,
-    /// Parts that were not looked at, for their elimination would have taken more than 1.3 GB, or some minutes.
+    /// Parts that were not looked at, for their elimination would have taken more than 1.3 GB, or longer than some 40 s.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub skipped: Vec<Skipped>,
     /// The initial state, then those given that were looked at.
@@ -307,6 +315,9 @@ pub struct Assembly {
     /// Constraints that are redundant at a given state and not at the state where the rank is largest, which may be the initial one, with the number
     /// of the state, and whether that is proven ([`Holds::Here`]) or so to the digits of the states ([`Holds::Differs`]).
     pub redundant_at: Vec<(u64, Constraint, Holds)>,
+    /// What was spent to judge where redundancies hold, where that was not enough.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spent: Option<Spent>,
     /// Constraints of the deck that are not read: where there are any, what is certain is so of what was read.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unread: Vec<Unread>,
@@ -332,6 +343,15 @@ pub struct Skipped {
     pub front: usize,
 }
 
+/// What was spent to judge where redundancies hold: operations, each some 10 ns of processor, and not time, so that the same is judged everywhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Spent {
+    /// The operations.
+    pub operations: u64,
+    /// How many may be.
+    pub most: u64,
+}
+
 /// Redundant constraints that are counted, and not named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Unnamed {
@@ -339,6 +359,9 @@ pub struct Unnamed {
     pub count: usize,
     /// Why not.
     pub why: WhyUnnamed,
+    /// What was spent on the names of the parts for which that was not enough.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spent: Option<Spent>,
 }
 
 /// Why redundant constraints are not named.
@@ -349,6 +372,8 @@ pub enum WhyUnnamed {
     Dear,
     /// As many rows that depend on those before them were not found as the rank says.
     Numbers,
+    /// They were not sought to the end, for the operations that may be spent on that, by the size of the assembly, were spent.
+    Spent,
 }
 
 impl WhyUnnamed {
@@ -357,6 +382,9 @@ impl WhyUnnamed {
         match self {
             Self::Dear => {
                 "the rank came of products with the matrix, and elimination, which names them, would take too long"
+            }
+            Self::Spent => {
+                "the operations that may be spent on their names, by the size of the assembly, were spent"
             }
             Self::Numbers => "rows were not found, as many as the rank says, without which it is the same",
         }
@@ -445,7 +473,11 @@ fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bo
     let is_held = |row: &u32| system.roles[*row as usize] != Role::Driven;
     let fixed: Vec<u32> = system.fixed_rows.iter().copied().filter(is_held).collect();
     assembly.positions.push(position(system, None, &found, fixed.len()));
-    assembly.redundant = redundant::redundant(system, &found, &fixed);
+    let budget = Budget::of(columns);
+    assembly.redundant = redundant::redundant(system, &found, &fixed, &budget);
+    if assembly.redundant.iter().any(|one| one.holds == Holds::Spent) {
+        assembly.spent = Some(Spent { operations: budget.spent(), most: budget.most() });
+    }
     assembly.unnamed = redundant::unnamed(&found);
     assembly.overdriven = overdriven(system, &found);
     assembly.modes = modes::modes(system, &found);
@@ -481,6 +513,7 @@ impl Assembly {
             off: Vec::new(),
             off_boundary: Vec::new(),
             redundant_at: Vec::new(),
+            spent: None,
             unread: Vec::new(),
             not_assembled: None,
         }

@@ -12,9 +12,10 @@
 //! *Where can it go?* Small parts are looked at to second order ([`mod@super::second`]), and moved along what that leaves. Of others a state counts
 //! as one where the rank is the same only where none of the free motions was taken back.
 
+use super::budget::{Budget, EVALUATION, ROW};
 use super::contract::Contracted;
 use super::eliminate::{Outcome, Sparse, Task};
-use super::naming::named;
+use super::naming::named_of;
 use super::redundant::only_here;
 use super::second::{Second, mixed, second};
 use super::system::{Part, Role, System};
@@ -33,6 +34,8 @@ const BRANCH: [f64; 3] = [0.1, -0.1, 0.02];
 pub(super) const HOLDS: f64 = 1e-11;
 /// The largest number of corrections: at a singular position each takes a quarter of the residual.
 const CORRECTIONS: usize = 40;
+/// Corrections after which the residual must be half of what it was, at a singular position too.
+const PATIENCE: usize = 8;
 /// A motion that gets less far than this part of its step is none.
 const MOVED: f64 = 0.1;
 /// Free columns that begin with less than this part of the largest are not looked at when it is asked whether they moved.
@@ -41,7 +44,7 @@ const BEGINS: f64 = 0.25;
 pub(super) const BEYOND: f64 = 100.0;
 
 /// Where the dependences of a part hold, by dependent row: follows its free motions from the state to which the sequence comes next, to so many
-/// states at which the rank is certain, besides those to which second order leads.
+/// states at which the rank is certain, besides those to which second order leads, as far as what may be spent on it leads.
 pub(super) fn elsewhere(
     system: &System<'_>,
     part: &Part,
@@ -49,12 +52,13 @@ pub(super) fn elsewhere(
     state: &State,
     here: &Outcome,
     samples: usize,
+    budget: &Budget,
 ) -> Vec<Holds> {
     let all = |holds| vec![holds; here.dependent.len()];
     if here.free.is_empty() {
         return all(Holds::Rigid);
     }
-    let second = second(system, part, sequence, state, here);
+    let second = second(system, part, sequence, state, here, budget);
     let restrained = second.as_ref().filter(|second| !second.restraining.is_empty());
     if let Some(second) = restrained.filter(|second| second.excludes && second.open.is_empty()) {
         // Those that restrain no motion have nothing to do with the position.
@@ -64,12 +68,12 @@ pub(super) fn elsewhere(
         return here.dependent.iter().map(one).collect();
     }
     let [narrowed, open] = motions(part, here, restrained);
-    let seen = seen(system, part, sequence, state, here, (&narrowed, &open, samples));
+    let seen = seen(system, part, sequence, state, here, (&narrowed, &open, samples), budget);
     let is_whole = second.is_some() || seen.is_whole;
     let others = if seen.best.is_some() && is_whole && !seen.is_doubtful {
         Holds::Throughout
     } else {
-        Holds::Unjudged
+        not_judged(budget)
     };
     if let Some(best) = seen.best.filter(|best| best.rank > here.rank) {
         let only = only_here(&here.dependent, &best.dependent);
@@ -82,13 +86,19 @@ pub(super) fn elsewhere(
     let excludes = restrained.is_some_and(|second| second.excludes);
     // Where other motions lead to states at which they restrain the same, it is no matter of this one.
     let of_restrained = match others {
-        _ if !excludes => Holds::Unjudged,
+        _ if !excludes => not_judged(budget),
         Holds::Throughout => Holds::Singular,
+        Holds::Spent => Holds::Spent,
         _ => Holds::Isolated,
     };
     let is_restraining = |row: &u32| restrained.is_some_and(|second| second.restraining.contains(row));
     let one = |row: &u32| if is_restraining(row) { of_restrained } else { others };
     here.dependent.iter().map(one).collect()
+}
+
+/// What is told of that which was not judged.
+fn not_judged(budget: &Budget) -> Holds {
+    if budget.is_spent() { Holds::Spent } else { Holds::Unjudged }
 }
 
 /// The motions that are tried: those to which second order narrows them down, and mixtures of the others.
@@ -136,17 +146,18 @@ fn seen(
     state: &State,
     here: &Outcome,
     (narrowed, open, samples): (&[Vec<f64>], &[Vec<f64>], usize),
+    budget: &Budget,
 ) -> Seen {
     let mut seen = Seen { best: None, is_doubtful: false, is_whole: false };
     let mut reached = 0;
     for (at, motion) in narrowed.iter().chain(open).enumerate() {
-        if reached == samples {
+        if reached == samples || budget.is_spent() {
             break;
         }
         let mut got = Reached::Lost;
         for by in [Correction::Least, Correction::Nearest, Correction::Gauged, Correction::Basic] {
-            if matches!(got, Reached::Lost) {
-                got = reach(system, part, sequence, state, here, (motion, by));
+            if matches!(got, Reached::Lost) && !budget.is_spent() {
+                got = reach(system, part, sequence, state, here, (motion, by), budget);
             }
         }
         match got {
@@ -189,6 +200,11 @@ enum Correction {
     Basic,
 }
 
+/// What a correction costs besides its elimination: the part is evaluated twice, and its rows are put into matrices.
+pub(super) fn correcting(system: &System<'_>, part: &Part) -> usize {
+    2 * EVALUATION * (system.plan.connectors.len() + system.plan.mpcs.len()) + 2 * ROW * part.rows.len()
+}
+
 pub(super) fn is_constraint(role: Role) -> bool {
     role != Role::Driven
 }
@@ -200,28 +216,51 @@ fn reach(
     from: &State,
     here: &Outcome,
     (motion, by): (&[f64], Correction),
+    budget: &Budget,
 ) -> Reached {
     let step = largest_of(motion);
+    let one = correcting(system, part);
     let mut total = motion.to_vec();
     let mut state = system.moved(part, from, motion);
     let (mut values, mut before) = (Vec::new(), f64::INFINITY);
+    let (mut best, mut since) = (f64::INFINITY, 0);
     for _ in 0..CORRECTIONS {
+        if !budget.spend(one) {
+            return Reached::Lost;
+        }
         let residuals = system.residuals(part, sequence, &state);
         let worst = largest_of(&residuals);
-        if worst.is_nan() || worst > 1e3 {
+        if worst.is_nan() || worst > 1e3 || since > PATIENCE {
             return Reached::Lost;
+        }
+        since += 1;
+        if worst < best / 2.0 {
+            (best, since) = (worst, 0);
         }
         if sequence.clone().assemble(&state, &system.jacobian, &mut values).is_err() {
             return Reached::Lost;
         }
         let (rows, matrix) = system.matrix(part, (&state, &values), is_constraint);
-        let rank = |uncertainty: f64| named(&matrix, part, Task { uncertainty, ..Task::default() });
+        // Names are asked for where the rank is larger, and then certain.
+        let rank = |uncertainty: f64| -> Outcome {
+            let task = Task { uncertainty, budget: Some(budget), ..Task::default() };
+            let contracted = Contracted::of(&matrix, uncertainty);
+            let orders = part.orders(&contracted);
+            let outcome = contracted.eliminate(&matrix, &orders.best, task);
+            if outcome.rank <= here.rank || !outcome.is_decided() {
+                return outcome;
+            }
+            named_of(&matrix, &contracted, &orders, task, budget)
+        };
         let is_there = worst < HOLDS;
         if is_there {
             if largest_of(&total) < MOVED * step {
                 return Reached::Stuck;
             }
             let outcome = rank(BEYOND * worst);
+            if outcome.exhausted {
+                return Reached::Lost;
+            }
             if outcome.rank <= here.rank {
                 return Reached::There(Box::new(outcome), is_whole(here, motion, &total));
             }
@@ -229,7 +268,7 @@ fn reach(
         let place = |row: &u32| part.rows.binary_search(row).ok();
         let right: Vec<f64> =
             rows.iter().map(|row| place(row).and_then(|at| residuals.get(at)).map_or(0.0, |x| -x)).collect();
-        let Some(mut change) = solution(&matrix, part, right, here, by) else { return Reached::Lost };
+        let Some(mut change) = solution(&matrix, part, right, here, by, budget) else { return Reached::Lost };
         let largest = largest_of(&change);
         if !largest.is_finite() {
             return Reached::Lost;
@@ -270,12 +309,16 @@ fn solution(
     mut right: Vec<f64>,
     here: &Outcome,
     by: Correction,
+    budget: &Budget,
 ) -> Option<Vec<f64>> {
     if by == Correction::Nearest {
-        return (!dense::is_small(matrix, dense::LARGEST)).then(|| krylov::least(matrix, &right)).flatten();
+        return (!dense::is_small(matrix, dense::LARGEST))
+            .then(|| krylov::least(matrix, &right, budget))
+            .flatten();
     }
     if by == Correction::Least {
-        return dense::is_small(matrix, dense::LARGEST).then(|| dense::least(matrix, &right)).flatten();
+        let may = dense::is_small(matrix, dense::LARGEST) && budget.decompose(matrix.rows(), matrix.width());
+        return may.then(|| dense::least(matrix, &right)).flatten();
     }
     let mut gauged = matrix.clone();
     if by == Correction::Gauged {
@@ -286,8 +329,9 @@ fn solution(
             right.push(0.0);
         }
     }
-    let task = Task { right: Some(&right), keep: true, ..Task::default() };
+    let task = Task { right: Some(&right), keep: true, budget: Some(budget), ..Task::default() };
     let contracted = Contracted::of(&gauged, 0.0);
     let orders = part.orders(&contracted);
-    Some(contracted.eliminate(&gauged, &orders.best, task).solve(matrix.width(), |_| 0.0, false))
+    let outcome = contracted.eliminate(&gauged, &orders.best, task);
+    (!outcome.exhausted).then(|| outcome.solve(matrix.width(), |_| 0.0, false))
 }

@@ -5,6 +5,7 @@
 //! that depend on rows before them, those that make bodies ([`mod@super::contract`]) being before all others: of small matrices by what of each is
 //! orthogonal to these, of others by [`mod@super::echelon`], as far as what is left is found to be independent.
 
+use super::budget::{Budget, PRODUCTS};
 use super::contract::Contracted;
 use super::eliminate::{Outcome, Sparse, Task, eliminate};
 use super::order::Orders;
@@ -14,18 +15,29 @@ use super::{dense, echelon};
 /// What elimination finds, with rows named without which the rank is the same; where none such are found, with none named.
 pub(super) fn named(matrix: &Sparse, part: &Part, task: Task<'_>) -> Outcome {
     let contracted = Contracted::of(matrix, task.uncertainty);
-    named_of(matrix, &contracted, &part.orders(&contracted), task)
+    let unlimited = Budget::new(u64::MAX);
+    let budget = task.budget.unwrap_or(&unlimited);
+    named_of(matrix, &contracted, &part.orders(&contracted), task, budget)
 }
 
-/// The same of what is put together to bodies already.
-pub(super) fn named_of(matrix: &Sparse, contracted: &Contracted, orders: &Orders, task: Task<'_>) -> Outcome {
+/// The same of what is put together to bodies already, with what may be spent on names.
+pub(super) fn named_of(
+    matrix: &Sparse,
+    contracted: &Contracted,
+    orders: &Orders,
+    task: Task<'_>,
+    budget: &Budget,
+) -> Outcome {
     let mut outcome = contracted.eliminate(matrix, &orders.best, task);
     if outcome.dependent.is_empty() || !outcome.is_decided() {
         return outcome;
     }
-    match last(matrix, contracted, orders, &outcome) {
+    match last(matrix, contracted, orders, &outcome, budget) {
         Some(dependent) => outcome.dependent = dependent,
-        None if outcome.misnames => outcome.dependent.clear(),
+        None if outcome.misnames => {
+            outcome.dependent.clear();
+            outcome.names_spent = budget.exceeded();
+        }
         None => {}
     }
     outcome
@@ -37,14 +49,18 @@ pub(super) fn last(
     contracted: &Contracted,
     orders: &Orders,
     outcome: &Outcome,
+    budget: &Budget,
 ) -> Option<Vec<u32>> {
     let count = outcome.redundant();
-    let by_size = if dense::is_small(matrix, dense::LARGEST) {
+    let [rows, columns] = [matrix.rows(), matrix.width()];
+    let by_size = if dense::is_small(matrix, dense::LARGEST)
+        && budget.spend(rows.min(columns) * rows * columns / PRODUCTS)
+    {
         Some(dense::dependent(matrix, &contracted.in_order())).filter(|dependent| dependent.len() == count)
     } else {
         None
     };
-    by_size.or_else(|| by_rows(contracted, orders, outcome, count))
+    by_size.or_else(|| by_rows(contracted, orders, outcome, count, budget))
 }
 
 /// The same of what is not small.
@@ -53,7 +69,13 @@ pub(super) fn last(
 /// what is named counts where elimination finds those that are left to be independent. Else those are named that it found to depend on others, which it
 /// takes from the largest entries; of what is left it is asked again whether it is independent, and where it is not, those of the others
 /// take its place along which most of what is then free moves.
-fn by_rows(contracted: &Contracted, orders: &Orders, outcome: &Outcome, count: usize) -> Option<Vec<u32>> {
+fn by_rows(
+    contracted: &Contracted,
+    orders: &Orders,
+    outcome: &Outcome,
+    count: usize,
+    budget: &Budget,
+) -> Option<Vec<u32>> {
     /// What is left is put right so often.
     const TIMES: usize = 8;
     /// What is left is no nearer to what is dependent than the whole, by this factor.
@@ -67,12 +89,12 @@ fn by_rows(contracted: &Contracted, orders: &Orders, outcome: &Outcome, count: u
     let free = if outcome.free.len() == outcome.mobility() { free } else { Vec::new() };
     let nearer = if outcome.gap[1].is_finite() { NEARER * outcome.gap[1] } else { 0.0 };
     let left = |rows: &[u32], uncertainty: f64| {
-        let task = Task { keep: true, uncertainty, ..Task::default() };
+        let task = Task { keep: true, uncertainty, budget: Some(budget), ..Task::default() };
         eliminate(&rest.with_rows(rows), &orders.best, task)
     };
     let without =
         |rows: &[u32]| -> Vec<u32> { all().filter(|row| rows.binary_search(row).is_err()).collect() };
-    let in_order = echelon::dependent(rest, (&orders.by_degree, &free), of_rest, echelon::MOST);
+    let in_order = echelon::dependent(rest, (&orders.by_degree, &free), of_rest, budget);
     // Where nothing was eliminated there is nothing to be asked.
     let found = if outcome.front == 0 || of_rest == 0 {
         in_order?
@@ -97,7 +119,7 @@ fn by_rows(contracted: &Contracted, orders: &Orders, outcome: &Outcome, count: u
             let before = basis.clone();
             let gone: Vec<u32> = found.dependent.iter().map(|row| basis[*row as usize]).collect();
             basis.retain(|row| gone.binary_search(row).is_err());
-            basis.extend(moving(rest, &without(&basis), &found, rank - found.rank)?);
+            basis.extend(moving(rest, &without(&basis), &found, rank - found.rank, budget)?);
             basis.sort_unstable();
             if times > TIMES || basis == before {
                 // No better ones were found: those that are independent to rounding will do.
@@ -116,12 +138,14 @@ fn by_rows(contracted: &Contracted, orders: &Orders, outcome: &Outcome, count: u
 }
 
 /// So many of some rows along which the motions that others leave free move most, and which are independent there.
-fn moving(matrix: &Sparse, rows: &[u32], found: &Outcome, count: usize) -> Option<Vec<u32>> {
+fn moving(matrix: &Sparse, rows: &[u32], found: &Outcome, count: usize, budget: &Budget) -> Option<Vec<u32>> {
     /// Motions that are looked at: as many numbers are kept of each row.
     const MOST: usize = 200;
     /// What a row moves at least, relative to the motion.
     const MOVES: f64 = 1e-14;
-    if found.free.len() > MOST {
+    // Motions, what rows move along each, and what is chosen of them.
+    let of_each = found.others.len() + matrix.columns.len() + count * rows.len();
+    if found.free.len() > MOST || !budget.spend(found.free.len() * of_each / PRODUCTS) {
         return None;
     }
     let width = matrix.width();

@@ -7,11 +7,12 @@
 //! It counts as moved only where none of the free motions was taken back: others may be excluded to second order, of which nothing is known here.
 
 use super::Holds;
+use super::budget::Budget;
 use super::contract::Contracted;
 use super::eliminate::{Outcome, Sparse, Task, eliminate};
 use super::found::Found;
 use super::largest;
-use super::moving::{BEYOND, HOLDS, is_constraint, is_whole, spread};
+use super::moving::{BEYOND, HOLDS, correcting, is_constraint, is_whole, spread};
 use super::naming::named;
 use super::noise::random;
 use super::redundant::only_here;
@@ -34,7 +35,7 @@ const LEAST: f64 = 1e-2;
 const CORRECTIONS: usize = 8;
 
 /// Where the dependences of a part hold, by dependent row; `None` where it could not be moved, or the rank elsewhere is not certain.
-pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found) -> Option<Vec<Holds>> {
+pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found, budget: &Budget) -> Option<Vec<Holds>> {
     let here = &found.constraints;
     if !here.has_pivots() || !here.names_all() {
         return None;
@@ -43,13 +44,14 @@ pub(super) fn judge(system: &System<'_>, part: &Part, found: &Found) -> Option<V
     let mut there = None;
     for (sample, step) in STEPS.into_iter().enumerate() {
         let motion = spread(part, here, sample, step)?;
-        there = there.or_else(|| arrive(system, part, &sequence, found, &motion));
+        there = there.or_else(|| arrive(system, part, &sequence, (found, &motion), budget));
     }
     let There { matrix, is_fresh, uncertainty } = there?;
     if !is_fresh {
         return Some(vec![Holds::Throughout; here.dependent.len()]);
     }
-    let outcome = named(&matrix, part, Task { uncertainty, most: part.most, ..Task::default() });
+    let task = Task { uncertainty, most: part.most, budget: Some(budget), ..Task::default() };
+    let outcome = named(&matrix, part, task);
     if !outcome.is_decided() || !outcome.names_all() || outcome.rank <= here.rank {
         return None;
     }
@@ -71,8 +73,8 @@ fn arrive(
     system: &System<'_>,
     part: &Part,
     sequence: &Sequence<'_>,
-    found: &Found,
-    motion: &[f64],
+    (found, motion): (&Found, &[f64]),
+    budget: &Budget,
 ) -> Option<There> {
     let here = &found.constraints;
     let (step, mut total) = (largest(motion), motion.to_vec());
@@ -82,7 +84,11 @@ fn arrive(
     }
     let mut state = system.moved(part, &State::default(), motion);
     let (mut values, mut last, mut before) = (Vec::new(), f64::INFINITY, f64::INFINITY);
+    let one = correcting(system, part);
     for _ in 0..CORRECTIONS {
+        if !budget.spend(one) {
+            return None;
+        }
         let residuals = system.residuals(part, sequence, &state);
         let worst = largest(&residuals);
         if worst.is_nan() || worst > step {
@@ -105,7 +111,7 @@ fn arrive(
             (*column, if is_there { f64::from(random) } else { 0.0 })
         };
         let right = |row: u32| if is_there { 0.0 } else { -residual(row) };
-        let change = solution(&matrix, part, here, &given, &right)?;
+        let change = solution(&matrix, part, here, (&given, &right), budget)?;
         if is_there {
             let (most, mut is_fresh) = (largest(&change), false);
             for row in &here.dependent {
@@ -137,13 +143,16 @@ fn arrive(
     None
 }
 
+/// What is given of a free column.
+type Given<'a> = dyn Fn(&u32) -> (u32, f64) + 'a;
+
 /// A solution of the rows that were not redundant, with what is given of the free columns; `None` where they depend on each other, or these are others now.
 fn solution(
     matrix: &Sparse,
     part: &Part,
     here: &Outcome,
-    given: &dyn Fn(&u32) -> (u32, f64),
-    right: &dyn Fn(u32) -> f64,
+    (given, right): (&Given<'_>, &dyn Fn(u32) -> f64),
+    budget: &Budget,
 ) -> Option<Vec<f64>> {
     let is_redundant = |row: &u32| here.dependent.binary_search(row).is_ok();
     let contracted = Contracted::of(matrix, 0.0);
@@ -169,9 +178,10 @@ fn solution(
     }
     rest.drop_zeros();
     let orders = part.orders(&contracted);
-    let task = Task { right: Some(&of_rest), keep: true, most: part.most, ..Task::default() };
+    let task =
+        Task { right: Some(&of_rest), keep: true, most: part.most, budget: Some(budget), ..Task::default() };
     let outcome = eliminate(&rest, &orders.best, task);
-    if outcome.rank < rows.len() || !(outcome.has_pivots() || rows.is_empty()) {
+    if outcome.exhausted || outcome.rank < rows.len() || !(outcome.has_pivots() || rows.is_empty()) {
         return None;
     }
     let free = |column: u32| given.get(&column).copied().unwrap_or_default();

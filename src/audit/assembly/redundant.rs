@@ -1,11 +1,12 @@
 //! Which constraints are redundant, and where?
 
+use super::budget::Budget;
 use super::eliminate::{self, Task};
 use super::found::{Found, constraint};
 use super::moving::{SAMPLES, elsewhere};
 use super::naming::named;
 use super::system::{Part, Role, System, is_dear, request};
-use super::{Constraint, Holds, Redundant, Unnamed, WhyUnnamed, dense, local, once};
+use super::{Constraint, Holds, Redundant, Spent, Unnamed, WhyUnnamed, dense, local, once};
 use crate::evaluate::{Plan, Sequence};
 use crate::scene::State;
 use rayon::prelude::*;
@@ -16,11 +17,17 @@ const MOVED: usize = 20_000;
 /// Parts of which this many constraints are redundant say what from.
 pub(super) const EXPLAINED: usize = 24;
 
-/// Names the redundant constraints and judges where they are.
+/// Parts that are looked at at once: what each may spend is known before.
+const BATCH: usize = 16;
+/// What a part may spend of what is left, whatever its size.
+const SMALL: u64 = 100_000_000;
+
+/// Names the redundant constraints and judges where they are, as far as what may be spent on it leads.
 pub(super) fn redundant(
     system: &System<'_>,
     found: &[Result<Found, usize>],
     fixed: &[u32],
+    budget: &Budget,
 ) -> Vec<Redundant> {
     let held = fixed.iter().map(|row| Redundant {
         constraint: constraint(system, *row),
@@ -29,51 +36,63 @@ pub(super) fn redundant(
         held: true,
         from: Vec::new(),
     });
-    let of_parts: Vec<Vec<Redundant>> = system
+    let parts: Vec<(&Part, &Found)> = system
         .parts
-        .par_iter()
+        .iter()
         .zip(found)
-        .map(|(part, found)| {
-            let Ok(found) = found else { return Vec::new() };
-            if found.constraints.dependent.is_empty() {
-                return Vec::new();
-            }
-            let decided = found.is_decided();
-            let dependent = &found.constraints.dependent;
-            // Of what may not be redundant nothing is to be found elsewhere.
-            let holds =
-                if decided { judge(system, part, found) } else { vec![Holds::Unjudged; dependent.len()] };
-            dependent
-                .iter()
-                .zip(holds)
-                .filter(|(row, _)| found.may_depend(row))
-                .map(|(row, holds)| Redundant {
-                    constraint: constraint(system, found.rows[*row as usize]),
-                    holds,
-                    decided,
-                    held: false,
-                    from: made_of(system, found, *row),
-                })
-                .collect()
-        })
+        .filter_map(|(part, found)| Some((part, found.as_ref().ok()?)))
+        .filter(|(_, found)| !found.constraints.dependent.is_empty())
         .collect();
-    held.chain(of_parts.into_iter().flatten()).collect()
+    let weight = |(part, _): &(&Part, &Found)| part.columns.len();
+    let mut rest: usize = parts.iter().map(weight).sum();
+    let mut of_parts: Vec<Redundant> = Vec::new();
+    for batch in parts.chunks(BATCH) {
+        let one = |of: &(&Part, &Found)| {
+            let own = budget.share([weight(of), rest], SMALL);
+            (of_part(system, *of, &own), own)
+        };
+        for (named, own) in batch.par_iter().map(one).collect::<Vec<_>>() {
+            budget.count(&own);
+            of_parts.extend(named);
+        }
+        rest -= batch.iter().map(weight).sum::<usize>();
+    }
+    held.chain(of_parts).collect()
 }
 
-/// What a dependent row of a part follows from, where the part is small enough to say it.
-pub(super) fn made_of(system: &System<'_>, found: &Found, row: u32) -> Vec<Constraint> {
+/// The same of a part.
+fn of_part(system: &System<'_>, (part, found): (&Part, &Found), budget: &Budget) -> Vec<Redundant> {
+    let decided = found.is_decided();
+    let dependent = &found.constraints.dependent;
+    // Of what may not be redundant nothing is to be found elsewhere.
+    let holds =
+        if decided { judge(system, part, found, budget) } else { vec![Holds::Unjudged; dependent.len()] };
+    let all = dependent.iter().zip(holds).zip(made_of(system, found));
+    all.filter(|((row, _), _)| found.may_depend(row))
+        .map(|((row, holds), from)| Redundant {
+            constraint: constraint(system, found.rows[*row as usize]),
+            holds,
+            decided,
+            held: false,
+            from,
+        })
+        .collect()
+}
+
+/// What each of the dependent rows of a part follows from, where the part is small enough to say it.
+pub(super) fn made_of(system: &System<'_>, found: &Found) -> Vec<Vec<Constraint>> {
     /// More are not said: nobody reads them.
     const MOST: usize = 200;
     let dependent = &found.constraints.dependent;
-    if let Some((_, made)) = found.constraints.made_of.iter().find(|(of, _)| *of == row) {
-        let named = if made.len() > MOST { &[] } else { made.as_slice() };
-        return named.iter().map(|row| constraint(system, found.rows[*row as usize])).collect();
-    }
-    let Some(matrix) = found.matrix.as_ref().filter(|_| dependent.len() <= EXPLAINED) else {
-        return Vec::new();
+    let matrix = found.matrix.as_ref().filter(|_| dependent.len() <= EXPLAINED);
+    let by_size = matrix.map(|matrix| dense::made_of(matrix, dependent)).unwrap_or_default();
+    let named = |rows: &[u32]| rows.iter().map(|row| constraint(system, found.rows[*row as usize])).collect();
+    let one = |(at, row): (usize, &u32)| match found.constraints.made_of.iter().find(|(of, _)| of == row) {
+        Some((_, made)) if made.len() > MOST => Vec::new(),
+        Some((_, made)) => named(made),
+        None => by_size.get(at).map(|made| named(made)).unwrap_or_default(),
     };
-    let made = dense::made_of(matrix, dependent, row);
-    made.iter().map(|row| constraint(system, found.rows[*row as usize])).collect()
+    dependent.iter().enumerate().map(one).collect()
 }
 
 /// Of dependent rows, as many as are not elsewhere: those that are not named there, the last ones if there are more.
@@ -84,26 +103,33 @@ pub(super) fn only_here(dependent: &[u32], elsewhere: &[u32]) -> Vec<u32> {
 }
 
 /// Where the redundancies of a part hold, in their order.
-fn judge(system: &System<'_>, part: &Part, found: &Found) -> Vec<Holds> {
+fn judge(system: &System<'_>, part: &Part, found: &Found, budget: &Budget) -> Vec<Holds> {
+    // Once for all free motions, and then by neighbourhoods, which have what is left.
+    let otherwise = || {
+        let own = budget.share([3, 4], 0);
+        let once = once::judge(system, part, found, &own);
+        budget.count(&own);
+        once.unwrap_or_else(|| local::judge(system, part, found, &local::SIZES, budget))
+    };
     let is_large =
         part.columns.len() > MOVED || found.constraints.fill > eliminate::KEPT || is_dear(found.cost);
     if is_large && found.constraints.mobility() > 0 {
-        return once::judge(system, part, found)
-            .unwrap_or_else(|| local::judge(system, part, found, &local::SIZES));
+        return otherwise();
     }
-    let whole = judge_whole(system, part, found);
-    // Small parts were looked at to second order: nothing else is known of them.
-    if found.matrix.is_some() || !whole.contains(&Holds::Unjudged) {
+    // Small parts are looked at to second order: nothing else is known of them.
+    let own = budget.share([1, if found.matrix.is_some() { 1 } else { 2 }], 0);
+    let whole = judge_whole(system, part, found, &own);
+    budget.count(&own);
+    let is_open = |holds: &Holds| matches!(holds, Holds::Unjudged | Holds::Spent);
+    if found.matrix.is_some() || !whole.iter().any(is_open) {
         return whole;
     }
-    let others =
-        once::judge(system, part, found).unwrap_or_else(|| local::judge(system, part, found, &local::SIZES));
-    let of_both = |(whole, other): (Holds, Holds)| if whole == Holds::Unjudged { other } else { whole };
-    whole.into_iter().zip(others).map(of_both).collect()
+    let of_both = |(whole, other)| if is_open(&whole) { other } else { whole };
+    whole.into_iter().zip(otherwise()).map(of_both).collect()
 }
 
 /// The same, of a part that is moved as a whole.
-pub(super) fn judge_whole(system: &System<'_>, part: &Part, found: &Found) -> Vec<Holds> {
+pub(super) fn judge_whole(system: &System<'_>, part: &Part, found: &Found, budget: &Budget) -> Vec<Holds> {
     let dependent = &found.constraints.dependent;
     let all = |holds| vec![holds; dependent.len()];
     if found.constraints.mobility() == 0 {
@@ -129,11 +155,11 @@ pub(super) fn judge_whole(system: &System<'_>, part: &Part, found: &Found) -> Ve
         return all(Holds::Unjudged);
     }
     let (_, matrix) = own.matrix(part, (&start, &values), |role| role != Role::Driven);
-    let here = named(&matrix, part, Task { keep: true, ..Task::default() });
+    let here = named(&matrix, part, Task { keep: true, budget: Some(budget), ..Task::default() });
     if here.dependent != *dependent {
-        return all(Holds::Unjudged);
+        return all(if budget.is_spent() { Holds::Spent } else { Holds::Unjudged });
     }
-    elsewhere(&own, part, &sequence, &start, &here, SAMPLES)
+    elsewhere(&own, part, &sequence, &start, &here, SAMPLES, budget)
 }
 
 /// Redundant constraints of parts of which not all are named.
@@ -142,6 +168,14 @@ pub(super) fn unnamed(found: &[Result<Found, usize>]) -> Option<Unnamed> {
     let count = all().map(|outcome| outcome.redundant() - outcome.dependent.len()).sum();
     // Where nothing was eliminated there is no front.
     let is_dear = all().any(|outcome| !outcome.names_all() && outcome.front == 0);
-    let why = if is_dear { WhyUnnamed::Dear } else { WhyUnnamed::Numbers };
-    (count > 0).then_some(Unnamed { count, why })
+    let add = |x: Spent, y: Spent| Spent { operations: x.operations + y.operations, most: x.most + y.most };
+    let spent = all().filter_map(|outcome| outcome.names_spent).reduce(add);
+    let why = if spent.is_some() {
+        WhyUnnamed::Spent
+    } else if is_dear {
+        WhyUnnamed::Dear
+    } else {
+        WhyUnnamed::Numbers
+    };
+    (count > 0).then_some(Unnamed { count, why, spent })
 }

@@ -10,6 +10,7 @@
 //!
 //! Forms are found of the Jacobian, which is exact, by central differences along each motion.
 
+use super::budget::{Budget, EVALUATION, PRODUCTS, ROW};
 use super::dense::{self, size};
 use super::eliminate::{Outcome, Sparse};
 use super::largest as largest_of;
@@ -49,15 +50,16 @@ struct Forms {
     of: Vec<DMatrix<f64>>,
 }
 
-/// Looks at a part at the state to which the sequence comes next; `None` where it is too large.
+/// Looks at a part at the state to which the sequence comes next; `None` where it is too large, or costs more than may be spent.
 pub(super) fn second(
     system: &System<'_>,
     part: &Part,
     sequence: &Sequence<'_>,
     state: &State,
     here: &Outcome,
+    budget: &Budget,
 ) -> Option<Second> {
-    let forms = forms(system, part, sequence, state, here)?;
+    let forms = forms(system, part, sequence, state, here, budget)?;
     let restraining = independent(&forms, &here.dependent);
     let columns = |vectors: &DMatrix<f64>| -> Vec<Vec<f64>> {
         (&forms.motions * vectors).column_iter().map(|column| column.iter().copied().collect()).collect()
@@ -74,8 +76,11 @@ pub(super) fn second(
     }
     let of_rest: Vec<DMatrix<f64>> =
         basis(&forms.of).iter().map(|form| rest.transpose() * form * &rest).collect();
-    let excludes = is_definite(&of_rest);
-    let zeros = if excludes { Vec::new() } else { columns(&(&rest * zeros(&of_rest, rest.ncols()))) };
+    let excludes = is_definite(&of_rest, budget);
+    let zeros = if excludes { Vec::new() } else { columns(&(&rest * zeros(&of_rest, rest.ncols(), budget))) };
+    if budget.is_spent() {
+        return None;
+    }
     Some(Second { open: columns(&open), zeros, excludes, restraining })
 }
 
@@ -85,6 +90,7 @@ fn forms(
     sequence: &Sequence<'_>,
     state: &State,
     here: &Outcome,
+    budget: &Budget,
 ) -> Option<Forms> {
     if here.free.len() > MOST[0] || here.dependent.len() > MOST[1] || !(here.has_pivots() || here.rank == 0) {
         return None;
@@ -99,6 +105,15 @@ fn forms(
         return None;
     }
     let (width, count) = (matrix.width(), here.free.len());
+    // Two states along each motion, the forms of what they differ in, and what the forms have in common.
+    let evaluations = EVALUATION * (system.plan.connectors.len() + system.plan.mpcs.len());
+    let rows = ROW * part.rows.len();
+    let of_forms = here.dependent.len() * count.pow(2) * (here.dependent.len() + 1) / PRODUCTS;
+    let differences =
+        2 * count * (evaluations + rows) + count * here.dependent.len() * matrix.values.len() / PRODUCTS;
+    if !(budget.decompose(matrix.rows(), width) && budget.spend(differences + of_forms)) {
+        return None;
+    }
     let motion = |free: &u32| here.solve(width, |column| f64::from(u8::from(column == *free)), true);
     let motions = DMatrix::from_iterator(width, count, here.free.iter().flat_map(motion));
     let motions = motions.qr().q();
@@ -198,7 +213,7 @@ fn combined(forms: &[DMatrix<f64>], weights: &DVector<f64>) -> DMatrix<f64> {
 
 /// Whether a combination of forms is found that is definite: a combination that is negative along a motion takes more of the forms that
 /// are positive there (the perceptron).
-fn is_definite(forms: &[DMatrix<f64>]) -> bool {
+fn is_definite(forms: &[DMatrix<f64>], budget: &Budget) -> bool {
     /// So many eigenvalue problems of sixty motions; of more fewer, by what they cost.
     const TIMES: usize = 300;
     const MOTIONS: usize = 60;
@@ -208,6 +223,10 @@ fn is_definite(forms: &[DMatrix<f64>]) -> bool {
     let count = forms.first().map_or(0, DMatrix::nrows).max(MOTIONS);
     for _ in 0..(TIMES * MOTIONS.pow(3) / count.pow(3)).max(3) {
         let length = size(&weights);
+        let size_of = forms.first().map_or(0, DMatrix::nrows);
+        if !(budget.spend(forms.len() * size_of.pow(2) / PRODUCTS) && budget.decompose(size_of, size_of)) {
+            return false;
+        }
         if length > 0.0 {
             weights /= length;
         }
@@ -229,7 +248,7 @@ fn is_definite(forms: &[DMatrix<f64>]) -> bool {
 }
 
 /// Motions of length one along which all forms are zero, by Gauss and Newton from random ones.
-fn zeros(forms: &[DMatrix<f64>], width: usize) -> DMatrix<f64> {
+fn zeros(forms: &[DMatrix<f64>], width: usize, budget: &Budget) -> DMatrix<f64> {
     const STARTS: usize = 40;
     const TIMES: usize = 60;
     let mut draw = Draw::new("zeros of forms");
@@ -237,6 +256,11 @@ fn zeros(forms: &[DMatrix<f64>], width: usize) -> DMatrix<f64> {
     for _ in 0..STARTS {
         let mut v = DVector::from_fn(width, |_, _| draw.between(-1.0, 1.0));
         for _ in 0..TIMES {
+            if !(budget.spend(2 * forms.len() * width.pow(2) / PRODUCTS)
+                && budget.decompose(forms.len(), width))
+            {
+                break;
+            }
             v /= size(&v).max(f64::MIN_POSITIVE);
             let values = DVector::from_iterator(forms.len(), forms.iter().map(|form| v.dot(&(form * &v))));
             if values.amax() < ZERO * ZERO {

@@ -55,6 +55,8 @@ pub(super) struct Part {
     pub(super) mpcs: Vec<usize>,
     /// What its elimination may cost.
     pub(super) most: Most,
+    /// What may be spent on names, where that is not by its size.
+    pub(super) names: Option<u64>,
     /// What its elimination is taken to cost, where that is not as predicted.
     pub(super) cost: Option<f64>,
     /// The orders of elimination that were found last, with what they are of.

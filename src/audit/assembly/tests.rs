@@ -1,5 +1,6 @@
 //! Elimination against dense singular values, on random sparse matrices whose rank is known.
 
+use super::budget::Budget;
 use super::contract::Contracted;
 use super::dense::{dependent, least, made_of, singular_values};
 use super::echelon;
@@ -84,6 +85,10 @@ impl Read {
     }
 }
 
+fn unlimited() -> Budget {
+    Budget::new(u64::MAX)
+}
+
 fn order(matrix: &Sparse) -> Vec<u32> {
     minimum_degree(matrix.groups.len() - 1, &cliques(matrix), usize::MAX).unwrap_or_default()
 }
@@ -134,8 +139,9 @@ fn rank_is_that_of_singular_values() {
             assert!(largest_product(&matrix, &vector) < 1e-10 * size, "case {case}");
         }
         // And each dependent row is made of others.
-        for row in &outcome.dependent {
-            let made = made_of(&matrix, &outcome.dependent, *row);
+        let of_all = made_of(&matrix, &outcome.dependent);
+        assert_eq!(of_all.len(), outcome.dependent.len(), "case {case}");
+        for (row, made) in outcome.dependent.iter().zip(of_all) {
             assert!(!made.is_empty() && !made.contains(row), "case {case}");
         }
     }
@@ -167,7 +173,7 @@ fn what_is_named_can_be_left_out() {
         assert!(is_right || outcome.misnames, "case {case}");
         misnamed += usize::from(!is_right);
         let last = dependent(&matrix, &(0..matrix.rows() as u32).collect::<Vec<_>>());
-        let in_echelon = echelon::dependent(&matrix, (&order, &[]), last.len(), usize::MAX);
+        let in_echelon = echelon::dependent(&matrix, (&order, &[]), last.len(), &unlimited());
         assert_eq!(in_echelon.as_ref(), Some(&last), "case {case}");
         assert_eq!(
             (last.len(), rank_without(&last)),
@@ -223,7 +229,7 @@ fn an_empty_matrix_has_no_singular_values() {
         let solution = least(&matrix, &vec![0.0; rows]);
         assert_eq!(solution, Some(vec![0.0; matrix.width()]));
         for row in 0..rows as u32 {
-            assert!(made_of(&matrix, &[row], row).is_empty());
+            assert!(made_of(&matrix, &[row]).concat().is_empty());
         }
         let outcome = eliminate(&matrix, &order(&matrix), Task { keep: true, ..Task::default() });
         assert_eq!((outcome.rank, outcome.free.len()), (0, matrix.width()));
@@ -503,15 +509,15 @@ fn neighbourhoods_tell_what_the_whole_tells() {
     let system = read.system();
     let (part, found) = (&system.parts[0], &read.found(&system));
     let count = |all: &[Holds], of: Holds| all.iter().filter(|holds| **holds == of).count();
-    let whole = judge_whole(&system, part, found);
+    let whole = judge_whole(&system, part, found, &unlimited());
     assert_eq!(count(&whole, Holds::Here), here);
     assert_eq!(count(&whole, Holds::Throughout), whole.len() - here);
     let sizes = [30, 240];
-    let local = judge(&system, part, found, &sizes);
+    let local = judge(&system, part, found, &sizes, &unlimited());
     let as_local = |holds: &Holds| if *holds == Holds::Here { Holds::Loop } else { *holds };
     assert_eq!(local, whole.iter().map(as_local).collect::<Vec<_>>(), "{sizes:?}");
     // Neighbourhoods without the loop do not tell.
-    let none = judge(&system, part, found, &[20]);
+    let none = judge(&system, part, found, &[20], &unlimited());
     assert_eq!(count(&none, Holds::Large), none.len());
 }
 
@@ -587,13 +593,10 @@ fn products_find_what_elimination_finds() {
     }
 }
 
-/// Where a part is dear its rank comes of products; redundant constraints are named then as by elimination where that is affordable, and else some are,
-/// and it is said that the others are not. All depend on those before them.
-#[test]
-fn what_is_affordable_is_named() {
+/// A lattice with all three diagonals of faces at every corner: more than rigid.
+fn braced() -> String {
     let n = 3;
     let at = |i: usize, j: usize, k: usize| (i * n + j) * n + k + 1;
-    // All three diagonals of faces at every corner: more than rigid.
     let mut braces = Vec::new();
     for (i, j, k) in (0..n * n * n).map(|v| (v / n / n, v / n % n, v % n)) {
         for (p, q, r) in [(i + 1, j + 1, k), (i + 1, j, k + 1), (i, j + 1, k + 1)] {
@@ -602,7 +605,14 @@ fn what_is_affordable_is_named() {
             }
         }
     }
-    let read = Read::of(&lattice(n, &braces));
+    lattice(n, &braces)
+}
+
+/// Where a part is dear its rank comes of products; redundant constraints are named then as by elimination where that is affordable, and else some are,
+/// and it is said that the others are not. All depend on those before them.
+#[test]
+fn what_is_affordable_is_named() {
+    let read = Read::of(&braced());
     let mut system = read.system();
     let analysed = |system: &System<'_>| {
         let mut assembly = Assembly::none(1);
@@ -625,7 +635,7 @@ fn what_is_affordable_is_named() {
     assert_eq!((too_dear, dear.largest_front), (numbers, 0));
     assert!(!some.is_empty() && some.len() < names.len());
     let count = names.len() - some.len();
-    assert_eq!(dear.unnamed, Some(Unnamed { count, why: WhyUnnamed::Dear }));
+    assert_eq!(dear.unnamed, Some(Unnamed { count, why: WhyUnnamed::Dear, spent: None }));
     let told = findings(&read.scene, &dear, &Levels::default()).iter().any(|finding| {
         let said = finding.message().to_string();
         said.contains(&format!("{count} constraints are redundant besides, counted and not named"))
@@ -642,9 +652,9 @@ fn one_state_tells_what_several_tell() {
         let read = Read::of(&text);
         let system = read.system();
         let (part, found) = (&system.parts[0], &read.found(&system));
-        let once = once::judge(&system, part, found);
+        let once = once::judge(&system, part, found, &unlimited());
         assert!(once.is_some() || !must);
-        let whole = judge_whole(&system, part, found);
+        let whole = judge_whole(&system, part, found, &unlimited());
         assert!(once.is_none_or(|once| once == whole), "{flat:?}");
     }
 }
@@ -781,8 +791,9 @@ fn bodies_have_what_their_nodes_have() {
             let of_rest = last.len() - contracted.dependent.len();
             let free: Vec<u32> =
                 by_bodies.free.iter().map(|column| contracted.given((*column, 0.0)).unwrap().0).collect();
-            let found = echelon::dependent(&contracted.rest, (&orders.by_degree, &free), of_rest, usize::MAX)
-                .unwrap();
+            let found =
+                echelon::dependent(&contracted.rest, (&orders.by_degree, &free), of_rest, &unlimited())
+                    .unwrap();
             let mut found: Vec<u32> = found.iter().map(|row| contracted.names[*row as usize]).collect();
             found.extend(&contracted.dependent);
             found.sort_unstable();
@@ -857,7 +868,7 @@ fn what_is_left_of_a_grid_is_well_independent() {
     assert_eq!((alone.rank, alone.dependent.len()), (outcome.rank, 0));
     assert!(alone.is_decided() && alone.gap[1] > 1e-4 * outcome.gap[1], "{:?} {:?}", alone.gap, outcome.gap);
     // Moved, it tells that all hold throughout.
-    let holds = judge_whole(&system, &system.parts[0], &found);
+    let holds = judge_whole(&system, &system.parts[0], &found, &unlimited());
     assert!(holds.iter().all(|holds| *holds == Holds::Throughout));
 }
 
@@ -887,4 +898,87 @@ fn a_lattice_of_beams_is_one_body() {
         }
         assert!(assembly.modes.len() == mobility && assembly.modes.iter().all(|mode| mode.moving.is_some()));
     }
+}
+
+/// A grid of n by n nodes one apart, joined along x by universal joints and along y by hinges about z: free, and singular where it lies.
+fn frame(n: usize) -> String {
+    let at = |i: usize, j: usize| i * n + j + 1;
+    let nodes: String =
+        (0..n * n).map(|v| format!("{}, {}, {}, 0\n", at(v / n, v % n), v / n, v % n)).collect();
+    let cells = || (0..n * n).map(|v| (v / n, v % n));
+    let along = cells().filter(|(i, _)| i + 1 < n).map(|(i, j)| [at(i, j), at(i + 1, j)]);
+    let across = cells().filter(|(_, j)| j + 1 < n).map(|(i, j)| [at(i, j), at(i, j + 1)]);
+    let lines = |all: &mut dyn Iterator<Item = [usize; 2]>, first: usize| -> String {
+        all.enumerate().map(|(k, [a, b])| format!("{}, {a}, {b}\n", k + first)).collect()
+    };
+    let [universal, hinges] = [lines(&mut along.into_iter(), 1), lines(&mut across.into_iter(), n * n)];
+    format!(
+        "*NODE\n{nodes}*ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=U\n{universal}\
+         *CONNECTOR SECTION, ELSET=U\nUJOINT\nZ,\n*ELEMENT, TYPE=CONN3D2, ELSET=H\n{hinges}*CONNECTOR SECTION, ELSET=H\nHINGE\nZ,\n"
+    )
+}
+
+/// The operations that were spent on where redundancies hold, and what is told of them.
+fn judged(system: &System<'_>, found: &[Result<Found, usize>], most: u64) -> (u64, Vec<Holds>) {
+    let budget = Budget::new(most);
+    let redundant = super::redundant::redundant(system, found, &[], &budget);
+    (budget.spent(), redundant.into_iter().map(|one| one.holds).collect())
+}
+
+/// What is too dear to be judged is told to be so, after as many operations as may be spent, and by any number of threads the same; what is not is judged.
+#[test]
+fn what_follows_the_rank_ends() {
+    const MOST: u64 = 15_000_000;
+    for (n, is_judged) in [(3, true), (5, false)] {
+        let read = Read::of(&frame(n));
+        let system = read.system();
+        let found = [Ok(read.found(&system))];
+        let count = found.iter().flatten().map(|found| found.constraints.redundant()).sum();
+        let by = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| judged(&system, &found, MOST))
+        };
+        let (spent, holds) = by(1);
+        assert_eq!((holds.len(), by(3)), (count, (spent, holds.clone())), "{n}");
+        assert!(count > 0 && spent < 2 * MOST, "{n}: {spent}");
+        assert_eq!(holds.iter().all(|holds| *holds != Holds::Spent), is_judged, "{n}: {spent} {holds:?}");
+        assert!(!holds.contains(&Holds::Unjudged), "{n}");
+        assert_eq!(spent >= MOST, !is_judged, "{n}: {spent}");
+    }
+}
+
+/// Of parts that are judged at once each has its own, so that one that is dear leaves what the others need.
+#[test]
+fn shares_are_known_before() {
+    let budget = Budget::new(1_000_000_000);
+    let [large, small] = [budget.share([900, 1000], 100_000_000), budget.share([1, 1000], 100_000_000)];
+    assert_eq!((large.most(), small.most()), (900_000_000, 100_000_000));
+    assert!(!large.spend(2_000_000_000) && large.is_spent() && large.left() == 0);
+    assert!(small.spend(40_000_000) && small.left() == 60_000_000);
+    budget.count(&small);
+    assert_eq!((budget.left(), budget.share([1, 2], 0).most()), (960_000_000, 480_000_000));
+    budget.count(&large);
+    assert!(budget.is_spent() && budget.share([1, 1], 7).is_spent());
+}
+
+/// What is not enough for names leaves the rank, the number of what is redundant, and says so.
+#[test]
+fn names_that_are_too_dear_are_not_sought() {
+    let read = Read::of(&braced());
+    let mut system = read.system();
+    system.parts[0].cost = Some(2e9);
+    let analysed = |system: &System<'_>| {
+        let mut assembly = Assembly::none(1);
+        super::of_system(system, &[], &|_| true, &mut assembly);
+        assembly
+    };
+    let all = analysed(&system);
+    system.parts[0].names = Some(1);
+    let none = analysed(&system);
+    let numbers = |of: &Assembly| (of.positions[0].rank, of.positions[0].redundant, of.positions[0].decided);
+    assert_eq!(numbers(&none), numbers(&all));
+    let count = all.redundant.len() - none.redundant.len();
+    let unnamed = none.unnamed.unwrap();
+    assert_eq!((all.unnamed, unnamed.count, unnamed.why), (None, count, WhyUnnamed::Spent));
+    assert!(unnamed.spent.is_some_and(|spent| spent.most == 1 && spent.operations >= 1));
 }

@@ -196,8 +196,9 @@ impl Walk<'_> {
         if let Some(number) = self.state.filter(|_| self.is_first) {
             let (scene, state) = (self.scene, &result.state);
             let at = Placed { scene, element, positions: &position, state, number: Some(number) };
-            for finding in violated_at_first(&at, &self.certainty) {
-                self.gathered.add(given.section, element.label, finding, |new, old| new.value > old.value);
+            for (stop, finding) in violated_at_first(&at, &self.certainty) {
+                let of = (given.section, Some(stop));
+                self.gathered.add(of, element.label, finding, |new, old| new.value > old.value);
             }
         }
     }
@@ -251,7 +252,7 @@ impl Walk<'_> {
         let finding = Finding::new(self.scene, found.code, place, message, found.reason, found.remedy)
             .of_severity(found.code.severity().min(Severity::Warning))
             .about(about);
-        self.gathered.add(section, label, finding, |new, old| match (new.value, old.value) {
+        self.gathered.add((section, None), label, finding, |new, old| match (new.value, old.value) {
             (Some(new), Some(old)) if nearer_is_worse => new < old,
             (Some(new), Some(old)) => new.abs() > old.abs(),
             _ => false,

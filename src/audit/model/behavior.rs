@@ -17,7 +17,7 @@ use crate::connector::{Components, State};
 use crate::evaluate::{ConnectorElement, Model};
 use crate::grammar::agree;
 use crate::scene::{
-    self, Behavior, Code, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
+    self, Behavior, Code, Extrapolation, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
 };
 
 /// What is found of the behaviours of connectors.
@@ -33,22 +33,23 @@ pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Fin
             !behavior.stops.is_empty() || !behavior.locks.is_empty() || !behavior.failures.is_empty();
         let positions = if needs_positions { initial_positions(element) } else { [None; 6] };
         let at = Placed { scene, element, positions: &positions, state: &at_start(element), number: None };
-        let mut found = Vec::new();
-        let beyond = |stop| violated(&at, stop, &certainty);
-        found.extend(behavior.stops.iter().filter_map(beyond));
-        let locks = behavior.locks.iter().map(|lock| ("lock", lock.component, &lock.limits, lock.span));
-        let failures =
-            behavior.failures.iter().map(|fail| ("failure", fail.component, &fail.limits, fail.span));
-        for law in locks.chain(failures) {
-            let passed = passed(&at, law, &certainty);
-            found.extend(passed.or_else(|| idle(scene, element, law, &positions)));
+        // Which of its laws each is of.
+        let mut found: Vec<(Option<usize>, Finding)> = Vec::new();
+        for (place, stop) in behavior.stops.iter().enumerate() {
+            let beyond = beyond_stop(&at, stop, &certainty);
+            found.extend(beyond.map(|beyond| (Some(place), violated(&at, stop, &beyond))));
         }
-        found.extend(ignored(scene, element, behavior));
-        for friction in &behavior.friction {
-            found.extend(vanishing(scene, element, behavior, friction));
+        for (place, law) in limited(behavior).enumerate() {
+            found.extend(passed_or_idle(&at, &law, &certainty).map(|finding| (Some(place), finding)));
         }
-        for finding in found {
-            gathered.add(given.section, element.label, finding, |new, old| new.value > old.value);
+        found.extend(ignored(scene, element, behavior).map(|finding| (None, finding)));
+        for (place, friction) in behavior.friction.iter().enumerate() {
+            let lost = vanishing(scene, element, behavior, friction);
+            found.extend(lost.into_iter().map(|finding| (Some(place), finding)));
+        }
+        for (law, finding) in found {
+            let of = (given.section, law);
+            gathered.add(of, element.label, finding, |new, old| new.value > old.value);
         }
     }
     gathered.findings().collect()
@@ -68,8 +69,9 @@ pub(super) struct Placed<'a> {
     pub(super) number: Option<u64>,
 }
 
-/// Stops that are passed at the first state given, and not initially already.
-pub(super) fn violated_at_first(at: &Placed<'_>, certainty: &Certainty<'_>) -> Vec<Finding> {
+/// Stops that are passed at the first state given, each with its place among those of the behaviour: not those that are passed initially already, as far, on the
+/// same side and as certainly.
+pub(super) fn violated_at_first(at: &Placed<'_>, certainty: &Certainty<'_>) -> Vec<(usize, Finding)> {
     let Placed { scene, element, .. } = *at;
     let section = scene.connectors.get(&element.label).and_then(|given| scene.section(given));
     let Some(behavior) = section.and_then(|section| scene.behavior(section)) else { return Vec::new() };
@@ -78,15 +80,25 @@ pub(super) fn violated_at_first(at: &Placed<'_>, certainty: &Certainty<'_>) -> V
     }
     let initial = initial_positions(element);
     let initially = Placed { scene, element, positions: &initial, state: &at_start(element), number: None };
-    let is_new = |stop: &&scene::Stop| violated(&initially, stop, certainty).is_none();
-    behavior.stops.iter().filter(is_new).filter_map(|stop| violated(at, stop, certainty)).collect()
+    let new = |(place, stop): (usize, &scene::Stop)| {
+        let beyond = beyond_stop(at, stop, certainty)?;
+        let is_told =
+            beyond_stop(&initially, stop, certainty).is_some_and(|initial| !beyond.is_worse_than(&initial));
+        (!is_told).then(|| (place, violated(at, stop, &beyond)))
+    };
+    behavior.stops.iter().enumerate().filter_map(new).collect()
 }
 
 /// A limit that a position lies beyond, by more than rounding can make it.
 struct Beyond {
+    /// The component (0-based).
+    component: usize,
+    position: f64,
     by: f64,
     side: &'static str,
     limit: f64,
+    /// How much of it rounding may be.
+    rounding: f64,
     /// Whether the digits of the numbers that are given leave open that it does not.
     is_open: bool,
 }
@@ -104,7 +116,13 @@ impl Beyond {
         let (by, side, limit) = below.or(above)?;
         let Open { rounding, digits } = certainty.open(at.element, at.state, (k, position, limit));
         let is_open = by <= rounding + digits;
-        (by > rounding).then_some(Self { by, side, limit, is_open })
+        (by > rounding).then_some(Self { component: k, position, by, side, limit, rounding, is_open })
+    }
+
+    /// Whether it is farther beyond than at another position, on another side, or certain where that is open.
+    fn is_worse_than(&self, other: &Self) -> bool {
+        let is_farther = self.by - other.by > self.rounding + other.rounding;
+        is_farther || self.side != other.side || (other.is_open && !self.is_open)
     }
 
     /// What a message ends with, where it is open.
@@ -122,13 +140,16 @@ impl Beyond {
     }
 }
 
-/// A stop that the position lies beyond.
-fn violated(at: &Placed<'_>, stop: &scene::Stop, certainty: &Certainty<'_>) -> Option<Finding> {
-    let Placed { scene, element, positions, number, .. } = *at;
+/// How far the position lies beyond a stop.
+fn beyond_stop(at: &Placed<'_>, stop: &scene::Stop, certainty: &Certainty<'_>) -> Option<Beyond> {
     let k = component_index(stop.component)?;
-    let position = positions[k]?;
-    let beyond = Beyond::of(at, (k, position), [stop.lower, stop.upper], certainty)?;
-    let Beyond { by, side, limit, .. } = beyond;
+    Beyond::of(at, (k, at.positions[k]?), [stop.lower, stop.upper], certainty)
+}
+
+/// A stop that the position lies beyond.
+fn violated(at: &Placed<'_>, stop: &scene::Stop, beyond: &Beyond) -> Finding {
+    let Placed { scene, element, number, .. } = *at;
+    let Beyond { component: k, position, by, side, limit, .. } = *beyond;
     let when = match number {
         None => "initially".to_string(),
         Some(state) => format!("at state {state}, the first one given"),
@@ -145,25 +166,86 @@ fn violated(at: &Placed<'_>, stop: &scene::Stop, certainty: &Certainty<'_>) -> O
         Some(_) => "move the stop, or begin with a state at which the position lies within",
     };
     let finding = Finding::new(scene, Code::ModelStopViolated, stop.span, message, reason, remedy);
-    Some(beyond.judged(finding).about(About { state: number, ..about(element, k, by) }))
+    beyond.judged(finding).about(About { state: number, ..about(element, k, by) })
 }
 
-/// A lock or failure of which a limit of position is passed initially.
-fn passed(
-    at: &Placed<'_>,
-    (what, component, limits, span): (&str, u8, &Vec<Limits>, Span),
-    certainty: &Certainty<'_>,
-) -> Option<Finding> {
-    let Placed { scene, element, positions, .. } = *at;
-    let k = component_index(component)?;
-    let position = positions[k]?;
-    // Limits that depend on temperature or fields are those of the first row.
-    let first = limits.first()?;
-    let limits = [first.lower_position, first.upper_position];
-    let beyond = Beyond::of(at, (k, position), limits, certainty)?;
-    let Beyond { by, limit, .. } = beyond;
+/// A lock or failure, by what triggers it.
+struct Limited<'a> {
+    what: &'static str,
+    component: u8,
+    rows: &'a [Limits],
+    /// What limits are beyond the rows.
+    extrapolation: Option<Extrapolation>,
+    span: Span,
+}
+
+impl Limited<'_> {
+    /// Whether limits go on beyond the rows.
+    fn is_linear(&self) -> bool {
+        self.extrapolation == Some(Extrapolation::Linear)
+    }
+}
+
+/// The locks of a behaviour, then its failures.
+fn limited(behavior: &Behavior) -> impl Iterator<Item = Limited<'_>> {
+    let of_behavior = behavior.table.extrapolation;
+    let locks = behavior.locks.iter().map(move |lock| Limited {
+        what: "lock",
+        component: lock.component,
+        rows: &lock.limits,
+        extrapolation: lock.table.extrapolation.or(of_behavior),
+        span: lock.span,
+    });
+    let failures = behavior.failures.iter().map(move |failure| Limited {
+        what: "failure",
+        component: failure.component,
+        rows: &failure.limits,
+        extrapolation: of_behavior,
+        span: failure.span,
+    });
+    locks.chain(failures)
+}
+
+/// A lock or failure of which a limit of position is passed initially, or none ever.
+fn passed_or_idle(at: &Placed<'_>, law: &Limited<'_>, certainty: &Certainty<'_>) -> Option<Finding> {
+    let k = component_index(law.component)?;
+    let position = at.positions[k]?;
+    let beyond =
+        |row: &Limits| Beyond::of(at, (k, position), [row.lower_position, row.upper_position], certainty);
+    let rows: Vec<Option<Beyond>> = law.rows.iter().map(beyond).collect();
+    let told = law.rows.iter().zip(&rows).filter_map(|(row, beyond)| Some((row, beyond.as_ref()?)));
+    let farther = |one: &(&Limits, &Beyond), other: &(&Limits, &Beyond)| one.1.by.total_cmp(&other.1.by);
+    let Some((row, most)) = told.clone().max_by(farther) else {
+        return idle(at, law, (k, position));
+    };
+    // Between rows limits lie between theirs.
+    let is_alike = |one: &Beyond| one.side == most.side && (!law.is_linear() || one.limit == most.limit);
+    let is_always = rows.iter().all(|one| one.as_ref().is_some_and(is_alike));
+    if is_always {
+        let (_, least) = told.min_by(farther)?;
+        return Some(passed(at, law, least, ""));
+    }
+    let finding = passed(at, law, most, &conditions(row));
+    Some(finding.of_severity(Severity::Note))
+}
+
+/// The temperature and field variables of a row.
+fn conditions(row: &Limits) -> String {
+    let temperature = row.temperature.map(|value| format!("temperature {value}"));
+    let fields = row.fields.iter().enumerate();
+    let fields =
+        fields.filter_map(|(i, value)| value.map(|value| format!("field variable {} of {value}", i + 1)));
+    let all: Vec<String> = temperature.into_iter().chain(fields).collect();
+    format!(" at {}, but not always", all.join(" and "))
+}
+
+/// A lock or failure of which a limit of position is passed initially, under conditions.
+fn passed(at: &Placed<'_>, law: &Limited<'_>, beyond: &Beyond, conditions: &str) -> Finding {
+    let Placed { scene, element, .. } = *at;
+    let Beyond { component: k, position, by, limit, .. } = *beyond;
+    let what = law.what;
     let message = format!(
-        "element {}: {} is {position:.6} initially, {by:.3e} beyond the limit {limit} of a {what}, which acts from the start{}",
+        "element {}: {} is {position:.6} initially, {by:.3e} beyond the limit {limit} of a {what}, which acts from the start{conditions}{}",
         element.label,
         COMPONENT[k],
         beyond.in_words()
@@ -171,25 +253,24 @@ fn passed(
     let reason =
         "limits are those of the position (CP), not of the displacement from the initial one; angles in rad";
     let remedy = "move the limit or the nodes, so that the initial position lies within";
-    let finding = Finding::new(scene, Code::ModelLockMet, span, message, reason, remedy);
-    Some(beyond.judged(finding).about(about(element, k, by)))
+    let finding = Finding::new(scene, Code::ModelLockMet, law.span, message, reason, remedy);
+    beyond.judged(finding).about(about(element, k, by))
 }
 
-/// A lock or failure of which all limits are of the position of a component that is constrained and stays within them.
-fn idle(
-    scene: &Scene,
-    element: &ConnectorElement,
-    (what, component, limits, span): (&str, u8, &Vec<Limits>, Span),
-    positions: &Components<f64>,
-) -> Option<Finding> {
-    let k = component_index(component)?;
-    let position = positions[k].filter(|_| element.connector.is_constrained(k))?;
-    let of_force = |limit: &Limits| limit.lower_force.is_some() || limit.upper_force.is_some();
-    let of_position = |limit: &Limits| limit.lower_position.is_some() || limit.upper_position.is_some();
-    if limits.iter().any(of_force) || !limits.iter().any(of_position) {
+/// A lock or failure of which all limits are of the position of a component that is constrained and stays within them, whatever the temperature and field
+/// variables.
+fn idle(at: &Placed<'_>, law: &Limited<'_>, (k, position): (usize, f64)) -> Option<Finding> {
+    let Placed { scene, element, .. } = *at;
+    let of_force = |row: &Limits| row.lower_force.is_some() || row.upper_force.is_some();
+    let of_position = |row: &Limits| row.lower_position.is_some() || row.upper_position.is_some();
+    let limits = |row: &Limits| [row.lower_position, row.upper_position];
+    let varies = law.rows.windows(2).any(|pair| limits(&pair[0]) != limits(&pair[1]));
+    let may_act =
+        (law.is_linear() && varies) || law.rows.iter().any(of_force) || !law.rows.iter().any(of_position);
+    if may_act || !element.connector.is_constrained(k) {
         return None;
     }
-    let name = COMPONENT[k];
+    let (name, what) = (COMPONENT[k], law.what);
     let message = format!(
         "element {}: a {what} is triggered by the position of {name} alone, which {} constrains: it stays at {position:.6}, within the limits",
         element.label,
@@ -197,7 +278,7 @@ fn idle(
     );
     let reason = "what is constrained does not move, so that its position passes no limit";
     let remedy = "limit the force of the component, or the position of one that is available";
-    let finding = Finding::new(scene, Code::ModelLimitUnreachable, span, message, reason, remedy);
+    let finding = Finding::new(scene, Code::ModelLimitUnreachable, law.span, message, reason, remedy);
     let about =
         About { elements: vec![element.label], components: vec![name.to_string()], ..About::default() };
     Some(finding.about(about))
@@ -303,20 +384,19 @@ impl Gone {
         }
     }
 
-    /// Of a table, whose columns are μ and the slip rate: beyond its rows the coefficient is that of the nearest.
+    /// Of a table, whose columns are μ, the slip rate and the contact force: beyond its rows the coefficient is that of the nearest. What vanishes at rest or in
+    /// fast slip does so at every contact force, temperature and field variable.
     fn of_table(rows: &[Row]) -> Self {
         let of = |row: &Row, column: usize| row.values.get(column).copied().flatten().unwrap_or(0.0);
-        let rates = || rows.iter().map(|row| of(row, 1));
-        let is_gone = |rate: f64| {
-            let mut at = rows.iter().filter(|row| of(row, 1) == rate);
-            !rows.is_empty() && at.all(|row| of(row, 0) == 0.0)
-        };
-        let [least, most] =
-            [rates().fold(f64::INFINITY, f64::min), rates().fold(f64::NEG_INFINITY, f64::max)];
+        let others = |row: &Row| (of(row, 2), row.temperature, row.fields.clone());
+        let is_alike = |one: &Row, other: &Row| others(one) == others(other);
+        // Slip rates increase within each, for they run fastest.
+        let curves = || rows.chunk_by(is_alike);
+        let is_gone = |row: Option<&Row>| row.is_none_or(|row| of(row, 0) == 0.0);
         Self {
             always: !rows.is_empty() && rows.iter().all(|row| of(row, 0) == 0.0),
-            at_rest: is_gone(least).then_some("μ(0)"),
-            in_fast_slip: is_gone(most).then_some("μ(∞)"),
+            at_rest: (!rows.is_empty() && curves().all(|curve| is_gone(curve.first()))).then_some("μ(0)"),
+            in_fast_slip: (!rows.is_empty() && curves().all(|curve| is_gone(curve.last()))).then_some("μ(∞)"),
             formulas: [
                 "μ of the rows of the least slip rate holds below it",
                 "μ of the rows of the largest slip rate holds beyond it",

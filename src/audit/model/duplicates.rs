@@ -59,7 +59,7 @@ pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Fin
                 let finding =
                     Finding::new(scene, Code::ModelDuplicateConnector, given.span, message, reason, remedy);
                 let about = About { elements: vec![element.label, other.label], ..About::default() };
-                gathered.add(given.section, element.label, finding.about(about), |_, _| false);
+                gathered.add((given.section, None), element.label, finding.about(about), |_, _| false);
             }
         }
     }

@@ -38,7 +38,7 @@ pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Fin
         let found =
             [missing(scene, element, place), misaligned(scene, element, place), close(scene, element)];
         for finding in found.into_iter().flatten() {
-            gathered.add(given.section, element.label, finding, |new, old| new.value > old.value);
+            gathered.add((given.section, None), element.label, finding, |new, old| new.value > old.value);
         }
     }
     found.extend(gathered.findings());

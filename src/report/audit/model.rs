@@ -121,12 +121,12 @@ pub(super) fn besides(assembly: &Assembly) -> Vec<String> {
     let mut lines = Vec::new();
     if !assembly.skipped.is_empty() {
         lines.push(format!(
-            "{} of {} not looked at, for elimination would take too much memory",
+            "{} of {} not looked at, for elimination would take too much memory or time",
             assembly.skipped.len(),
             count(assembly.parts, "part")
         ));
     }
-    if let Some(Unnamed { count: number, why }) = &assembly.unnamed {
+    if let Some(Unnamed { count: number, why, .. }) = &assembly.unnamed {
         let constraints = count(*number, "redundant constraint");
         lines.push(format!("{constraints} counted and not named: {}", why.meaning()));
     }
