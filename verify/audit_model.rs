@@ -1130,5 +1130,125 @@ fn a_turn_about_a_held_axis_is_told() {
         let (messages, _) = moved_of(name, &deck, &states(turn));
         assert_eq!(messages.len(), usize::from(told.is_some()), "{name}: {messages:?}");
         assert!(told.is_none_or(|told| messages[0].contains(told)), "{name}: {messages:?}");
+/// A deck of one connector with a stop: its nodes, what else stands beside them, its type with orientations, and the component and limit of the stop. The nodes
+/// are those of a part, where an instance is given.
+fn stopped(nodes: &str, beside: &str, of: &str, stop: &str, instance: Option<&str>) -> String {
+    let (component, limit) = stop.split_once(' ').unwrap();
+    let level = format!(
+        "{nodes}\n{beside}*ELEMENT,TYPE=CONN3D2,ELSET=E\n101,1,2\n*CONNECTOR SECTION,ELSET=E,BEHAVIOR=B\n{of}\n"
+    );
+    let level = match instance {
+        None => level,
+        Some(placed) => format!(
+            "*PART,NAME=P\n{level}*END PART\n*ASSEMBLY,NAME=A\n*INSTANCE,NAME=I,PART=P\n{placed}*END INSTANCE\n*END ASSEMBLY\n"
+        ),
+    };
+    level + &format!("*CONNECTOR BEHAVIOR,NAME=B\n*CONNECTOR STOP,COMPONENT={component}\n0,{limit}\n")
+}
+
+/// The severities of what is found of the stop of such a deck.
+fn of_stop(name: &str, deck: &str, states: &str) -> Vec<Severity> {
+    let report = audited(&format!("written-{name}"), deck, states, &[]);
+    of(&report, Code::ModelStopViolated).iter().map(|finding| finding.severity()).collect()
+}
+
+/// Coordinates are as exact as the numbers that they were read as, by rounding and by digits, wherever an instance puts them, whatever their system.
+#[test]
+fn coordinates_are_as_exact_as_they_are_written() {
+    const NOTHING: &[Severity] = &[];
+    const NOTE: &[Severity] = &[Severity::Note];
+    const WARNING: &[Severity] = &[Severity::Warning];
+    let turn = "0,0,0\n0,0,0,0,0,1,30.\n";
+    let far = "*NODE\n1,1000.,0,0\n2,1001.1,0,0";
+    // As far from the origin as it was in its part, 2.3e-14 is rounding; and no more than that.
+    for (name, instance, limit, want) in [
+        ("back", "-1000.,0,0\n", "1 1.1", NOTHING),
+        ("back-beyond", "-1000.,0,0\n", "1 1.0999999", WARNING),
+        ("back-turned", "-1000.,0,0\n0,0,0,0,0,1,30.\n", "1 1.1", NOTHING),
+        ("about", "0,0,0\n1000.,0,0,1000.,0,1,30.\n", "1 1.1", NOTHING),
+    ] {
+        assert_eq!(of_stop(name, &stopped(far, "", "AXIAL", limit, Some(instance)), ""), want, "{name}");
+    }
+    let near = "*NODE\n1,0.1,0,0\n2,1.2000000000001,0,0";
+    assert_eq!(of_stop("near", &stopped(near, "", "AXIAL", "1 1.1", Some("5,0,0\n")), ""), NOTE);
+    let short = "*NODE\n1,0.1234,0.5678,0\n2,0.8306,1.2749,0";
+    let long = "*NODE\n1,0.1234000000000001,0.5678000000000001,0\n2,0.8306000000000001,1.2749000000000001,0";
+    let polar = "*NODE,SYSTEM=C\n1,0.5000,33.12,0\n2,0.5001,213.12,0\n3,0.4444,11.11,0.1111";
+    let whole = "*NODE,SYSTEM=C\n1,1,30,0\n2,1,120,0";
+    for (name, nodes, instance, limit, want) in [
+        ("short", short, None, "1 1.", NOTE),
+        ("short-moved", short, Some("0.1,0,0\n"), "1 1.", NOTE),
+        ("short-turned", short, Some(turn), "1 1.", NOTE),
+        ("short-turned-beyond", short, Some(turn), "1 0.9998", WARNING),
+        ("long-turned", long, Some(turn), "1 1.", WARNING),
+        ("polar", polar, None, "1 1.", NOTE),
+        ("polar-beyond", polar, None, "1 0.9996", WARNING),
+        ("polar-turned", polar, Some(turn), "1 1.", NOTE),
+        ("polar-whole", whole, None, "1 1.4", WARNING),
+        ("polar-whole-root", whole, None, "1 1.4142135623730951", NOTHING),
+    ] {
+        assert_eq!(of_stop(name, &stopped(nodes, "", "AXIAL", limit, instance), ""), want, "{name}");
+    }
+}
+
+/// Directions are as exact as the numbers behind them: of the nodes that an orientation names, of its points in the part of an instance, of its additional rotation.
+#[test]
+fn directions_are_as_exact_as_they_are_written() {
+    let nodes = "*NODE\n1,0,0,0\n2,0,0,0\n11,1.,0,0\n12,0,1.,0\n13,0,0.8660,0.5001";
+    let exact = "*NODE\n1,0,0,0\n2,0,0,0\n11,1.,0,0\n12,0,1.,0\n13,0,0.8660000000000001,0.5001000000000001";
+    let by_nodes =
+        "*ORIENTATION,NAME=OA,DEFINITION=NODES\n11,12,1\n*ORIENTATION,NAME=OB,DEFINITION=NODES\n11,13,1\n";
+    let by_origin =
+        "*ORIENTATION,NAME=OA,DEFINITION=NODES\n11,12\n*ORIENTATION,NAME=OB,DEFINITION=NODES\n11,13\n";
+    let by_points = "*ORIENTATION,NAME=OA\n1.,0,0,0,1.,0\n*ORIENTATION,NAME=OB\n1.,0,0,0,0.8660,0.5001\n";
+    let by_angle = "*ORIENTATION,NAME=OA\n1,0,0,0,1,0\n*ORIENTATION,NAME=OB\n1,0,0,0,1,0\n1,33.33\n";
+    let by_whole = "*ORIENTATION,NAME=OA\n1,0,0,0,1,0\n*ORIENTATION,NAME=OB\n1,0,0,0,1,0\n1,30.\n";
+    let turn = Some("0,0,0\n1,2,3,2,2,4,30.\n");
+    let (note, warning) = (Severity::Note, Severity::Warning);
+    for (name, nodes, beside, instance, limit, want) in [
+        ("points", nodes, by_points, None, "4 0.5235988", note),
+        ("points-turned", nodes, by_points, turn, "4 0.5235988", note),
+        ("nodes", nodes, by_nodes, None, "4 0.5235988", note),
+        ("nodes-beyond", nodes, by_nodes, None, "4 0.52", warning),
+        ("nodes-turned", nodes, by_nodes, turn, "4 0.5235988", note),
+        ("nodes-exact", exact, by_nodes, None, "4 0.5235988", warning),
+        ("origin", nodes, by_origin, None, "4 0.5235988", note),
+        ("origin-turned", nodes, by_origin, turn, "4 0.5235988", note),
+        ("angle", nodes, by_angle, None, "4 0.58168", note),
+        ("angle-beyond", nodes, by_angle, None, "4 0.58", warning),
+        ("angle-whole", nodes, by_whole, None, "4 0.5235", warning),
+    ] {
+        let deck = stopped(nodes, beside, "HINGE\nOA,OB", limit, instance);
+        assert_eq!(of_stop(&format!("directions-{name}"), &deck, ""), [want], "{name}");
+    }
+}
+
+/// A state of seven digits is one of single precision: its last digit is no finding.
+#[test]
+fn states_are_as_exact_as_they_are_written() {
+    let orientation = "*ORIENTATION,NAME=O\n1,0,0,0,1,0\n";
+    let slot = stopped("*NODE\n1,0,0,0\n2,0,0,0", orientation, "SLOT\nO,", "1 0.3", None);
+    let hinge = stopped("*NODE\n1,0,0,0\n2,0,0,0", orientation, "HINGE\nO,", "4 0.3", None);
+    let turned = |q: &str| format!("node,q0,q1,q2,q3\n2,{q},0,0\n");
+    for (name, deck, states, want) in [
+        ("seven", &slot, "node,u1\n2,0.3000001\n".to_owned(), Severity::Note),
+        ("seven-beyond", &slot, "node,u1\n2,0.3000002\n".to_owned(), Severity::Warning),
+        ("six", &slot, "node,u1\n2,0.300001\n".to_owned(), Severity::Warning),
+        ("few", &slot, "node,u1\n2,0.301\n".to_owned(), Severity::Warning),
+        (
+            "all",
+            &slot,
+            "node,u1\n2,0.30000010000000001\n3,0.1234567890123456\n".to_owned(),
+            Severity::Warning,
+        ),
+        ("angle", &hinge, "node,ur1\n2,0.3000001\n".to_owned(), Severity::Note),
+        ("angle-beyond", &hinge, "node,ur1\n2,0.3000002\n".to_owned(), Severity::Warning),
+        // sin 0.15 = 0.14943813247…
+        ("quaternion", &hinge, turned("0.9887711,0.1494382"), Severity::Note),
+        ("quaternion-beyond", &hinge, turned("0.9887710,0.1494387"), Severity::Warning),
+    ] {
+        let nodes =
+            if name == "all" { deck.replace("\n2,0,0,0", "\n2,0,0,0\n3,0,0,0") } else { deck.clone() };
+        assert_eq!(of_stop(&format!("state-{name}"), &nodes, &states), [want], "{name}");
     }
 }

@@ -65,6 +65,7 @@ mod model;
 mod orientation;
 mod span;
 mod states;
+mod written;
 
 pub use behavior::{
     Affected, Basis, Behavior, Damage, DamageCriterion, DamageEvolution, DamageEvolutionKind, Damping,
@@ -95,3 +96,4 @@ pub use model::{
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};
 pub use states::{MAX_ROTATION, NodeMotion, Rotation, State, StateFile, StateMark, StateStream};
+pub(crate) use written::{Placement, WrittenNode};

@@ -11,6 +11,7 @@ use super::labelled::{Beside, ByLabel};
 use super::orientation::{Definition, GLOBAL, Orientation, System, Triad};
 use super::span::{Span, Spanned};
 use super::states::State;
+use super::written::Written;
 use crate::mpc;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -79,6 +80,9 @@ pub struct Scene {
     /// What deserves a look; at most [`MAX_WARNINGS`].
     #[serde(skip)]
     pub warnings: Vec<Diagnostic>,
+    /// What was written where coordinates are computed.
+    #[serde(skip)]
+    pub(crate) written: Written,
 }
 
 /// The number of warnings that a scene keeps.

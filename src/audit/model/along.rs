@@ -58,7 +58,7 @@ pub(super) fn findings(
         lengths: lengths(model),
         spans,
         gathered,
-        certainty: Certainty::of(scene),
+        certainty: Certainty::along(scene, states.first()),
         nearest: None,
         state: None,
         is_first: false,

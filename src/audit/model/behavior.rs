@@ -128,7 +128,7 @@ impl Beyond {
     /// What a message ends with, where it is open.
     const fn in_words(&self) -> &'static str {
         if self.is_open {
-            ": no more than the digits of the coordinates and of the limit leave open"
+            ": no more than the digits of the coordinates, of a given state and of the limit leave open"
         } else {
             ""
         }

@@ -1,23 +1,24 @@
 //! How certain is a position? Coordinates are rounded numbers: to the units of doubles, and to the digits with which they are written.
 //!
 //! With the row ∂p/∂q of a position p over the nodal degrees of freedom, a coordinate X of a node with displacement U is known to
-//! u (|X| + 2|U|), for X, U and their sum are rounded; the triad of a node to an angle ε, by the points of its orientation; and the formula to C u F,
+//! u (|X| + 2|U|), for X, U and their sum are rounded, and where X is computed (of r and θ, or by the placement of an instance) to u times what is
+//! rounded on the way besides (`WrittenNode::sizes`): of an instance that is moved by t, |X − t| as it is read and |t|; the triad of a node to an angle ε, by the points of its orientation; and the formula to C u F,
 //! the bound of the audit of numbers ([`crate::audit::bound`]):
 //!
 //! > δp = Σ |∂p/∂x_i| u (|X_i| + 2|U_i|) + Σ |∂p/∂θ_i| ε + C u F,  F = |p| + Σ |∂p/∂q_j| s_j.
 //!
-//! The same sum over half a unit of the last decimal of each coordinate and orientation is what their digits leave open
-//! ([`Digits`]).
+//! The same sum over half a unit of the last decimal of each coordinate, displacement, rotation and orientation is what their digits leave open
+//! ([`Digits`], [`DigitsOfState`]).
 
 use super::geometry::uncertain_directions;
-use crate::audit::assembly::digits::Digits;
+use crate::audit::assembly::digits::{Digits, DigitsOfState};
 use crate::audit::bound::{C, U, scales};
 use crate::audit::case::dof_size;
 use crate::connector::{Increment, Request, State, Tally};
 use crate::evaluate::ConnectorElement;
 use crate::node::{Node, THETA_A, THETA_B, XA, XB};
 use crate::scalar::elementary::norm;
-use crate::scene::{End, Scene};
+use crate::scene::{self, End, Scene};
 use crate::vector::{add, sub};
 use std::cell::OnceCell;
 
@@ -26,7 +27,7 @@ use std::cell::OnceCell;
 pub(super) struct Open {
     /// By the rounding of coordinates and of the formula.
     pub(super) rounding: f64,
-    /// By the digits of coordinates and orientations, and of a number that it is compared with.
+    /// By the digits of coordinates, orientations, displacements and rotations, and of a number that it is compared with.
     pub(super) digits: f64,
 }
 
@@ -34,14 +35,39 @@ pub(super) struct Open {
 pub(super) struct Certainty<'a> {
     scene: &'a Scene,
     digits: OnceCell<Digits>,
+    /// The first state given.
+    first: Option<&'a scene::State>,
+    digits_of_first: OnceCell<DigitsOfState>,
 }
 
 impl<'a> Certainty<'a> {
     pub(super) fn of(scene: &'a Scene) -> Self {
-        Self { scene, digits: OnceCell::new() }
+        Self::along(scene, None)
     }
 
-    /// How far the position of component k (0-based) at a state may be from a limit that it is computed to be at.
+    /// The same, where that is the first of the states given.
+    pub(super) fn along(scene: &'a Scene, first: Option<&'a scene::State>) -> Self {
+        Self { scene, digits: OnceCell::new(), first, digits_of_first: OnceCell::new() }
+    }
+
+    /// What the digits of the first state given leave open of what has such derivatives by the motion of a node: nothing where the node is as it is initially.
+    fn of_motion(
+        &self,
+        element: &ConnectorElement,
+        end: usize,
+        node: &Node<f64>,
+        [at, turn]: [[f64; 3]; 2],
+    ) -> f64 {
+        let is_initial = node.displacement == [0.0; 3] && node.triad == *element.triads()[end];
+        let motion = element.nodes[end].and_then(|label| self.first?.nodes.get(&label));
+        let (Some(first), Some(motion), false) = (self.first, motion, is_initial) else { return 0.0 };
+        let digits = self.digits_of_first.get_or_init(|| DigitsOfState::of(first));
+        let (displacement, angle) = digits.of_motion(motion);
+        let moved: f64 = at.iter().zip(displacement).map(|(by, open)| by.abs() * open).sum();
+        moved + norm(turn) * angle
+    }
+
+    /// How far the position of component k (0-based), initially or at the first state given, may be from a limit that it is computed to be at.
     pub(super) fn open(
         &self,
         element: &ConnectorElement,
@@ -65,23 +91,33 @@ impl<'a> Certainty<'a> {
         let [value, ..] = scales(position, &row, &[], (&size, &size), (&[], &[]), 1.0);
         let formula = C * U * value.first().copied().unwrap_or_default();
         let turned = |from: usize| row[from..from + 3].iter().map(|x| x.abs()).sum::<f64>();
-        let coordinates = |from: usize, at: [f64; 3], node: &Node<f64>| -> f64 {
-            let each =
-                (0..3).map(|i| row[from + i].abs() * U * (at[i].abs() + 2.0 * node.displacement[i].abs()));
-            each.sum()
+        // The ground is where the other node is.
+        let written = [0, 1].map(|end| {
+            let label = element.nodes[end].or(element.nodes[1 - end])?;
+            Some(self.scene.written.node(&label)?.sizes())
+        });
+        let coordinates = |end: usize, at: [f64; 3], node: &Node<f64>| -> f64 {
+            let (from, sizes) = ([XA, XB][end], written[end].unwrap_or_default());
+            let size = |i: usize| at[i].abs() + sizes[i] + 2.0 * node.displacement[i].abs();
+            (0..3).map(|i| row[from + i].abs() * U * size(i)).sum()
         };
         let angles = uncertain_directions(self.scene, element);
-        let rounding = coordinates(XA, a, &state.pair.a)
-            + coordinates(XB, b, &state.pair.b)
+        let rounding = coordinates(0, a, &state.pair.a)
+            + coordinates(1, b, &state.pair.b)
             + turned(THETA_A) * angles[0]
             + turned(THETA_B) * angles[1]
             + formula
             + U * limit.abs();
         let reach = norm(element.reference);
-        let of_node = |end: usize| element.nodes[end].map_or(0.0, |node| digits.of_node(&node, reach));
+        let by = |from: usize| [row[from], row[from + 1], row[from + 2]];
+        let of_node = |end: usize, node: &Node<f64>| {
+            let (at, turn) = (by([XA, XB][end]), by([THETA_A, THETA_B][end]));
+            let position = element.nodes[end].map_or(0.0, |node| digits.of_position(&node, reach, at));
+            position + self.of_motion(element, end, node, [at, turn])
+        };
         let directions = digits.of_directions(&element.label);
-        let of_digits = turned(XA) * of_node(0)
-            + turned(XB) * of_node(1)
+        let of_digits = of_node(0, &state.pair.a)
+            + of_node(1, &state.pair.b)
             + (turned(THETA_A) + turned(THETA_B)) * directions
             + Digits::of_number(limit);
         let finite = |x: f64| if x.is_finite() { x } else { 0.0 };

@@ -13,6 +13,7 @@ use crate::scene::lexer::{Items, Keyword};
 use crate::scene::model::{Scene, Target, TransformKind};
 use crate::scene::orientation::{Definition, Orientation, System, minus, scaled, sin_cos_degrees};
 use crate::scene::span::{Span, Spanned};
+use crate::scene::written::Placement;
 use indexmap::IndexMap;
 use indexmap::map::Entry;
 
@@ -67,14 +68,6 @@ pub(super) struct Assembly {
     begun: Option<Span>,
     /// The first definition that stands in no part, instance or assembly.
     outside: Option<Span>,
-}
-
-/// A translation, and after it a rotation about an axis that stays where it is given.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Placement {
-    translation: [f64; 3],
-    /// The rotation matrix, by rows, and a point of the axis.
-    rotation: Option<([[f64; 3]; 3], [f64; 3])>,
 }
 
 impl Open {
@@ -294,12 +287,27 @@ impl Deck<'_> {
         let scoped = |name: &mut Spanned<String>| name.value = instance.scoped(&name.value);
         for (name, mut orientation) in std::mem::take(&mut scene.orientations) {
             let place = |label: Label| scene.nodes.get(&label).map(|node| node.coordinates);
+            let written = orientation.definition.clone();
             placement.orientation(&mut orientation, instance, &place);
+            if let Definition::Coordinates { .. } = orientation.definition
+                && orientation.definition != written
+            {
+                let written = match written {
+                    Definition::Nodes { a, b, c } => {
+                        Definition::Nodes { a: within(a), b: within(b), c: c.map(within) }
+                    }
+                    other => other,
+                };
+                self.scene.written.add_orientation(instance.scoped(&name), written);
+            }
             self.scene.orientations.insert(instance.scoped(&name), orientation);
         }
         self.scene.nodes.reserve(scene.nodes.len());
+        let place = self.scene.written.add_placement(placement);
         for (label, mut node) in scene.nodes {
-            node.coordinates = placement.point(node.coordinates);
+            let at = node.coordinates;
+            self.scene.written.place(&scene.written, (label, at), within(label), place);
+            node.coordinates = placement.point(at);
             self.scene.nodes.insert(within(label), node);
         }
         for (label, mut element) in scene.connectors {

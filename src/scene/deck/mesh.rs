@@ -50,6 +50,7 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         }
         items.end("a node number and three coordinates, and may go on with the normal at the node")?;
         if system == "C" {
+            deck.scene.written.add_cylindrical(label.into(), coordinates);
             let [radius, angle, z] = coordinates;
             let (sine, cosine) = sin_cos_degrees(angle);
             coordinates = [radius * cosine, radius * sine, z];

@@ -126,6 +126,7 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
         skipped: _,
         files: _,
         warnings: _,
+        written: _,
     } = scene;
     let connector = |element: &super::super::model::ConnectorElement| form::Connector {
         a: element.a.map(label),
