@@ -1130,6 +1130,9 @@ fn a_turn_about_a_held_axis_is_told() {
         let (messages, _) = moved_of(name, &deck, &states(turn));
         assert_eq!(messages.len(), usize::from(told.is_some()), "{name}: {messages:?}");
         assert!(told.is_none_or(|told| messages[0].contains(told)), "{name}: {messages:?}");
+    }
+}
+
 /// A deck of one connector with a stop: its nodes, what else stands beside them, its type with orientations, and the component and limit of the stop. The nodes
 /// are those of a part, where an instance is given.
 fn stopped(nodes: &str, beside: &str, of: &str, stop: &str, instance: Option<&str>) -> String {
