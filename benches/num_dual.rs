@@ -3,7 +3,7 @@
 //! A program of its own, so that it can have its best build whatever the build of pintle costs: its functions are compiled with their
 //! caller, and `scripts/measure.py` compiles this in one unit and for the processor at hand,
 //! `cargo rustc --profile bench --all-features --bench num_dual -- -C codegen-units=1 -C target-cpu=native`. In the sixteen units of the profile they are
-//! called instead of inlined, and take five times as long. The script has these settings compiled in besides (`PINTLE_BENCH_BUILD`); the program answers
+//! called instead of inlined, and take three to five times as long. The script has these settings compiled in besides (`PINTLE_BENCH_BUILD`); the program answers
 //! `--build` with them, and the script takes none that does not.
 //!
 //! It takes part in what the script measures, as the peers in Python do: with `--peers FILE` on the states that `benches/peers.rs` exports, with

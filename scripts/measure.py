@@ -137,7 +137,7 @@ def stamp(of_commit):
 # Programs
 
 # num-dual's functions are compiled with the program that calls them. In one unit they are inlined, as in the best build of a user; in the
-# sixteen of the profile they are called, and take five times as long. That program is nothing else, and compiled for this processor.
+# sixteen of the profile they are called, and take three to five times as long. That program is nothing else, and compiled for this processor.
 BEST = {"num_dual": ("-C", "codegen-units=1", "-C", "target-cpu=native")}
 # With such a build this variable holds its settings, which the program answers to --build.
 SETTINGS = "PINTLE_BENCH_BUILD"
