@@ -1255,3 +1255,41 @@ fn states_are_as_exact_as_they_are_written() {
         assert_eq!(of_stop(&format!("state-{name}"), &nodes, &states), [want], "{name}");
     }
 }
+
+/// A connector motion of zero holds where nothing moved the component before: of a velocity in Explicit; what any earlier step drove is driven back.
+#[test]
+fn what_a_connector_motion_holds_and_what_it_drives() {
+    const SLOT: &str = "*NODE\n1,0,0,0\n2,1,0,0\n*ORIENTATION,NAME=O\n1,0,0,0,1,0\n*ELEMENT,TYPE=CONN3D2,ELSET=S\n101,1,2\n\
+                        *CONNECTOR SECTION,ELSET=S\nSLOT\nO,\n*BOUNDARY\n1,1,6\n";
+    let step = |procedure: &str, motion: &str| format!("*STEP\n*{procedure}\n,1.\n{motion}*END STEP\n");
+    let motion = |options: &str, by: f64| format!("*CONNECTOR MOTION{options}\n101,1,{by}\n");
+    // Constraints and drives of the first step, and of each that prescribes something else.
+    let told = |name: &str, steps: &[String]| -> Vec<[usize; 2]> {
+        let report = audited(name, &(SLOT.to_owned() + &steps.concat()), "", &[]);
+        report
+            .assembly
+            .iter()
+            .chain(&report.later_steps)
+            .map(|step| [step.constraints, step.drives])
+            .collect()
+    };
+    let velocity = |by: f64| motion(",TYPE=VELOCITY", by);
+    assert_eq!(told("motion-explicit", &[step("DYNAMIC,EXPLICIT", &velocity(0.0))]), [[3, 0]]);
+    assert_eq!(told("motion-fast", &[step("DYNAMIC,EXPLICIT", &velocity(0.5))]), [[2, 1]]);
+    assert_eq!(told("motion-static", &[step("STATIC", &motion("", 0.0))]), [[3, 0]]);
+    let back = [
+        step("STATIC", &motion("", 0.5)),
+        step("STATIC", "*CONNECTOR MOTION,OP=NEW\n"),
+        step("STATIC", &motion("", 0.0)),
+    ];
+    assert_eq!(told("motion-back", &back), [[2, 1], [2, 0], [2, 1]]);
+}
+
+/// A warning of the boundary condition of a node names the connector, in what it is about too.
+#[test]
+fn a_rotation_that_a_node_lacks_is_of_its_connector() {
+    let deck = "*NODE\n1,0,0,0\n2,1,0,0\n*ELEMENT,TYPE=CONN3D2,ELSET=S\n101,1,2\n*CONNECTOR SECTION,ELSET=S\nLINK\n*BOUNDARY\n1,1,3\n*STEP\n*STATIC\n*BOUNDARY\n2,4,4,0.5\n*END STEP\n";
+    let report = audited("no-rotation", deck, "", &[]);
+    let [finding] = of(&report, Code::NoRotation)[..] else { panic!("{:?}", report.findings) };
+    assert_eq!(finding.about.elements, [101]);
+}

@@ -201,6 +201,11 @@ fn is_nothing_beside(component: f64, other: f64) -> bool {
 
 /// Whether what is at zero stays there under a boundary condition.
 fn holds(scene: &Scene, Boundary { applied, magnitude, kind, .. }: &Boundary) -> bool {
+    keeps_zero(scene, (*kind, *magnitude), applied)
+}
+
+/// Whether what is at zero stays there where that is prescribed.
+pub(crate) fn keeps_zero(scene: &Scene, (kind, magnitude): (MotionType, f64), applied: &Application) -> bool {
     if applied.user || applied.imaginary || applied.load_case.is_some() {
         return false;
     }
@@ -211,11 +216,11 @@ fn holds(scene: &Scene, Boundary { applied, magnitude, kind, .. }: &Boundary) ->
         // At the velocity that there is.
         MotionType::Acceleration => is_explicit && !scene.skipped.keywords.contains_key("INITIAL CONDITIONS"),
     };
-    applied.fixed || (stays && *magnitude == 0.0 && is_factor(scene, applied))
+    applied.fixed || (stays && magnitude == 0.0 && is_factor(scene, applied))
 }
 
 /// Whether what changes in time multiplies the magnitude: there is no amplitude, or a relative one.
-pub(crate) fn is_factor(scene: &Scene, applied: &Application) -> bool {
+fn is_factor(scene: &Scene, applied: &Application) -> bool {
     applied.amplitude.as_ref().is_none_or(|name| {
         let amplitude = scene.amplitudes.get(name.value.as_str());
         amplitude.is_some_and(|amplitude| amplitude.value != Some(AmplitudeValue::Absolute))

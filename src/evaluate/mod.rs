@@ -24,7 +24,7 @@ mod shared;
 
 pub use belt::Ring;
 pub use fixed::{Fixed, Freedom};
-pub(crate) use fixed::{NUMBERS, is_factor};
+pub(crate) use fixed::{NUMBERS, keeps_zero};
 pub use forces::{ForceCheck, ForceResult};
 pub use jacobian::{CompressedColumns, Equation, ForeignPattern, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};

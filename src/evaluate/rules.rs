@@ -200,11 +200,13 @@ pub(super) fn boundaries(scene: &Scene, freedom: &NodeFreedom, warnings: &mut Ve
         let label = "by the connector element library, active degrees of freedom [D]";
         let remedy =
             "name an orientation where the connection type permits one, or give the node an element ROTARYI";
-        warnings.push(
-            Diagnostic::warning(Code::NoRotation, boundary.target.span, message, label)
-                .help(remedy)
-                .in_scene(scene),
-        );
+        let warning = Diagnostic::warning(Code::NoRotation, boundary.target.span, message, label)
+            .help(remedy)
+            .in_scene(scene);
+        warnings.push(match of {
+            Some((label, _)) => warning.concerning(*label),
+            None => warning,
+        });
     }
 }
 

@@ -138,6 +138,8 @@ fn outcome(part: &Part, matrix: &Sparse, task: Task<'_>, budget: &Budget) -> (Ou
 const TOGETHER: usize = 3000;
 /// What may be spent on the names of a part, whatever its size: as much as a matrix of [`dense::LARGEST`] takes.
 const LEAST: u64 = 2_000_000;
+/// Entries that the elimination of any part may take, whatever others took before.
+const CHEAP: usize = 10_000_000;
 
 /// Looks at every part at one state, whose equations are satisfied but for `residuals` (by row of the system), and of which these rows have no
 /// derivative there. Of those whose elimination would
@@ -226,7 +228,7 @@ pub(super) fn look(
     let small: Vec<_> = system.parts.par_iter().map(of_small).collect();
     // What is large is looked at one after the other, so that the limits of memory and of work of one are those of all.
     let of_large = |part: &Part| {
-        let left = Most::default().work.saturating_sub(worked.load(Ordering::Relaxed));
+        let left = Most::default().work.saturating_sub(worked.load(Ordering::Relaxed)).max(CHEAP);
         let most = Most { work: part.most.work.min(left), ..part.most };
         of_part(part, budget.share([weight(part), all], LEAST), most)
     };

@@ -149,7 +149,7 @@ impl Holds {
                  its own"
             }
             Self::Spent => {
-                "whether it holds at other states was not judged: the operations that may be spent on that, by the size of the assembly, were spent"
+                "whether it holds at other states was not judged: the operations that may be spent on that, of those of the assembly the share of its part, were spent"
             }
             Self::Unjudged => "whether it holds at other states was not judged",
         }
@@ -372,7 +372,7 @@ pub enum WhyUnnamed {
     Dear,
     /// As many rows that depend on those before them were not found as the rank says.
     Numbers,
-    /// They were not sought to the end, for the operations that may be spent on that, by the size of the assembly, were spent.
+    /// They were not sought to the end, for the operations that may be spent on that, of those of the assembly the share of its part, were spent.
     Spent,
 }
 
@@ -384,7 +384,7 @@ impl WhyUnnamed {
                 "the rank came of products with the matrix, and elimination, which names them, would take too long"
             }
             Self::Spent => {
-                "the operations that may be spent on their names, by the size of the assembly, were spent"
+                "the operations that may be spent on their names, of those of the assembly the share of their part, were spent"
             }
             Self::Numbers => "rows were not found, as many as the rank says, without which it is the same",
         }

@@ -70,7 +70,7 @@ pub(super) fn elsewhere(
     let [narrowed, open] = motions(part, here, restrained);
     let seen = seen(system, part, sequence, state, here, (&narrowed, &open, samples), budget);
     let is_whole = second.is_some() || seen.is_whole;
-    let others = if seen.best.is_some() && is_whole && !seen.is_doubtful {
+    let others = if seen.best.is_some() && is_whole && !seen.is_doubtful && !seen.is_cut_short {
         Holds::Throughout
     } else {
         not_judged(budget)
@@ -137,6 +137,8 @@ struct Seen {
     is_doubtful: bool,
     /// Whether there was a state to which no free motion was taken back.
     is_whole: bool,
+    /// Whether more states were wanted than what may be spent was enough for.
+    is_cut_short: bool,
 }
 
 fn seen(
@@ -148,7 +150,7 @@ fn seen(
     (narrowed, open, samples): (&[Vec<f64>], &[Vec<f64>], usize),
     budget: &Budget,
 ) -> Seen {
-    let mut seen = Seen { best: None, is_doubtful: false, is_whole: false };
+    let mut seen = Seen { best: None, is_doubtful: false, is_whole: false, is_cut_short: false };
     let mut reached = 0;
     for (at, motion) in narrowed.iter().chain(open).enumerate() {
         if reached == samples || budget.is_spent() {
@@ -174,6 +176,7 @@ fn seen(
             Reached::Stuck | Reached::Lost => {}
         }
     }
+    seen.is_cut_short = reached < samples && budget.is_spent();
     seen
 }
 

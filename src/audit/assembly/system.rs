@@ -10,13 +10,13 @@ use crate::audit::bound::U;
 use crate::catalog::COMPONENT;
 use crate::connector::{Flag, Mask, Output, Request};
 use crate::evaluate::{
-    Equation, Fixed, Freedom, Item, Jacobian, Model, NUMBERS, Plan, Sequence, Source, is_factor,
+    Equation, Fixed, Freedom, Item, Jacobian, Model, NUMBERS, Plan, Sequence, Source, keeps_zero,
 };
 use crate::measure::{Measure, SingularClass, Unit};
 use crate::mpc::Kind;
 use crate::scalar::elementary::norm;
 use crate::scene::{
-    ConditionKind, ConnectorMotion, Diagnostic, Label, MotionType, NodeMotion, Rotation, Scene, State, Target,
+    ConditionKind, ConnectorMotion, Diagnostic, Label, NodeMotion, Rotation, Scene, State, Target,
 };
 use crate::so3;
 use crate::vector::{add, sub};
@@ -171,12 +171,10 @@ impl Prescribed {
         let has_times = super::steps::ends(scene).is_some();
         let driven = Fixed::in_step(scene, step)?.iter().filter(|freedom| !held.contains(*freedom)).collect();
         let mut motions = Motions::new();
-        let put = |motion: &ConnectorMotion, motions: &mut Motions, before: Option<&Motions>| {
-            let applied = &motion.applied;
-            let is_held = motion.kind == MotionType::Displacement
-                && motion.magnitude.is_none_or(|magnitude| magnitude == 0.0)
-                && is_factor(scene, applied);
-            let is_held = (is_held || applied.fixed) && !applied.user;
+        // What earlier steps drove is not where it was initially, and is driven back, as of nodes.
+        let mut driven_before: HashSet<(Label, usize)> = HashSet::new();
+        let put = |motion: &ConnectorMotion, motions: &mut Motions, before: &HashSet<(Label, usize)>| {
+            let is_held = keeps_zero(scene, (motion.kind, motion.magnitude.unwrap_or(0.0)), &motion.applied);
             let labels: &[Label] = match &motion.target.value {
                 Target::Label(label) => std::slice::from_ref(label),
                 Target::Set(name) => {
@@ -185,21 +183,21 @@ impl Prescribed {
             };
             for label in labels {
                 let key = (*label, usize::from(motion.component).saturating_sub(1));
-                // As of nodes: what an earlier step drove is not where it was initially, and is driven back.
-                let was_driven = before.is_some_and(|before| before.get(&key) == Some(&Role::Driven));
-                motions.insert(key, if is_held && !was_driven { Role::Held } else { Role::Driven });
+                motions
+                    .insert(key, if is_held && !before.contains(&key) { Role::Held } else { Role::Driven });
             }
         };
         for motion in &scene.connector_motions {
-            put(motion, &mut motions, None);
+            put(motion, &mut motions, &driven_before);
         }
         for step in scene.steps.iter().take(step) {
-            let before = (!step.connector_motions.is_empty()).then(|| motions.clone());
+            let driven = motions.iter().filter(|(_, role)| **role == Role::Driven).map(|(key, _)| *key);
+            driven_before.extend(driven);
             if step.removed.contains(&ConditionKind::ConnectorMotion) {
                 motions.clear();
             }
             for motion in &step.connector_motions {
-                put(motion, &mut motions, before.as_ref());
+                put(motion, &mut motions, &driven_before);
             }
         }
         let places = scene.nodes.iter().map(|(label, node)| (*label, node.coordinates)).collect();

@@ -126,11 +126,13 @@ impl Beyond {
     }
 
     /// What a message ends with, where it is open.
-    const fn in_words(&self) -> &'static str {
-        if self.is_open {
-            ": no more than the digits of the coordinates, of a given state and of the limit leave open"
-        } else {
-            ""
+    const fn in_words(&self, state: Option<u64>) -> &'static str {
+        match (self.is_open, state) {
+            (false, _) => "",
+            (true, None) => ": no more than the digits of the coordinates and of the limit leave open",
+            (true, Some(_)) => {
+                ": no more than the digits of the coordinates, of the state and of the limit leave open"
+            }
         }
     }
 
@@ -158,7 +160,7 @@ fn violated(at: &Placed<'_>, stop: &scene::Stop, beyond: &Beyond) -> Finding {
         "element {}: {} is {position:.6} {when}, {by:.3e} {side} its stop at {limit}{}",
         element.label,
         COMPONENT[k],
-        beyond.in_words()
+        beyond.in_words(number)
     );
     let reason = "stops limit the position (CP), not the displacement from the initial one; angles in rad";
     let remedy = match number {
@@ -248,7 +250,7 @@ fn passed(at: &Placed<'_>, law: &Limited<'_>, beyond: &Beyond, conditions: &str)
         "element {}: {} is {position:.6} initially, {by:.3e} beyond the limit {limit} of a {what}, which acts from the start{conditions}{}",
         element.label,
         COMPONENT[k],
-        beyond.in_words()
+        beyond.in_words(None)
     );
     let reason =
         "limits are those of the position (CP), not of the displacement from the initial one; angles in rad";
